@@ -1,0 +1,53 @@
+# How the house is built: one library target, made of one object library a room.
+#
+#   stonestack_room(NAME core SOURCES error.cpp ... [LINK targets...] [SYSTEM_INCLUDE dirs...])
+#     in src/<room>/CMakeLists.txt: compiles the room and adds it to libstonestack.
+#   stonestack_tests(core error_test.cpp ...)
+#     in tests/<room>/CMakeLists.txt: one test executable a room, test_<room>.
+
+add_library(stonestack_settings INTERFACE)
+target_compile_features(stonestack_settings INTERFACE cxx_std_20)
+target_compile_options(stonestack_settings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual -Werror
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarm on operator+ of strings in GCC 12 (GCC bug 105651)
+  -ffp-contract=off)  # the same seed gives the same tower whatever the compiler fuses
+if(STONESTACK_SANITIZE)
+  target_compile_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE})
+endif()
+
+macro(stonestack_library)
+  set(CMAKE_CXX_EXTENSIONS OFF)
+  set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+  set(CMAKE_CXX_VISIBILITY_PRESET default)
+  add_library(stonestack)
+  add_library(stonestack::stonestack ALIAS stonestack)
+  file(GLOB_RECURSE STONESTACK_HEADERS CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/stonestack/*.hpp")
+  target_sources(stonestack PUBLIC FILE_SET HEADERS
+    BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${STONESTACK_HEADERS})
+  target_compile_features(stonestack PUBLIC cxx_std_20)
+  target_link_libraries(stonestack PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:stonestack_settings>)
+  set_target_properties(stonestack PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR})
+endmacro()
+
+function(stonestack_room)
+  cmake_parse_arguments(ROOM "" "NAME" "SOURCES;LINK;SYSTEM_INCLUDE" ${ARGN})
+  set(target stonestack_${ROOM_NAME})
+  add_library(${target} OBJECT ${ROOM_SOURCES})
+  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
+  target_include_directories(${target} SYSTEM PRIVATE ${ROOM_SYSTEM_INCLUDE})
+  target_link_libraries(${target} PRIVATE stonestack_settings Eigen3::Eigen ${ROOM_LINK})
+  target_sources(stonestack PRIVATE $<TARGET_OBJECTS:${target}>)
+  target_link_libraries(stonestack PRIVATE $<BUILD_INTERFACE:${ROOM_LINK}>)
+endfunction()
+
+function(stonestack_tests room)
+  set(target test_${room})
+  add_executable(${target} ${ARGN})
+  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src" "${PROJECT_SOURCE_DIR}/tests")
+  target_compile_definitions(${target} PRIVATE
+    STONESTACK_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STONESTACK_BINARY="$<TARGET_FILE:stonestack_cli>")
+  target_link_libraries(${target} PRIVATE stonestack stonestack_settings GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 900 LABELS ${room})
+endfunction()

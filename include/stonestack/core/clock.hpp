@@ -1,0 +1,27 @@
+#pragma once
+#include <memory>
+
+namespace stonestack {
+
+/// Where time comes from: the steady clock of the host, or a simulation's. Seconds since the
+/// clock was made; never wall time, which may jump.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  [[nodiscard]] virtual double now() const = 0;
+};
+
+/// std::chrono::steady_clock.
+[[nodiscard]] std::unique_ptr<Clock> make_steady_clock();
+
+/// Measures how long a stage took: `Stopwatch watch; ...; watch.seconds()`. Host time.
+class Stopwatch {
+ public:
+  Stopwatch();
+  [[nodiscard]] double seconds() const;
+
+ private:
+  double start_;
+};
+
+}  // namespace stonestack

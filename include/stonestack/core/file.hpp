@@ -1,0 +1,16 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+/// Reading and writing whole files, so that parsers parse memory and nothing is left half-written.
+namespace stonestack {
+
+/// Reads a regular file of at most `largest` bytes. Throws FileError (missing, a folder, too large,
+/// unreadable).
+[[nodiscard]] std::string read_file(const std::string& path, std::size_t largest);
+/// Writes to a temporary file beside `path` and renames it, so that a reader sees the old or the new file and
+/// never a part. Makes missing folders. Throws FileError.
+void write_file(const std::string& path, std::string_view content);
+
+}  // namespace stonestack

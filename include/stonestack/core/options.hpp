@@ -1,0 +1,59 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// One list of fields per options struct gives reading, writing and overriding.
+///
+///   struct SettleOptions {
+///     double step = 1.0 / 240.0;  ///< s
+///     int iterations = 50;
+///   };
+///   FieldList fields(SettleOptions& o) {
+///     return {field("step", o.step, {1e-4, 0.02}, "s", "facts: 240 Hz"),
+///             field("iterations", o.iterations, {1, 1000}, "", "measured")};
+///   }
+///
+/// A field's value is checked against its range wherever it comes from; unknown names are errors.
+namespace stonestack {
+
+/// Inclusive range of a number.
+struct FieldRange {
+  double low = -1e300;
+  double high = 1e300;
+};
+
+/// One option of a struct: its name, where it lies, and what a reader needs to know.
+struct Field {
+  std::string name;
+  std::variant<double*, int*, bool*, std::string*> value;
+  FieldRange range;
+  std::string unit;    ///< "m", "rad", "" for a pure number
+  std::string source;  ///< "paper §3.1", "measured: bench search", "ours"
+};
+using FieldList = std::vector<Field>;
+
+[[nodiscard]] Field field(std::string name, double& value, FieldRange range, std::string unit,
+                          std::string source);
+[[nodiscard]] Field field(std::string name, int& value, FieldRange range, std::string unit,
+                          std::string source);
+[[nodiscard]] Field field(std::string name, bool& value, std::string source);
+[[nodiscard]] Field field(std::string name, std::string& value, std::string source);
+
+/// Prefixes every name with `prefix.`: several structs in one file, `search.friction`.
+[[nodiscard]] FieldList nest(const std::string& prefix, FieldList list);
+/// Joins lists.
+[[nodiscard]] FieldList join(std::vector<FieldList> lists);
+
+/// Applies "name=value". Throws InvalidArgument that names the field, the value and the range; for an unknown
+/// name it lists the nearest ones.
+void set_field(const FieldList& list, std::string_view assignment);
+/// Reads a YAML file of `name: value` (nested maps become `a.b`). Throws FileError with file, name and value.
+void read_fields(const FieldList& list, const std::string& path);
+/// YAML text, a line a field, with unit, range and source as comments.
+[[nodiscard]] std::string write_fields(const FieldList& list);
+/// The value as text.
+[[nodiscard]] std::string field_text(const Field& field);
+
+}  // namespace stonestack

@@ -1,0 +1,22 @@
+#pragma once
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "stonestack/geometry/pose.hpp"
+
+namespace stonestack {
+
+/// Points, metres, in the frame its owner's name says. Organised when width * height == points.size() and
+/// height > 1; then a missing point is NaN.
+struct Cloud {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;  ///< empty, or one unit vector a point
+  int width = 0;
+  int height = 0;
+};
+
+[[nodiscard]] Cloud transformed(const Cloud& cloud, const Pose& T_B_A);
+/// Drops points that are not finite; the result is unorganised.
+[[nodiscard]] Cloud without_gaps(const Cloud& cloud);
+
+}  // namespace stonestack

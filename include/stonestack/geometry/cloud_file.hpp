@@ -1,0 +1,14 @@
+#pragma once
+#include <string>
+
+#include "stonestack/geometry/cloud.hpp"
+
+namespace stonestack {
+
+/// Reads PLY and PCD (ASCII, binary, binary_compressed), organised or not. Throws FileError.
+[[nodiscard]] Cloud read_cloud(const std::string& path);
+/// PLY (binary little-endian) or PCD (binary) by extension; organised clouds keep width and height (PCD, and
+/// PLY by comments "width N" and "height N").
+void write_cloud(const std::string& path, const Cloud& cloud);
+
+}  // namespace stonestack

@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/geometry/cloud.hpp"
+
+namespace stonestack {
+
+/// Pinhole camera with lens distortion; optical frame C.
+struct CameraIntrinsics {
+  enum class Distortion { kNone, kBrownConrady, kInverseBrownConrady };
+  int width = 640;
+  int height = 480;
+  double fx = 475.0;  ///< pixels; SR300: 68 x 54 deg at 640 x 480
+  double fy = 475.0;
+  double cx = 319.5;
+  double cy = 239.5;
+  Distortion distortion = Distortion::kNone;
+  double k[5] = {0, 0, 0, 0, 0};  ///< k1 k2 p1 p2 k3
+};
+
+/// Depth along the optical axis, row by row; 0 where there is none. Metres.
+struct DepthImage {
+  CameraIntrinsics camera;
+  std::vector<float> z;
+  [[nodiscard]] float at(int u, int v) const { return z[static_cast<std::size_t>(v * camera.width + u)]; }
+};
+
+/// Ray through a pixel centre with z = 1, lens distortion removed.
+[[nodiscard]] Eigen::Vector3d deproject(const CameraIntrinsics& camera, double u, double v);
+/// Pixel of a point with z > 0, lens distortion applied.
+[[nodiscard]] Eigen::Vector2d project(const CameraIntrinsics& camera, const Eigen::Vector3d& p_C);
+/// Organised cloud in C; NaN where there is no depth.
+[[nodiscard]] Cloud to_cloud(const DepthImage& image);
+/// Renders a cloud in C (organised or not) into a depth image: nearest point wins.
+[[nodiscard]] DepthImage to_depth_image(const Cloud& cloud_C, const CameraIntrinsics& camera);
+/// 16-bit greyscale PNG, `unit` metres a count (SR300: 0.000125). Throws FileError.
+void write_depth_png(const std::string& path, const DepthImage& image, double unit);
+[[nodiscard]] DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit);
+
+}  // namespace stonestack

@@ -1,0 +1,13 @@
+#pragma once
+#include <Eigen/Geometry>
+
+namespace stonestack {
+
+/// {p : normal . p = offset}, normal of unit length.
+struct Plane {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double offset = 0.0;  ///< m
+  [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
+};
+
+}  // namespace stonestack

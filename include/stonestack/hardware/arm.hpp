@@ -1,0 +1,53 @@
+#pragma once
+#include <string>
+
+#include "stonestack/geometry/pose.hpp"
+#include "stonestack/kinematics/joints.hpp"
+
+namespace stonestack {
+
+/// What the arm reports. Times in seconds; `device_time` is the controller's own.
+struct ArmState {
+  Joints q = Joints::Zero();
+  Joints qd = Joints::Zero();
+  double device_time = 0.0;
+  double host_time = 0.0;
+  double speed_scaling = 1.0;
+  bool can_move = true;     ///< powered, brakes off, no stop of any kind
+  std::string stop_reason;  ///< when it cannot
+};
+
+/// How a motion ended. Everything but kDone and kContact needs somebody to look.
+struct MotionResult {
+  enum class Status { kDone, kContact, kNoContact, kStopped, kRefused, kLost };
+  Status status = Status::kDone;
+  Joints q = Joints::Zero();  ///< where the arm stands
+  double force = 0.0;         ///< N, along the guard's direction when it ended
+  std::string reason;         ///< for a person
+};
+
+/// A slow motion that ends at contact: the trajectory is followed until the force against it exceeds
+/// `threshold` in two samples running. Reaching its end without contact is kNoContact.
+struct GuardedMotion {
+  JointTrajectory trajectory;
+  Eigen::Vector3d n_W_direction =
+      -Eigen::Vector3d::UnitZ();  ///< direction of motion; resistance points against it
+  double threshold = 5.0;         ///< N above the reading at its start
+};
+
+/// A six-joint arm. Every call has a deadline of its own and throws DeviceError when the device does not
+/// answer.
+class Arm {
+ public:
+  virtual ~Arm() = default;
+  [[nodiscard]] virtual ArmState state() = 0;
+  /// Follows the trajectory to its end. Refuses one that does not start within 0.01 rad of where the arm is.
+  [[nodiscard]] virtual MotionResult follow(const JointTrajectory& trajectory) = 0;
+  [[nodiscard]] virtual MotionResult follow_guarded(const GuardedMotion& motion) = 0;
+  /// Controlled stop; no motion after it without a new command.
+  virtual void stop() = 0;
+  /// Mass and centre of mass (in F) of what hangs on the flange.
+  virtual void set_payload(double mass, const Eigen::Vector3d& p_F_com) = 0;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,31 @@
+#pragma once
+#include "stonestack/core/clock.hpp"
+#include "stonestack/hardware/arm.hpp"
+#include "stonestack/hardware/depth_camera.hpp"
+#include "stonestack/hardware/force_torque.hpp"
+#include "stonestack/hardware/gripper.hpp"
+
+namespace stonestack {
+
+/// Where things are mounted, as calibrated (what the program believes, not what is true).
+struct CellLayout {
+  Pose T_W_R = Pose::Identity();                         ///< robot base; z = 0 is the table
+  Pose T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));  ///< tool tip: sensor 41 mm + gripper 223 mm
+  Pose T_T_C = make_default_T_T_C();          ///< camera on the gripper's mount, looking along z of T
+  Eigen::Vector2d site{0.70, 0.28};           ///< where the tower goes, m in W
+  Eigen::Vector2d field_centre{0.70, -0.18};  ///< where loose stones lie
+  Eigen::Vector2d field_size{0.40, 0.50};     ///< m
+  [[nodiscard]] static Pose make_default_T_T_C();
+};
+
+/// The four devices of a cell and its clock. Non-owning: whoever made them keeps them alive.
+struct Cell {
+  Arm& arm;
+  Gripper& gripper;
+  ForceTorqueSensor& force_torque;
+  DepthCamera& camera;
+  Clock& clock;
+  CellLayout layout;
+};
+
+}  // namespace stonestack

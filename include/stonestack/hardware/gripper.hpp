@@ -1,0 +1,24 @@
+#pragma once
+#include <string>
+
+namespace stonestack {
+
+/// What the gripper reports. `opening` in metres between the finger pads.
+struct GripperState {
+  double opening = 0.155;
+  bool moving = false;
+  bool object = false;  ///< stopped by an object while closing
+  std::string fault;    ///< empty: none
+};
+
+/// A gripper whose fingers close on one axis (x of T).
+class Gripper {
+ public:
+  virtual ~Gripper() = default;
+  [[nodiscard]] virtual GripperState state() = 0;
+  /// Moves to an opening (m) with a speed (m/s) and force (N a finger); returns when at rest. Throws
+  /// DeviceError on a fault or when it does not come to rest within its deadline.
+  virtual GripperState move(double opening, double speed, double force) = 0;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,38 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "stonestack/geometry/pose.hpp"
+#include "stonestack/kinematics/joints.hpp"
+
+namespace stonestack {
+
+/// A capsule on a link: all points within `radius` of a segment, in the link's frame.
+struct LinkCapsule {
+  int link =
+      0;  ///< 0 base_link, 1 shoulder, 2 upper arm, 3 forearm, 4 wrist 1, 5 wrist 2, 6 wrist 3 (flange)
+  Eigen::Vector3d a, b;
+  double radius = 0.0;  ///< m
+};
+
+/// A robot with UR kinematics: six revolute joints, spherical-offset wrist. Frames as in its URDF.
+struct RobotModel {
+  std::string name;
+  double d1 = 0, a2 = 0, a3 = 0, d4 = 0, d5 = 0, d6 = 0;  ///< m, standard DH (data sheet)
+  Joints lower, upper;                                    ///< rad
+  Joints velocity;                                        ///< rad/s
+  Joints acceleration;                                    ///< rad/s^2; not in the URDF, 1.4 by default
+  std::array<Pose, 6> T_parent_joint;  ///< joint frames at zero angle, from the URDF; every axis is local z
+  Pose T_6_F = Pose::Identity();       ///< flange (tool0) in link 6
+  std::vector<LinkCapsule> capsules;   ///< collision shape
+  double payload = 10.0;               ///< kg
+};
+
+/// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. Refuses what is not a UR-like
+/// chain, and hostile files (loop, two parents, missing limits, depth bomb). Throws FileError.
+[[nodiscard]] RobotModel read_robot(const std::string& name_or_path);
+/// Names in data/robots, sorted.
+[[nodiscard]] std::vector<std::string> robot_names();
+
+}  // namespace stonestack

@@ -1,0 +1,54 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "stonestack/geometry/mesh.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/stone/stone.hpp"
+
+namespace stonestack {
+
+/// A box of the gripper, in T (z out of the gripper, x the closing direction), that moves with a finger or
+/// not at all.
+struct GripperBox {
+  Eigen::Vector3d size;
+  Eigen::Vector3d p_T_centre;  ///< with the fingers closed (opening 0)
+  double finger_side = 0.0;    ///< +1 or -1: moves by that times opening / 2 along x; 0: fixed
+};
+
+/// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
+/// (facts/robot.md).
+struct GripperModel {
+  double largest_opening = 0.155;  ///< m
+  double smallest_object = 0.020;  ///< m
+  double finger_width = 0.031;     ///< m, along y
+  double finger_spacing = 0.073;   ///< m, between B and C
+  double pad_length = 0.040;       ///< m, along z, ends at the tip (z of T = 0)
+  double force = 60.0;             ///< N a finger
+  double friction = 0.5;           ///< rubber on stone
+  double mass = 2.5;               ///< kg
+  double payload = 2.5;            ///< kg at the finger tips
+  std::vector<GripperBox> boxes;   ///< fingers, palm, sensor, camera
+};
+/// With its boxes.
+[[nodiscard]] GripperModel make_robotiq_3f();
+
+/// A convex obstacle or one convex piece of a stone, with its own name for messages.
+struct SceneObject {
+  std::string name;
+  std::vector<Mesh> pieces;  ///< convex, in the object's frame
+  Pose T_W_object = Pose::Identity();
+};
+
+/// Everything that a motion must not touch, as the program believes it to be.
+struct PlanningScene {
+  RobotModel robot;
+  GripperModel gripper = make_robotiq_3f();
+  Pose T_W_R = Pose::Identity();
+  Pose T_F_T = Pose::Identity();
+  double table_z = 0.0;              ///< m; the half space below is solid
+  std::vector<SceneObject> objects;  ///< loose stones, stack, user's boxes and meshes
+};
+
+}  // namespace stonestack

@@ -1,0 +1,36 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "stonestack/geometry/mass_properties.hpp"
+#include "stonestack/geometry/signed_distance.hpp"
+#include "stonestack/stone/stone.hpp"
+
+namespace stonestack {
+
+/// How finely a contact shape follows the scan.
+struct ShapeOptions {
+  double cell = 0.0015;    ///< m, grid of the signed distance
+  double band = 0.012;     ///< m, distance known around the surface
+  double spacing = 0.003;  ///< m, between surface samples
+};
+
+/// What physics needs of a stone: signed distance and surface samples of the full scan, mass. Contact is
+/// samples of one stone against the signed distance of the other, both ways, so concave stones touch as they
+/// are (no convex pieces). Immutable; shared between worlds and threads.
+struct ContactShape {
+  std::string name;
+  SignedDistance distance;
+  std::vector<SurfaceSample> samples;  ///< in O
+  MassProperties mass;                 ///< in O
+  double radius = 0.0;                 ///< m, of the bounding sphere about the centre of mass
+};
+[[nodiscard]] std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan,
+                                                                     const MassProperties& mass,
+                                                                     const std::string& name,
+                                                                     const ShapeOptions& options = {});
+/// From a stone's scan, in parallel over the list.
+[[nodiscard]] std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(
+    const std::vector<Stone>& stones, const ShapeOptions& options = {});
+
+}  // namespace stonestack

@@ -1,0 +1,53 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/physics/contact.hpp"
+#include "stonestack/physics/equilibrium.hpp"
+#include "stonestack/physics/support_polygon.hpp"
+#include "stonestack/physics/world.hpp"
+
+namespace stonestack {
+
+using ShapeList = std::vector<std::shared_ptr<const ContactShape>>;
+
+/// Stones stacked from the table up: stones[0] lies on the table, stones[i] on stones[i-1]. Indices into a
+/// ShapeList.
+struct Stack {
+  std::vector<PlacedStone> stones;
+};
+
+/// How a stack is judged.
+struct StandOptions {
+  double friction = 0.1;
+  double seconds = 10.0;  ///< simulated
+  int iterations = 200;
+  double step = 1.0 / 240.0;        ///< s
+  double largest_shift = 0.001;     ///< m
+  double largest_turn = 0.0174533;  ///< rad (1 deg)
+  double touch_gap = 0.001;         ///< m: nearer counts as touching for the clean rule
+};
+
+/// Does it stand, cleanly? A stack is clean if stone i touches only stones i-1 and i+1, and only stone 0 the
+/// table.
+struct StandVerdict {
+  bool stands = false;
+  bool clean = false;
+  int standing = 0;         ///< stones from the bottom that stayed and are clean
+  double shift = 0.0;       ///< m, largest of any stone
+  double turn = 0.0;        ///< rad
+  std::vector<Pose> T_W_O;  ///< at the end
+  std::string reason;       ///< when it does not stand: which stone, what happened
+};
+/// Simulates the stack with every stone dynamic and judges it.
+[[nodiscard]] StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack,
+                                       const StandOptions& options = {});
+
+/// Contacts of a stack as it lies (no simulation): surface samples within `gap` of the neighbour, reduced to
+/// the ones that carry (extreme points of each contact patch).
+[[nodiscard]] std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& stack,
+                                                      double gap);
+/// Equilibrium of a stack from contacts collected over a short settle.
+[[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack, double friction);
+
+}  // namespace stonestack

@@ -1,0 +1,32 @@
+#include "stonestack/core/clock.hpp"
+
+#include <chrono>
+
+namespace stonestack {
+namespace {
+
+double steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+class SteadyClock : public Clock {
+ public:
+  [[nodiscard]] double now() const override { return steady_seconds() - start_; }
+
+ private:
+  double start_ = steady_seconds();
+};
+
+}  // namespace
+
+std::unique_ptr<Clock> make_steady_clock() {
+  return std::make_unique<SteadyClock>();
+}
+
+Stopwatch::Stopwatch() : start_(steady_seconds()) {}
+
+double Stopwatch::seconds() const {
+  return steady_seconds() - start_;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,138 @@
+#include "stonestack/core/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "core/yaml.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+std::string number_text(double value) {
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  return {buffer, end};
+}
+
+std::string range_text(const Field& f) {
+  return concat("[", number_text(f.range.low), ", ", number_text(f.range.high), "]",
+                f.unit.empty() ? "" : " " + f.unit);
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+std::string nearest_names(const FieldList& list, std::string_view name) {
+  std::multimap<std::size_t, std::string> ranked;
+  for (const auto& f : list) ranked.emplace(edit_distance(name, f.name), f.name);
+  std::string text;
+  for (auto it = ranked.begin(); it != ranked.end() && std::distance(ranked.begin(), it) < 3; ++it)
+    text += (text.empty() ? "" : ", ") + it->second;
+  return text;
+}
+
+/// Parses and range-checks; the message has no file name, the caller adds it.
+void assign(const Field& f, const std::string& text) {
+  if (auto* flag = std::get_if<bool*>(&f.value)) {
+    require(text == "true" || text == "false", f.name, " must be true or false, got '", text, "'");
+    **flag = text == "true";
+  } else if (auto* word = std::get_if<std::string*>(&f.value)) {
+    **word = text;
+  } else {
+    double number = std::nan("");
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool whole = error == std::errc() && end == text.data() + text.size() && std::isfinite(number);
+    require(whole, f.name, " must be a number in ", range_text(f), ", got '", text, "'");
+    require(number >= f.range.low && number <= f.range.high, f.name, " must be in ", range_text(f), ", got ",
+            text);
+    if (auto* real = std::get_if<double*>(&f.value)) {
+      **real = number;
+    } else {
+      require(number == std::floor(number), f.name, " must be a whole number, got ", text);
+      *std::get<int*>(f.value) = static_cast<int>(number);
+    }
+  }
+}
+
+const Field& find(const FieldList& list, std::string_view name) {
+  const auto it = std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.name == name; });
+  require(it != list.end(), "unknown option '", name, "'; near it: ", nearest_names(list, name));
+  return *it;
+}
+
+}  // namespace
+
+Field field(std::string name, double& value, FieldRange range, std::string unit, std::string source) {
+  return {std::move(name), &value, range, std::move(unit), std::move(source)};
+}
+Field field(std::string name, int& value, FieldRange range, std::string unit, std::string source) {
+  return {std::move(name), &value, range, std::move(unit), std::move(source)};
+}
+Field field(std::string name, bool& value, std::string source) {
+  return {std::move(name), &value, {}, "", std::move(source)};
+}
+Field field(std::string name, std::string& value, std::string source) {
+  return {std::move(name), &value, {}, "", std::move(source)};
+}
+
+FieldList nest(const std::string& prefix, FieldList list) {
+  for (auto& f : list) f.name = prefix + "." + f.name;
+  return list;
+}
+
+FieldList join(std::vector<FieldList> lists) {
+  FieldList all;
+  for (auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+void set_field(const FieldList& list, std::string_view assignment) {
+  const auto equals = assignment.find('=');
+  require(equals != std::string_view::npos, "expected name=value, got '", assignment, "'");
+  assign(find(list, assignment.substr(0, equals)), std::string(assignment.substr(equals + 1)));
+}
+
+void read_fields(const FieldList& list, const std::string& path) {
+  const auto root = yaml::read_file(path);
+  try {
+    yaml::for_each_scalar(
+        root, [&](const std::string& name, const std::string& text) { assign(find(list, name), text); });
+  } catch (const InvalidArgument& problem) {
+    throw FileError(path, problem.what(), "`stonestack config show` lists every option with its range");
+  }
+}
+
+std::string field_text(const Field& f) {
+  if (const auto* flag = std::get_if<bool*>(&f.value)) return **flag ? "true" : "false";
+  if (const auto* word = std::get_if<std::string*>(&f.value)) return **word;
+  if (const auto* whole = std::get_if<int*>(&f.value)) return std::to_string(**whole);
+  return number_text(*std::get<double*>(f.value));
+}
+
+std::string write_fields(const FieldList& list) {
+  std::string text;
+  for (const auto& f : list) {
+    const bool number = std::holds_alternative<double*>(f.value) || std::holds_alternative<int*>(f.value);
+    text +=
+        concat(f.name, ": ", field_text(f), "  #", number ? " " + range_text(f) : "", " ", f.source, "\n");
+  }
+  return text;
+}
+
+}  // namespace stonestack

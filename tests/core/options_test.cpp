@@ -1,0 +1,80 @@
+#include "stonestack/core/options.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+
+namespace stonestack {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Sample {
+  double friction = 0.1;
+  int beam = 3;
+  bool noise = true;
+  std::string method = "default";
+};
+
+FieldList fields(Sample& s) {
+  return {field("friction", s.friction, {0, 2}, "", "paper"), field("beam", s.beam, {1, 9}, "", "ours"),
+          field("noise", s.noise, "ours"), field("method", s.method, "ours")};
+}
+
+std::string problem_of(const std::string& assignment) {
+  Sample sample;
+  try {
+    set_field(fields(sample), assignment);
+  } catch (const InvalidArgument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Options, SetsEveryKind) {
+  Sample sample;
+  for (const char* text : {"friction=0.5", "beam=4", "noise=false", "method=paper"})
+    set_field(fields(sample), text);
+  EXPECT_DOUBLE_EQ(sample.friction, 0.5);
+  EXPECT_EQ(sample.beam, 4);
+  EXPECT_FALSE(sample.noise);
+  EXPECT_EQ(sample.method, "paper");
+}
+
+TEST(Options, RefusesWithNameValueAndRange) {
+  EXPECT_THAT(problem_of("friction=3"), HasSubstr("friction must be in [0, 2], got 3"));
+  EXPECT_THAT(problem_of("friction=nan"), HasSubstr("got 'nan'"));
+  EXPECT_THAT(problem_of("beam=2.5"), HasSubstr("whole number"));
+  EXPECT_THAT(problem_of("noise=yes"), HasSubstr("true or false"));
+  EXPECT_THAT(problem_of("fricton=1"), HasSubstr("near it: friction"));
+  EXPECT_THAT(problem_of("friction"), HasSubstr("name=value"));
+}
+
+TEST(Options, FileRoundTripAndUnknownKey) {
+  const std::string path = testing::TempDir() + "options_test.yaml";
+  Sample written{0.35, 7, false, "paper"};
+  write_file(path, write_fields(fields(written)));
+  Sample read;
+  read_fields(fields(read), path);
+  EXPECT_DOUBLE_EQ(read.friction, 0.35);
+  EXPECT_EQ(read.beam, 7);
+  EXPECT_FALSE(read.noise);
+  EXPECT_EQ(read.method, "paper");
+
+  write_file(path, "beams: 3\n");
+  try {
+    read_fields(fields(read), path);
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(path));
+    EXPECT_THAT(error.what(), HasSubstr("unknown option 'beams'; near it: beam"));
+  }
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace stonestack

@@ -1,0 +1,33 @@
+#include "core/yaml.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stonestack::yaml {
+namespace {
+
+TEST(YamlMap, RefusesMissingWrongAndUnknownKeys) {
+  Map map(parse("{mass: 1.5, friction: nan, extra: 1}", "stone.yaml"), "stone.yaml");
+  EXPECT_DOUBLE_EQ(map.number("mass"), 1.5);
+  EXPECT_THROW((void)map.number("mass", 2, 3), FileError);
+  EXPECT_THROW((void)map.number("friction"), FileError);
+  EXPECT_THROW((void)map.number("density"), FileError);
+  EXPECT_THROW(map.finish(), FileError);
+}
+
+TEST(YamlMap, RefusesWhatIsNotAMap) {
+  EXPECT_THROW(Map(parse("[1, 2]", "a.yaml"), "a.yaml"), FileError);
+  EXPECT_THROW((void)parse("{a: [}", "a.yaml"), FileError);
+}
+
+TEST(YamlWalk, EndsOnAnAliasBomb) {
+  std::string text = "a0: &a0 {x: 1}\n";
+  for (int i = 1; i < 30; ++i) {
+    const std::string below = "*a" + std::to_string(i - 1);
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " {x: " + below + ", y: " + below + "}\n";
+  }
+  EXPECT_THROW(for_each_scalar(parse(text, "bomb.yaml"), [](const std::string&, const std::string&) {}),
+               InvalidArgument);
+}
+
+}  // namespace
+}  // namespace stonestack::yaml
