@@ -1,0 +1,17 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+/// One function a subcommand, each in a file of its own: it registers options, an example footer and a
+/// callback that parses, calls the library and prints. Callbacks throw stonestack::Error; main turns it into
+/// a line and an exit code.
+namespace stonestack::apps {
+
+void add_scan(CLI::App& app);
+void add_render(CLI::App& app);
+void add_detect(CLI::App& app);
+void add_search(CLI::App& app);
+void add_plan(CLI::App& app);
+void add_run(CLI::App& app);
+void add_config(CLI::App& app);
+
+}  // namespace stonestack::apps

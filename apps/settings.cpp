@@ -1,0 +1,80 @@
+#include "settings.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+/// search.theta_init -> STONESTACK_SEARCH_THETA_INIT
+std::string environment_name(const std::string& field) {
+  std::string name = "STONESTACK_";
+  for (const char c : field)
+    name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string user_file() {
+  if (const char* home = std::getenv("XDG_CONFIG_HOME")) return std::string(home) + "/stonestack/config.yaml";
+  if (const char* home = std::getenv("HOME")) return std::string(home) + "/.config/stonestack/config.yaml";
+  return "";
+}
+
+std::vector<std::string> values(const FieldList& list) {
+  std::vector<std::string> texts;
+  for (const auto& field : list) texts.push_back(field_text(field));
+  return texts;
+}
+
+}  // namespace
+
+void Settings::register_on(CLI::App& command) {
+  command.add_option("--set", assignments_, "Set an option, e.g. --set search.friction=0.3 (repeatable)")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false);
+  command.add_option("--config", config_, "Option file in place of ./stonestack.yaml")->type_name("FILE");
+}
+
+void Settings::apply_file(const FieldList& list, const std::string& path, const std::string& kind) {
+  const auto before = values(list);
+  read_fields(list, path);
+  const auto after = values(list);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (before[i] != after[i]) origins_[list[i].name] = kind + " " + path;
+}
+
+void Settings::apply(const FieldList& list) {
+  const std::string user = user_file();
+  if (!user.empty() && std::filesystem::exists(user)) apply_file(list, user, "user file");
+  if (!config_.empty()) {
+    apply_file(list, config_, "file");
+  } else if (std::filesystem::exists("stonestack.yaml")) {
+    apply_file(list, "stonestack.yaml", "project file");
+  }
+  for (const auto& field : list) {
+    const std::string name = environment_name(field.name);
+    const char* value = std::getenv(name.c_str());
+    if (value == nullptr) continue;
+    try {
+      set_field(list, field.name + "=" + value);
+    } catch (const InvalidArgument& problem) {
+      throw InvalidArgument(concat("environment variable ", name, ": ", problem.what()));
+    }
+    origins_[field.name] = "environment " + name;
+  }
+  for (const auto& assignment : assignments_) {
+    set_field(list, assignment);
+    origins_[assignment.substr(0, assignment.find('='))] = "flag --set";
+  }
+}
+
+std::string Settings::origin(const std::string& name) const {
+  const auto found = origins_.find(name);
+  return found == origins_.end() ? "default" : found->second;
+}
+
+}  // namespace stonestack::apps
