@@ -1,0 +1,15 @@
+#include "stonestack/hardware/cell.hpp"
+
+namespace stonestack {
+
+Pose CellLayout::make_default_T_T_C() {
+  // Beside the palm on the side without fingers. The palm's front edge then lies outside the lower half of
+  // the view, and the tilt brings the work, 0.45 m below the finger tips, to the middle of the image.
+  constexpr double kTilt = 10.0 * 3.14159265358979323846 / 180.0;
+  Pose T_T_C = Pose::Identity();
+  T_T_C.translation() = Eigen::Vector3d(0.0, 0.110, -0.170);
+  T_T_C.linear() = Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  return T_T_C;
+}
+
+}  // namespace stonestack

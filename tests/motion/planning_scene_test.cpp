@@ -1,0 +1,87 @@
+#include "stonestack/motion/planning_scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/hardware/cell.hpp"
+
+namespace stonestack {
+namespace {
+
+Eigen::AlignedBox3d box_T(const GripperBox& box, double opening) {
+  const Eigen::Vector3d centre = box.p_T_centre + Eigen::Vector3d(0.5 * opening * box.finger_side, 0.0, 0.0);
+  return {centre - 0.5 * box.size, centre + 0.5 * box.size};
+}
+
+/// True if the ray from `p` along `d` enters the box (slab test).
+bool hits(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p, const Eigen::Vector3d& d) {
+  double near = 0.0;
+  double far = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const double a = (box.min()[i] - p[i]) / d[i];
+    const double b = (box.max()[i] - p[i]) / d[i];
+    near = std::max(near, std::min(a, b));
+    far = std::min(far, std::max(a, b));
+  }
+  return near <= far;
+}
+
+TEST(Gripper, FingersMeetAtTheToolAxisAndEndAtTheTip) {
+  const GripperModel gripper = make_robotiq_3f();
+  int fingers = 0;
+  for (const auto& box : gripper.boxes) {
+    const auto closed = box_T(box, 0.0);
+    EXPECT_LE(closed.max().z(), 1e-12);
+    if (box.finger_side == 0.0) continue;
+    ++fingers;
+    const double pad = box.finger_side > 0 ? closed.min().x() : closed.max().x();
+    EXPECT_NEAR(pad, 0.0, 1e-12);
+    EXPECT_NEAR(closed.max().z(), 0.0, 1e-12);
+    const auto open = box_T(box, gripper.largest_opening);
+    EXPECT_NEAR((box.finger_side > 0 ? open.min().x() : -open.max().x()), 0.0775, 1e-12);
+  }
+  EXPECT_EQ(fingers, 3);
+}
+
+TEST(Gripper, ReachesFromFlangeToTip) {
+  double back = 0.0;
+  for (const auto& box : make_robotiq_3f().boxes) back = std::min(back, box_T(box, 0.0).min().z());
+  EXPECT_NEAR(-back, CellLayout().T_F_T.translation().z(), 1e-12);
+}
+
+TEST(CameraMount, LooksForwardWithImageAxesAsDocumented) {
+  const Pose T_T_C = CellLayout::make_default_T_T_C();
+  EXPECT_NEAR(T_T_C.linear().col(0).x(), 1.0, 1e-12) << "image x along x of T";
+  EXPECT_GT(T_T_C.linear().col(2).z(), 0.95) << "looks out of the gripper";
+  EXPECT_LT(T_T_C.linear().col(2).y(), -0.1) << "tilted towards the tool axis";
+}
+
+/// The gripper may stand in a corner of the picture, not more.
+TEST(CameraMount, GripperFillsLittleOfTheView) {
+  const GripperModel gripper = make_robotiq_3f();
+  const Pose T_T_C = CellLayout::make_default_T_T_C();
+  const CameraIntrinsics camera;
+  for (const double opening : {0.0, 0.08, gripper.largest_opening}) {
+    int seen = 0;
+    int all = 0;
+    for (int v = 0; v < camera.height; v += 8) {
+      for (int u = 0; u < camera.width; u += 8) {
+        const Eigen::Vector3d ray_C((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0);
+        const Eigen::Vector3d ray_T = T_T_C.linear() * ray_C;
+        const bool blocked = std::any_of(gripper.boxes.begin(), gripper.boxes.end(), [&](const auto& box) {
+          return hits(box_T(box, opening), T_T_C.translation(), ray_T);
+        });
+        seen += blocked ? 1 : 0;
+        ++all;
+      }
+    }
+    EXPECT_LT(static_cast<double>(seen) / all, 0.10) << "at opening " << opening;
+  }
+}
+
+}  // namespace
+}  // namespace stonestack
