@@ -24,6 +24,7 @@ struct ContactShape {
   std::vector<SurfaceSample> samples;  ///< in O
   MassProperties mass;                 ///< in O
   double radius = 0.0;                 ///< m, of the bounding sphere about the centre of mass
+  Mesh scan;                           ///< full resolution, in O: what heightmaps are made from
 };
 [[nodiscard]] std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan,
                                                                      const MassProperties& mass,

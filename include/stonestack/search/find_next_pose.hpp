@@ -14,22 +14,51 @@ namespace stonestack {
 /// written).
 struct SearchOptions {
   std::string method = "default";
-  double friction = 0.1;         ///< what the planner assumes, paper §4.1
-  double theta_init = 0.785398;  ///< rad, paper mode: random initial rotation (companion paper, weak)
-  double attraction = 100.0;     ///< N, F
-  double e_kin_stable = 0.0002;  ///< J; measured: 20 J filters nothing (facts/paper.md)
-  int local_solutions = 5;       ///< x
-  int contact_steps = 10;        ///< steps over which contacts are collected
-  double w1 = 0.179, w2 = 0.472, w3 = 0.094, w4 = 0.255;  ///< eq. (2)
-  double area_reference = 0.002;                          ///< m^2; eq. (2) normalised: A_ref / A
-  double energy_reference = 0.0002;                       ///< J
-  double distance_reference = 0.1;                        ///< m
-  bool si_cost = false;                                   ///< eq. (2) in SI, with the literal units
-  double least_margin = 0.02;                             ///< g: a stack below it is not proposed
-  int beam = 3;                                           ///< states kept a level in look-ahead
-  int threads = 0;                                        ///< 0: all cores; the result does not depend on it
-  double budget = 0.0;                                    ///< s; 0: none (deterministic)
+  double friction = 0.1;  ///< what the planner assumes, paper §4.1
+
+  // Eq. (2). Normalised by the references unless si_cost.
+  double w1 = 0.179, w2 = 0.472, w3 = 0.094, w4 = 0.255;
+  double area_reference = 0.002;     ///< m^2; A_ref / A
+  double energy_reference = 0.0002;  ///< J
+  double distance_reference = 0.1;   ///< m
+  bool si_cost = false;              ///< eq. (2) in SI, with the literal units
+
+  // Paper mode.
+  double theta_init = 0.785398;     ///< rad: random initial rotation (companion paper, weak)
+  double attraction = 100.0;        ///< N, F
+  double e_kin_stable = 0.0002;     ///< J; measured: 20 J filters nothing (facts/paper.md)
+  int local_solutions = 5;          ///< x
+  int contact_steps = 10;           ///< steps over which contacts are collected
+  int restarts = 40;                ///< initial orientations tried for one local solution
+  double descent_step = 0.003;      ///< m, delta p; rotations turn by descent_step / 0.05 m
+  int descent_rounds = 12;          ///< at most
+  double descent_tolerance = 0.01;  ///< relative change of the cost that counts as converged
+
+  // Default mode.
+  double grid = 0.003;               ///< m, cell of the gap field
+  int directions = 160;              ///< which side of a stone points down: directions over the sphere
+  int yaws = 12;                     ///< turns about the vertical, each direction
+  double clean_height = 0.006;       ///< m: room kept between a new stone and all but the top stone
+  int settled = 16;                  ///< proposals that are let fall in simulation, at most
+  int beam = 3;                      ///< states kept a level in plan_tower
+  double largest_tilt = 3.14159266;  ///< rad, between the world's up axis seen from the stone as it lies
+                                     ///< now and as it will lie; yaw is free (one grasp serves both)
+
+  // Verification, both modes.
+  bool verify = true;                           ///< false: what the search proposes, not settled nor judged
+  double least_margin = 0.02;                   ///< g: a stack below it is not proposed
+  double least_success = 0.5;                   ///< a placement predicted to succeed less often is dropped
+  int alternatives = 6;                         ///< placements returned, at most
+  double verdict_seconds = 10.0;                ///< s simulated, whole stack
+  int perturbations = 8;                        ///< k: displaced placements simulated for each verdict
+  double perturbed_seconds = 2.0;               ///< s simulated, each of them
+  double placement_sigma_translation = 0.001;   ///< m, one sigma along each axis
+  double placement_sigma_rotation = 0.0087266;  ///< rad, one sigma about each axis
+
+  int threads = 0;      ///< 0: all cores; the result does not depend on it
+  double budget = 0.0;  ///< s; 0: none (deterministic)
   int seed = 1;
+  bool trace = false;  ///< keep every candidate in SearchResult::trace
 };
 [[nodiscard]] FieldList fields(SearchOptions& options);
 
@@ -51,15 +80,33 @@ struct SearchProblem {
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
+  /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose? Called
+  /// from one thread, best proposals first, before they are verified; what it refuses is counted and dropped.
+  std::function<bool(int stone, const Pose& T_W_O)> reachable;
+};
+
+/// One candidate's way through the search, for `--trace`.
+struct CandidateTrace {
+  int stone = -1;
+  std::vector<Pose> path_W_O;  ///< from the initial pose to contact or rest
+  SupportPolygon support;
+  double cost = 0.0;
+  std::map<std::string, double> terms;
+  std::string outcome;  ///< "kept", or why it was dropped
 };
 
 struct SearchResult {
-  std::vector<Placement> best;  ///< best first, over all stones; several so that motion can refuse some
-  std::string reason;           ///< when `best` is empty: what stood in the way
-  long candidates = 0;          ///< tried
+  std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
+  std::string reason;                 ///< when `best` is empty: what stood in the way
+  long candidates = 0;                ///< poses evaluated
+  int unreachable = 0;                ///< proposals that the arm could not bring about
+  std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
   double seconds = 0.0;
 };
-/// The next placement (paper §3). `report` is told about progress from one thread.
+/// The next placement (paper §3). Throws InvalidArgument for stones that cannot be (mass or friction not
+/// positive, centre of mass outside the hull, not finite) and indices out of range; a stack that overlaps or
+/// does not stand is refused with its reason. Ctrl-C and the budget end it with the best so far. `report` is
+/// told about progress from one thread.
 [[nodiscard]] SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options = {},
                                           const std::function<void(const std::string&)>& report = {});
 
