@@ -35,7 +35,6 @@ int run(int argc, char** argv) {
       // one line a subcommand, in the order of the help
   };
   for (const auto add : commands) add(app);
-  add(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {
