@@ -26,11 +26,14 @@ struct MotionOptions {
 
 /// One thing to do, in order.
 struct PlanStep {
-  enum class Kind { kTransit, kApproach, kGrasp, kLift, kDescent, kRelease, kRetreat };
+  enum class Kind { kOpen, kTransit, kApproach, kGrasp, kLift, kDescent, kRelease, kRetreat };
   Kind kind = Kind::kTransit;
   std::string name;            ///< "move above stone 3"
   JointTrajectory trajectory;  ///< for motions
-  double opening = 0.0;        ///< m, for kGrasp (expected) and kRelease (target)
+  double opening = 0.0;        ///< m, for kOpen (before the hand goes near the stone) and kRelease: target;
+                               ///< for kGrasp: expected between the pads once closed
+  double finger_speed = 0.0;   ///< m/s, for kOpen, kGrasp and kRelease
+  double force = 0.0;          ///< N a finger, for kGrasp
   double threshold = 0.0;      ///< N, for kDescent
 };
 
