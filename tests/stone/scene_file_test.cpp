@@ -1,0 +1,65 @@
+#include "stonestack/stone/scene_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+
+namespace stonestack {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string problem_of(const std::string& text) {
+  const std::string path = testing::TempDir() + "scene_file_test.yaml";
+  write_file(path, text);
+  try {
+    (void)read_scene_file(path);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(SceneFile, RoundTrip) {
+  SceneFile scene;
+  scene.camera = CameraIntrinsics{};
+  scene.camera->distortion = CameraIntrinsics::Distortion::kInverseBrownConrady;
+  scene.camera->k[4] = -0.1124;
+  scene.T_W_C = make_pose({0.7, 0.1, 0.7}, {0, 1, 0, 0});
+  scene.depth_file = "depth.png";
+  scene.depth_unit = 0.000125;
+  scene.stack = {{"a", make_pose({0.7, 0.28, 0.05})}};
+  scene.stones = {{"b", make_pose({0.6, -0.2, 0.04}, {0.5, 0.5, 0.5, 0.5})}};
+  const std::string path = testing::TempDir() + "scene_file_round_trip.yaml";
+  write_scene_file(path, scene);
+  const SceneFile read = read_scene_file(path);
+  EXPECT_EQ(read.camera->k[4], -0.1124);
+  EXPECT_EQ(read.camera->distortion, scene.camera->distortion);
+  EXPECT_LT(difference(*read.T_W_C, *scene.T_W_C).translation, 1e-9);
+  EXPECT_EQ(read.depth_file, testing::TempDir() + "depth.png");
+  ASSERT_EQ(read.stack.size(), 1u);
+  ASSERT_EQ(read.stones.size(), 1u);
+  EXPECT_EQ(read.stones[0].stone, "b");
+  EXPECT_LT(difference(read.stones[0].T_W_O, scene.stones[0].T_W_O).angle, 1e-6);
+}
+
+TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
+  const std::string head = "schema: stonestack.scene/1\n";
+  EXPECT_THAT(problem_of("schema: other/1\n"), HasSubstr("schema is 'other/1'"));
+  EXPECT_THAT(problem_of(head + "stonez: []\n"), HasSubstr("stonez is not a key"));
+  EXPECT_THAT(problem_of(head + "stones: 3\n"), HasSubstr("stones is not a list"));
+  EXPECT_THAT(
+      problem_of(head + "stones: [{stone: a, T_W_O: {x: 0, y: 0, z: nan, qx: 0, qy: 0, qz: 0, qw: 1}}]\n"),
+      HasSubstr("stones[0].T_W_O.z must be a finite number"));
+  EXPECT_THAT(problem_of(head + "T_W_C: {x: 0, y: 0, z: 0, qx: 0, qy: 0, qz: 0, qw: 0}\n"),
+              HasSubstr("length 0"));
+  EXPECT_THAT(
+      problem_of(head +
+                 "camera: {width: 640, height: 480, fx: 1, fy: 1, cx: 1, cy: 1, distortion: fisheye}\n"),
+      HasSubstr("fisheye"));
+}
+
+}  // namespace
+}  // namespace stonestack
