@@ -1,0 +1,32 @@
+#pragma once
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace stonestack {
+
+/// Height where a raster has no surface.
+inline constexpr float kNoSurface = -1e6F;
+
+/// Heights of a surface at the nodes `centre + cell * (i, j)`, |i|, |j| <= half; metres.
+struct HeightRaster {
+  HeightRaster(const Eigen::Vector2d& centre, double cell, int half);
+
+  Eigen::Vector2d centre;
+  double cell;
+  int half;
+  int stride;            ///< 2 half + 1
+  std::vector<float> z;  ///< row by row, j slow
+
+  [[nodiscard]] int index(int i, int j) const { return (j + half) * stride + i + half; }
+  [[nodiscard]] Eigen::Vector2d node(int k) const {
+    return centre + cell * Eigen::Vector2d(k % stride - half, k / stride - half);
+  }
+};
+
+/// Raises the raster to the surface of triangles where that is higher. A triangle steeper than a right angle
+/// has no height and is skipped.
+void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
+              std::span<const Eigen::Vector3i> faces);
+
+}  // namespace stonestack

@@ -1,0 +1,124 @@
+#include "search/top_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+/// Raises the raster by the upper side of a stone.
+void raise_by(HeightRaster& raster, const BodyPose& body) {
+  std::vector<Eigen::Vector3d> vertices_W(body.stone->vertices_M.size());
+  for (std::size_t k = 0; k < vertices_W.size(); ++k)
+    vertices_W[k] = body.R_W_O * body.stone->vertices_M[k] + body.p_W_M;
+  raise_to(raster, vertices_W, body.stone->faces);
+}
+
+constexpr double kInterfaceCell = 0.003;  ///< m
+
+/// Contacts of a stone with the one below (or the table) at the poses that they have.
+Interface interface_of(const BodyPose* below, const BodyPose& above, double tolerance) {
+  const int half = static_cast<int>(std::ceil(above.stone->radius / kInterfaceCell)) + 1;
+  const SurfaceGrid grid{above.p_W_M.head<2>(), kInterfaceCell, half};
+  TopSurface surface = top_surface({}, grid, 0.0);
+  if (below != nullptr) {
+    std::fill(surface.heights.z.begin(), surface.heights.z.end(), kNoSurface);
+    raise_by(surface.heights, *below);
+  }
+  UndersideOptions options;
+  options.cell = kInterfaceCell;
+  options.stride = surface.heights.stride;
+  options.cut = 0.08;
+  const Underside underside =
+      make_underside(above.stone->vertices_M, above.stone->faces, above.R_W_O, options);
+  GapField field;
+  lay(surface, underside, 0, 0, tolerance, &field);
+  Interface result;
+  std::vector<Eigen::Vector2d> points;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < field.size; ++k) {
+    const int node = field.node[k];
+    const auto z = static_cast<double>(surface.heights.z[static_cast<std::size_t>(node)]);
+    if (z <= static_cast<double>(kNoSurface) + 1.0) continue;
+    points.push_back(surface.heights.node(node));
+    sum += z;
+  }
+  if (!points.empty()) result.z = sum / static_cast<double>(points.size());
+  result.polygon_W = convex_hull(points);
+  return result;
+}
+
+}  // namespace
+
+StoneGeometry stone_geometry(const ContactShape& shape) {
+  require(!shape.scan.faces.empty(), "contact shape ", shape.name, " has no scan mesh");
+  StoneGeometry stone;
+  stone.vertices_M.reserve(shape.scan.vertices.size());
+  for (const Eigen::Vector3d& p_O : shape.scan.vertices) {
+    stone.vertices_M.emplace_back(p_O - shape.mass.p_O_M);
+    stone.radius = std::max(stone.radius, stone.vertices_M.back().norm());
+  }
+  stone.faces = shape.scan.faces;
+  stone.p_O_M = shape.mass.p_O_M;
+  stone.mass = shape.mass.mass;
+  return stone;
+}
+
+BodyPose body_pose(const StoneGeometry& stone, const Pose& T_W_O) {
+  return {&stone, T_W_O.linear(), T_W_O * stone.p_O_M};
+}
+
+Pose stone_pose(const BodyPose& body) {
+  Pose T_W_O = Pose::Identity();
+  T_W_O.linear() = body.R_W_O;
+  T_W_O.translation() = body.p_W_M - body.R_W_O * body.stone->p_O_M;
+  return T_W_O;
+}
+
+TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid, double clean_height) {
+  TopSurface surface{HeightRaster(grid.centre, grid.cell, grid.half), {}};
+  std::vector<float>& z = surface.heights.z;
+  if (stack.empty()) {
+    std::fill(z.begin(), z.end(), 0.0F);
+    surface.may_touch.assign(z.size(), 1);
+    return surface;
+  }
+  raise_by(surface.heights, stack.back());
+  HeightRaster rest(grid.centre, grid.cell, grid.half);
+  std::fill(rest.z.begin(), rest.z.end(), 0.0F);
+  for (const BodyPose& body : stack.first(stack.size() - 1)) raise_by(rest, body);
+  surface.may_touch.resize(z.size());
+  for (std::size_t k = 0; k < z.size(); ++k) {
+    const float kept_clear = rest.z[k] + static_cast<float>(clean_height);
+    surface.may_touch[k] = z[k] >= kept_clear ? 1 : 0;
+    z[k] = std::max(z[k], kept_clear);
+  }
+  return surface;
+}
+
+std::vector<Interface> interfaces(std::span<const BodyPose> stack, double tolerance) {
+  std::vector<Interface> list;
+  for (std::size_t k = 0; k < stack.size(); ++k)
+    list.push_back(interface_of(k == 0 ? nullptr : &stack[k - 1], stack[k], tolerance));
+  for (std::size_t k = 0; k < stack.size(); ++k) {
+    for (std::size_t m = k; m < stack.size(); ++m) {
+      list[k].mass_above += stack[m].stone->mass;
+      list[k].moment_above += stack[m].stone->mass * stack[m].p_W_M;
+    }
+  }
+  return list;
+}
+
+double tipping_limit(std::span<const Interface> interfaces, double mass, const Eigen::Vector3d& p_W_M) {
+  double least = 1e300;
+  for (const Interface& at : interfaces) {
+    const Eigen::Vector3d p_W_com = (at.moment_above + mass * p_W_M) / (at.mass_above + mass);
+    const double height = std::max(p_W_com.z() - at.z, 1e-3);
+    least = std::min(least, margin(at.polygon_W, p_W_com.head<2>()) / height);
+  }
+  return least;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,55 @@
+#pragma once
+#include <span>
+
+#include "search/gap_field.hpp"
+#include "stonestack/geometry/polygon.hpp"
+#include "stonestack/physics/stack.hpp"
+
+namespace stonestack {
+
+/// A stone's scan relative to its centre of mass: what heightmaps are made from.
+struct StoneGeometry {
+  std::vector<Eigen::Vector3d> vertices_M;
+  std::vector<Eigen::Vector3i> faces;
+  Eigen::Vector3d p_O_M = Eigen::Vector3d::Zero();
+  double mass = 0.0;
+  double radius = 0.0;
+};
+[[nodiscard]] StoneGeometry stone_geometry(const ContactShape& shape);
+
+/// A stone whose centre of mass lies at `p_W_M`.
+struct BodyPose {
+  const StoneGeometry* stone = nullptr;
+  Eigen::Matrix3d R_W_O = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d p_W_M = Eigen::Vector3d::Zero();
+};
+[[nodiscard]] BodyPose body_pose(const StoneGeometry& stone, const Pose& T_W_O);
+[[nodiscard]] Pose stone_pose(const BodyPose& body);
+
+/// Where and how finely a top surface is sampled.
+struct SurfaceGrid {
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double cell = 0.004;
+  int half = 50;
+};
+/// The top of a stack, bottom first: only the last stone may be touched, the rest and the table are raised by
+/// `clean_height`. An empty stack is the table, which may be touched.
+[[nodiscard]] TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid,
+                                     double clean_height);
+
+/// Where a stone rests on what is below it, and what it carries without the stone that is to come.
+struct Interface {
+  Polygon2 polygon_W;           ///< hull of the contacts seen from above
+  double z = 0.0;               ///< m, mean height of the contacts
+  double mass_above = 0.0;      ///< kg
+  Eigen::Vector3d moment_above  ///< kg m: mass times centre of mass
+      = Eigen::Vector3d::Zero();
+};
+/// One for each stone of the stack, from the gap between the scans (contacts: within `tolerance` of the
+/// nearest).
+[[nodiscard]] std::vector<Interface> interfaces(std::span<const BodyPose> stack, double tolerance);
+/// Horizontal acceleration (g) at which the stack tips over one of its interfaces once a mass is put on top.
+[[nodiscard]] double tipping_limit(std::span<const Interface> interfaces, double mass,
+                                   const Eigen::Vector3d& p_W_M);
+
+}  // namespace stonestack
