@@ -123,10 +123,10 @@ Underside make_underside(const std::vector<Eigen::Vector3d>& vertices_M,
                &r = turned[static_cast<std::size_t>(f[2])];
     if (std::max({p.z(), q.z(), r.z()}) < cut) continue;
     low.push_back(f);
-    for (const auto* v : {&p, &q, &r})
-      reach = std::max({reach, std::abs(v->x()), std::abs(v->y())});
+    for (const auto* v : {&p, &q, &r}) reach = std::max({reach, std::abs(v->x()), std::abs(v->y())});
   }
-  HeightRaster raster(Eigen::Vector2d::Zero(), options.cell, static_cast<int>(std::ceil(reach / options.cell)));
+  HeightRaster raster(Eigen::Vector2d::Zero(), options.cell,
+                      static_cast<int>(std::ceil(reach / options.cell)));
   raise_to(raster, turned, low);
 
   Underside underside;

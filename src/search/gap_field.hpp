@@ -48,12 +48,13 @@ struct GapField {
 /// cannot touch while the tilt stays small.
 void lay(const TopSurface& top, const Underside& underside, int i, int j, double active, GapField* field);
 
-/// The plane c + a x + b y that rests on the gap field: the least height of the centre of mass, with tilt free.
+/// The plane c + a x + b y that rests on the gap field: the least height of the centre of mass, with tilt
+/// free.
 struct GapRest {
-  bool rests = false;  ///< three cells carry it and they enclose the centre of mass; false: it tips over
-  bool clean = false;  ///< and all three may be touched
-  double height = 0.0;         ///< c, m
-  double a = 0.0, b = 0.0;     ///< tilt that is still needed, rise over run
+  bool rests = false;       ///< three cells carry it and they enclose the centre of mass; false: it tips over
+  bool clean = false;       ///< and all three may be touched
+  double height = 0.0;      ///< c, m
+  double a = 0.0, b = 0.0;  ///< tilt that is still needed, rise over run
   std::array<int, 3> cells{};  ///< into the field
 };
 /// min c subject to c + a x + b y >= D everywhere: a linear programme in three variables, by the dual simplex

@@ -38,10 +38,10 @@ void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
     const Eigen::Vector2d pa = in_cells(a), pb = in_cells(b), pc = in_cells(c);
     const double twice_area = (pb.x() - pa.x()) * (pc.y() - pa.y()) - (pb.y() - pa.y()) * (pc.x() - pa.x());
     if (std::abs(twice_area) < 1e-9) continue;
-    const NodeRange rows = nodes_between(std::min({pa.y(), pb.y(), pc.y()}),
-                                         std::max({pa.y(), pb.y(), pc.y()}), raster.half);
-    const NodeRange columns = nodes_between(std::min({pa.x(), pb.x(), pc.x()}),
-                                            std::max({pa.x(), pb.x(), pc.x()}), raster.half);
+    const NodeRange rows =
+        nodes_between(std::min({pa.y(), pb.y(), pc.y()}), std::max({pa.y(), pb.y(), pc.y()}), raster.half);
+    const NodeRange columns =
+        nodes_between(std::min({pa.x(), pb.x(), pc.x()}), std::max({pa.x(), pb.x(), pc.x()}), raster.half);
     const double inverse = 1.0 / twice_area;
     for (int j = rows.first; j <= rows.last; ++j) {
       for (int i = columns.first; i <= columns.last; ++i) {

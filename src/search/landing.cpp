@@ -6,10 +6,10 @@
 namespace stonestack {
 namespace {
 
-constexpr double kActive = 0.022;         ///< m: cells further from touching are left out (measured)
-constexpr double kLargestSlope = 0.2;     ///< about 11 deg of tilt (measured)
-constexpr double kTouch = 0.0006;         ///< m: cells nearer than this to the resting plane carry (measured)
-constexpr double kDoesNotHold = -0.25;    ///< g
+constexpr double kActive = 0.022;       ///< m: cells further from touching are left out (measured)
+constexpr double kLargestSlope = 0.2;   ///< about 11 deg of tilt (measured)
+constexpr double kTouch = 0.0006;       ///< m: cells nearer than this to the resting plane carry (measured)
+constexpr double kDoesNotHold = -0.25;  ///< g
 
 Landing set_down(const StackField& stack, const Underside& underside, int i, int j, GapField* buffer) {
   lay(stack.surface, underside, i, j, kActive, buffer);
@@ -50,11 +50,13 @@ LandingGrid land(const StackField& stack, const Underside& underside, double mas
             slope = std::min(slope, (grid.at(u + du, v + dv).height - landing.height) /
                                         (pitch * std::sqrt(static_cast<double>(du * du + dv * dv))));
       landing.slope = slope;
-      const int node = stack.surface.heights.index(offsets.i + u * offsets.step, offsets.j + v * offsets.step);
+      const int node =
+          stack.surface.heights.index(offsets.i + u * offsets.step, offsets.j + v * offsets.step);
       Eigen::Vector3d p_W_M;
       p_W_M << stack.surface.heights.node(node), landing.height;
-      landing.estimate = std::max(kDoesNotHold, std::min({stack.friction + slope, landing.margin / landing.lever,
-                                                          tipping_limit(stack.interfaces, mass, p_W_M)}));
+      landing.estimate =
+          std::max(kDoesNotHold, std::min({stack.friction + slope, landing.margin / landing.lever,
+                                           tipping_limit(stack.interfaces, mass, p_W_M)}));
     }
   }
   return grid;

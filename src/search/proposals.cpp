@@ -10,14 +10,14 @@
 namespace stonestack {
 namespace {
 
-constexpr double kOffsetReach = 0.04;      ///< m, offsets from the middle of the top that are tried
-constexpr double kOffsetPitch = 0.008;     ///< m
-constexpr std::size_t kRefined = 24;       ///< a stone (measured)
+constexpr double kOffsetReach = 0.04;   ///< m, offsets from the middle of the top that are tried
+constexpr double kOffsetPitch = 0.008;  ///< m
+constexpr std::size_t kRefined = 24;    ///< a stone (measured)
 constexpr int kRefineRounds = 6;
-constexpr double kLevel = 0.02;            ///< tilt that needs no further turning
-constexpr double kDistinctAngle = 0.14;    ///< rad
-constexpr double kDistinctShift = 0.010;   ///< m
-constexpr double kInterfaceTouch = 0.0008; ///< m
+constexpr double kLevel = 0.02;             ///< tilt that needs no further turning
+constexpr double kDistinctAngle = 0.14;     ///< rad
+constexpr double kDistinctShift = 0.010;    ///< m
+constexpr double kInterfaceTouch = 0.0008;  ///< m
 
 /// Turns a body by the tilt that its landing still asks for.
 Eigen::Matrix3d levelled(const Eigen::Matrix3d& R_W_O, const Landing& landing) {
@@ -179,7 +179,8 @@ int half_width(std::span<const StoneGeometry> stones, double cell) {
 
 StackField stack_field(std::span<const BodyPose> stack, const SurfaceGrid& grid,
                        const SearchOptions& options) {
-  return {top_surface(stack, grid, options.clean_height), interfaces(stack, kInterfaceTouch), options.friction};
+  return {top_surface(stack, grid, options.clean_height), interfaces(stack, kInterfaceTouch),
+          options.friction};
 }
 
 std::vector<Proposal> propose(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
@@ -214,7 +215,8 @@ std::vector<Proposal> propose(std::span<const BodyPose> stack, std::span<const L
     std::vector<Proposal> of_stone;
     for (std::size_t k = 0; k < tasks.size(); ++k)
       if (tasks[k].stone == &stone) of_stone.insert(of_stone.end(), found[k].begin(), found[k].end());
-    of_stone = best_distinct(std::move(of_stone), kRefined, [](const Proposal& p) { return p.landing.estimate; });
+    of_stone =
+        best_distinct(std::move(of_stone), kRefined, [](const Proposal& p) { return p.landing.estimate; });
     candidates.insert(candidates.end(), of_stone.begin(), of_stone.end());
   }
   std::vector<long> counts(candidates.size(), 0);

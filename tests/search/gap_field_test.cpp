@@ -1,0 +1,127 @@
+#include "search/gap_field.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "search_scenes.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kCell = 0.004;
+constexpr int kHalf = 60;
+
+TopSurface surface_of(const std::function<double(double, double)>& height) {
+  TopSurface top{HeightRaster({0, 0}, kCell, kHalf), {}};
+  for (std::size_t k = 0; k < top.heights.z.size(); ++k) {
+    const Eigen::Vector2d p = top.heights.node(static_cast<int>(k));
+    top.heights.z[k] = static_cast<float>(height(p.x(), p.y()));
+  }
+  top.may_touch.assign(top.heights.z.size(), 1);
+  return top;
+}
+
+Underside underside_of(const Mesh& mesh, const Eigen::Matrix3d& R = Eigen::Matrix3d::Identity()) {
+  UndersideOptions options;
+  options.cell = kCell;
+  options.stride = 2 * kHalf + 1;
+  return make_underside(mesh.vertices, mesh.faces, R, options);
+}
+
+TEST(HeightRaster, FollowsATiltedTriangle) {
+  HeightRaster raster({0, 0}, 0.01, 10);
+  const std::vector<Eigen::Vector3d> vertices = {{-0.1, -0.1, 0.0}, {0.1, -0.1, 0.2}, {-0.1, 0.1, 0.0}};
+  raise_to(raster, vertices, std::vector<Eigen::Vector3i>{{0, 1, 2}});
+  EXPECT_NEAR(raster.z[static_cast<std::size_t>(raster.index(-3, -2))], 0.07, 1e-6);
+  EXPECT_EQ(raster.z[static_cast<std::size_t>(raster.index(5, 5))], kNoSurface);
+  EXPECT_NEAR(raster.node(raster.index(-3, 2)).y(), 0.02, 1e-12);
+}
+
+TEST(GapField, BoxLiesFlatOnATable) {
+  const TopSurface table = surface_of([](double, double) { return 0.5; });
+  GapField field;
+  lay(table, underside_of(make_box({0.1, 0.08, 0.06})), 3, -2, 0.022, &field);
+  const GapRest rest = solve_rest(field, table, 0.2);
+  ASSERT_TRUE(rest.rests);
+  EXPECT_TRUE(rest.clean);
+  EXPECT_NEAR(rest.height, 0.53, 1e-5);
+  EXPECT_NEAR(rest.a, 0.0, 1e-4);
+  EXPECT_NEAR(rest.b, 0.0, 1e-4);
+  const GapContact contact = contact_of(field, rest, table, 0.0006);
+  EXPECT_NEAR(contact.margin, 0.04, 0.0003);  // half the shorter side
+  EXPECT_NEAR(contact.height, 0.03, 1e-5);
+}
+
+TEST(GapField, BoxTakesTheTiltOfAPlane) {
+  const TopSurface slope = surface_of([](double x, double y) { return 0.1 + 0.10 * x - 0.05 * y; });
+  GapField field;
+  lay(slope, underside_of(make_box({0.1, 0.08, 0.06})), 0, 0, 0.022, &field);
+  const GapRest rest = solve_rest(field, slope, 0.2);
+  ASSERT_TRUE(rest.rests);
+  EXPECT_NEAR(rest.a, 0.10, 1e-3);
+  EXPECT_NEAR(rest.b, -0.05, 1e-3);
+  EXPECT_NEAR(rest.height, 0.13, 1e-4);
+}
+
+TEST(GapField, SphereSitsOnThreeSpheres) {
+  // Four equal spheres in a tetrahedron: the upper one lies 2 r sqrt(2/3) above the others, touching at
+  // r / sqrt(3) from the axis.
+  const double r = 0.04, ring = 2.0 * r / std::sqrt(3.0);
+  const TopSurface cradle = surface_of([&](double x, double y) {
+    double z = -1.0;
+    for (int k = 0; k < 3; ++k) {
+      const double angle = 2.0943951023931953 * k;
+      const double dx = x - ring * std::cos(angle), dy = y - ring * std::sin(angle);
+      if (const double h = r * r - dx * dx - dy * dy; h > 0) z = std::max(z, std::sqrt(h));
+    }
+    return z;
+  });
+  GapField field;
+  lay(cradle, underside_of(make_sphere(r, 5)), 0, 0, 0.022, &field);
+  const GapRest rest = solve_rest(field, cradle, 0.2);
+  ASSERT_TRUE(rest.rests);
+  EXPECT_NEAR(rest.height, 2.0 * r * std::sqrt(2.0 / 3.0), 0.0005);
+  const GapContact contact = contact_of(field, rest, cradle, 0.0003);
+  EXPECT_NEAR(contact.margin, 0.5 * r / std::sqrt(3.0), 0.006);
+}
+
+TEST(GapField, OverhangingBoxTips) {
+  const TopSurface ledge = surface_of([](double x, double) { return x < 0.0 ? 0.3 : 0.0; });
+  GapField field;
+  const Underside box = underside_of(make_box({0.1, 0.1, 0.06}));
+  lay(ledge, box, 4, 0, 0.022, &field);  // centre of mass 16 mm beyond the edge
+  EXPECT_FALSE(solve_rest(field, ledge, 0.2).rests);
+  lay(ledge, box, -4, 0, 0.022, &field);
+  EXPECT_TRUE(solve_rest(field, ledge, 0.2).rests);
+}
+
+TEST(GapField, RestingPlaneLiesAboveEveryCellAndEnclosesTheCentre) {
+  Random random = Random::stream(7, "gap field");
+  int rested = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const double p = random.uniform(10, 40), q = random.uniform(10, 40), s = random.uniform(0, 6);
+    const double rough = random.uniform(0.001, 0.006);
+    const TopSurface top = surface_of(
+        [&](double x, double y) { return rough * (std::sin(p * x + s) + std::cos(q * y + p * x * y * 20)); });
+    GapField field;
+    lay(top, underside_of(make_sphere(0.3, 3)), 0, 0, 0.022, &field);
+    const GapRest rest = solve_rest(field, top, 0.2);
+    if (!rest.rests) continue;
+    ++rested;
+    for (std::size_t k = 0; k < field.size; ++k)
+      ASSERT_LE(
+          static_cast<double>(field.d[k]) - 2e-5,
+          rest.height + rest.a * static_cast<double>(field.x[k]) + rest.b * static_cast<double>(field.y[k]));
+    Polygon2 corners;
+    for (const int cell : rest.cells)
+      corners.emplace_back(static_cast<double>(field.x[static_cast<std::size_t>(cell)]),
+                           static_cast<double>(field.y[static_cast<std::size_t>(cell)]));
+    ASSERT_GE(margin(convex_hull(corners), Eigen::Vector2d(0, 0)), -1e-9);
+  }
+  EXPECT_GT(rested, 100);
+}
+
+}  // namespace
+}  // namespace stonestack
