@@ -5,9 +5,10 @@
 
 namespace stonestack {
 
-/// Signed distance to a closed mesh, negative inside, on a grid with trilinear interpolation; exact to a
-/// fraction of the cell near the surface, and clamped to +-`band` away from it. Immutable, shared between
-/// threads.
+/// Signed distance to a closed mesh, negative inside, on a grid with trilinear interpolation, clamped to
+/// +-`band`. Exact at the nodes; between them worst at sharp edges, which it rounds (measured within 1 mm of
+/// 1000-face scans of rocks at a cell of 1.5 mm: median 5 um, worst 0.5 mm, a third of the cell). Nodes stand
+/// only within the band. Immutable, shared between threads.
 class SignedDistance {
  public:
   /// `cell` in metres; throws InvalidArgument if the mesh is not closed or the grid would exceed 64 million
@@ -19,7 +20,8 @@ class SignedDistance {
 
   /// m; `band` outside the grid.
   [[nodiscard]] double distance(const Eigen::Vector3d& p) const;
-  /// Distance and its unit gradient (outward near the surface).
+  /// Distance and its unit gradient, outward near the surface: the direction of steepest rise of the
+  /// interpolation. Zero where the distance is clamped, so flat.
   [[nodiscard]] double distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient) const;
   [[nodiscard]] double band() const;
   [[nodiscard]] const Eigen::AlignedBox3d& box() const;
