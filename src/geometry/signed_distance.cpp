@@ -143,7 +143,7 @@ SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) : gri
           " m make ", nodes, " nodes, more than ", kMostNodes);
   grid_->cell = cell;
   grid_->cells_per_metre = 1.0 / cell;
-  grid_->band = band;
+  grid_->band = static_cast<double>(static_cast<float>(band));  // what the nodes hold
   grid_->bricks = bricks.cast<int>();
   grid_->cells = grid_->bricks * kBrickCells;
   const Eigen::Vector3d half = (0.5 * cell * grid_->cells.cast<double>()).matrix();
@@ -180,19 +180,18 @@ double SignedDistance::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
       node_index(index.x() & (kBrickCells - 1), index.y() & (kBrickCells - 1), index.z() & (kBrickCells - 1));
   const float* v = grid.values.data() + offset + first;
   const Eigen::Array3f t = (at - index.cast<double>()).cast<float>();
-  const float s = 1.0F - t.x();
-  // Along x, then y, then z.
-  const float x00 = s * v[0] + t.x() * v[1];
-  const float x10 = s * v[kRow] + t.x() * v[kRow + 1];
-  const float x01 = s * v[kLayer] + t.x() * v[kLayer + 1];
-  const float x11 = s * v[kLayer + kRow] + t.x() * v[kLayer + kRow + 1];
+  // Along x, then y, then z; in this form equal corners give their very value.
+  const float d00 = v[1] - v[0];
+  const float d10 = v[kRow + 1] - v[kRow];
+  const float d01 = v[kLayer + 1] - v[kLayer];
+  const float d11 = v[kLayer + kRow + 1] - v[kLayer + kRow];
+  const float x00 = v[0] + t.x() * d00;
+  const float x10 = v[kRow] + t.x() * d10;
+  const float x01 = v[kLayer] + t.x() * d01;
+  const float x11 = v[kLayer + kRow] + t.x() * d11;
   const float y0 = x00 + t.y() * (x10 - x00);
   const float y1 = x01 + t.y() * (x11 - x01);
   if (gradient != nullptr) {
-    const float d00 = v[1] - v[0];
-    const float d10 = v[kRow + 1] - v[kRow];
-    const float d01 = v[kLayer + 1] - v[kLayer];
-    const float d11 = v[kLayer + kRow + 1] - v[kLayer + kRow];
     const float d0 = d00 + t.y() * (d10 - d00);
     const float d1 = d01 + t.y() * (d11 - d01);
     const Eigen::Vector3f slope(d0 + t.z() * (d1 - d0), x10 - x00 + t.z() * (x11 - x01 - x10 + x00), y1 - y0);
