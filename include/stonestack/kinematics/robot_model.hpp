@@ -16,23 +16,33 @@ struct LinkCapsule {
   double radius = 0.0;  ///< m
 };
 
-/// A robot with UR kinematics: six revolute joints, spherical-offset wrist. Frames as in its URDF.
+/// A robot with UR kinematics: six revolute joints, spherical-offset wrist. Frames as in its URDF, except
+/// that every joint axis is local z. The closed form works on the DH chain that was derived from it:
+/// T_R_F(q) = T_R_D * DH(q + dh_offset) * T_D6_F, standard DH with twists 90, 0, 0, 90, -90, 0 degrees.
 struct RobotModel {
   std::string name;
   double d1 = 0, a2 = 0, a3 = 0, d4 = 0, d5 = 0, d6 = 0;  ///< m, standard DH (data sheet)
-  Joints lower, upper;                                    ///< rad
+  Joints lower, upper;                                    ///< rad, within one turn either way
   Joints velocity;                                        ///< rad/s
   Joints acceleration;                                    ///< rad/s^2; not in the URDF, 1.4 by default
   std::array<Pose, 6> T_parent_joint;  ///< joint frames at zero angle, from the URDF; every axis is local z
   Pose T_6_F = Pose::Identity();       ///< flange (tool0) in link 6
-  std::vector<LinkCapsule> capsules;   ///< collision shape
-  double payload = 10.0;               ///< kg
+  Pose T_R_D = Pose::Identity();       ///< base of the DH chain (UR: half a turn about z)
+  Joints dh_offset = Joints::Zero();   ///< rad, DH angle minus joint angle (UR: zero)
+  Pose T_D6_F = Pose::Identity();      ///< flange in the last DH frame (UR: identity)
+  /// The URDF's chain departs from the DH chain by more than 1e-9 (a factory calibration): inverse solutions
+  /// are polished on the chain.
+  bool calibrated = false;
+  std::vector<LinkCapsule> capsules;  ///< collision shape
+  double payload = 10.0;              ///< kg
 };
 
-/// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. Refuses what is not a UR-like
-/// chain, and hostile files (loop, two parents, missing limits, depth bomb). Throws FileError.
+/// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. A file NAME.yaml beside it may
+/// give `payload` (kg) and `acceleration` (rad/s^2). Refuses what is not a UR-like chain from `base_link` to
+/// `tool0`, and hostile files (loop, two parents, missing limits, depth bomb). Collision shapes are
+/// cylinders and spheres (read as capsules) and boxes (covered by one). Throws FileError.
 [[nodiscard]] RobotModel read_robot(const std::string& name_or_path);
-/// Names in data/robots, sorted.
+/// Names in data/robots, sorted. The folder is $STONESTACK_DATA/robots, the source tree's or the installed.
 [[nodiscard]] std::vector<std::string> robot_names();
 
 }  // namespace stonestack

@@ -1,0 +1,28 @@
+#include "stonestack/kinematics/jacobian.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+
+Jacobian jacobian(const RobotModel& robot, const Joints& q) {
+  const auto T_R_link = link_poses(robot, q);
+  const Eigen::Vector3d p_R_F = (T_R_link[6] * robot.T_6_F).translation();
+  Jacobian J;
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Pose& T_R_i = T_R_link[i + 1];
+    const Eigen::Vector3d n_R_axis = T_R_i.linear().col(2);
+    const auto column = static_cast<Eigen::Index>(i);
+    J.block<3, 1>(0, column) = n_R_axis.cross(p_R_F - T_R_i.translation());
+    J.block<3, 1>(3, column) = n_R_axis;
+  }
+  return J;
+}
+
+double manipulability(const RobotModel& robot, const Joints& q) {
+  return std::abs(jacobian(robot, q).determinant());
+}
+
+}  // namespace stonestack

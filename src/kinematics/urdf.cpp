@@ -1,0 +1,289 @@
+#include "kinematics/urdf.hpp"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <set>
+
+#include "kinematics/xml_guard.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kTurn = 2.0 * 3.14159265358979323846;
+constexpr double kLongest = 10.0;  // m: nothing on an arm is further away or larger
+
+/// Keeps the parser's complaints, so that they reach the user in one message and stderr stays ours.
+class Complaints : public console_bridge::OutputHandler {
+ public:
+  Complaints() { console_bridge::useOutputHandler(this); }
+  Complaints(const Complaints&) = delete;
+  Complaints& operator=(const Complaints&) = delete;
+  ~Complaints() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first.empty()) first = text;
+  }
+  std::string first;
+};
+
+urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& path) {
+  static std::mutex one_at_a_time;  // the parser's message handler is one for the process
+  const std::lock_guard lock(one_at_a_time);
+  Complaints complaints;
+  urdf::ModelInterfaceSharedPtr model;
+  try {
+    model = urdf::parseURDF(text);
+  } catch (const std::exception& problem) {
+    complaints.first = problem.what();
+  }
+  if (!complaints.first.empty() || !model) {
+    const auto line = complaints.first.substr(0, complaints.first.find('\n'));
+    throw FileError(path, line.empty() ? "is not a URDF" : "is not a valid URDF: " + line,
+                    "give a URDF of a UR robot");
+  }
+  return model;
+}
+
+bool sane(double value, double largest) {
+  return std::isfinite(value) && std::abs(value) <= largest;
+}
+
+/// A URDF that was parsed, with the checks that the parser leaves out.
+class Chain {
+ public:
+  Chain(const urdf::ModelInterface& model, const std::string& path) : model_(model), path_(path) {
+    check_tree();
+    find_joints();
+  }
+
+  void fill(RobotModel& robot) const {
+    robot.name = model_.getName();
+    robot.acceleration.setConstant(1.4);
+    Pose T_link_frame = Pose::Identity();  // from the last link frame of ours to the current URDF frame
+    int count = 0;
+    add_shapes("base_link", 0, T_link_frame, robot);
+    for (const auto* joint : joints_) {
+      T_link_frame = T_link_frame * pose(joint->parent_to_joint_origin_transform, joint->name);
+      if (joint->type == urdf::Joint::REVOLUTE) {
+        const Pose T_joint_axis = axis_pose(*joint);
+        robot.T_parent_joint[static_cast<std::size_t>(count)] = T_link_frame * T_joint_axis;
+        set_limits(*joint, count, robot);
+        T_link_frame = T_joint_axis.inverse();
+        ++count;
+      }
+      add_shapes(joint->child_link_name, count, T_link_frame, robot);
+    }
+    robot.T_6_F = T_link_frame;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& problem, const std::string& remedy) const {
+    throw FileError(path_, problem, remedy);
+  }
+
+  /// One root, one parent for each link, every link reachable from the root: the parser accepts less.
+  void check_tree() const {
+    std::map<std::string, std::string> parent_joint;
+    std::map<std::string, std::vector<std::string>> children;
+    for (const auto& [name, joint] : model_.joints_) {
+      const auto [other, fresh] = parent_joint.emplace(joint->child_link_name, name);
+      if (!fresh)
+        refuse(concat("link '", joint->child_link_name, "' has two parents, by joints '", other->second,
+                      "' and '", name, "'"),
+               "keep one of them");
+      children[joint->parent_link_name].push_back(joint->child_link_name);
+    }
+    std::vector<std::string> reached;
+    for (const auto& [name, link] : model_.links_)
+      if (parent_joint.count(name) == 0) reached.push_back(name);
+    if (reached.size() != 1) refuse(concat("has ", reached.size(), " root links"), "one is wanted");
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      for (const auto& child : children[reached[i]]) reached.push_back(child);
+    if (reached.size() != model_.links_.size()) {
+      const std::set<std::string> seen(reached.begin(), reached.end());
+      for (const auto& [name, link] : model_.links_)
+        if (seen.count(name) == 0)
+          refuse(concat("link '", name, "' is not reached from the root: its joints form a loop"),
+                 "open the loop");
+    }
+    for (const auto& [name, link] : model_.links_) check_inertial(*link);
+  }
+
+  void check_inertial(const urdf::Link& link) const {
+    if (!link.inertial) return;
+    const auto& inertial = *link.inertial;
+    const auto complain = [&](const std::string& what) {
+      refuse(concat("link '", link.name, "' has ", what), "correct its <inertial>");
+    };
+    if (!sane(inertial.mass, 1e4) || inertial.mass < 0) complain(concat("mass ", inertial.mass, " kg"));
+    const double diagonal[] = {inertial.ixx, inertial.iyy, inertial.izz};
+    for (const double value : diagonal)
+      if (!sane(value, 1e6) || value < 0) complain(concat("a moment of inertia of ", value, " kg m^2"));
+    for (const double value : {inertial.ixy, inertial.ixz, inertial.iyz})
+      if (!sane(value, 1e6)) complain(concat("a product of inertia of ", value, " kg m^2"));
+    (void)pose(inertial.origin, link.name);
+  }
+
+  /// Joints from base_link to tool0. All movable joints of the file must be among them.
+  void find_joints() {
+    for (const char* name : {"base_link", "tool0"})
+      if (!model_.getLink(name))
+        refuse(concat("has no link '", name, "'"), "name the base 'base_link' and the flange 'tool0'");
+    for (auto link = model_.getLink("tool0"); link->name != "base_link"; link = link->getParent()) {
+      if (!link->parent_joint || !link->getParent())
+        refuse("has no chain from 'base_link' to 'tool0'", "join them by joints");
+      joints_.push_back(link->parent_joint.get());
+    }
+    std::reverse(joints_.begin(), joints_.end());
+    const auto movable = [](const urdf::Joint& joint) { return joint.type != urdf::Joint::FIXED; };
+    const auto in_chain = std::count_if(joints_.begin(), joints_.end(), [&](auto* j) { return movable(*j); });
+    const auto in_file = std::count_if(model_.joints_.begin(), model_.joints_.end(),
+                                       [&](const auto& entry) { return movable(*entry.second); });
+    if (in_chain != 6 || in_file != 6)
+      refuse(concat("has ", in_file, " movable joints, ", in_chain, " of them between base_link and tool0"),
+             "a UR arm has six; describe the gripper elsewhere");
+    for (const auto* joint : joints_)
+      if (movable(*joint) && joint->type != urdf::Joint::REVOLUTE)
+        refuse(concat("joint '", joint->name, "' is not of type revolute"),
+               "make it revolute, with limits (a joint without end: one turn either way)");
+  }
+
+  [[nodiscard]] Pose pose(const urdf::Pose& from, const std::string& where) const {
+    const auto& p = from.position;
+    const auto& r = from.rotation;
+    if (!sane(p.x, kLongest) || !sane(p.y, kLongest) || !sane(p.z, kLongest))
+      refuse(concat("'", where, "' has an origin at (", p.x, ", ", p.y, ", ", p.z, ") m"),
+             concat("distances are finite and at most ", kLongest, " m"));
+    const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
+    if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 1e-6)
+      refuse(concat("'", where, "' has no valid rotation"), "give finite roll, pitch and yaw");
+    Pose T = Pose::Identity();
+    T.linear() = q.normalized().toRotationMatrix();
+    T.translation() = Eigen::Vector3d(p.x, p.y, p.z);
+    return T;
+  }
+
+  /// A frame whose z is the joint's axis.
+  [[nodiscard]] Pose axis_pose(const urdf::Joint& joint) const {
+    const Eigen::Vector3d axis(joint.axis.x, joint.axis.y, joint.axis.z);
+    if (!axis.allFinite() || std::abs(axis.norm() - 1.0) > 1e-3)
+      refuse(concat("joint '", joint.name, "' has the axis (", axis.transpose(), ")"), "give a unit vector");
+    Pose T = Pose::Identity();
+    T.linear() =
+        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis.normalized()).toRotationMatrix();
+    return T;
+  }
+
+  void set_limits(const urdf::Joint& joint, int index, RobotModel& robot) const {
+    const auto complain = [&](const std::string& what) {
+      refuse(concat("joint '", joint.name, "' ", what), "give <limit lower upper velocity effort>");
+    };
+    if (!joint.limits) complain("has no limits");
+    const auto& limit = *joint.limits;
+    if (!std::isfinite(limit.lower) || !std::isfinite(limit.upper) || !(limit.lower < limit.upper))
+      complain(concat("has the limits ", limit.lower, " to ", limit.upper, " rad"));
+    if (!sane(limit.velocity, 1e3) || limit.velocity <= 0)
+      complain(concat("has the velocity limit ", limit.velocity, " rad/s"));
+    if (!sane(limit.effort, 1e6) || limit.effort < 0)
+      complain(concat("has the effort ", limit.effort, " Nm"));
+    robot.lower[index] = std::max(limit.lower, -kTurn);
+    robot.upper[index] = std::min(limit.upper, kTurn);
+    if (!(robot.lower[index] < robot.upper[index]))
+      complain(concat("has limits beyond one turn: ", limit.lower, " to ", limit.upper, " rad"));
+    robot.velocity[index] = limit.velocity;
+  }
+
+  /// Collision shapes of a link and of what is fixed to it off the chain.
+  void add_shapes(const std::string& name, int index, const Pose& T_link_frame, RobotModel& robot) const {
+    const auto link = model_.getLink(name);
+    for (const auto& collision : link->collision_array) {
+      if (!collision || !collision->geometry) continue;
+      auto capsule = covering(*collision->geometry, name);
+      const Pose T = T_link_frame * pose(collision->origin, name);
+      capsule.link = index;
+      capsule.a = T * capsule.a;
+      capsule.b = T * capsule.b;
+      robot.capsules.push_back(capsule);
+    }
+    for (const auto& joint : link->child_joints)
+      if (std::find(joints_.begin(), joints_.end(), joint.get()) == joints_.end())
+        add_shapes(joint->child_link_name, index,
+                   T_link_frame * pose(joint->parent_to_joint_origin_transform, joint->name), robot);
+  }
+
+  /// The smallest capsule along the shape's longest axis that holds it.
+  [[nodiscard]] LinkCapsule covering(const urdf::Geometry& geometry, const std::string& name) const {
+    LinkCapsule capsule;
+    capsule.a = capsule.b = Eigen::Vector3d::Zero();
+    const auto check = [&](double size) {
+      if (!sane(size, kLongest) || size < 0)
+        refuse(concat("link '", name, "' has a collision shape of size ", size, " m"),
+               concat("sizes are from 0 to ", kLongest, " m"));
+    };
+    if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
+      check(capsule.radius = sphere->radius);
+    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
+      check(capsule.radius = cylinder->radius);
+      check(cylinder->length);
+      capsule.b.z() = 0.5 * cylinder->length;
+      capsule.a.z() = -capsule.b.z();
+    } else if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
+      Eigen::Vector3d half = 0.5 * Eigen::Vector3d(box->dim.x, box->dim.y, box->dim.z);
+      for (const double side : half) check(2.0 * side);
+      Eigen::Index longest = 0;
+      (void)half.maxCoeff(&longest);
+      capsule.b[longest] = half[longest];
+      capsule.a = -capsule.b;
+      half[longest] = 0.0;
+      capsule.radius = half.norm();
+    } else {
+      refuse(concat("link '", name, "' has a mesh as collision shape"),
+             "use cylinders and spheres, as in data/robots/ur10.urdf (visual meshes are left alone)");
+    }
+    return capsule;
+  }
+
+  const urdf::ModelInterface& model_;
+  const std::string& path_;
+  std::vector<const urdf::Joint*> joints_;
+};
+
+/// Drops capsules that lie in another one of the same link: the spheres at a cylinder's ends.
+void drop_contained(std::vector<LinkCapsule>& capsules) {
+  const auto inside = [](const Eigen::Vector3d& p, double radius, const LinkCapsule& c) {
+    const Eigen::Vector3d along = c.b - c.a;
+    const double length2 = along.squaredNorm();
+    const double t = length2 > 0 ? std::clamp((p - c.a).dot(along) / length2, 0.0, 1.0) : 0.0;
+    return (p - c.a - t * along).norm() + radius <= c.radius + 1e-9;
+  };
+  for (std::size_t i = capsules.size(); i-- > 0;) {
+    const auto small = capsules[i];
+    for (std::size_t j = 0; j < capsules.size(); ++j) {
+      if (i == j || small.link != capsules[j].link) continue;
+      if (inside(small.a, small.radius, capsules[j]) && inside(small.b, small.radius, capsules[j])) {
+        capsules.erase(capsules.begin() + static_cast<std::ptrdiff_t>(i));
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+RobotModel parse_urdf(const std::string& text, const std::string& path) {
+  guard_xml(text, path);
+  const auto model = parse(text, path);
+  RobotModel robot;
+  Chain(*model, path).fill(robot);
+  drop_contained(robot.capsules);
+  if (robot.capsules.empty())
+    throw FileError(path, "has no collision shape", "give each link cylinders or spheres");
+  return robot;
+}
+
+}  // namespace stonestack
