@@ -1,0 +1,90 @@
+// Prints, for every robot: inverse solutions recovered, worst residual, processor time a call.
+//   bench_kinematics [poses, default 100000] [seed, default 1]
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+
+namespace {
+
+using namespace stonestack;
+
+/// Processor time of this process, s: other work on the machine does not count.
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+struct Problem {
+  Joints q;
+  Pose T_R_F;
+};
+
+std::vector<Problem> random_problems(const RobotModel& robot, std::size_t count, std::uint64_t seed) {
+  Random random = Random::stream(seed, robot.name);
+  std::vector<Problem> problems(count);
+  for (auto& [q, T_R_F] : problems) {
+    for (Eigen::Index i = 0; i < 6; ++i) q[i] = random.uniform(robot.lower[i], robot.upper[i]);
+    T_R_F = forward(robot, q);
+  }
+  return problems;
+}
+
+void bench(const std::string& name, std::size_t count, std::uint64_t seed) {
+  const RobotModel robot = read_robot(name);
+  const auto problems = random_problems(robot, count, seed);
+  std::size_t recovered = 0, solutions = 0;
+  double worst = 0.0;
+  for (const auto& [q, T_R_F] : problems) {
+    const IkBranches found = inverse_branches(robot, T_R_F, q);
+    bool same = false;
+    for (int i = 0; i < found.count; ++i) {
+      const Joints& s = found.solutions[static_cast<std::size_t>(i)].q;
+      const double off = (forward(robot, s).matrix() - T_R_F.matrix()).cwiseAbs().maxCoeff();
+      worst = std::max(worst, off == off ? off : 1e9);
+      same = same || (s - q).cwiseAbs().maxCoeff() < 1e-5;
+    }
+    recovered += same ? 1 : 0;
+    solutions += static_cast<std::size_t>(found.count);
+    throw_if_interrupted();
+  }
+  const double branches_start = processor_seconds();
+  int kept = 0;
+  for (const auto& [q, T_R_F] : problems) kept += inverse_branches(robot, T_R_F, q).count;
+  const double branches_seconds = processor_seconds() - branches_start;
+  const double all_start = processor_seconds();
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < count; i += 10) all += inverse(robot, problems[i].T_R_F, problems[i].q).size();
+  const double all_seconds = processor_seconds() - all_start;
+  const double forward_start = processor_seconds();
+  double sum = 0.0;
+  for (const auto& [q, T_R_F] : problems) sum += forward(robot, q).translation().x();
+  const double forward_seconds = processor_seconds() - forward_start;
+  const auto n = static_cast<double>(count);
+  std::printf("%-6s recovered %zu of %zu, %.2f branches a pose, residual <= %.1e; us a call: branches %.2f, ",
+              name.c_str(), recovered, count, static_cast<double>(solutions) / n, worst,
+              1e6 * branches_seconds / n);
+  std::printf("with every turn %.1f (%.0f solutions), forward %.2f%s\n", 1e7 * all_seconds / n,
+              10.0 * static_cast<double>(all) / n, 1e6 * forward_seconds / n, sum + kept < -1e300 ? "!" : "");
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  try {
+    const long poses = count > 1 ? std::atol(arguments[1]) : 100000;
+    const long seed = count > 2 ? std::atol(arguments[2]) : 1;
+    require(poses > 0, "the number of poses must be positive, got ", poses);
+    for (const auto& name : robot_names())
+      bench(name, static_cast<std::size_t>(poses), static_cast<std::uint64_t>(seed));
+    return 0;
+  } catch (const Error& problem) {
+    std::fprintf(stderr, "%s\n", problem.what());
+    return static_cast<int>(problem.exit_code());
+  }
+}
