@@ -1,0 +1,291 @@
+#include "stonestack/motion/grasp.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "motion/grasp_wrench.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kNothing = -1e300;
+constexpr int kEqualiseRounds = 4;
+
+/// Directions spread evenly over the sphere (golden spiral).
+std::vector<Eigen::Vector3d> sphere_directions(int count) {
+  std::vector<Eigen::Vector3d> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
+  }
+  return directions;
+}
+
+/// The stone's surface, once per stone, and what never changes between samples.
+struct Sampler {
+  const Stone& stone;
+  const GripperModel& gripper;
+  const GraspOptions& options;
+  std::vector<SurfaceSample> surface;
+  double palm_front = 0.0;  ///< m, z of the palm's front in T (negative)
+  GraspSet set{};
+};
+
+/// What one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
+struct Strip {
+  static constexpr int kSlices = 160;
+  static constexpr double kPerMetre = 250.0;  ///< slices of 4 mm
+  double y = 0.0;                             ///< m, middle of the finger
+  double side = 1.0;                          ///< finger at +x or -x
+  std::array<double, kSlices> highest;
+
+  static int slice(double z) {
+    return std::clamp(static_cast<int>(z * kPerMetre + kSlices / 2), 0, kSlices - 1);
+  }
+  void add(double height, double z) {
+    double& h = highest[static_cast<std::size_t>(slice(z))];
+    h = std::max(h, height);
+  }
+  /// Highest point with z between about `low` and `high`; kNothing if there is none.
+  [[nodiscard]] double height(double low, double high) const {
+    double h = kNothing;
+    for (int i = slice(low + 0.5 / kPerMetre); i <= slice(high - 0.5 / kPerMetre); ++i)
+      h = std::max(h, highest[static_cast<std::size_t>(i)]);
+    return h;
+  }
+};
+
+/// The surface from the hand's side: points about the centre of mass in T's axes.
+struct View {
+  Eigen::Matrix3d R_O_T;
+  std::vector<Eigen::Vector3d> p_T;
+  double back = 0.0;  ///< m, z of the point nearest to the palm
+};
+
+View look(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
+  View view{R_O_T, std::vector<Eigen::Vector3d>(s.surface.size()), 0.0};
+  const Eigen::Matrix3d R_T_O = R_O_T.transpose();
+  for (std::size_t i = 0; i < view.p_T.size(); ++i) {
+    view.p_T[i] = R_T_O * (s.surface[i].point - s.stone.mass.p_O_M);
+    view.back = std::min(view.back, view.p_T[i].z());
+  }
+  return view;
+}
+
+/// What fingers A, B and C can meet with the hand shifted by `y`.
+std::array<Strip, 3> cut_strips(const Sampler& s, const View& view, double y) {
+  const double half_spacing = s.gripper.finger_spacing / 2, half_width = s.gripper.finger_width / 2;
+  std::array<Strip, 3> strips;
+  for (std::size_t f = 0; f < 3; ++f) {
+    strips[f].y = y + std::array{0.0, half_spacing, -half_spacing}[f];
+    strips[f].side = f == 0 ? 1.0 : -1.0;
+    strips[f].highest.fill(kNothing);
+    for (const Eigen::Vector3d& p : view.p_T)
+      if (std::abs(p.y() - strips[f].y) <= half_width) strips[f].add(strips[f].side * p.x(), p.z());
+  }
+  return strips;
+}
+
+/// Where the pad of one finger stops when the finger tips are at `tip`.
+double pad_height(const Sampler& s, const Strip& strip, double tip) {
+  return strip.height(tip - s.gripper.pad_length, tip);
+}
+
+/// What a pad touches, in O.
+struct Touch {
+  double height = kNothing;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
+};
+
+Touch touched(const Sampler& s, const View& view, const Strip& strip, double tip) {
+  Touch touch;
+  touch.height = pad_height(s, strip, tip);
+  double area = 0.0;
+  for (std::size_t i = 0; i < view.p_T.size(); ++i) {
+    const Eigen::Vector3d& p = view.p_T[i];
+    if (std::abs(p.y() - strip.y) > s.gripper.finger_width / 2 || p.z() > tip ||
+        p.z() < tip - s.gripper.pad_length || strip.side * p.x() < touch.height - s.options.pad_softness)
+      continue;
+    touch.p += s.surface[i].area * s.surface[i].point;
+    touch.n += s.surface[i].area * s.surface[i].normal;
+    area += s.surface[i].area;
+  }
+  if (area <= 0.0 || touch.n.norm() < 1e-12) return {};
+  touch.p /= area;
+  touch.n.normalize();
+  return touch;
+}
+
+double score(const Sampler& s, const Grasp& grasp, const std::array<Touch, 3>& touch) {
+  const Eigen::Vector3d x = grasp.T_O_T.linear().col(0);
+  const double aligned =
+      (touch[0].n.dot(x) - 0.5 * touch[1].n.dot(x) - 0.5 * touch[2].n.dot(x)) / 2;  // 1: all along x
+  const double equal = 1.0 - std::abs(touch[1].height - touch[2].height) / s.options.unequal;
+  const Eigen::Vector3d pinch = 0.5 * touch[0].p + 0.25 * (touch[1].p + touch[2].p);
+  const double centred = std::exp(-(pinch - s.stone.mass.p_O_M).norm() / 0.03);
+  const double force = *std::max_element(grasp.force_per_weight.begin(), grasp.force_per_weight.end());
+  return 0.4 * std::clamp(2 * aligned - 1, 0.0, 1.0) + 0.2 * equal + 0.2 * centred +
+         0.2 / std::max(1.0, force);
+}
+
+GraspContacts contacts_in_T(const Sampler& s, const Grasp& grasp) {
+  const Pose T_T_O = grasp.T_O_T.inverse();
+  GraspContacts contacts;
+  contacts.p_T_M = T_T_O * s.stone.mass.p_O_M;
+  for (std::size_t i = 0; i < 3; ++i) {
+    contacts.p_T[i] = T_T_O * grasp.p_O_contact[i];
+    contacts.n_T[i] = T_T_O.linear() * grasp.n_O_contact[i];
+  }
+  return contacts;
+}
+
+/// The contacts have been found: is it a grasp? Adds it, or counts what refused it.
+void judge(Sampler& s, Grasp grasp, const std::array<Touch, 3>& touch) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    grasp.p_O_contact[i] = touch[i].p;
+    grasp.n_O_contact[i] = touch[i].n;
+  }
+  const GraspContacts contacts = contacts_in_T(s, grasp);
+  if (contacts.n_T[0].x() < 0.7 || contacts.n_T[1].x() > -0.5 || contacts.n_T[2].x() > -0.5 ||
+      !squeeze_holds(contacts, s.options.friction_share * s.gripper.friction)) {
+    ++s.set.slips;
+    return;
+  }
+  const auto force = force_per_weight(contacts, s.gripper.friction);
+  if (!force) {
+    ++s.set.slips;
+    return;
+  }
+  grasp.force_per_weight = *force;
+  const double least = *std::min_element(force->begin(), force->end());
+  if (s.options.force_factor * least * s.stone.mass.mass * kGravity > s.gripper.force) {
+    ++s.set.too_heavy;
+    return;
+  }
+  grasp.score = score(s, grasp, touch);
+  s.set.grasps.push_back(grasp);
+}
+
+/// One orientation, sideways shift and depth.
+void try_grasp(Sampler& s, const View& view, const std::array<Strip, 3>& strips, double y, double tip) {
+  ++s.set.tried;
+  std::array<double, 3> height{};
+  for (std::size_t i = 0; i < 3; ++i) height[i] = pad_height(s, strips[i], tip);
+  if (std::min({height[0], height[1], height[2]}) == kNothing ||
+      std::abs(height[1] - height[2]) > s.options.unequal) {
+    ++s.set.no_contact;
+    return;
+  }
+  const double left = height[0], right = -std::max(height[1], height[2]);
+  Grasp grasp;
+  grasp.opening = left - right;
+  grasp.pre_opening = std::min(s.gripper.largest_opening, grasp.opening + 2 * s.options.finger_clearance);
+  if (s.set.narrowest == 0.0 || grasp.opening < s.set.narrowest) s.set.narrowest = grasp.opening;
+  const double widest = s.gripper.largest_opening - s.options.finger_clearance;
+  if (grasp.opening < s.gripper.smallest_object || grasp.opening > widest) {
+    ++s.set.too_wide;
+    return;
+  }
+  bool in_stone = view.back < tip + s.palm_front + s.options.palm_clearance;
+  for (std::size_t i = 0; i < 3; ++i)
+    in_stone |= strips[i].height(view.back, tip - s.gripper.pad_length) > height[i] + s.options.pad_softness;
+  if (in_stone) {
+    ++s.set.hand_in_stone;
+    return;
+  }
+  grasp.T_O_T.linear() = view.R_O_T;
+  grasp.T_O_T.translation() = s.stone.mass.p_O_M + view.R_O_T * Eigen::Vector3d(0.5 * (left + right), y, tip);
+  std::array<Touch, 3> touch;
+  for (std::size_t i = 0; i < 3; ++i) touch[i] = touched(s, view, strips[i], tip);
+  judge(s, grasp, touch);
+}
+
+double tip_depth(const GraspOptions& o, int step) {
+  const double share = o.depths > 1 ? static_cast<double>(step) / (o.depths - 1) : 0.5;
+  return o.shallowest + share * (o.deepest - o.shallowest);
+}
+
+/// Turns the hand about its approach until B and C meet the stone together, by at most half a yaw step.
+Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
+  const double most = std::numbers::pi / s.options.yaws;
+  double turned = 0.0;
+  for (int round = 0; round < kEqualiseRounds; ++round) {
+    const std::array<Strip, 3> strips = cut_strips(s, look(s, R_O_T), 0.0);
+    const double tip = tip_depth(s.options, s.options.depths / 2);
+    const double b = pad_height(s, strips[1], tip), c = pad_height(s, strips[2], tip);
+    if (b == kNothing || c == kNothing) break;
+    const double angle =
+        std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -most, most) - turned;
+    if (std::abs(angle) < 0.005) break;
+    turned += angle;
+    R_O_T = R_O_T * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  }
+  return R_O_T;
+}
+
+/// All depths of one orientation, and sideways shifts where the middle gives nothing.
+void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
+  const View view = look(s, R_O_T);
+  const std::size_t before = s.set.grasps.size();
+  for (const double y : {0.0, -s.options.sideways, s.options.sideways}) {
+    if (y != 0.0 && s.set.grasps.size() > before) break;
+    const std::array<Strip, 3> strips = cut_strips(s, view, y);
+    for (int d = 0; d < s.options.depths; ++d) try_grasp(s, view, strips, y, tip_depth(s.options, d));
+  }
+}
+
+}  // namespace
+
+FieldList fields(GraspOptions& o) {
+  return {field("directions", o.directions, {8, 5000}, "", "measured: bench motion"),
+          field("yaws", o.yaws, {2, 360}, "", "measured: bench motion"),
+          field("spacing", o.spacing, {0.0005, 0.05}, "m", "ours"),
+          field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "ours"),
+          field("deepest", o.deepest, {-0.05, 0.1}, "m", "ours"),
+          field("depths", o.depths, {1, 50}, "", "ours"),
+          field("sideways", o.sideways, {0, 0.05}, "m", "ours"),
+          field("pad_softness", o.pad_softness, {1e-5, 0.01}, "m", "ours"),
+          field("unequal", o.unequal, {1e-4, 0.05}, "m", "ours"),
+          field("finger_clearance", o.finger_clearance, {0, 0.05}, "m", "ours"),
+          field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "ours"),
+          field("friction_share", o.friction_share, {0.05, 1}, "", "ours"),
+          field("force_factor", o.force_factor, {1, 10}, "", "facts/robot.md: holds with a factor 2")};
+}
+
+double holding_force(const Grasp& grasp, double weight, const Eigen::Vector3d& n_T_down) {
+  double force = 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+    force += std::abs(n_T_down[axis]) *
+             grasp.force_per_weight[static_cast<std::size_t>(2 * axis + (n_T_down[axis] < 0 ? 1 : 0))];
+  return weight * force;
+}
+
+GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper, const GraspOptions& options) {
+  require(!stone.scan.faces.empty() && stone.mass.mass > 0, "stone ", stone.name,
+          " cannot be grasped without a scan and a mass; it has ", stone.scan.faces.size(), " faces and ",
+          stone.mass.mass, " kg");
+  Sampler s{stone, gripper, options, sample_surface(stone.scan, options.spacing)};
+  s.palm_front = -1e300;
+  for (const GripperBox& box : gripper.boxes)
+    if (box.finger_side == 0.0) s.palm_front = std::max(s.palm_front, box.p_T_centre.z() + box.size.z() / 2);
+  for (const Eigen::Vector3d& z : sphere_directions(options.directions)) {
+    throw_if_interrupted();
+    const Eigen::Vector3d across = z.unitOrthogonal();
+    for (int i = 0; i < options.yaws; ++i) {
+      Eigen::Matrix3d R_O_T;
+      R_O_T.col(0) = Eigen::AngleAxisd(2 * std::numbers::pi * i / options.yaws, z) * across;
+      R_O_T.col(2) = z;
+      R_O_T.col(1) = z.cross(R_O_T.col(0));
+      try_orientation(s, equalised(s, R_O_T));
+    }
+  }
+  std::stable_sort(s.set.grasps.begin(), s.set.grasps.end(),
+                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+  return std::move(s.set);
+}
+
+}  // namespace stonestack

@@ -1,0 +1,24 @@
+#pragma once
+#include <array>
+#include <optional>
+
+#include "stonestack/motion/grasp.hpp"
+
+namespace stonestack {
+
+/// Three contacts in frame T, torques about the stone's centre of mass.
+struct GraspContacts {
+  std::array<Eigen::Vector3d, 3> p_T;  ///< A, B, C
+  std::array<Eigen::Vector3d, 3> n_T;  ///< outward from the stone
+  Eigen::Vector3d p_T_M = Eigen::Vector3d::Zero();
+};
+
+/// True if the fingers can squeeze along x with all forces inside cones of `friction` and nothing moves.
+[[nodiscard]] bool squeeze_holds(const GraspContacts& contacts, double friction);
+
+/// Force at finger A per N of weight along +x, -x, +y, -y, +z, -z of T; empty if some direction cannot be
+/// held.
+[[nodiscard]] std::optional<std::array<double, 6>> force_per_weight(const GraspContacts& contacts,
+                                                                    double friction);
+
+}  // namespace stonestack

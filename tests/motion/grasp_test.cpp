@@ -1,0 +1,145 @@
+#include "stonestack/motion/grasp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "motion/grasp_wrench.hpp"
+#include "motion/nonnegative_least_squares.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack {
+namespace {
+
+Stone box_stone(const Eigen::Vector3d& size, double density = 2600.0) {
+  Stone stone;
+  stone.name = "box";
+  stone.scan = stone.mesh = make_box(size);
+  stone.mass = mass_properties(stone.scan, density);
+  return stone;
+}
+
+GraspOptions few() {
+  GraspOptions options;
+  options.directions = 60;
+  return options;
+}
+
+const GripperModel kGripper = make_robotiq_3f();
+
+TEST(Grasp, OnABoxEveryGraspIsAntipodal) {
+  const Eigen::Vector3d size(0.12, 0.09, 0.06);
+  const GraspSet set = grasp_candidates(box_stone(size), kGripper, few());
+  ASSERT_GT(set.grasps.size(), 20u);
+  for (const Grasp& grasp : set.grasps) {
+    const Eigen::Vector3d x = grasp.T_O_T.linear().col(0);
+    EXPECT_GT(grasp.n_O_contact[0].dot(x), 0.7);
+    EXPECT_LT((grasp.n_O_contact[1] + grasp.n_O_contact[2]).dot(x) / 2, -0.7);
+    for (const Eigen::Vector3d& p : grasp.p_O_contact)
+      EXPECT_LT((p.cwiseAbs() - size / 2).maxCoeff(), 1e-9) << "contact off the box";
+    EXPECT_GT(grasp.opening, size.minCoeff() - 1e-6);
+    EXPECT_LT(grasp.opening, kGripper.largest_opening);
+    EXPECT_GE(grasp.pre_opening, grasp.opening);
+  }
+}
+
+TEST(Grasp, HandStaysOutOfTheStone) {
+  const Stone stone = box_stone({0.14, 0.10, 0.07});
+  for (const Grasp& grasp : grasp_candidates(stone, kGripper, few()).grasps) {
+    const Pose T_T_O = grasp.T_O_T.inverse();
+    for (const SurfaceSample& sample : sample_surface(stone.scan, 0.004)) {
+      const Eigen::Vector3d p = T_T_O * sample.point;
+      for (const GripperBox& box : kGripper.boxes) {
+        const Eigen::Vector3d shift(box.finger_side * grasp.opening / 2, 0, 0);
+        const Eigen::Vector3d inside =
+            box.size / 2 - (p - box.p_T_centre - shift).cwiseAbs();  // all positive: p is in the box
+        EXPECT_LT(inside.minCoeff(), 0.006) << p.transpose();
+      }
+    }
+  }
+}
+
+TEST(Grasp, TooWideAndTooHeavyAreCounted) {
+  const GraspSet wide = grasp_candidates(box_stone({0.25, 0.25, 0.25}), kGripper, few());
+  EXPECT_TRUE(wide.grasps.empty());
+  EXPECT_GT(wide.too_wide, 0);
+  EXPECT_NEAR(wide.narrowest, 0.25, 0.02);
+  const GraspSet heavy = grasp_candidates(box_stone({0.12, 0.09, 0.06}, 20000.0), kGripper, few());
+  EXPECT_TRUE(heavy.grasps.empty());
+  EXPECT_GT(heavy.too_heavy, 0);
+}
+
+TEST(Grasp, NeedsBothFingersBAndC) {
+  const GraspSet set = grasp_candidates(box_stone({0.022, 0.022, 0.022}), kGripper, few());
+  EXPECT_TRUE(set.grasps.empty());
+  EXPECT_GT(set.no_contact, 0);
+}
+
+TEST(Grasp, SameStoneSameGrasps) {
+  const Stone stone = box_stone({0.12, 0.09, 0.06});
+  const GraspSet a = grasp_candidates(stone, kGripper, few());
+  const auto b = cached_grasps(stone, kGripper, few());
+  ASSERT_EQ(a.grasps.size(), b->grasps.size());
+  for (std::size_t i = 0; i < a.grasps.size(); ++i)
+    EXPECT_EQ(a.grasps[i].T_O_T.matrix(), b->grasps[i].T_O_T.matrix());
+  EXPECT_EQ(b, cached_grasps(stone, kGripper, few()));
+  GraspOptions other = few();
+  other.yaws = 8;
+  EXPECT_NE(b, cached_grasps(stone, kGripper, other));
+}
+
+TEST(Grasp, StoneWithoutMassIsRefused) {
+  Stone stone = box_stone({0.1, 0.1, 0.1});
+  stone.mass.mass = 0.0;
+  EXPECT_THROW((void)grasp_candidates(stone, kGripper), InvalidArgument);
+}
+
+GraspContacts pinch(double tilt) {
+  GraspContacts contacts;
+  contacts.p_T = {Eigen::Vector3d(0.04, 0, 0), Eigen::Vector3d(-0.04, 0.03, 0),
+                  Eigen::Vector3d(-0.04, -0.03, 0)};
+  contacts.n_T = {Eigen::Vector3d(std::cos(tilt), 0, std::sin(tilt)), -Eigen::Vector3d::UnitX(),
+                  -Eigen::Vector3d::UnitX()};
+  return contacts;
+}
+
+TEST(GraspWrench, SqueezeHoldsUpToTheFrictionAngle) {
+  // All forces lie in the plane z = 0 through the contacts, so A's face may tilt by atan(0.5) = 0.464.
+  EXPECT_TRUE(squeeze_holds(pinch(0.0), 0.5));
+  EXPECT_TRUE(squeeze_holds(pinch(0.38), 0.5));
+  EXPECT_FALSE(squeeze_holds(pinch(0.50), 0.5));
+  EXPECT_FALSE(squeeze_holds(pinch(0.2), 0.05));
+}
+
+TEST(GraspWrench, CentredPinchCarriesByFriction) {
+  const auto force = force_per_weight(pinch(0.0), 0.5);
+  ASSERT_TRUE(force.has_value());
+  // Across the closing axis both sides carry mu N each: N = w / (2 mu) = w. Pyramids lose up to 1 - cos 30
+  // deg.
+  for (const std::size_t d : {2u, 3u, 4u, 5u}) EXPECT_NEAR((*force)[d], 1.0, 0.16) << d;
+  Grasp grasp;
+  grasp.force_per_weight = {1, 2, 3, 4, 5, 6};
+  EXPECT_DOUBLE_EQ(holding_force(grasp, 10.0, {0, 0, -1}), 60.0);
+  EXPECT_DOUBLE_EQ(holding_force(grasp, 10.0, {0.6, 0.8, 0}), 10 * (0.6 + 0.8 * 3));
+}
+
+TEST(NonnegativeLeastSquares, MatchesTheOptimalityConditions) {
+  for (std::uint64_t trial = 0; trial < 300; ++trial) {
+    Random random = Random::stream(5, trial);
+    Eigen::MatrixXd A(6, 18);
+    Eigen::VectorXd b(6);
+    for (Eigen::Index i = 0; i < A.size(); ++i) A.data()[i] = random.normal();
+    for (Eigen::Index i = 0; i < 6; ++i) b[i] = random.normal();
+    const Eigen::VectorXd x = nonnegative_least_squares(A, b, 1e-5);
+    const Eigen::VectorXd gradient = A.transpose() * (A * x - b) + 1e-5 * x;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      EXPECT_GE(x[i], 0.0);
+      EXPECT_GE(gradient[i], -1e-7);
+      EXPECT_LT(std::abs(gradient[i] * x[i]), 1e-7);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stonestack
