@@ -15,17 +15,22 @@ struct ShapeOptions {
   double spacing = 0.003;  ///< m, between surface samples
 };
 
-/// What physics needs of a stone: signed distance and surface samples of the full scan, mass. Contact is
-/// samples of one stone against the signed distance of the other, both ways, so concave stones touch as they
-/// are (no convex pieces). Immutable; shared between worlds and threads.
+struct SurfaceFeatures;  // private: vertices, convex edges and faces, arranged for contact
+
+/// What physics needs of a stone: the full scan's surface and mass. Contact is between the features of the
+/// scans (vertex on face, edge on edge), so concave stones touch exactly as they are (no convex pieces, no
+/// margin); signed distance and samples serve where nearness is asked for. Immutable; shared between worlds
+/// and threads.
 struct ContactShape {
   std::string name;
   SignedDistance distance;
-  std::vector<SurfaceSample> samples;  ///< in O
-  MassProperties mass;                 ///< in O
-  double radius = 0.0;                 ///< m, of the bounding sphere about the centre of mass
-  Mesh scan;                           ///< full resolution, in O: what heightmaps are made from
+  std::vector<SurfaceSample> samples;               ///< in O
+  MassProperties mass;                              ///< in O
+  double radius = 0.0;                              ///< m, of the bounding sphere about the centre of mass
+  Mesh scan;                                        ///< full resolution, in O: what heightmaps are made from
+  std::shared_ptr<const SurfaceFeatures> features;  ///< of `scan`
 };
+/// Throws InvalidArgument if the scan is not closed or the mass is not possible.
 [[nodiscard]] std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan,
                                                                      const MassProperties& mass,
                                                                      const std::string& name,

@@ -15,7 +15,7 @@ namespace stonestack {
 struct WorldOptions {
   double friction = 0.1;        ///< stone on stone and stone on table, unless given for a pair
   double step = 1.0 / 240.0;    ///< s
-  int iterations = 50;          ///< of the solver; 200 for a verdict
+  int iterations = 50;          ///< of the solver, at most; 200 for a verdict
   double gravity = 9.81;        ///< m/s^2
   double contact_gap = 0.0005;  ///< m, contacts further apart do not count
   double linear_damping = 0.0;
@@ -29,8 +29,10 @@ struct Twist {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< rad/s
 };
 
-/// Stones and boxes on a table (z = 0) in Bullet. Cheap to make (small pools); make one per trial: a reused
-/// world is not bit-identical. Not thread-safe; one per thread. Poses are of frame O.
+/// Stones and boxes on a table (z = 0) in Bullet. Contact is exact: vertices on faces and edges on edges of
+/// the scans as they are, concave or not, without margins; friction cones are round. Cheap to make (small
+/// pools); make one per trial: a reused world is not bit-identical. Not thread-safe; one per thread. Poses
+/// are of frame O.
 class World {
  public:
   explicit World(const WorldOptions& options = {});
@@ -56,7 +58,11 @@ class World {
   void apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque = Eigen::Vector3d::Zero());
   void set_gravity(const Eigen::Vector3d& g_W);
 
+  /// One step of `options().step`.
   void step();
+  /// One step of another length, s. Impulses are carried over, so step lengths may change at any time.
+  void step(double dt);
+  /// As many steps of `options().step` as fit into `seconds`, at least one.
   void run(double seconds);
 
   [[nodiscard]] int bodies() const;
@@ -64,7 +70,8 @@ class World {
   [[nodiscard]] Twist twist(int body) const;
   /// J, translation and rotation.
   [[nodiscard]] double kinetic_energy(int body) const;
-  /// Contacts of the last step with gap at most `contact_gap`.
+  /// Contacts of the last step with gap at most `contact_gap`; `below` is the table, else the body with the
+  /// lower index. As found at the begin of the step, with the impulses of the step.
   [[nodiscard]] std::vector<Contact> contacts() const;
   [[nodiscard]] double time() const;
   [[nodiscard]] const WorldOptions& options() const;
