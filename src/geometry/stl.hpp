@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "stonestack/geometry/mesh.hpp"
+
+namespace stonestack {
+
+/// Strict STL, ASCII or binary; three vertices of its own for each face. `path` is for messages. Throws
+/// FileError.
+[[nodiscard]] Mesh parse_stl(const std::string& path, std::string_view content);
+
+}  // namespace stonestack
