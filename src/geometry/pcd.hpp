@@ -1,0 +1,14 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "stonestack/geometry/cloud.hpp"
+
+namespace stonestack {
+
+/// Strict PCD (ASCII, binary, binary_compressed), fields x y z and, if present, normal_x normal_y normal_z;
+/// other fields are skipped. Points as in the file, possibly not finite. `path` is for messages. Throws
+/// FileError.
+[[nodiscard]] Cloud parse_pcd(const std::string& path, std::string_view content);
+
+}  // namespace stonestack
