@@ -1,0 +1,188 @@
+#include "stonestack/motion/collision.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "motion/collision_shapes.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+/// Where everything is at one configuration.
+struct Placed {
+  std::array<Pose, 7> pose;  ///< T_R_link
+  std::array<btTransform, 7> T_R_link;
+  std::array<Segment, CollisionShapes::kMostMovers> axes;  ///< of the movers' bounding capsules
+
+  Placed(const CollisionShapes& shapes, const Joints& q) : pose(link_poses(shapes.robot, q)) {
+    for (std::size_t i = 0; i < 7; ++i) T_R_link[i] = to_bullet(pose[i]);
+    for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+      const auto& mover = shapes.movers[i];
+      axes[i] = {pose[mover.link] * mover.core.axis.a, pose[mover.link] * mover.core.axis.b};
+    }
+  }
+};
+
+/// Distance that is kept besides the padding. While each joint turns by at most `turn`, a point at distance r
+/// from the origin of link k moves by at most moved[j][k] + r * turned[j][k], seen from link j.
+struct Slack {
+  double constant = 0.0;
+  std::array<std::array<double, 7>, 7> moved{};
+  std::array<std::array<double, 7>, 7> turned{};
+
+  Slack() = default;
+  Slack(const RobotModel& robot, const Joints& turn) {
+    for (std::size_t j = 0; j < 7; ++j) {
+      for (std::size_t k = j + 1; k < 7; ++k) {
+        moved[j][k] = moved[j][k - 1] + turned[j][k - 1] * robot.T_parent_joint[k - 1].translation().norm();
+        turned[j][k] = turned[j][k - 1] + turn[static_cast<Eigen::Index>(k - 1)];
+      }
+    }
+  }
+  [[nodiscard]] double of(const Mover& mover) const { return seen_from(0, mover); }
+  [[nodiscard]] double seen_from(std::size_t link, const Mover& mover) const {
+    return constant + moved[link][mover.link] + turned[link][mover.link] * mover.span;
+  }
+};
+
+double height(const CollisionShapes& shapes, const Mover& mover, const Placed& placed) {
+  const Pose& T = placed.pose[mover.link];
+  const Eigen::Vector3d n = T.linear().transpose() * shapes.n_R_table;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& p : mover.core.points) lowest = std::min(lowest, n.dot(p));
+  return lowest + shapes.n_R_table.dot(T.translation()) + shapes.table_offset - mover.core.radius;
+}
+
+bool hits_table(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+    const auto& mover = shapes.movers[i];
+    if (!mover.sees_table) continue;
+    const double away = shapes.rules.padding + slack.of(mover);
+    const auto& [a, b] = placed.axes[i];
+    const double axis = std::min(shapes.n_R_table.dot(a), shapes.n_R_table.dot(b)) + shapes.table_offset;
+    if (axis - mover.core.reach < away && height(shapes, mover, placed) < away) return true;
+  }
+  return false;
+}
+
+/// The exact distance only where capsule against sphere and against box leave a doubt.
+bool hits(const Mover& mover, const Obstacle& obstacle, const btTransform& T_R_link, const Segment& axis,
+          double away) {
+  const double bound = mover.core.reach + away;
+  const double ball = bound + obstacle.sphere;
+  if (squared_distance(axis, obstacle.centre) > ball * ball) return false;
+  if (squared_distance_to_box(axis, obstacle.box.min(), obstacle.box.max()) > bound * bound) return false;
+  return hull_distance(mover.core, T_R_link, obstacle.core, btTransform::getIdentity()) <
+         mover.core.radius + away;
+}
+
+bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  for (const auto& group : shapes.groups) {
+    for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+      if (group.sees[i] == 0) continue;
+      const auto& mover = shapes.movers[i];
+      const double away = shapes.rules.padding + slack.of(mover);
+      const double ball = mover.core.reach + away + group.sphere;
+      if (squared_distance(placed.axes[i], group.centre) > ball * ball) continue;
+      for (std::size_t k = group.first; k < group.last; ++k)
+        if (hits(mover, shapes.obstacles[k], placed.T_R_link[mover.link], placed.axes[i], away)) return true;
+    }
+  }
+  return false;
+}
+
+bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  for (const auto& [i, j] : shapes.pairs) {
+    const auto &a = shapes.movers[i], &b = shapes.movers[j];
+    const double away = shapes.rules.self_padding + slack.seen_from(a.link, b);
+    const double bound = a.core.reach + b.core.reach + away;
+    if (squared_distance(placed.axes[i], placed.axes[j]) > bound * bound) continue;
+    const bool exact = a.part == Mover::Part::kArm && b.part == Mover::Part::kArm;
+    if (exact || hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link]) <
+                     a.core.radius + b.core.radius + away)
+      return true;
+  }
+  return false;
+}
+
+bool collides_within(const CollisionShapes& shapes, const Joints& q, const Slack& slack) {
+  const Placed placed(shapes, q);
+  return hits_table(shapes, placed, slack) || hits_objects(shapes, placed, slack) ||
+         hits_itself(shapes, placed, slack);
+}
+
+bool is_free(const CollisionShapes& shapes, const Joints& a, const Joints& b, double resolution) {
+  const Joints middle = 0.5 * (a + b);
+  const Joints half = (0.5 * (b - a)).cwiseAbs();
+  if (!collides_within(shapes, middle, Slack(shapes.robot, half))) return true;
+  if (2.0 * half.maxCoeff() <= resolution) return false;
+  if (collides_within(shapes, middle, Slack())) return false;
+  return is_free(shapes, a, middle, resolution) && is_free(shapes, middle, b, resolution);
+}
+
+}  // namespace
+
+struct CollisionChecker::Shapes : CollisionShapes {};
+
+CollisionChecker::CollisionChecker(const PlanningScene& scene, const CollisionRules& rules,
+                                   const HeldObject* held)
+    : shapes_(std::make_unique<Shapes>(Shapes{make_collision_shapes(scene, rules, held)})) {}
+CollisionChecker::~CollisionChecker() = default;
+CollisionChecker::CollisionChecker(CollisionChecker&&) noexcept = default;
+CollisionChecker& CollisionChecker::operator=(CollisionChecker&&) noexcept = default;
+
+bool CollisionChecker::collides(const Joints& q, double extra) const {
+  Slack slack;
+  slack.constant = extra;
+  return collides_within(*shapes_, q, slack);
+}
+
+bool CollisionChecker::motion_is_free(const Joints& a, const Joints& b, double resolution) const {
+  require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
+  require(resolution > 0.0, "the resolution must be positive, got ", resolution, " rad");
+  return is_free(*shapes_, a, b, resolution);
+}
+
+Clearance CollisionChecker::clearance(const Joints& q) const {
+  const CollisionShapes& shapes = *shapes_;
+  const Placed placed(shapes, q);
+  Clearance best;
+  const auto offer = [&](double distance, const std::string& first, const std::string& second) {
+    if (distance < best.distance) best = {distance, first, second};
+  };
+  for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+    const auto& mover = shapes.movers[i];
+    if (mover.sees_table) offer(height(shapes, mover, placed), mover.name, "table");
+    for (const auto& group : shapes.groups) {
+      for (std::size_t k = group.sees[i] != 0 ? group.first : group.last; k < group.last; ++k) {
+        const auto& obstacle = shapes.obstacles[k];
+        const double apart = std::sqrt(squared_distance(placed.axes[i], obstacle.centre));
+        if (apart - mover.core.reach - obstacle.sphere >= best.distance) continue;
+        const double hulls = hull_distance(mover.core, placed.T_R_link[mover.link], obstacle.core,
+                                           btTransform::getIdentity(), true);
+        offer(hulls - mover.core.radius, mover.name, group.name);
+      }
+    }
+  }
+  for (const auto& [i, j] : shapes.pairs) {
+    const auto &a = shapes.movers[i], &b = shapes.movers[j];
+    const double apart = std::sqrt(squared_distance(placed.axes[i], placed.axes[j]));
+    if (apart - a.core.reach - b.core.reach >= best.distance) continue;
+    const double hulls =
+        hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link], true);
+    offer(hulls - a.core.radius - b.core.radius, a.name, b.name);
+  }
+  return best;
+}
+
+const RobotModel& CollisionChecker::robot() const {
+  return shapes_->robot;
+}
+const CollisionRules& CollisionChecker::rules() const {
+  return shapes_->rules;
+}
+
+}  // namespace stonestack

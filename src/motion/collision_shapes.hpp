@@ -1,0 +1,60 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "motion/convex_core.hpp"
+#include "stonestack/motion/collision.hpp"
+
+/// Private to motion: what CollisionChecker compares. All of it in the robot's base frame R.
+namespace stonestack {
+
+/// Something that moves with a link.
+struct Mover {
+  enum class Part { kArm, kGripper, kHeld };
+  Part part = Part::kArm;
+  std::size_t link = 0;  ///< 0..6; `core` is in its frame
+  ConvexCore core;
+  double span = 0.0;  ///< m, furthest point of the hull from the link's origin
+  bool sees_table = true;
+  std::string name;
+};
+
+/// A convex piece of an object.
+struct Obstacle {
+  ConvexCore core;
+  Eigen::Vector3d centre;
+  double sphere = 0.0;  ///< m, around `centre`
+  Eigen::AlignedBox3d box;
+};
+
+/// The pieces [first, last) of one object.
+struct ObstacleGroup {
+  std::string name;
+  std::size_t first = 0, last = 0;
+  Eigen::Vector3d centre;
+  double sphere = 0.0;
+  std::vector<char> sees;  ///< one a mover: 0 where the two may touch
+};
+
+/// Two movers that could touch; the second is on the same or a later link.
+struct MoverPair {
+  std::size_t first, second;
+};
+
+struct CollisionShapes {
+  static constexpr std::size_t kMostMovers = 64;
+
+  RobotModel robot;
+  CollisionRules rules;
+  std::vector<Mover> movers;
+  std::vector<Obstacle> obstacles;
+  std::vector<ObstacleGroup> groups;
+  std::vector<MoverPair> pairs;
+  Eigen::Vector3d n_R_table;  ///< up
+  double table_offset = 0.0;  ///< height of p above the table: n.p + offset
+};
+[[nodiscard]] CollisionShapes make_collision_shapes(const PlanningScene& scene, const CollisionRules& rules,
+                                                    const HeldObject* held);
+
+}  // namespace stonestack
