@@ -1,0 +1,29 @@
+#include "stonestack/core/data.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+
+namespace stonestack {
+namespace {
+
+TEST(DataPath, FindsWhatComesWithTheProjectAndPrefersTheGivenFolder) {
+  EXPECT_TRUE(std::filesystem::exists(data_path("robots")));
+  const std::string folder = testing::TempDir() + "data_test";
+  write_file(folder + "/robots/own.urdf", "<robot/>");
+  setenv("STONESTACK_DATA", folder.c_str(), 1);
+  EXPECT_EQ(data_path("robots"), folder + "/robots");
+  unsetenv("STONESTACK_DATA");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(DataPath, SaysWhatWasTried) {
+  EXPECT_THROW((void)data_path("no_such_thing"), FileError);
+}
+
+}  // namespace
+}  // namespace stonestack
