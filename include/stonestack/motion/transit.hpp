@@ -1,0 +1,23 @@
+#pragma once
+#include <optional>
+#include <span>
+
+#include "stonestack/motion/collision.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+
+namespace stonestack {
+
+/// A joint path from `start` to one of `goals` whose every straight piece `checker.motion_is_free`; empty if
+/// start or all goals collide, or if none was found. The straight motion to one of the nearest goals is tried
+/// first; then RRT-Connect (OMPL) to all goals at once, a few times, and the shortest is kept after bounded
+/// shortcutting. A goal equal to `start` gives a path of one point. Deterministic for options.seed whatever
+/// the load of the machine: the effort is bounded by a number of checks that stands for
+/// options.planning_seconds. Throws InvalidArgument for numbers that are not finite, Interrupted.
+[[nodiscard]] std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints& start,
+                                                 std::span<const Joints> goals,
+                                                 const MotionOptions& options = {});
+
+/// Sum of the lengths (rad, of the joint vector) of its pieces.
+[[nodiscard]] double length(const JointPath& path);
+
+}  // namespace stonestack

@@ -1,0 +1,154 @@
+#include "motion/rrt_connect.hpp"
+
+#include <ompl/base/SpaceInformation.h>
+#include <ompl/base/goals/GoalStates.h>
+#include <ompl/base/spaces/RealVectorStateSpace.h>
+#include <ompl/geometric/PathGeometric.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+#include <ompl/util/Console.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+namespace ob = ompl::base;
+using Space = ob::RealVectorStateSpace;
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kStep = 1.0;  // scaled rad, how far a tree grows at once
+// How far a joint's turn moves the hand, against the base's: distances in the planner are about those of the
+// hand.
+const Joints kWeight = (Joints() << 1.0, 1.0, 0.7, 0.4, 0.3, 0.2).finished();
+
+Joints joints_of(const ob::State* state) {
+  const auto* values = state->as<Space::StateType>()->values;
+  return Eigen::Map<const Joints>(values).cwiseQuotient(kWeight);
+}
+void set_state(const Joints& q, ob::State* state) {
+  Eigen::Map<Joints>(state->as<Space::StateType>()->values) = q.cwiseProduct(kWeight);
+}
+
+/// Half of the samples are uniform; the others lie about the straight lines from start to the goals, where a
+/// way around a small obstacle passes.
+class Sampler : public ob::StateSampler {
+ public:
+  Sampler(const ob::StateSpace* space, const Joints& low, const Joints& high, const Joints& start,
+          std::span<const Joints> goals, Random random)
+      : ob::StateSampler(space), low_(low), high_(high), start_(start), goals_(goals), random_(random) {}
+
+  void sampleUniform(ob::State* state) override {
+    Joints q;
+    if (random_.uniform() < 0.5) {
+      const Joints& goal = goals_[random_.index(goals_.size())];
+      q = start_ + random_.uniform() * (goal - start_);
+      for (auto& angle : q) angle += random_.normal(0.0, 0.5);
+      q = q.cwiseMax(low_).cwiseMin(high_);
+    } else {
+      for (Eigen::Index i = 0; i < 6; ++i) q[i] = random_.uniform(low_[i], high_[i]);
+    }
+    set_state(q, state);
+  }
+  // RRT-Connect asks for none of these.
+  void sampleUniformNear(ob::State* state, const ob::State*, double) override { sampleUniform(state); }
+  void sampleGaussian(ob::State* state, const ob::State*, double) override { sampleUniform(state); }
+
+ private:
+  Joints low_, high_, start_;
+  std::span<const Joints> goals_;
+  Random random_;
+};
+
+class MotionCheck : public ob::MotionValidator {
+ public:
+  MotionCheck(const ob::SpaceInformationPtr& information, const CollisionChecker& checker, double resolution)
+      : ob::MotionValidator(information), checker_(checker), resolution_(resolution) {}
+  bool checkMotion(const ob::State* a, const ob::State* b) const override {
+    ++count;
+    return checker_.motion_is_free(joints_of(a), joints_of(b), resolution_);
+  }
+  bool checkMotion(const ob::State* a, const ob::State* b,
+                   std::pair<ob::State*, double>& last) const override {
+    last.second = 0.0;
+    return checkMotion(a, b);
+  }
+  mutable long count = 0;
+
+ private:
+  const CollisionChecker& checker_;
+  double resolution_;
+};
+
+/// Where samples are drawn: half a turn around start and goals, within the limits.
+std::pair<Joints, Joints> sampled_box(const RobotModel& robot, const Joints& start,
+                                      std::span<const Joints> goals) {
+  Joints low = start, high = start;
+  for (const auto& goal : goals) {
+    low = low.cwiseMin(goal);
+    high = high.cwiseMax(goal);
+  }
+  return {(low.array() - kPi).matrix().cwiseMax(robot.lower),
+          (high.array() + kPi).matrix().cwiseMin(robot.upper)};
+}
+
+}  // namespace
+
+std::optional<JointPath> rrt_connect(const CollisionChecker& checker, const Joints& start,
+                                     std::span<const Joints> goals, double resolution, long most_motions,
+                                     Random random) {
+  ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
+  const auto [low, high] = sampled_box(checker.robot(), start, goals);
+  auto space = std::make_shared<Space>(6);
+  ob::RealVectorBounds bounds(6);
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    bounds.setLow(static_cast<unsigned>(i), low[i] * kWeight[i] - 1e-9);
+    bounds.setHigh(static_cast<unsigned>(i), high[i] * kWeight[i] + 1e-9);
+  }
+  space->setBounds(bounds);
+  space->setStateSamplerAllocator([&, &low = low, &high = high](const ob::StateSpace* s) {
+    return std::make_shared<Sampler>(s, low, high, start, goals, random);
+  });
+  auto information = std::make_shared<ob::SpaceInformation>(space);
+  information->setStateValidityChecker(
+      [&](const ob::State* state) { return !checker.collides(joints_of(state)); });
+  auto motions = std::make_shared<MotionCheck>(information, checker, resolution);
+  information->setMotionValidator(motions);
+  information->setup();
+
+  auto problem = std::make_shared<ob::ProblemDefinition>(information);
+  ob::ScopedState<Space> state(space);
+  set_state(start, state.get());
+  problem->addStartState(state);
+  auto goal_states = std::make_shared<ob::GoalStates>(information);
+  for (const auto& goal : goals) {
+    set_state(goal, state.get());
+    goal_states->addState(state);
+  }
+  problem->setGoal(goal_states);
+
+  ompl::geometric::RRTConnect planner(information);
+  planner.setRange(kStep);
+  planner.setProblemDefinition(problem);
+  planner.setup();
+  // A turn of the planner without a motion check (a sample on a tree) is counted as well, so that it ends.
+  long turns = 0;
+  planner.solve(ob::PlannerTerminationCondition(
+      [&] { return interrupt_noted() || motions->count > most_motions || ++turns > 20 * most_motions; }));
+  throw_if_interrupted();
+  if (!problem->hasExactSolution()) return std::nullopt;
+  const auto* found = problem->getSolutionPath()->as<ompl::geometric::PathGeometric>();
+  JointPath path;
+  for (std::size_t i = 0; i < found->getStateCount(); ++i)
+    path.push_back(joints_of(found->getState(static_cast<unsigned>(i))));
+  // The ends exactly as given, not as scaled and scaled back.
+  path.front() = start;
+  path.back() = *std::min_element(goals.begin(), goals.end(), [&](const Joints& a, const Joints& b) {
+    return (a - path.back()).squaredNorm() < (b - path.back()).squaredNorm();
+  });
+  return path;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,165 @@
+#include "stonestack/motion/transit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+Joints tool_down() {
+  Joints q;
+  q << 0, -0.5 * kPi, 0.5 * kPi, -0.5 * kPi, -0.5 * kPi, 0;
+  return q;
+}
+
+SceneObject box_at(const std::string& name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
+  return {name, {make_box(size)}, make_pose(p)};
+}
+
+PlanningScene empty_scene() {
+  PlanningScene scene;
+  scene.robot = read_robot("ur10");
+  scene.T_F_T = CellLayout().T_F_T;
+  return scene;
+}
+
+/// A wall between the two places, a post beside it and a bar above the wall: the hand has to go around or
+/// through the gap.
+PlanningScene hard_scene() {
+  PlanningScene scene = empty_scene();
+  scene.objects = {box_at("wall", {0.5, 0.05, 0.35}, {0.75, 0.0, 0.175}),
+                   box_at("bar", {1.0, 0.05, 0.05}, {0.75, 0.0, 0.95}),
+                   box_at("tower", {0.12, 0.12, 0.4}, {0.5, 0.65, 0.2}),
+                   box_at("post", {0.05, 0.05, 1.0}, {0.45, -0.6, 0.5})};
+  return scene;
+}
+
+std::vector<Joints> solutions_above(const PlanningScene& scene, const Eigen::Vector3d& p_W_tip) {
+  Pose T_W_T = Pose::Identity();
+  T_W_T.linear() = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  T_W_T.translation() = p_W_tip;
+  std::vector<Joints> goals;
+  for (const auto& s : inverse(scene.robot, T_W_T * scene.T_F_T.inverse(), tool_down())) goals.push_back(s.q);
+  EXPECT_FALSE(goals.empty());
+  return goals;
+}
+
+void expect_free(const CollisionChecker& checker, const JointPath& path) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const int steps = static_cast<int>((path[i] - path[i - 1]).cwiseAbs().maxCoeff() / 0.0005) + 1;
+    for (int k = 0; k <= steps; ++k)
+      ASSERT_FALSE(checker.collides(path[i - 1] + (path[i] - path[i - 1]) * k / steps));
+  }
+}
+
+TEST(Transit, GoesStraightWhereNothingIsInTheWay) {
+  const PlanningScene scene = empty_scene();
+  const CollisionChecker checker(scene);
+  const Joints start = solutions_above(scene, {0.7, -0.3, 0.3}).front();
+  const auto goals = solutions_above(scene, {0.7, 0.3, 0.3});
+  const auto path = find_path(checker, start, goals);
+  ASSERT_TRUE(path.has_value());
+  EXPECT_EQ(path->size(), 2u);
+  EXPECT_EQ(path->front(), start);
+  EXPECT_NE(std::find(goals.begin(), goals.end(), path->back()), goals.end());
+}
+
+TEST(Transit, GoesAroundObstaclesAndIsFreeAtTenTimesTheResolution) {
+  const PlanningScene scene = hard_scene();
+  const CollisionChecker checker(scene);
+  Random random = Random::stream(1, "transit");
+  int bent = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Joints start =
+        solutions_above(scene, {random.uniform(0.6, 0.9), random.uniform(-0.4, -0.25), 0.15}).front();
+    const auto goals = solutions_above(scene, {random.uniform(0.75, 0.9), random.uniform(0.25, 0.4), 0.15});
+    if (checker.collides(start)) continue;
+    const auto path = find_path(checker, start, goals);
+    ASSERT_TRUE(path.has_value()) << "problem " << k;
+    EXPECT_NE(std::find(goals.begin(), goals.end(), path->back()), goals.end());
+    expect_free(checker, *path);
+    bent += path->size() > 2 ? 1 : 0;
+  }
+  EXPECT_GT(bent, 3) << "the scene is meant to be in the way";
+}
+
+TEST(Transit, SameSeedSamePath) {
+  const PlanningScene scene = hard_scene();
+  const CollisionChecker checker(scene);
+  const Joints start = solutions_above(scene, {0.8, -0.3, 0.15}).front();
+  const auto goals = solutions_above(scene, {0.8, 0.3, 0.15});
+  MotionOptions options;
+  const auto first = find_path(checker, start, goals, options);
+  const auto second = find_path(checker, start, goals, options);
+  options.seed = 2;
+  const auto other = find_path(checker, start, goals, options);
+  ASSERT_TRUE(first && second && other);
+  EXPECT_EQ(*first, *second);
+  EXPECT_NE(*first, *other);
+}
+
+TEST(Transit, GivesUpWhereThereIsNoWay) {
+  PlanningScene scene = empty_scene();
+  const Joints start = tool_down();
+  EXPECT_TRUE(find_path(CollisionChecker(scene), start, solutions_above(scene, {0.8, 0.3, 0.3})).has_value());
+  // A goal in a closed cage.
+  for (const double side : {-1.0, 1.0}) {
+    scene.objects.push_back(box_at("x", {0.02, 0.8, 1.6}, {0.8 + side * 0.35, 0.3, 0.8}));
+    scene.objects.push_back(box_at("y", {0.7, 0.02, 1.6}, {0.8, 0.3 + side * 0.4, 0.8}));
+  }
+  MotionOptions options;
+  options.planning_seconds = 0.05;
+  EXPECT_FALSE(find_path(CollisionChecker(scene), start, solutions_above(scene, {0.8, 0.3, 0.3}), options)
+                   .has_value());
+  EXPECT_FALSE(find_path(CollisionChecker(scene), start, {}, options).has_value()) << "no goal at all";
+  EXPECT_THROW((void)find_path(CollisionChecker(scene), Joints::Constant(std::nan("")), {}), InvalidArgument);
+}
+
+TEST(Transit, StopsWhenItsEffortIsSpent) {
+  const PlanningScene scene = hard_scene();
+  const CollisionChecker checker(scene);
+  const Joints start = solutions_above(scene, {0.8, -0.3, 0.15}).front();
+  const std::vector<Joints> goal{solutions_above(scene, {0.8, 0.3, 0.15}).front()};
+  EXPECT_TRUE(find_path(checker, start, goal).has_value());
+  MotionOptions options;
+  options.planning_seconds = 1e-4;
+  EXPECT_FALSE(find_path(checker, start, goal, options).has_value());
+}
+
+TEST(Transit, IsTimedFromStartToGoal) {
+  const PlanningScene scene = hard_scene();
+  const Joints start = solutions_above(scene, {0.8, -0.3, 0.15}).front();
+  Pose T_W_F = forward(scene.robot, solutions_above(scene, {0.8, 0.3, 0.15}).front());
+  const auto trajectory = plan_transit(scene, start, T_W_F);
+  ASSERT_TRUE(trajectory.has_value());
+  EXPECT_EQ(sample(*trajectory, 0.0).q, start);
+  const Pose reached = forward(scene.robot, trajectory->q.back());
+  EXPECT_TRUE(reached.isApprox(T_W_F, 1e-9));
+  EXPECT_TRUE(trajectory->qd.back().isZero(1e-9));
+  // Corners are rounded within the padding: nothing is touched on the way.
+  CollisionRules bare;
+  bare.padding = bare.self_padding = 0.0;
+  const CollisionChecker checker(scene, bare);
+  for (double t = 0.0; t < trajectory->duration(); t += 0.002)
+    ASSERT_FALSE(checker.collides(sample(*trajectory, t).q));
+}
+
+TEST(Transit, ToWhereTheArmIsTakesNoTime) {
+  const PlanningScene scene = empty_scene();
+  const auto trajectory = plan_transit(scene, tool_down(), tool_down());
+  ASSERT_TRUE(trajectory.has_value());
+  EXPECT_DOUBLE_EQ(trajectory->duration(), 0.0);
+}
+
+}  // namespace
+}  // namespace stonestack
