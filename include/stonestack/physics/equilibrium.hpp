@@ -19,21 +19,26 @@ struct Equilibrium {
       0.0;  ///< g: largest horizontal acceleration borne in the worst of the tested directions; 0 if it falls
   double least_friction =
       0;  ///< smallest friction coefficient at which it stands (bisection); infinity if none up to 2
-  int weakest_contact =
-      -1;  ///< index of the contact whose friction or normal bound is reached first; -1: none
+  /// Contact that gives way first in the worst direction: the one whose friction limits the margin most, or,
+  /// where friction does not, the one that carries most as the stack tips over it. -1: none (it falls, or
+  /// free bodies).
+  int weakest_contact = -1;
 };
 
 /// Options of `solve_equilibrium`.
 struct EquilibriumOptions {
   double friction = 0.1;
-  int cone_edges = 8;        ///< generators of the inner friction cone
-  int directions = 8;        ///< horizontal directions for the margin
-  double torque_arm = 0.05;  ///< m, scales torques against forces
+  int cone_edges = 8;          ///< generators of the inner friction cone
+  int directions = 8;          ///< horizontal directions for the margin
+  double torque_arm = 0.05;    ///< m, scales torques against forces
+  double tolerance = 1e-6;     ///< share of the total weight that may stay unbalanced
+  bool least_friction = true;  ///< also find `least_friction` (a dozen more programmes)
 };
 
 /// Contact forces in friction cones that balance gravity: a linear programme (Clp). `contacts` index into
 /// `bodies` (kTable: the ground). Upper bound of what a stack bears (facts/physics.md §3): ask for a margin,
-/// not for feasibility.
+/// not for feasibility. Contacts of one pair within 1 mm and 3 deg count once. Throws InvalidArgument for
+/// indices out of range, masses that are not positive, and friction that is negative or not finite.
 [[nodiscard]] Equilibrium solve_equilibrium(std::span<const StaticBody> bodies,
                                             std::span<const Contact> contacts,
                                             const EquilibriumOptions& options = {});

@@ -9,7 +9,8 @@ struct SettleOptions {
   double seconds = 1.0;          ///< at most
   double damping = 0.4;          ///< linear and angular, while dropping
   double largest_travel = 0.03;  ///< m: further is a fall, the trial ends early
-  int calm_samples = 8;          ///< samples in a row below the calm speed end the trial
+  double calm_speed = 0.001;     ///< m/s, of the centre of mass plus radius times turning
+  int calm_samples = 8;          ///< samples in a row (4 steps apart) below the calm speed end the trial
   bool fixed_stack = true;       ///< the stack does not move while the new stone settles
 };
 struct SettleResult {

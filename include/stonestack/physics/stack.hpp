@@ -43,8 +43,9 @@ struct StandVerdict {
 [[nodiscard]] StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack,
                                        const StandOptions& options = {});
 
-/// Contacts of a stack as it lies (no simulation): surface samples within `gap` of the neighbour, reduced to
-/// the ones that carry (extreme points of each contact patch).
+/// Contacts of a stack as it lies (no simulation): features of two stones, or of a stone and the table,
+/// within `gap` (at most 1 mm) of each other, reduced to at most 16 a pair (the deepest and the most spread).
+/// Indices are levels of the stack.
 [[nodiscard]] std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& stack,
                                                       double gap);
 /// Equilibrium of a stack from contacts collected over a short settle.

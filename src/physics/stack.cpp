@@ -1,0 +1,176 @@
+#include "stonestack/physics/stack.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "physics/touch.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kSample = 0.1;            // s, between looks at a stack that is judged
+constexpr double kFall = 1.0;              // s that a stack which moved is given to show which stones stay
+constexpr double kSettle = 0.25;           // s, before contacts for an equilibrium are collected
+constexpr int kCollect = 8;                // steps over which they are collected
+constexpr double kCarries = 0.0003;        // m: contacts further apart carry nothing
+constexpr std::size_t kMostContacts = 16;  // of a pair
+
+const ContactShape& shape_of(const ShapeList& shapes, const PlacedStone& placed) {
+  require(placed.stone >= 0 && placed.stone < static_cast<int>(shapes.size()), "no stone ", placed.stone,
+          "; there are ", shapes.size());
+  return *shapes[static_cast<std::size_t>(placed.stone)];
+}
+
+Surface surface_of(const ContactShape& shape) {
+  return {shape.features.get(), &shape.distance, {}};
+}
+
+World world_of(const ShapeList& shapes, const Stack& stack, const WorldOptions& options) {
+  World world(options);
+  for (const PlacedStone& placed : stack.stones) {
+    static_cast<void>(shape_of(shapes, placed));
+    world.add_stone(shapes[static_cast<std::size_t>(placed.stone)], placed.T_W_O);
+  }
+  return world;
+}
+
+/// Some sample of X is nearer than `gap` to Y.
+bool samples_near(const ContactShape& X, const Pose& T_W_X, const ContactShape& Y, const Pose& T_W_Y,
+                  double gap) {
+  const Pose T_Y_X = T_W_Y.inverse() * T_W_X;
+  return std::any_of(X.samples.begin(), X.samples.end(), [&](const SurfaceSample& s) {
+    const Eigen::Vector3d p = T_Y_X * s.point;
+    return Y.features->box.exteriorDistance(p) < gap && Y.distance.distance(p) < gap;
+  });
+}
+
+/// Names the two that touch and should not; empty for a clean stack. `first`: the lower stone's level at
+/// fault.
+std::string unclean(const ShapeList& shapes, const Stack& stack, double gap, int* first) {
+  const auto n = static_cast<int>(stack.stones.size());
+  for (int i = 1; i < n; ++i) {
+    const PlacedStone& upper = stack.stones[static_cast<std::size_t>(i)];
+    const ContactShape& X = shape_of(shapes, upper);
+    double low = 1e9;
+    for (const auto& v : X.scan.vertices) low = std::min(low, (upper.T_W_O * v).z());
+    *first = i;
+    if (low < gap) return concat("stone ", i, " touches the table");
+    for (int j = 0; j + 1 < i; ++j) {
+      const PlacedStone& lower = stack.stones[static_cast<std::size_t>(j)];
+      const ContactShape& Y = shape_of(shapes, lower);
+      const double apart = (upper.T_W_O * X.mass.p_O_M - lower.T_W_O * Y.mass.p_O_M).norm();
+      if (apart > X.radius + Y.radius + gap) continue;
+      if (samples_near(X, upper.T_W_O, Y, lower.T_W_O, gap) ||
+          samples_near(Y, lower.T_W_O, X, upper.T_W_O, gap))
+        return concat("stone ", i, " touches stone ", j);
+    }
+  }
+  *first = n;
+  return "";
+}
+
+Stack moved(const Stack& stack, const World& world) {
+  Stack out = stack;
+  for (std::size_t i = 0; i < out.stones.size(); ++i) out.stones[i].T_W_O = world.pose(static_cast<int>(i));
+  return out;
+}
+
+/// Shift of the centre of mass and turn of a stone against where it was put.
+PoseDifference moved_by(const ContactShape& shape, const Pose& before, const Pose& now) {
+  PoseDifference d = difference(before, now);
+  d.translation = (now * shape.mass.p_O_M - before * shape.mass.p_O_M).norm();
+  return d;
+}
+
+}  // namespace
+
+StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const StandOptions& options) {
+  WorldOptions settings;
+  settings.friction = options.friction;
+  settings.iterations = options.iterations;
+  settings.step = options.step;
+  World world = world_of(shapes, stack, settings);
+  const auto n = static_cast<int>(stack.stones.size());
+
+  StandVerdict verdict;
+  int clean_levels = n;
+  std::string fault = unclean(shapes, stack, options.touch_gap, &clean_levels);
+  verdict.clean = fault.empty();
+  int stayed = n;  // levels from the bottom that stayed
+  double end = options.seconds;
+  while (world.time() < end - 1e-9) {
+    throw_if_interrupted();
+    world.run(std::min(kSample, end - world.time()));
+    int worst = -1;
+    double excess = 1.0;
+    for (int i = 0; i < n; ++i) {
+      const PlacedStone& placed = stack.stones[static_cast<std::size_t>(i)];
+      const auto d = moved_by(shape_of(shapes, placed), placed.T_W_O, world.pose(i));
+      verdict.shift = std::max(verdict.shift, d.translation);
+      verdict.turn = std::max(verdict.turn, d.angle);
+      const double share = std::max(d.translation / options.largest_shift, d.angle / options.largest_turn);
+      if (share > 1.0) stayed = std::min(stayed, i);
+      if (share > excess) excess = share, worst = i;
+    }
+    if (worst < 0 || end < options.seconds) continue;
+    end = std::min(end, world.time() + kFall);
+    if (verdict.clean)
+      fault = concat("stone ", worst, " moved ", 1e3 * verdict.shift, " mm or turned ",
+                     verdict.turn * 180 / M_PI, " deg within ", world.time(), " s");
+  }
+  if (verdict.clean && stayed == n) {
+    fault = unclean(shapes, moved(stack, world), options.touch_gap, &clean_levels);
+    verdict.clean = fault.empty();
+  }
+  verdict.stands = stayed == n;
+  verdict.standing = std::min(stayed, clean_levels);
+  for (int i = 0; i < n; ++i) verdict.T_W_O.push_back(world.pose(i));
+  verdict.reason = fault;
+  return verdict;
+}
+
+std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& stack, double gap) {
+  std::vector<Contact> out;
+  const auto add = [&](int below, int above, std::vector<Touch> touches) {
+    std::erase_if(touches, [&](const Touch& t) { return t.gap > gap; });
+    reduce(touches, {}, kMostContacts);
+    for (const Touch& t : touches) out.push_back({below, above, t.p_W, t.n_W, t.gap, 0.0});
+  };
+  for (std::size_t i = 0; i < stack.stones.size(); ++i) {
+    const PlacedStone& upper = stack.stones[i];
+    const Surface X = surface_of(shape_of(shapes, upper));
+    add(kTable, static_cast<int>(i), TablePairs().touches(X, upper.T_W_O));
+    for (std::size_t j = 0; j < i; ++j) {
+      const PlacedStone& lower = stack.stones[j];
+      const Surface Y = surface_of(shape_of(shapes, lower));
+      add(static_cast<int>(j), static_cast<int>(i), FeaturePairs().touches(X, Y, upper.T_W_O, lower.T_W_O));
+    }
+  }
+  return out;
+}
+
+Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack, double friction) {
+  WorldOptions settings;
+  settings.friction = friction;
+  settings.iterations = 200;
+  settings.contact_gap = kCarries;
+  World world = world_of(shapes, stack, settings);
+  world.run(kSettle);
+  std::vector<Contact> contacts;
+  for (int i = 0; i < kCollect; ++i) {
+    world.step();
+    const std::vector<Contact> now = world.contacts();
+    contacts.insert(contacts.end(), now.begin(), now.end());
+  }
+  std::vector<StaticBody> bodies;
+  for (std::size_t i = 0; i < stack.stones.size(); ++i) {
+    const MassProperties& mass = shape_of(shapes, stack.stones[i]).mass;
+    bodies.push_back({mass.mass, world.pose(static_cast<int>(i)) * mass.p_O_M});
+  }
+  EquilibriumOptions options;
+  options.friction = friction;
+  return solve_equilibrium(bodies, contacts, options);
+}
+
+}  // namespace stonestack

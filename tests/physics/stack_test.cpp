@@ -1,0 +1,134 @@
+#include "stonestack/physics/stack.hpp"
+
+#include <gtest/gtest.h>
+
+#include "physics/bodies.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/physics/settle.hpp"
+
+namespace stonestack {
+namespace {
+
+using test::at;
+using test::body;
+using test::box;
+
+/// A beam on two legs: its convex hull would rest on whatever stands between the legs.
+Mesh bridge_mesh() {
+  const std::vector<Eigen::Vector2d> outline{{-0.08, 0}, {-0.05, 0}, {-0.05, 0.04}, {0.05, 0.04},
+                                             {0.05, 0},  {0.08, 0},  {0.08, 0.07},  {-0.08, 0.07}};
+  const std::vector<Eigen::Vector3i> front{{0, 1, 2}, {0, 2, 7}, {7, 2, 3}, {7, 3, 6}, {3, 4, 5}, {3, 5, 6}};
+  Mesh mesh;
+  for (const double y : {-0.03, 0.03})
+    for (const auto& p : outline) mesh.vertices.emplace_back(p.x(), y, p.y());
+  for (const auto& f : front) {
+    mesh.faces.push_back(f);
+    mesh.faces.emplace_back(f[0] + 8, f[2] + 8, f[1] + 8);
+  }
+  for (int i = 0; i < 8; ++i) {
+    const int j = (i + 1) % 8;
+    mesh.faces.emplace_back(j, i, i + 8);
+    mesh.faces.emplace_back(j, i + 8, j + 8);
+  }
+  return mesh;
+}
+
+TEST(JudgeStack, CubesStandAndAreClean) {
+  const ShapeList shapes{box(0.06, 0.06, 0.06), box(0.05, 0.07, 0.05)};
+  const Stack stack{{{0, at(0, 0, 0.03)}, {1, at(0.005, 0, 0.085, 0.3)}, {0, at(0, 0.004, 0.14, 0.8)}}};
+  const StandVerdict verdict = judge_stack(shapes, stack);
+  EXPECT_TRUE(verdict.stands) << verdict.reason;
+  EXPECT_TRUE(verdict.clean) << verdict.reason;
+  EXPECT_EQ(verdict.standing, 3);
+  EXPECT_LT(verdict.shift, 1e-4);
+}
+
+TEST(JudgeStack, WhatOverhangsFalls) {
+  const ShapeList shapes{box(0.06, 0.06, 0.06)};
+  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.032, 0, 0.09)}}};
+  StandOptions options;
+  options.friction = 0.6;
+  const StandVerdict verdict = judge_stack(shapes, stack, options);
+  EXPECT_FALSE(verdict.stands);
+  EXPECT_EQ(verdict.standing, 1);
+  EXPECT_NE(verdict.reason.find("stone 1"), std::string::npos) << verdict.reason;
+}
+
+TEST(JudgeStack, LeaningOnTheTableIsNotClean) {
+  const ShapeList shapes{box(0.06, 0.06, 0.03), box(0.20, 0.05, 0.02)};
+  // The plank lies with one end on the block and with the other on the table.
+  const double tilt = std::asin(0.03 / 0.14);
+  Pose plank = make_pose({0, 0, 0}, Eigen::Quaterniond(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY())));
+  double low = 0.0;
+  for (const auto& v : shapes[1]->scan.vertices) low = std::min(low, (plank * v).z());
+  plank.translation() = Eigen::Vector3d(0.095, 0, -low);
+  const Stack stack{{{0, at(0, 0, 0.015)}, {1, plank}}};
+  StandOptions options;
+  options.friction = 0.9;
+  const StandVerdict verdict = judge_stack(shapes, stack, options);
+  EXPECT_FALSE(verdict.clean);
+  EXPECT_EQ(verdict.standing, verdict.stands ? 1 : std::min(verdict.standing, 1));
+  EXPECT_NE(verdict.reason.find("table"), std::string::npos) << verdict.reason;
+}
+
+TEST(JudgeStack, ConcaveStonesTouchWhereTheyAre) {
+  // A cube between the legs of a bridge, 2 mm below the beam: the hull of the bridge would lie on it.
+  const ShapeList shapes{body(bridge_mesh(), "bridge"), box(0.038, 0.038, 0.038)};
+  const Stack both{{{1, at(0, 0, 0.019)}, {0, at(0, 0, 0)}}};
+  for (const Contact& c : geometric_contacts(shapes, both, 0.0005)) EXPECT_EQ(c.below, kTable);
+  World world;
+  const int cube = world.add_stone(shapes[1], at(0, 0, 0.019));
+  const int bridge = world.add_stone(shapes[0], at(0, 0, 0));
+  world.run(1.0);
+  EXPECT_LT(difference(world.pose(cube), at(0, 0, 0.019)).translation, 1e-5);
+  EXPECT_LT(difference(world.pose(bridge), at(0, 0, 0)).translation, 1e-5);
+  for (const Contact& c : world.contacts()) EXPECT_EQ(c.below, kTable);
+
+  // Lifted by a taller cube it does rest on it.
+  World lifted;
+  lifted.add_stone(box(0.045, 0.045, 0.045), at(0, 0, 0.0225));
+  const int beam = lifted.add_stone(shapes[0], at(0, 0, 0.0052));
+  lifted.run(1.0);
+  EXPECT_NEAR(lifted.pose(beam).translation().z(), 0.005, 5e-5);
+}
+
+TEST(Settle, DroppedCubeRestsOnTheStackOnly) {
+  const ShapeList shapes{box(0.08, 0.08, 0.04), box(0.05, 0.05, 0.05)};
+  const Stack stack{{{0, at(0, 0, 0.02)}}};
+  const SettleResult result = settle(shapes, stack, 1, at(0.005, 0, 0.067, 0.2));
+  ASSERT_TRUE(result.rests) << result.reason;
+  EXPECT_NEAR(result.T_W_O.translation().z(), 0.065, 2e-5);
+  EXPECT_NEAR(result.travel, 0.002, 2e-4);
+  EXPECT_LT(result.kinetic_energy, 1e-6);
+  for (const Contact& c : result.contacts) {
+    EXPECT_EQ(c.above, 1);
+    EXPECT_EQ(c.below, 0);
+  }
+  const SupportPolygon polygon = support_polygon(result.contacts, result.T_W_O.translation());
+  EXPECT_NEAR(polygon.area, 0.0025, 1e-5);
+}
+
+TEST(Settle, SaysWhyItDoesNotRest) {
+  const ShapeList shapes{box(0.06, 0.06, 0.06)};
+  const Stack stack{{{0, at(0, 0, 0.03)}}};
+  const SettleResult beside = settle(shapes, stack, 0, at(0.08, 0, 0.031));
+  EXPECT_FALSE(beside.rests);
+  EXPECT_NE(beside.reason.find("table"), std::string::npos) << beside.reason;
+  const SettleResult high = settle(shapes, stack, 0, at(0, 0, 0.2));
+  EXPECT_FALSE(high.rests);
+  EXPECT_NE(high.reason.find("travelled"), std::string::npos) << high.reason;
+  EXPECT_THROW(static_cast<void>(settle(shapes, stack, 3, at(0, 0, 1))), InvalidArgument);
+}
+
+TEST(StackEquilibrium, AgreesWithTheGeometryOfCubes) {
+  const ShapeList shapes{box(0.06, 0.06, 0.06)};
+  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.01, 0, 0.09)}}};
+  const Equilibrium result = stack_equilibrium(shapes, stack, 0.5);
+  EXPECT_TRUE(result.stands);
+  // Both tip about the lower face's edge: the common centre lies 25 mm from it and 60 mm up.
+  EXPECT_NEAR(result.margin, 0.025 / 0.06, 2e-3);
+  EXPECT_LT(result.least_friction, 0.01);
+}
+
+}  // namespace
+}  // namespace stonestack
