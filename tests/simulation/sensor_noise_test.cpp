@@ -1,0 +1,187 @@
+#include "stonestack/simulation/sensor_noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+/// A view made by formula: depth(u, v), and one normal for all; the camera's axes are the world's.
+RenderedView make_view(const std::function<double(int, int)>& depth,
+                       const Eigen::Vector3d& normal = -Eigen::Vector3d::UnitZ()) {
+  RenderedView view;
+  const auto& camera = view.depth.camera;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u) {
+      const double z = depth(u, v);
+      view.depth.z.push_back(static_cast<float>(z));
+      view.instance.push_back(z > 0 ? 0 : -1);
+      view.normal_W.push_back(normal.cast<float>());
+    }
+  return view;
+}
+
+RenderedView flat(double z) {
+  return make_view([z](int, int) { return z; });
+}
+
+struct Moments {
+  double mean = 0, sigma = 0, holes = 0;
+};
+/// Of measured minus true depth, in the image's middle third, where the rays are nearly perpendicular.
+Moments moments(const RenderedView& view, const DepthImage& image) {
+  double sum = 0, squares = 0, count = 0, holes = 0;
+  for (int v = 160; v < 320; ++v)
+    for (int u = 213; u < 427; ++u) {
+      const double z = image.at(u, v);
+      if (z <= 0) {
+        ++holes;
+        continue;
+      }
+      const double e = z - view.depth.at(u, v);
+      sum += e;
+      squares += e * e;
+      ++count;
+    }
+  const double mean = sum / count;
+  return {mean, std::sqrt(squares / count - mean * mean), holes / (holes + count)};
+}
+
+TEST(SensorNoise, IdealSensorOnlyCountsAndClips) {
+  const auto view = make_view([](int u, int) { return u < 200 ? 0.19 : u < 400 ? 0.70003 : 1.51; });
+  Random random(1);
+  const auto image = add_noise(view, Pose::Identity(), make_sensor("ideal"), random);
+  EXPECT_EQ(image.at(100, 100), 0.0F);
+  EXPECT_NEAR(image.at(300, 100), 0.7, 1e-6);
+  EXPECT_EQ(image.at(500, 100), 0.0F);
+}
+
+TEST(SensorNoise, Sr300SigmaGrowsWithDepthAsTheModelSays) {
+  auto model = make_sr300();
+  model.bias = 0;
+  for (const double z : {0.4, 0.7, 1.0, 1.3}) {
+    Random random(5);
+    const auto m = moments(flat(z), add_noise(flat(z), Pose::Identity(), model, random));
+    EXPECT_NEAR(m.sigma, 0.0004 + 0.001 * z * z, 0.00004) << "at " << z << " m";
+    EXPECT_NEAR(m.mean, 0.0, 0.00002) << "at " << z << " m";
+  }
+}
+
+TEST(SensorNoise, BiasStaysFromFrameToFrameAndHasItsSize) {
+  auto model = make_sr300();
+  double squares = 0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    model.bias_seed = seed;
+    constexpr int kFrames = 10;
+    Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(36), seen = Eigen::ArrayXd::Zero(36);
+    Random random(seed);
+    for (int f = 0; f < kFrames; ++f) {
+      const auto image = add_noise(flat(0.7), Pose::Identity(), model, random);
+      for (int i = 0; i < 36; ++i)
+        if (const double z = image.at(140 + 70 * (i % 6), 120 + 40 * (i / 6)); z > 0) {
+          mean[i] += z - 0.7;
+          seen[i] += 1;
+        }
+    }
+    for (int i = 0; i < 36; ++i)
+      if (seen[i] > kFrames / 2) {
+        squares += std::pow(mean[i] / seen[i], 2);
+        ++count;
+      }
+  }
+  // Ten frames leave a tenth of the frame noise's variance (0.9 mm) beside the bias.
+  EXPECT_NEAR(std::sqrt(squares / count), std::sqrt(0.0005 * 0.0005 + 0.0009 * 0.0009 / 10), 0.00006);
+}
+
+TEST(SensorNoise, GrazingSurfacesAreNoisierAndThenVanish) {
+  auto model = make_sr300();
+  model.bias = 0;
+  const auto tilted = [](double degrees) {
+    const double a = degrees * 0.017453292519943295;
+    return make_view([](int, int) { return 0.7; }, {std::sin(a), 0, -std::cos(a)});
+  };
+  const auto sigma = [&](double degrees) {
+    Random random(2);
+    return moments(tilted(degrees), add_noise(tilted(degrees), Pose::Identity(), model, random));
+  };
+  EXPECT_GT(sigma(60).sigma, 1.5 * sigma(0).sigma);
+  EXPECT_LT(sigma(60).sigma, 3.5 * sigma(0).sigma);
+  EXPECT_GT(sigma(89).holes, 0.5);
+}
+
+TEST(SensorNoise, EdgesFlyVanishAndCastAShadowAwayFromTheProjector) {
+  // A wall 0.5 m away that covers the left half, before another at 0.8 m: the projector stands to the right
+  // of the camera, so the strip behind a RIGHT edge is lit and the one behind a LEFT edge is dark.
+  const auto view = make_view([](int u, int) { return u > 250 && u < 390 ? 0.5 : 0.8; });
+  Random random(4);
+  const auto image = add_noise(view, Pose::Identity(), make_sr300(), random);
+  const double strip = 475 * 0.026 * (1 / 0.5 - 1 / 0.8);  // px of disparity between the walls
+  int dark_left = 0, dark_right = 0, flying = 0, edge = 0;
+  for (int v = 0; v < 480; ++v) {
+    for (int k = 2; k < static_cast<int>(strip) - 2; ++k) {
+      dark_left += image.at(250 - k, v) == 0 ? 1 : 0;
+      dark_right += image.at(390 + k, v) == 0 ? 1 : 0;
+    }
+    for (const int u : {389, 390}) {
+      ++edge;
+      const float z = image.at(u, v);
+      flying += z > 0.52F && z < 0.78F ? 1 : 0;
+    }
+  }
+  const double cells = 480 * (static_cast<int>(strip) - 4);
+  EXPECT_GT(dark_left / cells, 0.95);
+  EXPECT_LT(dark_right / cells, 0.05);
+  EXPECT_NEAR(flying / static_cast<double>(edge), 0.30 * 0.26 / 0.30, 0.06);
+}
+
+TEST(SensorNoise, HolesHaveTheirShare) {
+  auto model = make_sr300();
+  Random random(9);
+  EXPECT_NEAR(moments(flat(0.7), add_noise(flat(0.7), Pose::Identity(), model, random)).holes, 0.004, 0.012);
+  model.blobs = 0;
+  EXPECT_NEAR(moments(flat(0.7), add_noise(flat(0.7), Pose::Identity(), model, random)).holes, 0.004, 0.0015);
+}
+
+TEST(SensorNoise, D435IsCorrelatedAndFollowsTheStereoLaw) {
+  auto model = make_d435();
+  model.bias = 0;
+  model.unit = 1e-6;  // counts of 1 mm hide the law
+  const auto view = flat(0.7);
+  Random random(6);
+  const auto image = add_noise(view, Pose::Identity(), model, random);
+  const auto m = moments(view, image);
+  EXPECT_NEAR(m.sigma, 0.08 * 0.49 / (475 * 0.05), 0.0002);
+  double product = 0;
+  int count = 0;
+  for (int v = 160; v < 320; ++v)
+    for (int u = 213; u < 427; ++u)
+      if (image.at(u, v) > 0 && image.at(u + 1, v) > 0) {
+        product += (image.at(u, v) - 0.7) * (image.at(u + 1, v) - 0.7);
+        ++count;
+      }
+  EXPECT_GT(product / count / (m.sigma * m.sigma), 0.7);
+}
+
+TEST(SensorNoise, SameSeedSameImage) {
+  Random first(11), again(11), other(12);
+  const auto a = add_noise(flat(0.7), Pose::Identity(), make_sr300(), first);
+  EXPECT_EQ(a.z, add_noise(flat(0.7), Pose::Identity(), make_sr300(), again).z);
+  EXPECT_NE(a.z, add_noise(flat(0.7), Pose::Identity(), make_sr300(), other).z);
+}
+
+TEST(SensorNoise, UnknownCameraIsNamed) {
+  try {
+    (void)make_sensor("kinect");
+    FAIL();
+  } catch (const InvalidArgument& error) {
+    EXPECT_NE(std::string(error.what()).find("kinect"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace stonestack
