@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "stonestack/core/options.hpp"
@@ -12,31 +13,39 @@ namespace stonestack {
 /// How true the simulated cell is. Everything here is hidden from the planner.
 struct SimulationOptions {
   int seed = 1;
-  double friction = 0.5;                ///< true, stone on stone: mean over pairs
+  double friction = 0.5;                ///< true, stone on stone and on the table: mean over pairs
   double friction_spread = 0.15;        ///< half width of the uniform draw per pair
-  bool sensor_noise = true;             ///< SR300 model (facts/detection.md §1)
+  std::string sensor = "sr300";         ///< depth camera: sr300, d435 or ideal
+  bool sensor_noise = true;             ///< of the camera's model and of the force sensor
   double hand_eye_translation = 0.001;  ///< m, error of T_T_C
   double hand_eye_rotation = 0.0052;    ///< rad (0.3 deg)
   double arm_repeatability = 0.0001;    ///< m
   double arm_residual = 0.001;          ///< m, calibration residual of the arm
-  double mass_error = 0.02;             ///< share
-  double com_error = 0.002;             ///< m
-  double step = 1.0 / 240.0;            ///< s
+  double mass_error = 0.02;             ///< share, one sigma
+  double com_error = 0.002;             ///< m, at most
+  double step = 1.0 / 240.0;            ///< s; finer while the fingers touch a stone
+  double clearance = 0.045;             ///< m between loose stones, so that the fingers find room
 };
 [[nodiscard]] FieldList fields(SimulationOptions& options);
 
 /// The true state, for judging, drawing and recording ground truth only: never for planning.
 struct Truth {
   double time = 0.0;              ///< s
-  std::vector<Pose> T_W_O;        ///< by stone index; frames of the catalogue
+  std::vector<Pose> T_W_O;        ///< by stone index; frames of the catalogue; identity for absent stones
   std::vector<Contact> contacts;  ///< between stones and with the table
+};
+
+/// The true tower: which stones stand on each other at the site, and whether they stay.
+struct TowerVerdict {
+  std::vector<int> stones;  ///< from the table up, indices into the catalogue: each rests on the one below it
+  StandVerdict stand;       ///< of the world with the arm away; `standing` counts clean stones that stayed
 };
 
 /// A UR10 with gripper, force sensor and camera over a table with stones, in Bullet, on a simulated clock.
 class SimulatedCell {
  public:
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to
-  /// rest.
+  /// rest. The arm starts with the camera over the field. Throws InvalidArgument when they do not fit.
   SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present, const RobotModel& robot,
                 const CellLayout& believed, const SimulationOptions& options = {});
   ~SimulatedCell();
@@ -47,6 +56,14 @@ class SimulatedCell {
   [[nodiscard]] Truth truth() const;
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);
+  /// Puts stone `stone` at T_W_O, at rest, at once: for setting up an experiment, never during one.
+  void place(int stone, const Pose& T_W_O);
+  /// What a person does at the pendant after a protective stop.
+  void unlock();
+  /// Judges the tower at the believed site in a world of its own, without the arm and with every stone free,
+  /// for `seconds` (simulated) of the options; friction is the true one of each pair.
+  [[nodiscard]] TowerVerdict judge_tower(const StandOptions& options = {.seconds = 60.0,
+                                                                        .largest_shift = 0.002}) const;
 
  private:
   struct Parts;

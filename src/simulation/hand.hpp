@@ -1,0 +1,51 @@
+#pragma once
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "simulation/finger_pad.hpp"
+#include "stonestack/motion/planning_scene.hpp"
+
+namespace stonestack {
+
+/// The fingers, in the order of every array: A at +x of T, B at -x and +y, C at -x and -y.
+inline constexpr int kFingers = 3;
+
+/// Where the hand is: tool frame, and how far each finger's pad stands from the plane x = 0 of T.
+struct HandPose {
+  Pose T_W_T = Pose::Identity();
+  std::array<double, kFingers> finger{};  ///< m, 0 when closed
+};
+/// The hand over time, by seconds from the start of a motion.
+using HandPath = std::function<HandPose(double seconds)>;
+
+/// Distance between the pads: of A from the middle of B and C, m.
+[[nodiscard]] double opening(const HandPose& hand);
+
+/// A rigid part of the hand.
+struct HandBox {
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_T_centre = Eigen::Vector3d::Zero();  ///< fingers closed
+  int finger = -1;                                       ///< moves with that finger; -1: fixed
+  double side = 0.0;                                     ///< along x of T
+};
+
+/// The hand as the world meets it: rigid boxes, and on each finger a pad of rubber that stands out from the
+/// box by its thickness, so that rubber and bone never act twice.
+struct HandModel {
+  GripperModel gripper;
+  PadOptions pad;
+  std::vector<HandBox> boxes;
+};
+[[nodiscard]] HandModel make_hand(const GripperModel& gripper);
+
+[[nodiscard]] Pose box_pose(const HandBox& box, const HandPose& hand);
+/// T_W_P of a finger's pad.
+[[nodiscard]] Pose pad_pose(const HandModel& model, int finger, const HandPose& hand);
+/// Distance from a point to the nearest box, 0 inside, m.
+[[nodiscard]] double distance_to_hand(const HandModel& model, const HandPose& hand,
+                                      const Eigen::Vector3d& p_W);
+/// Height of the hand's lowest corner over the table, m, and where it is.
+[[nodiscard]] Eigen::Vector3d lowest_corner(const HandModel& model, const HandPose& hand);
+
+}  // namespace stonestack

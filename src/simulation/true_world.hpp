@@ -1,0 +1,116 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "simulation/hand.hpp"
+#include "stonestack/physics/stack.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+
+namespace stonestack {
+
+/// What the world does to the hand, gravity on the hand itself left out; world axes.
+struct HandLoad {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< Nm, about the world's origin
+  void add(const Eigen::Vector3d& p_W, const Eigen::Vector3d& f) {
+    force += f;
+    moment += p_W.cross(f);
+  }
+  void add(const HandLoad& other, double share = 1.0) {
+    force += share * other.force;
+    moment += share * other.moment;
+  }
+};
+
+/// How far a stretch of time came.
+struct Progress {
+  double seconds = 0.0;
+  std::string stopped;  ///< why the hand cannot go on (it hit something); empty: it can
+};
+
+/// The one truth: stones of full resolution with their own mass, centre of mass and friction, the table, the
+/// hand that pushes and grips. Only the simulated devices and the judge see it.
+///
+/// Time passes in steps only while something can move; while all stones rest and the hand is away from them
+/// it just passes. Stones at rest that nothing comes near are held still meanwhile; a verdict never does
+/// that.
+class TrueWorld {
+ public:
+  /// The stones `present` (indices into `stones`), each far away until placed.
+  TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present, const GripperModel& gripper,
+            const SimulationOptions& options);
+  ~TrueWorld();
+  TrueWorld(TrueWorld&&) noexcept;
+
+  [[nodiscard]] double time() const { return time_; }
+  [[nodiscard]] const HandModel& hand_model() const { return model_; }
+  [[nodiscard]] const HandPose& hand() const { return hand_; }
+  /// Puts the hand somewhere at once. For setting up.
+  void set_hand(const HandPose& hand);
+  /// Lets `seconds` pass while the hand follows `path`. Ends early when the hand hits something hard.
+  Progress advance(double seconds, const HandPath& path);
+  /// The same with the hand where it is.
+  Progress wait(double seconds);
+
+  /// Mean over the last 10 ms, or the last `advance` if that was shorter.
+  [[nodiscard]] const HandLoad& load() const { return load_; }
+  /// Force that presses each finger outwards, now: elastic force of its pad and contacts behind it, N.
+  [[nodiscard]] const std::array<double, kFingers>& finger_force() const { return finger_force_; }
+
+  [[nodiscard]] const std::vector<int>& present() const { return present_; }
+  [[nodiscard]] const ShapeList& shapes() const { return shapes_; }
+  [[nodiscard]] const Pose& pose(int stone) const { return state(stone).T_W_O; }
+  [[nodiscard]] Eigen::Vector3d centre_of_mass(int stone) const;
+  /// True if the stone has not moved for half a second.
+  [[nodiscard]] bool rests(int stone) const;
+  /// Puts a stone somewhere at once, at rest. For setting up.
+  void place(int stone, const Pose& T_W_O);
+  /// Takes a stone out of play, or back in.
+  void set_aside(int stone, bool aside);
+  /// Contacts as they are now, after one step of a world of its own.
+  [[nodiscard]] std::vector<Contact> contacts() const;
+  /// A world with every stone free and the true frictions, without the hand. Body i is `present()[i]`.
+  [[nodiscard]] World judge_world(double step, int iterations) const;
+
+ private:
+  struct StoneState {
+    Pose T_W_O = Pose::Identity();
+    Twist twist;
+    Pose T_W_O_rest = Pose::Identity();  // where it has been since ...
+    double rest = 0.0;                   // ... this many seconds
+    bool aside = true;
+    std::vector<PadContact> pads;
+  };
+  struct Engine;
+
+  [[nodiscard]] const StoneState& state(int stone) const;
+  [[nodiscard]] StoneState& state(int stone);
+  [[nodiscard]] std::vector<bool> stones_in_play(const HandPose& next) const;
+  [[nodiscard]] bool pads_near();
+  [[nodiscard]] World make_world(double step, int iterations, double damping,
+                                 const std::vector<bool>& in_play) const;
+  void prepare_engine(const std::vector<bool>& in_play, double step);
+  void step_engine(const HandPose& next);
+  void press_pads(const HandPose& next, double step);
+  void read_stones(double step);
+  [[nodiscard]] HandLoad read_contacts(double step);
+  [[nodiscard]] HandLoad table_load() const;
+  [[nodiscard]] std::string hard_contact() const;
+
+  SimulationOptions options_;
+  HandModel model_;
+  std::vector<int> present_;
+  ShapeList shapes_;                // by catalogue index, true masses
+  std::vector<StoneState> states_;  // by catalogue index
+  std::vector<double> friction_;    // by pair of catalogue indices, row by row; last column: the table
+  HandPose hand_;
+  HandLoad load_;
+  HandLoad pad_load_;
+  std::array<double, kFingers> finger_force_{};
+  double time_ = 0.0;
+  double debt_ = 0.0;  // s asked for and not yet stepped
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,104 @@
+#include "simulation/true_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pebble.hpp"
+
+namespace stonestack {
+namespace {
+
+HandPose hand_at(const Pose& T_W_T) {
+  HandPose hand{T_W_T, {}};
+  hand.finger.fill(0.0775);
+  return hand;
+}
+
+TrueWorld make_world(int seed = 1) {
+  SimulationOptions options;
+  options.seed = seed;
+  TrueWorld world({make_pebble("small", 0.5), make_pebble("large", 1.5)}, {0, 1}, make_robotiq_3f(), options);
+  world.set_hand(hand_at(tool_down({0, 0, 0.6})));
+  world.place(0, make_pose(Eigen::Vector3d(0, 0, 0.06)));
+  world.place(1, make_pose(Eigen::Vector3d(0.3, 0, 0.07)));
+  return world;
+}
+
+TEST(TrueWorld, StonesFallRestAndTimePasses) {
+  TrueWorld world = make_world();
+  EXPECT_FALSE(world.rests(0));
+  (void)world.wait(4.0);
+  EXPECT_NEAR(world.time(), 4.0, 0.005);
+  EXPECT_TRUE(world.rests(0));
+  EXPECT_TRUE(world.rests(1));
+  EXPECT_GT(world.centre_of_mass(0).z(), 0.01);
+  EXPECT_LT(world.centre_of_mass(0).z(), 0.06);
+  int on_table = 0;
+  for (const auto& contact : world.contacts()) on_table += contact.below == kTable ? 1 : 0;
+  EXPECT_GE(on_table, 6);
+}
+
+TEST(TrueWorld, NothingMovesWhileTheClockRunsOverStonesAtRest) {
+  TrueWorld world = make_world();
+  (void)world.wait(4.0);
+  const Pose before = world.pose(0);
+  (void)world.wait(1000.0);
+  EXPECT_TRUE(before.isApprox(world.pose(0), 0.0));
+  EXPECT_NEAR(world.time(), 1004.0, 0.01);
+}
+
+TEST(TrueWorld, AStoneThatTheHandHitsMovesAndPushesBack) {
+  TrueWorld world = make_world();
+  (void)world.wait(4.0);
+  const Eigen::Vector3d before = world.centre_of_mass(0);
+  const auto slide = [](double from, double to, double seconds) {
+    return [=](double t) { return hand_at(tool_down({from + (to - from) * t / seconds, 0, 0.01})); };
+  };
+  world.set_hand(slide(-0.25, 0, 1)(0));
+  double push = 0;
+  for (int k = 0; k < 100; ++k) {
+    const double x = -0.25 + 0.002 * k;
+    const Progress progress = world.advance(0.02, slide(x, x + 0.002, 0.02));
+    ASSERT_EQ(progress.stopped, "");
+    push = std::min(push, world.load().force.x());
+  }
+  EXPECT_GT(world.centre_of_mass(0).x(), before.x() + 0.02);
+  EXPECT_LT(push, -0.5);
+  EXPECT_NEAR(world.centre_of_mass(1).x(), 0.3, 0.05) << "the far stone stays";
+}
+
+TEST(TrueWorld, PressingIntoTheTableStopsTheHand) {
+  TrueWorld world = make_world();
+  (void)world.wait(4.0);
+  const Progress progress = world.advance(2.0, [](double t) {
+    return hand_at(tool_down({-0.4, 0, 0.02 - 0.02 * t}));
+  });
+  EXPECT_NE(progress.stopped.find("N on the gripper"), std::string::npos) << progress.stopped;
+  EXPECT_LT(progress.seconds, 1.2);
+}
+
+TEST(TrueWorld, SameSeedSameBits) {
+  TrueWorld first = make_world(3), again = make_world(3), other = make_world(4);
+  for (auto* world : {&first, &again, &other}) (void)world->wait(1.0);
+  EXPECT_TRUE((first.pose(0).matrix().array() == again.pose(0).matrix().array()).all());
+  EXPECT_TRUE((first.pose(1).matrix().array() == again.pose(1).matrix().array()).all());
+  EXPECT_FALSE((first.pose(0).matrix().array() == other.pose(0).matrix().array()).all());
+}
+
+TEST(TrueWorld, TrueMassIsNotTheBelievedOneButNearIt) {
+  const Stone stone = make_pebble("small", 0.5);
+  double largest = 0, shift = 0;
+  for (int seed = 1; seed <= 6; ++seed) {
+    SimulationOptions options;
+    options.seed = seed;
+    const TrueWorld world({stone}, {0}, make_robotiq_3f(), options);
+    largest = std::max(largest, std::abs(world.shapes()[0]->mass.mass / stone.mass.mass - 1));
+    shift = std::max(shift, (world.shapes()[0]->mass.p_O_M - stone.mass.p_O_M).norm());
+  }
+  EXPECT_GT(largest, 0.01);
+  EXPECT_LE(largest, 0.05 + 1e-9);
+  EXPECT_GT(shift, 0.001);
+  EXPECT_LE(shift, 0.002 + 1e-9);
+}
+
+}  // namespace
+}  // namespace stonestack
