@@ -75,9 +75,9 @@ TEST(SensorNoise, BiasStaysFromFrameToFrameAndHasItsSize) {
   auto model = make_sr300();
   double squares = 0;
   int count = 0;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     model.bias_seed = seed;
-    constexpr int kFrames = 10;
+    constexpr int kFrames = 5;
     Eigen::ArrayXd mean = Eigen::ArrayXd::Zero(36), seen = Eigen::ArrayXd::Zero(36);
     Random random(seed);
     for (int f = 0; f < kFrames; ++f) {
@@ -94,8 +94,8 @@ TEST(SensorNoise, BiasStaysFromFrameToFrameAndHasItsSize) {
         ++count;
       }
   }
-  // Ten frames leave a tenth of the frame noise's variance (0.9 mm) beside the bias.
-  EXPECT_NEAR(std::sqrt(squares / count), std::sqrt(0.0005 * 0.0005 + 0.0009 * 0.0009 / 10), 0.00006);
+  // Five frames leave a fifth of the frame noise's variance (0.9 mm) beside the bias.
+  EXPECT_NEAR(std::sqrt(squares / count), std::sqrt(0.0005 * 0.0005 + 0.0009 * 0.0009 / 5), 0.0001);
 }
 
 TEST(SensorNoise, GrazingSurfacesAreNoisierAndThenVanish) {

@@ -1,0 +1,36 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stone/stone.hpp"
+
+namespace stonestack {
+
+/// Where the camera of a rendered scene stands: it looks at the middle of the field.
+struct SceneOptions {
+  SimulationOptions simulation;
+  double distance = 0.7;   ///< m from the camera to what it looks at
+  double tilt = 0.174533;  ///< rad off the vertical (10 deg)
+  double azimuth = -1.0;   ///< rad, from which side; negative: drawn from the seed
+};
+[[nodiscard]] FieldList fields(SceneOptions& options);
+
+/// A view of stones on a table, with the truth about it.
+struct SimulatedScene {
+  DepthImage depth;
+  double depth_unit = 0.0;  ///< m a count
+  Pose T_W_C = Pose::Identity();
+  std::vector<PlacedStone> stones;  ///< true poses T_W_O
+};
+
+/// Scatters the stones `present` in the layout's field and takes one picture. Same seed, same scene.
+[[nodiscard]] SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<int>& present,
+                                          const CellLayout& layout, const SceneOptions& options = {});
+
+/// Writes depth.png (16 bit), cloud.ply (organised, camera frame) and scene.yaml (intrinsics, T_W_C, stones
+/// with T_W_O and T_C_O) into the folder. Throws FileError.
+void write_scene(const std::string& folder, const SimulatedScene& scene, const std::vector<Stone>& stones);
+
+}  // namespace stonestack

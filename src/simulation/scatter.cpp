@@ -1,0 +1,110 @@
+#include "simulation/scatter.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kDropHeight = 0.010;  // m under the lowest point
+constexpr double kLongestFall = 5.0;   // s until a stone must rest
+constexpr int kDraws = 400;            // places tried for one stone
+constexpr int kDrops = 40;             // of them simulated
+constexpr std::size_t kOutline = 300;  // surface points that stand for an outline
+
+using Outline = std::vector<Eigen::Vector2d>;
+
+// Surface points seen from above; enough of them that the outline is known to a few millimetres.
+Outline outline(const ContactShape& shape, const Pose& T_W_O) {
+  Outline points;
+  const std::size_t stride = std::max<std::size_t>(1, shape.samples.size() / kOutline);
+  for (std::size_t i = 0; i < shape.samples.size(); i += stride)
+    points.emplace_back((T_W_O * shape.samples[i].point).head<2>());
+  return points;
+}
+
+double gap(const Outline& a, const Outline& b) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& p : a)
+    for (const auto& q : b) nearest = std::min(nearest, (p - q).squaredNorm());
+  return std::sqrt(nearest);
+}
+
+bool inside(const StoneField& field, const Eigen::Vector3d& p_W) {
+  return ((p_W.head<2>() - field.centre).cwiseAbs().array() <= 0.5 * field.size.array()).all();
+}
+
+class Scatter {
+ public:
+  Scatter(TrueWorld& world, const StoneField& field) : world_(&world), field_(field) {}
+
+  void drop(int stone, Random random) {
+    const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
+    for (int draw = 0, drops = 0; draw < kDraws && drops < kDrops; ++draw) {
+      throw_if_interrupted();
+      const Pose T_W_O = random_pose(shape, random);
+      if (!free(outline(shape, T_W_O))) continue;
+      ++drops;
+      world_->place(stone, T_W_O);
+      if (comes_to_rest(stone)) {
+        outlines_.push_back(outline(shape, world_->pose(stone)));
+        return;
+      }
+    }
+    throw InvalidArgument(concat("no room for stone ", shape.name, " in a field of ", field_.size.x(), " x ",
+                                 field_.size.y(), " m with ", field_.clearance,
+                                 " m between stones; use fewer stones or a larger field"));
+  }
+
+ private:
+  [[nodiscard]] Pose random_pose(const ContactShape& shape, Random& random) const {
+    Pose T_W_O = make_pose(Eigen::Vector3d::Zero(), random.rotation());
+    double lowest = 0.0;
+    for (const auto& sample : shape.samples) lowest = std::min(lowest, (T_W_O * sample.point).z());
+    const double x = random.uniform(-0.5, 0.5), y = random.uniform(-0.5, 0.5);
+    const Eigen::Vector3d p_W_M(field_.centre.x() + field_.size.x() * x,
+                                field_.centre.y() + field_.size.y() * y, 0);
+    T_W_O.translation() = p_W_M - T_W_O.linear() * shape.mass.p_O_M;
+    T_W_O.translation().z() = kDropHeight - lowest;
+    return T_W_O;
+  }
+
+  [[nodiscard]] bool free(const Outline& candidate) const {
+    return std::all_of(outlines_.begin(), outlines_.end(),
+                       [&](const Outline& other) { return gap(candidate, other) >= field_.clearance; });
+  }
+
+  [[nodiscard]] bool comes_to_rest(int stone) {
+    constexpr double kLook = 0.1;
+    for (double t = 0; t < kLongestFall && !world_->rests(stone); t += kLook) {
+      (void)world_->wait(kLook);
+      if (!inside(field_, world_->centre_of_mass(stone))) return false;
+    }
+    const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
+    return world_->rests(stone) && free(outline(shape, world_->pose(stone)));
+  }
+
+  TrueWorld* world_;
+  StoneField field_;
+  std::vector<Outline> outlines_;
+};
+
+}  // namespace
+
+void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed) {
+  Scatter scatter(world, field);
+  // The widest first: small ones find room between large ones, not the other way round.
+  std::vector<int> order = world.present();
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return world.shapes()[static_cast<std::size_t>(a)]->radius >
+           world.shapes()[static_cast<std::size_t>(b)]->radius;
+  });
+  for (const int stone : order)
+    scatter.drop(stone, Random::stream(
+                            seed, concat("scatter ", world.shapes()[static_cast<std::size_t>(stone)]->name)));
+}
+
+}  // namespace stonestack

@@ -1,0 +1,18 @@
+#pragma once
+#include "simulation/true_world.hpp"
+
+namespace stonestack {
+
+/// Where loose stones may lie.
+struct StoneField {
+  Eigen::Vector2d centre;
+  Eigen::Vector2d size;    ///< m
+  double clearance = 0.0;  ///< m between two stones' outlines seen from above
+};
+
+/// Drops the world's stones, one after the other, from just above the table at random places and in random
+/// orientations, and lets each come to rest. A stone that rolls out of the field or too near another is
+/// dropped again. Throws InvalidArgument when the field is too small for them.
+void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed);
+
+}  // namespace stonestack

@@ -1,0 +1,124 @@
+#include "stonestack/simulation/simulated_cell.hpp"
+
+#include "simulation/judge_tower.hpp"
+#include "simulation/scatter.hpp"
+#include "simulation/simulated_devices.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kStartHeight = 0.45;  // m, finger tips over the field: the camera's view holds all of it
+
+// Fingers down over the middle of the field, or over the nearest place towards the base that can be reached.
+Joints start_joints(const RobotModel& robot, const CellLayout& layout) {
+  Joints seed;
+  seed << 0.0, -1.57, 1.57, -1.57, -1.57, 0.0;
+  const Eigen::Matrix3d down =
+      Eigen::AngleAxisd(3.14159265358979323846, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  for (double share = 1.0; share > 0.3; share -= 0.05) {
+    Pose T_W_T = Pose::Identity();
+    const Eigen::Vector2d base = layout.T_W_R.translation().head<2>();
+    T_W_T.linear() = down;
+    T_W_T.translation() << base + share * (layout.field_centre - base), kStartHeight;
+    const auto solutions = inverse(robot, layout.T_W_R.inverse() * T_W_T * layout.T_F_T.inverse(), seed);
+    if (!solutions.empty()) return solutions.front().q;
+  }
+  return seed;
+}
+
+}  // namespace
+
+FieldList fields(SimulationOptions& o) {
+  return {
+      field("seed", o.seed, {0, 2147483647.0}, "", "ours"),
+      field("friction", o.friction, {0.05, 2.0}, "", "ours: limestone on limestone"),
+      field("friction_spread", o.friction_spread, {0.0, 1.0}, "", "ours"),
+      field("sensor", o.sensor, "sr300, d435 or ideal"),
+      field("sensor_noise", o.sensor_noise, "SR300 model: docs/measurements.md"),
+      field("hand_eye_translation", o.hand_eye_translation, {0.0, 0.05}, "m", "ours"),
+      field("hand_eye_rotation", o.hand_eye_rotation, {0.0, 0.2}, "rad", "ours: 0.3 deg"),
+      field("arm_repeatability", o.arm_repeatability, {0.0, 0.01}, "m", "UR10 data sheet"),
+      field("arm_residual", o.arm_residual, {0.0, 0.05}, "m", "ours"),
+      field("mass_error", o.mass_error, {0.0, 0.5}, "", "ours: share, one sigma"),
+      field("com_error", o.com_error, {0.0, 0.02}, "m", "ours"),
+      field("step", o.step, {0.0005, 0.01}, "s", "measured: 240 Hz"),
+      field("clearance", o.clearance, {0.0, 0.3}, "m", "width of a finger and a half"),
+  };
+}
+
+struct SimulatedCell::Parts {
+  std::vector<Stone> stones;
+  CellLayout believed;
+  TrueMounting mounting;
+  TrueWorld world;
+  SimulatedClock clock;
+  SimulatedForceTorque force_torque;
+  SimulatedArm arm;
+  SimulatedGripper gripper;
+  SimulatedCamera camera;
+
+  Parts(const std::vector<Stone>& all, const std::vector<int>& present, const RobotModel& robot,
+        const CellLayout& layout, const SimulationOptions& options)
+      : stones(all),
+        believed(layout),
+        mounting(draw_mounting(layout, options)),
+        world(stones, present, make_robotiq_3f(), options),
+        clock(world),
+        force_torque(world, mounting, options),
+        arm(world, robot, mounting, force_torque, options, start_joints(robot, layout)),
+        gripper(world),
+        camera(world, stones, mounting, options) {}
+};
+
+SimulatedCell::SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present,
+                             const RobotModel& robot, const CellLayout& believed,
+                             const SimulationOptions& options) {
+  parts_ = std::make_unique<Parts>(stones, present, robot, believed, options);
+  auto& world = parts_->world;
+  HandPose hand;
+  hand.T_W_T = parts_->arm.true_T_W_T(parts_->arm.state().q);
+  hand.finger.fill(0.5 * world.hand_model().gripper.largest_opening);
+  world.set_hand(hand);
+  scatter_stones(world, {believed.field_centre, believed.field_size, options.clearance},
+                 static_cast<std::uint64_t>(options.seed));
+}
+
+SimulatedCell::~SimulatedCell() = default;
+
+Cell SimulatedCell::cell() {
+  return {parts_->arm,    parts_->gripper, parts_->force_torque,
+          parts_->camera, parts_->clock,   parts_->believed};
+}
+
+Truth SimulatedCell::truth() const {
+  const auto& world = parts_->world;
+  Truth truth{world.time(), std::vector<Pose>(parts_->stones.size(), Pose::Identity()), world.contacts()};
+  for (const int i : world.present()) truth.T_W_O[static_cast<std::size_t>(i)] = world.pose(i);
+  return truth;
+}
+
+void SimulatedCell::wait(double seconds) {
+  constexpr double kTurn = 1.0;
+  for (double left = seconds; left > 0; left -= kTurn) {
+    throw_if_interrupted();
+    const Progress progress = parts_->world.wait(std::min(kTurn, left));
+    if (!progress.stopped.empty())
+      throw DeviceError("simulated cell", progress.stopped, "move the arm away from what it touches");
+  }
+}
+
+void SimulatedCell::place(int stone, const Pose& T_W_O) {
+  parts_->world.place(stone, T_W_O);
+}
+
+void SimulatedCell::unlock() {
+  parts_->arm.unlock();
+}
+
+TowerVerdict SimulatedCell::judge_tower(const StandOptions& options) const {
+  return judge_true_tower(parts_->world, parts_->believed.site, options);
+}
+
+}  // namespace stonestack

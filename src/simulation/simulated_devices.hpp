@@ -1,0 +1,118 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "simulation/true_world.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/simulation/sensor_noise.hpp"
+
+namespace stonestack {
+
+/// How the cell is really put together, as against how it was calibrated.
+struct TrueMounting {
+  Pose T_W_R = Pose::Identity();
+  Pose T_F_T = Pose::Identity();
+  Pose T_T_C = Pose::Identity();
+  Joints joint_error = Joints::Zero();  ///< rad, what calibration left over: true q = reported q + this
+};
+/// Draws the errors that the options ask for.
+[[nodiscard]] TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options);
+
+/// The world's time.
+class SimulatedClock final : public Clock {
+ public:
+  explicit SimulatedClock(const TrueWorld& world) : world_(&world) {}
+  [[nodiscard]] double now() const override { return world_->time(); }
+
+ private:
+  const TrueWorld* world_;
+};
+
+/// Wrist sensor at the flange: 100 Hz, counts of 0.1 N and 1 mNm, an unknown offset, white noise. Feels the
+/// weight of the hand until zeroed; the hand's inertia is left out.
+class SimulatedForceTorque final : public ForceTorqueSensor {
+ public:
+  SimulatedForceTorque(TrueWorld& world, const TrueMounting& mounting, const SimulationOptions& options);
+  /// The sample at the world's time; asked twice at one time it waits for the next sample.
+  [[nodiscard]] Wrench read() override;
+  /// Mean of 20 samples.
+  void zero() override;
+
+ private:
+  [[nodiscard]] Wrench sample();
+
+  TrueWorld* world_;
+  TrueMounting mounting_;
+  Random random_;
+  bool noisy_;
+  Wrench offset_, zero_;
+  double last_time_ = -1.0;
+};
+
+/// A position-controlled arm. It stops, and stays stopped until unlocked, when a joint is commanded faster
+/// than its limit, when a link or the hand hits something, or at 150 N on the hand.
+class SimulatedArm final : public Arm {
+ public:
+  SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
+               SimulatedForceTorque& force_torque, const SimulationOptions& options, const Joints& q);
+  [[nodiscard]] ArmState state() override;
+  [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
+  [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
+  void stop() override {}  // commands return at rest
+  void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;
+  /// What a person does at the pendant after a protective stop.
+  void unlock() { stop_reason_.clear(); }
+  /// True pose of the tool.
+  [[nodiscard]] Pose true_T_W_T(const Joints& q) const;
+
+ private:
+  [[nodiscard]] std::string refusal(const JointTrajectory& trajectory) const;
+  [[nodiscard]] std::string overspeed(const Joints& qd, double t) const;
+  [[nodiscard]] std::optional<std::string> find_hit() const;
+  [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard);
+  [[nodiscard]] double resistance(const GuardedMotion& guard);
+
+  TrueWorld* world_;
+  RobotModel robot_;
+  TrueMounting mounting_;
+  SimulatedForceTorque* force_torque_;
+  Random random_;
+  double repeatability_;
+  Joints q_;
+  Joints jitter_ = Joints::Zero();  // rad, of the motion that ended last
+  double payload_ = 0.0;
+  std::string stop_reason_;
+};
+
+/// Three fingers, each with a drive of its own that pushes until its force is reached and then holds its
+/// place (worm gear). A gives the commanded force, B and C half of it each.
+class SimulatedGripper final : public Gripper {
+ public:
+  explicit SimulatedGripper(TrueWorld& world) : world_(&world) {}
+  [[nodiscard]] GripperState state() override;
+  /// Force and speed are clamped to what the device can (15 to 60 N, 22 to 110 mm/s), as it does itself.
+  GripperState move(double opening, double speed, double force) override;
+
+ private:
+  TrueWorld* world_;
+  bool object_ = false;
+};
+
+/// Renders the true meshes, the table and the hand, and spoils the view as its sensor does.
+class SimulatedCamera final : public DepthCamera {
+ public:
+  SimulatedCamera(TrueWorld& world, const std::vector<Stone>& stones, const TrueMounting& mounting,
+                  const SimulationOptions& options);
+  [[nodiscard]] DepthFrame capture() override;
+
+ private:
+  TrueWorld* world_;
+  const std::vector<Stone>* stones_;
+  TrueMounting mounting_;
+  SensorModel sensor_;
+  Random random_;
+  long number_ = 0;
+};
+
+}  // namespace stonestack

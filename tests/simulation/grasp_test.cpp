@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include "pebble.hpp"
+#include "simulation/simulated_devices.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kHalfTurn = 1.5707963267948966;  // 90 deg
+
+/// A pebble on the table, the open hand over it.
+struct Bench {
+  SimulationOptions options;
+  TrueWorld world;
+  SimulatedGripper gripper;
+
+  explicit Bench(double mass)
+      : world({make_pebble("pebble", mass)}, {0}, make_robotiq_3f(), options), gripper(world) {
+    Pose T_W_O = Pose::Identity();
+    double lowest = 0;
+    for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
+    T_W_O.translation().z() = 0.0005 - lowest;
+    HandPose hand{tool_down({0, 0, 0.5}), {}};
+    hand.finger.fill(0.0775);
+    world.set_hand(hand);
+    world.place(0, T_W_O);
+    (void)world.wait(2.0);
+  }
+
+  /// Straight, with a smooth start and end.
+  Progress carry(const Pose& T_W_T, double seconds) {
+    const HandPose from = world.hand();
+    return world.advance(seconds, [&](double t) {
+      const double s = t / seconds;
+      HandPose hand = from;
+      hand.T_W_T = interpolate(from.T_W_T, T_W_T, s * s * (3 - 2 * s));
+      return hand;
+    });
+  }
+  [[nodiscard]] Pose T_T_O() const { return world.hand().T_W_T.inverse() * world.pose(0); }
+  /// Fingers round the stone, palm clear of it.
+  GripperState grip() {
+    const double z = std::max(0.003, world.centre_of_mass(0).z() - 0.020);
+    (void)carry(tool_down({0, 0, z}), 1.0);
+    return gripper.move(0.0, 0.05, 60.0);
+  }
+};
+
+class Grasp : public testing::TestWithParam<double> {};
+
+TEST_P(Grasp, HoldsThroughLiftTurnAndTenSeconds) {
+  Bench bench(GetParam());
+  ASSERT_TRUE(bench.world.rests(0));
+  const GripperState gripped = bench.grip();
+  EXPECT_TRUE(gripped.object);
+  EXPECT_GT(gripped.opening, 0.03);
+  EXPECT_GE(bench.world.finger_force()[0], 50.0);
+  const Pose T_W_T_lifted = tool_down({0, 0, 0.25});
+  ASSERT_EQ(bench.carry(T_W_T_lifted, 1.5).stopped, "");
+  const Pose T_T_O_lifted = bench.T_T_O();
+  Pose turned = T_W_T_lifted;
+  turned.rotate(Eigen::AngleAxisd(kHalfTurn, Eigen::Vector3d::UnitY()));
+  ASSERT_EQ(bench.carry(turned, 2.0).stopped, "");
+  const auto in_turn = difference(bench.T_T_O(), T_T_O_lifted);
+  ASSERT_EQ(bench.world.wait(10.0).stopped, "");
+  const auto slip = difference(bench.T_T_O(), T_T_O_lifted);
+  EXPECT_LT(slip.translation, 0.002) << in_turn.translation << " m of it in the turn";
+  EXPECT_LT(slip.angle, 0.05) << in_turn.angle << " rad of it in the turn";
+  EXPECT_NEAR(bench.world.load().force.z(), -9.81 * bench.world.shapes()[0]->mass.mass, 0.3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Masses, Grasp, testing::Values(0.4, 1.5, 3.0));
+
+TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {
+  Bench bench(3.0);
+  (void)bench.carry(tool_down({0, 0, bench.world.centre_of_mass(0).z() - 0.02}), 1.0);
+  (void)bench.gripper.move(0.0, 0.05, 15.0);  // bears 2 * 0.5 * 15 N of 29 N
+  (void)bench.carry(tool_down({0, 0, 0.3}), 1.5);
+  EXPECT_LT(bench.world.centre_of_mass(0).z(), 0.1);
+}
+
+TEST(Grasp, OpeningLetsTheStoneDownWhereItIs) {
+  Bench bench(1.5);
+  (void)bench.grip();
+  (void)bench.carry(tool_down({0, 0, 0.2}), 1.0);
+  (void)bench.carry(tool_down({0.1, 0, 0.2}), 1.0);
+  const double height = bench.world.pose(0).translation().z();
+  (void)bench.carry(tool_down({0.1, 0, 0.2 - (height - 0.06)}), 1.0);
+  const Eigen::Vector3d before = bench.world.centre_of_mass(0);
+  const GripperState open = bench.gripper.move(0.155, 0.05, 15.0);
+  EXPECT_FALSE(open.object);
+  EXPECT_NEAR(open.opening, 0.155, 1e-6);
+  (void)bench.world.wait(2.0);
+  (void)bench.carry(tool_down({0.1, 0, 0.4}), 1.0);
+  (void)bench.world.wait(1.0);
+  EXPECT_TRUE(bench.world.rests(0));
+  const Eigen::Vector3d after = bench.world.centre_of_mass(0);
+  EXPECT_LT((after - before).head<2>().norm(), 0.02);
+  EXPECT_LT(after.z(), before.z() + 0.001);
+}
+
+TEST(Grasp, ClosesOnNothing) {
+  Bench bench(0.4);
+  const GripperState closed = bench.gripper.move(0.0, 0.1, 30.0);
+  EXPECT_FALSE(closed.object);
+  EXPECT_NEAR(closed.opening, 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace stonestack

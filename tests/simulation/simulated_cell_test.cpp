@@ -1,0 +1,239 @@
+#include "stonestack/simulation/simulated_cell.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pebble.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+
+namespace stonestack {
+namespace {
+
+using Status = MotionResult::Status;
+
+/// A cell with pebbles, and a hand that moves along straight lines.
+struct Bench {
+  std::vector<Stone> stones;
+  RobotModel robot = read_robot("ur10");
+  CellLayout layout;
+  SimulatedCell simulated;
+  Cell cell;
+
+  explicit Bench(std::vector<Stone> all, const SimulationOptions& options = {})
+      : stones(std::move(all)),
+        simulated(stones, every(stones), robot, layout, options),
+        cell(simulated.cell()) {}
+
+  static std::vector<int> every(const std::vector<Stone>& stones) {
+    std::vector<int> indices;
+    for (std::size_t i = 0; i < stones.size(); ++i) indices.push_back(static_cast<int>(i));
+    return indices;
+  }
+
+  [[nodiscard]] Pose T_W_T(const Joints& q) const { return layout.T_W_R * forward(robot, q) * layout.T_F_T; }
+
+  /// Straight to T_W_T at about `speed`, without regard to acceleration.
+  JointTrajectory line(const Pose& T_W_T_goal, double speed) {
+    const Joints q0 = cell.arm.state().q;
+    const Pose from = T_W_T(q0);
+    const auto way = difference(from, T_W_T_goal);
+    const double seconds = std::max({0.5, way.translation / speed, way.angle / 0.5});
+    const int knots = static_cast<int>(std::ceil(seconds / 0.05)) + 1;
+    JointTrajectory line;
+    Joints q = q0;
+    for (int k = 0; k < knots; ++k) {
+      const double s = k / static_cast<double>(knots - 1);
+      const Pose T_R_F = layout.T_W_R.inverse() * interpolate(from, T_W_T_goal, s * s * (3 - 2 * s)) *
+                         layout.T_F_T.inverse();
+      const auto solutions = inverse(robot, T_R_F, q);
+      if (solutions.empty()) throw InvalidArgument("the test's line leaves the reach");
+      q = k == 0 ? q0 : solutions.front().q;
+      line.time.push_back(s * seconds);
+      line.q.push_back(q);
+    }
+    for (int k = 0; k < knots; ++k) {
+      const int a = std::max(0, k - 1), b = std::min(knots - 1, k + 1);
+      const auto at = [](int i) { return static_cast<std::size_t>(i); };
+      line.qd.push_back(k == 0 || k == knots - 1 ? Joints::Zero()
+                                                 : Joints((line.q[at(b)] - line.q[at(a)]) /
+                                                          (line.time[at(b)] - line.time[at(a)])));
+    }
+    return line;
+  }
+  MotionResult go(const Pose& T_W_T_goal, double speed = 0.25) {
+    return cell.arm.follow(line(T_W_T_goal, speed));
+  }
+  /// Centre of mass as the catalogue believes it.
+  [[nodiscard]] Eigen::Vector3d centre(int stone) const {
+    const auto i = static_cast<std::size_t>(stone);
+    return simulated.truth().T_W_O[i] * stones[i].mass.p_O_M;
+  }
+  [[nodiscard]] double yaw(int stone) const {  // closing across the stone's shortest horizontal axis
+    const Eigen::Matrix3d R = simulated.truth().T_W_O[static_cast<std::size_t>(stone)].rotation();
+    const Eigen::Vector2d longest = R.col(0).head<2>();
+    return std::atan2(longest.y(), longest.x()) + 1.5707963267948966;
+  }
+};
+
+TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
+  Bench bench({make_pebble("pebble", 1.2)});
+  const auto& [arm, gripper, force_torque, camera, clock, layout] = bench.cell;
+  const Eigen::Vector3d p = bench.centre(0);
+  const double yaw = bench.yaw(0), low = std::max(0.004, p.z() - 0.015);
+  ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), 0.25}, yaw)).status, Status::kDone);
+  ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), low}, yaw), 0.1).status, Status::kDone);
+  const double z_before = force_torque.read().force.z();
+  ASSERT_TRUE(gripper.move(0.0, 0.05, 60.0).object);
+  ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), 0.2}, yaw), 0.1).status, Status::kDone);
+  // The flange's z points down: the stone pulls along +z.
+  double weight = 0;
+  for (int i = 0; i < 50; ++i) weight += (force_torque.read().force.z() - z_before) / 50;
+  const double expected = 9.81 * bench.stones[0].mass.mass;
+  EXPECT_NEAR(weight, expected, 0.03 * expected + 0.06 * expected) << "6 % for the true mass";
+
+  const Eigen::Vector2d goal(0.7, 0.2);
+  ASSERT_EQ(bench.go(tool_down({goal.x(), goal.y(), 0.2}, yaw)).status, Status::kDone);
+  ASSERT_EQ(bench.go(tool_down({goal.x(), goal.y(), low + 0.02}, yaw)).status, Status::kDone);
+  force_torque.zero();
+  const auto contact =
+      arm.follow_guarded({bench.line(tool_down({goal.x(), goal.y(), low - 0.010}, yaw), 0.005)});
+  EXPECT_EQ(contact.status, Status::kContact) << contact.reason;
+  EXPECT_LT(contact.force, 30.0);
+  EXPECT_NEAR(bench.centre(0).z(), p.z(), 0.002);
+  const Eigen::Vector3d set_down = bench.centre(0);
+  EXPECT_NEAR(gripper.move(0.155, 0.03, 15.0).opening, 0.155, 1e-6);
+  ASSERT_EQ(bench.go(tool_down({goal.x(), goal.y(), 0.25}, yaw), 0.1).status, Status::kDone);
+  bench.simulated.wait(2.0);
+  EXPECT_LT((bench.centre(0) - set_down).norm(), 0.01);
+  EXPECT_LT((bench.centre(0).head<2>() - goal).norm(), 0.02);
+}
+
+TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
+  Bench bench({make_pebble("pebble", 1.2)});
+  ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
+  const auto contact = bench.cell.arm.follow_guarded({bench.line(tool_down({0.7, 0.3, -0.02}), 0.005)});
+  EXPECT_EQ(contact.status, Status::kContact);
+  EXPECT_LT(contact.force, 30.0);
+  EXPECT_NEAR(bench.T_W_T(contact.q).translation().z(), 0.0, 0.003);
+  ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
+  const auto nothing = bench.cell.arm.follow_guarded(
+      {bench.line(tool_down({0.7, 0.3, 0.05}), 0.02), Eigen::Vector3d::UnitZ()});
+  EXPECT_EQ(nothing.status, Status::kNoContact);
+}
+
+TEST(SimulatedCell, ArmRefusesAndStops) {
+  Bench bench({make_pebble("pebble", 1.2)});
+  auto& arm = bench.cell.arm;
+  auto elsewhere = bench.line(tool_down({0.7, 0.1, 0.4}), 0.2);
+  for (auto& q : elsewhere.q) q[0] += 0.05;
+  EXPECT_EQ(arm.follow(elsewhere).status, Status::kRefused);
+  auto broken = bench.line(tool_down({0.7, 0.1, 0.4}), 0.2);
+  broken.q.back()[3] = std::nan("");
+  EXPECT_EQ(arm.follow(broken).status, Status::kRefused);
+  auto fast = bench.line(tool_down({0.7, 0.3, 0.4}), 0.2);
+  for (auto& t : fast.time) t *= 0.05;
+  for (auto& qd : fast.qd) qd *= 20;
+  const auto stopped = arm.follow(fast);
+  EXPECT_EQ(stopped.status, Status::kStopped);
+  EXPECT_NE(stopped.reason.find("rad/s, limit"), std::string::npos) << stopped.reason;
+  EXPECT_FALSE(arm.state().can_move);
+  EXPECT_EQ(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kRefused);
+  bench.simulated.unlock();
+  EXPECT_EQ(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kDone);
+}
+
+TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
+  std::vector<Stone> stones;
+  for (int i = 0; i < 5; ++i) stones.push_back(make_pebble("pebble_" + std::to_string(i), 0.5 + 0.3 * i));
+  Bench bench(stones);
+  const auto truth = bench.simulated.truth();
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d p = bench.centre(i);
+    EXPECT_LT(std::abs(p.x() - bench.layout.field_centre.x()), 0.5 * bench.layout.field_size.x() + 1e-3);
+    EXPECT_LT(std::abs(p.y() - bench.layout.field_centre.y()), 0.5 * bench.layout.field_size.y() + 1e-3);
+    for (int j = 0; j < i; ++j) EXPECT_GT((p - bench.centre(j)).head<2>().norm(), 0.09);
+  }
+  for (const auto& contact : truth.contacts) EXPECT_EQ(contact.below, kTable);
+  const auto first = bench.cell.camera.capture(), second = bench.cell.camera.capture();
+  EXPECT_LT(first.number, second.number);
+  EXPECT_LT(first.device_time, second.device_time);
+  // At each stone's place in the image something stands out from the table.
+  const Pose T_C_W = (bench.T_W_T(bench.cell.arm.state().q) * bench.layout.T_T_C).inverse();
+  for (int i = 0; i < 5; ++i) {
+    const Eigen::Vector3d p_C = T_C_W * bench.centre(i);
+    const Eigen::Vector2d uv = project(first.image.camera, p_C);
+    const int u = static_cast<int>(uv.x()), v = static_cast<int>(uv.y());
+    ASSERT_TRUE(u > 5 && v > 5 && u < 635 && v < 475) << "stone " << i << " out of view";
+    double nearest = 10;
+    for (int dv = -3; dv <= 3; ++dv)
+      for (int du = -3; du <= 3; ++du)
+        if (const float z = first.image.at(u + du, v + dv); z > 0) nearest = std::min<double>(nearest, z);
+    EXPECT_LT(nearest, p_C.z() - 0.01) << "stone " << i;
+  }
+}
+
+TEST(SimulatedCell, TooManyStonesAreRefusedWithAReason) {
+  const std::vector<Stone> stones(3, make_pebble("boulder", 3.0));
+  CellLayout tight;
+  tight.field_size = {0.10, 0.10};
+  EXPECT_THROW(SimulatedCell(stones, {0, 1, 2}, read_robot("ur10"), tight), InvalidArgument);
+}
+
+TEST(SimulatedCell, JudgesATrueTower) {
+  // Boxes: two on each other stand; a third half over the edge falls.
+  std::vector<Stone> stones;
+  for (const char* name : {"base", "middle", "top"}) {
+    Stone stone;
+    stone.name = name;
+    stone.scan = stone.mesh = make_box({0.12, 0.10, 0.05});
+    stone.mass = mass_properties(stone.scan, 2600);
+    stones.push_back(stone);
+  }
+  Bench bench(stones);
+  const auto site = bench.layout.site;
+  const auto put = [&](int stone, double dx, double z) {
+    bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
+  };
+  EXPECT_EQ(bench.simulated.judge_tower().stand.standing, 0);
+  put(0, 0, 0.0250);
+  put(1, 0.01, 0.0751);
+  auto verdict = bench.simulated.judge_tower();
+  EXPECT_TRUE(verdict.stand.stands) << verdict.stand.reason;
+  EXPECT_TRUE(verdict.stand.clean);
+  EXPECT_EQ(verdict.stones, (std::vector<int>{0, 1}));
+  put(2, 0.09, 0.1252);
+  verdict = bench.simulated.judge_tower();
+  EXPECT_FALSE(verdict.stand.stands);
+  EXPECT_EQ(verdict.stand.standing, 2) << verdict.stand.reason;
+  // Leaning on the table beside the stone below is not stacked.
+  put(2, 0.131, 0.0251);
+  put(1, 0.065, 0.0752);
+  verdict = bench.simulated.judge_tower();
+  EXPECT_FALSE(verdict.stand.clean);
+  EXPECT_LE(verdict.stand.standing, 1);
+}
+
+TEST(SimulatedCell, SameSeedSameStonesSameImage) {
+  const std::vector<Stone> stones{make_pebble("a", 0.6), make_pebble("b", 1.0)};
+  Bench first(stones), again(stones);
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_TRUE((first.simulated.truth().T_W_O[i].matrix().array() ==
+                 again.simulated.truth().T_W_O[i].matrix().array())
+                    .all());
+  EXPECT_EQ(first.cell.camera.capture().image.z, again.cell.camera.capture().image.z);
+  const auto pose = tool_down({0.7, 0.1, 0.3});
+  EXPECT_EQ(first.go(pose).q, again.go(pose).q);
+  EXPECT_EQ(first.cell.force_torque.read().force, again.cell.force_torque.read().force);
+}
+
+TEST(SimulatedCell, RunsFasterThanRealTime) {
+  const Stopwatch watch;
+  Bench bench({make_pebble("pebble", 1.2)});
+  bench.simulated.wait(10.0);
+  RecordProperty("simulated_seconds_per_second", std::to_string(bench.cell.clock.now() / watch.seconds()));
+}
+
+}  // namespace
+}  // namespace stonestack
