@@ -1,13 +1,11 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
-#include <dlfcn.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 #include "kinematics/dh.hpp"
 #include "kinematics/urdf.hpp"
+#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/options.hpp"
@@ -18,42 +16,21 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kLargestUrdf = std::size_t{1} << 20;
 
-/// Folder of this library, to find what was installed beside it wherever the prefix is now.
-fs::path library_folder() {
-  Dl_info about{};
-  if (::dladdr(reinterpret_cast<const void*>(&robot_names), &about) == 0 || about.dli_fname == nullptr)
-    return {};
-  return fs::path(about.dli_fname).parent_path();
-}
-
-fs::path robots_folder() {
-  std::error_code ignored;
-  if (const char* data = std::getenv("STONESTACK_DATA"); data != nullptr && *data != '\0')
-    return fs::path(data) / "robots";
-  const fs::path library = library_folder();
-  // The library lies in PREFIX/lib or in PREFIX/lib/<architecture>.
-  for (const auto& folder :
-       {fs::path(STONESTACK_SOURCE_DATA) / "robots", library / "../share/stonestack/robots",
-        library / "../../share/stonestack/robots", fs::path(STONESTACK_INSTALL_DATA) / "robots"})
-    if (fs::is_directory(folder, ignored)) return folder;
-  return fs::path(STONESTACK_INSTALL_DATA) / "robots";
-}
-
 bool is_path(const std::string& text) {
   return text.find('/') != std::string::npos || fs::path(text).extension() == ".urdf";
 }
 
 fs::path urdf_path(const std::string& name_or_path) {
   if (is_path(name_or_path)) return name_or_path;
-  const auto names = robot_names();
-  if (std::find(names.begin(), names.end(), name_or_path) == names.end()) {
+  try {
+    return data_path("robots/" + name_or_path + ".urdf");
+  } catch (const FileError&) {
     std::string known;
-    for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
-    throw FileError("robot '" + name_or_path + "'", concat("is not in ", robots_folder().string()),
+    for (const auto& name : robot_names()) known += (known.empty() ? "" : ", ") + name;
+    throw FileError("robot '" + name_or_path + "'", "is not known",
                     known.empty() ? "set STONESTACK_DATA to the folder that holds robots/"
                                   : "use " + known + " or the path of a URDF");
   }
-  return robots_folder() / (name_or_path + ".urdf");
 }
 
 /// What a URDF has no place for, from the YAML of the same name beside it.
@@ -84,7 +61,7 @@ RobotModel read_robot(const std::string& name_or_path) {
 std::vector<std::string> robot_names() {
   std::vector<std::string> names;
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(robots_folder(), ignored))
+  for (const auto& entry : fs::directory_iterator(data_path("robots"), ignored))
     if (entry.path().extension() == ".urdf") names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   return names;

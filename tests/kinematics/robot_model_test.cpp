@@ -96,11 +96,16 @@ TEST(RobotModel, UnknownNameListsTheKnownOnes) {
   EXPECT_THROW((void)read_robot(""), FileError);
 }
 
-TEST(RobotModel, LooksInTheFolderOfTheEnvironment) {
-  ASSERT_EQ(::setenv("STONESTACK_DATA", "/nowhere", 1), 0);
-  EXPECT_TRUE(robot_names().empty());
-  EXPECT_THROW((void)read_robot("ur10"), FileError);
+TEST(RobotModel, LooksInTheFolderOfTheEnvironmentFirst) {
+  const std::string folder = testing::TempDir() + "robot_model_data";
+  write_file(folder + "/robots/mine.urdf", ur10_text());
+  ASSERT_EQ(::setenv("STONESTACK_DATA", folder.c_str(), 1), 0);
+  EXPECT_THAT(robot_names(), testing::ElementsAre("mine"));
+  EXPECT_NEAR(read_robot("mine").d1, 0.1273, 1e-12);
+  EXPECT_NEAR(read_robot("ur5").d1, 0.089159, 1e-12) << "those that come along stay known";
   ASSERT_EQ(::unsetenv("STONESTACK_DATA"), 0);
+  EXPECT_THROW((void)read_robot("mine"), FileError);
+  std::filesystem::remove_all(folder);
 }
 
 /// An axis other than z is the same robot: UR's older descriptions have y axes.

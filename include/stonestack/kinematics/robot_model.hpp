@@ -42,7 +42,7 @@ struct RobotModel {
 /// `tool0`, and hostile files (loop, two parents, missing limits, depth bomb). Collision shapes are
 /// cylinders and spheres (read as capsules) and boxes (covered by one). Throws FileError.
 [[nodiscard]] RobotModel read_robot(const std::string& name_or_path);
-/// Names in data/robots, sorted. The folder is $STONESTACK_DATA/robots, the source tree's or the installed.
+/// Names in data/robots (see data_path), sorted. Throws FileError if there is no such folder.
 [[nodiscard]] std::vector<std::string> robot_names();
 
 }  // namespace stonestack

@@ -1,0 +1,152 @@
+// Prints the speed of collision checks and transits. Times are processor time; seeds are fixed.
+//   bench_motion [transit problems, default 100] [seed, default 1]
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <vector>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/motion/transit.hpp"
+
+namespace {
+
+using namespace stonestack;
+
+constexpr double kPi = 3.14159265358979323846;
+
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+SceneObject object(const std::string& name, const Mesh& mesh, const Pose& T_W_object) {
+  return {name, {mesh}, T_W_object};
+}
+
+PlanningScene ur10_scene() {
+  PlanningScene scene;
+  scene.robot = read_robot("ur10");
+  scene.T_F_T = CellLayout().T_F_T;
+  return scene;
+}
+
+/// Thirteen stones: some stacked, the others around.
+PlanningScene thirteen_objects(std::uint64_t seed) {
+  PlanningScene scene = ur10_scene();
+  Random random = Random::stream(seed, "thirteen objects");
+  for (int i = 0; i < 13; ++i) {
+    const Eigen::Vector3d p =
+        i < 5 ? Eigen::Vector3d(0.7, 0.28, 0.05 + 0.1 * i)
+              : Eigen::Vector3d(random.uniform(0.5, 0.9), random.uniform(-0.43, 0.07), 0.05);
+    scene.objects.push_back(object("stone", make_sphere(0.06, 1), make_pose(p, random.rotation())));
+  }
+  return scene;
+}
+
+/// Two towers, a post and two bars between loose stones and site, 4 cm apart from the shortest ways.
+PlanningScene hard_scene() {
+  PlanningScene scene = ur10_scene();
+  const auto box = [&](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
+    scene.objects.push_back(object(name, make_box(size), make_pose(p)));
+  };
+  box("first tower", {0.14, 0.14, 0.45}, {0.62, 0.05, 0.225});
+  box("second tower", {0.14, 0.14, 0.45}, {0.90, 0.05, 0.225});
+  box("post", {0.05, 0.05, 1.2}, {0.50, -0.45, 0.6});
+  box("lower bar", {1.2, 0.04, 0.04}, {0.75, 0.05, 0.60});
+  box("upper bar", {1.2, 0.04, 0.04}, {0.75, 0.05, 1.10});
+  return scene;
+}
+
+std::vector<Joints> tool_down_at(const PlanningScene& scene, const Eigen::Vector3d& p_W_tip, double turn) {
+  Pose T_W_T = Pose::Identity();
+  T_W_T.linear() =
+      (Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  T_W_T.translation() = p_W_tip;
+  Joints seed;
+  seed << 0, -0.5 * kPi, 0.5 * kPi, -0.5 * kPi, -0.5 * kPi, 0;
+  std::vector<Joints> all;
+  for (const auto& s : inverse(scene.robot, T_W_T * scene.T_F_T.inverse(), seed)) all.push_back(s.q);
+  return all;
+}
+
+void bench_collision(std::uint64_t seed) {
+  const CollisionChecker checker(thirteen_objects(seed));
+  Random random = Random::stream(seed, "configurations");
+  std::vector<Joints> anywhere(50000), working;
+  for (auto& q : anywhere)
+    for (auto& angle : q) angle = random.uniform(-kPi, kPi);
+  for (const auto& q : anywhere)
+    if (!checker.collides(q)) working.push_back(q);
+  for (const auto* set : {&anywhere, &working}) {
+    const double start = processor_seconds();
+    std::size_t hits = 0;
+    for (const auto& q : *set) hits += checker.collides(q) ? 1 : 0;
+    const double seconds = processor_seconds() - start;
+    std::printf("collision, 13 objects, %s: %.0f configurations/s, %.1f %% collide\n",
+                set == &anywhere ? "random" : "free ones", static_cast<double>(set->size()) / seconds,
+                100.0 * static_cast<double>(hits) / static_cast<double>(set->size()));
+  }
+}
+
+void bench_transit(int problems, std::uint64_t seed) {
+  const PlanningScene scene = hard_scene();
+  const CollisionChecker checker(scene);
+  Random random = Random::stream(seed, "transit problems");
+  std::vector<double> milliseconds, ratios;
+  int solved = 0, straight = 0, posed = 0;
+  while (posed < problems) {
+    const auto place = [&](double low, double high) {
+      return Eigen::Vector3d(random.uniform(0.55, 0.95), random.uniform(low, high), random.uniform(0.1, 0.3));
+    };
+    const auto starts = tool_down_at(scene, place(-0.45, -0.2), random.uniform(-kPi, kPi));
+    const auto goals = tool_down_at(scene, place(0.3, 0.5), random.uniform(-kPi, kPi));
+    if (starts.empty() || checker.collides(starts.front())) continue;
+    if (std::all_of(goals.begin(), goals.end(), [&](const Joints& q) { return checker.collides(q); }))
+      continue;
+    ++posed;
+    const double start = processor_seconds();
+    const auto path = find_path(checker, starts.front(), goals);
+    milliseconds.push_back(1e3 * (processor_seconds() - start));
+    if (!path) continue;
+    ++solved;
+    straight += path->size() == 2 ? 1 : 0;
+    if (posed % 10 != 0) continue;
+    double best = length(*path);
+    for (int k = 2; k <= 8; ++k) {
+      MotionOptions options;
+      options.seed = k;
+      if (const auto other = find_path(checker, starts.front(), goals, options))
+        best = std::min(best, length(*other));
+    }
+    ratios.push_back(best > 0.0 ? length(*path) / best : 1.0);
+  }
+  std::sort(milliseconds.begin(), milliseconds.end());
+  std::sort(ratios.begin(), ratios.end());
+  const auto at = [](const std::vector<double>& v, double share) {
+    return v.empty() ? 0.0 : v[static_cast<std::size_t>(share * static_cast<double>(v.size() - 1))];
+  };
+  std::printf("transit, hard set: %d of %d solved, %d straight; ms: median %.1f, 95 %% %.1f, worst %.1f; ",
+              solved, posed, straight, at(milliseconds, 0.5), at(milliseconds, 0.95), at(milliseconds, 1.0));
+  std::printf("length over best of eight seeds: median %.2f, 95 %% %.2f\n", at(ratios, 0.5),
+              at(ratios, 0.95));
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  try {
+    const long problems = count > 1 ? std::atol(arguments[1]) : 100;
+    const long seed = count > 2 ? std::atol(arguments[2]) : 1;
+    require(problems > 0 && problems < 100000, "the number of problems must be positive, got ", problems);
+    bench_collision(static_cast<std::uint64_t>(seed));
+    bench_transit(static_cast<int>(problems), static_cast<std::uint64_t>(seed));
+    return 0;
+  } catch (const Error& problem) {
+    std::fprintf(stderr, "%s\n", problem.what());
+    return static_cast<int>(problem.exit_code());
+  }
+}
