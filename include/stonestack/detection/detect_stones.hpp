@@ -31,19 +31,49 @@ struct DetectionResult {
   std::string note;                   ///< why nothing was found, for a person; empty otherwise
 };
 
-/// Stages and limits of detection. `method`: "default" or "paper".
+/// Stages and limits of detection.
 struct DetectionOptions {
-  std::string method = "default";
+  std::string method = "default";    ///< default, or paper: section 2 to the letter, for comparison
   std::string keypoints = "voxel";   ///< voxel, iss
   std::string descriptor = "shot";   ///< shot, fpfh, rops
+  double nearest = 0.15;             ///< m, depth range that is looked at
+  double farthest = 2.0;             ///< m
+  double smoothing_step = 0.006;     ///< m, largest depth step within a surface, at up to 1 m; grows with z^2
+  double table_tolerance = 0.004;    ///< m, from the table plane
+  double height_low = 0.006;         ///< m above the table, where stones begin
+  double height_high = 0.7;          ///< m above the table, where they end
+  double voxel = 0.003;              ///< m, spacing of scene and model points
+  double normal_radius = 0.009;      ///< m
+  double cluster_gap = 0.008;        ///< m
+  int cluster_points = 60;           ///< voxels at least
   double keypoint_spacing = 0.010;   ///< m, measured: facts/detection.md §2
-  double descriptor_radius = 0.040;  ///< m
+  double descriptor_radius = 0.040;  ///< m; fpfh: 0.030 measured best
+  int neighbours = 1;                ///< k nearest model descriptors of a scene descriptor
   double consistency_size = 0.008;   ///< m, geometric consistency (Chen and Bhanu 2004)
+  int consistency_fewest = 5;        ///< correspondences in a group
   int best = 30;                     ///< b best hypotheses a model
-  double accept_score = 0.70;        ///< from measured separation
+  bool sweep = true;                 ///< also try all orientations on each cluster (not with paper)
+  double icp_gate = 0.015;           ///< m, furthest correspondence at first
+  double verify_tolerance = 0.005;   ///< m, from seen to expected surface
+  double accept_score = 0.85;        ///< measured: right poses 0.92 and up, wrong ones up to 0.82
+  double accept_inlier_ratio = 0.30;  ///< with paper
+  double explained_margin = 0.008;    ///< m, points this near to a stone whose pose is known are its own
+  double noise_scale = 0.0048;  ///< m, of a surface point as ICP's Hessian sees it: calibrates covariance
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(DetectionOptions& options);
+
+/// A stone whose pose is known: placed before, or held.
+struct KnownStone {
+  int stone = -1;  ///< index into the models
+  Pose T_C_O = Pose::Identity();
+};
+
+/// What is known of a scene before it is looked at.
+struct SceneKnowledge {
+  std::vector<KnownStone> stones;  ///< their points are taken out of the scene, and they may hide others
+  std::optional<Plane> table_C;    ///< where the table is, within 3 cm and 10 deg, from the camera's pose
+};
 
 /// Stones prepared for detection: resampled surfaces, descriptors. Made once, shared between frames and
 /// threads.
@@ -64,12 +94,14 @@ class DetectionModels {
 /// camera may show: an empty or senseless image gives no detections and a note.
 [[nodiscard]] DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
                                             std::span<const int> wanted = {},
-                                            const DetectionOptions& options = {});
+                                            const DetectionOptions& options = {},
+                                            const SceneKnowledge& known = {});
 
 /// Refines known poses: a stone is expected at T_C_O_guess (within about 15 mm, 15 deg); empty if it is not
 /// there.
 [[nodiscard]] std::optional<Detection> track_stone(const DepthImage& image, const DetectionModels& models,
                                                    int stone, const Pose& T_C_O_guess,
-                                                   const DetectionOptions& options = {});
+                                                   const DetectionOptions& options = {},
+                                                   const SceneKnowledge& known = {});
 
 }  // namespace stonestack

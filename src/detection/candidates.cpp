@@ -1,0 +1,109 @@
+#include "detection/candidates.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kCoarsePoints = 200;  // per pose: enough to fall into the basin
+constexpr int kFinePoints = 3000;
+constexpr std::size_t kKept = 5;            // poses a model that are refined finely
+constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
+constexpr double kSameAngle = 0.10;
+constexpr double kNoiseTolerance = 4.0;  // standard deviations
+constexpr double kUsualNoise = 0.0006;   // m, of smoothed SR300 depth, for which noise_scale is stated
+constexpr double kHiddenWeight =
+    0.1;  // of a pixel that something unknown hides: stones may be hidden by three quarters
+
+/// A coarse pose and its score, best first.
+struct Coarse {
+  Pose T_C_O;
+  double score;
+};
+
+RefineOptions coarse_refinement(const DetectionOptions& options) {
+  return {8, 1.3 * options.icp_gate, 0.5 * options.icp_gate, 0.003, 0.4};
+}
+
+RefineOptions fine_refinement(const DetectionOptions& options) {
+  return {15, 0.6 * options.icp_gate, 0.004, 0.0015, 0.6};
+}
+
+/// Noisier images are judged by wider tolerances.
+double tolerance(const DetectionScene& scene, const DetectionOptions& options) {
+  return std::max(options.verify_tolerance, kNoiseTolerance * scene.noise);
+}
+
+std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
+                                 const DetectionScene& scene, const DetectionOptions& options) {
+  VerifyOptions loose{2.0 * tolerance(scene, options), kHiddenWeight, 0.025, 300};
+  std::vector<Coarse> poses;
+  for (const auto& h : hypotheses) {
+    throw_if_interrupted();
+    const auto near = points_near(model, h.T_C_O, scene.surface, options.icp_gate, kCoarsePoints);
+    const Refined refined = refine_pose(model, h.T_C_O, scene.surface, near, coarse_refinement(options));
+    const Verdict verdict = verify_pose(model, refined.T_C_O, scene, loose);
+    if (verdict.score > -0.9) poses.push_back({refined.T_C_O, verdict.score});
+  }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Coarse& a, const Coarse& b) { return a.score > b.score; });
+  std::vector<Coarse> kept;
+  for (const auto& pose : poses) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Coarse& k) {
+      const PoseDifference d = difference(k.T_C_O, pose.T_C_O);
+      return d.translation < kSameTranslation && d.angle < kSameAngle;
+    });
+    if (!known) kept.push_back(pose);
+    if (kept.size() >= kKept) break;
+  }
+  return kept;
+}
+
+Eigen::Matrix<double, 6, 6> covariance(const Refined& refined, double noise,
+                                       const DetectionOptions& options) {
+  // The voxels' noise is correlated and partly common (bias, reduced mesh): noise_scale is calibrated so that
+  // the stated region holds the truth, not taken from the residual alone.
+  Eigen::Matrix<double, 6, 6> H = refined.information;
+  H.diagonal().array() += 1e-9 * H.trace() + 1e-12;
+  const double sigma = options.noise_scale * std::max(1.0, noise / kUsualNoise);
+  return sigma * sigma * H.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
+}
+
+}  // namespace
+
+std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
+                                    const DetectionScene& scene, const DetectionOptions& options,
+                                    double hidden_weight) {
+  const auto near = points_near(model, T_C_O, scene.surface, options.icp_gate, kFinePoints);
+  const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement(options));
+  if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return {};
+  VerifyOptions strict{tolerance(scene, options), hidden_weight};
+  strict.keep_pixels = true;
+  Verdict verdict = verify_pose(model, refined.T_C_O, scene, strict);
+  Candidate candidate;
+  candidate.detection = {stone,           refined.T_C_O,
+                         verdict.score,   verdict.inlier_ratio,
+                         verdict.visible, covariance(refined, scene.noise, options)};
+  candidate.pixels = std::move(verdict.pixels);
+  return candidate;
+}
+
+std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
+                                        std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
+                                        const DetectionOptions& options) {
+  std::vector<Candidate> candidates;
+  for (const auto& pose : coarse_poses(model, hypotheses, scene, options)) {
+    auto candidate = judge_pose(model, stone, pose.T_C_O, scene, options, kHiddenWeight);
+    if (candidate && candidate->detection.score > 0.5 * options.accept_score)
+      candidates.push_back(std::move(*candidate));
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.detection.score > b.detection.score;
+  });
+  return candidates;
+}
+
+}  // namespace stonestack

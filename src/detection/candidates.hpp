@@ -1,0 +1,31 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "detection/consistency.hpp"
+#include "detection/models.hpp"
+#include "detection/refine.hpp"
+#include "detection/verify.hpp"
+
+namespace stonestack {
+
+/// A refined pose of one model that the image does not refute.
+struct Candidate {
+  Detection detection;
+  std::vector<int> pixels;  ///< that it explains, on the drawn raster
+};
+
+/// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
+/// them. Best score first; nothing below half the accept score.
+[[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
+                                                      std::span<const Hypothesis> hypotheses,
+                                                      const DetectionScene& scene,
+                                                      const DetectionOptions& options);
+
+/// The fine refinement and the verdict alone.
+[[nodiscard]] std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
+                                                  const DetectionScene& scene,
+                                                  const DetectionOptions& options, double hidden_weight);
+
+}  // namespace stonestack

@@ -1,0 +1,23 @@
+#pragma once
+#include <span>
+
+#include "detection/models.hpp"
+
+namespace stonestack {
+
+// Each describes the surface around keypoints (indices into it) and drops keypoints whose description is not
+// finite. Same result for any number of threads.
+
+/// Signatures of histograms of orientations (Tombari 2010, PCL): 352 numbers, unit length.
+[[nodiscard]] Features shot_features(const SurfacePoints& surface, std::span<const int> keypoints,
+                                     double radius);
+
+/// Fast point feature histograms (Rusu 2009, PCL): 33 numbers.
+[[nodiscard]] Features fpfh_features(const SurfacePoints& surface, std::span<const int> keypoints,
+                                     double radius);
+
+/// Keeps the keypoints whose rows are finite.
+[[nodiscard]] Features finite_features(const SurfacePoints& surface, std::span<const int> keypoints,
+                                       const Eigen::MatrixXf& rows);
+
+}  // namespace stonestack

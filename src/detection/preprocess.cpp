@@ -1,0 +1,289 @@
+#include "detection/preprocess.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "detection/point_grid.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kFewestNeighbours = 10;   // of 25: fewer is an edge or a flying pixel (facts: kills them)
+constexpr int kFewestPixels = 200;      // of depth in the whole image: less is no scene
+constexpr int kTableStride = 6;         // every 6th pixel each way is enough for a plane
+constexpr int kTableTrials = 400;       // misses a table that fills a third of the view with p < 1e-6
+constexpr double kTableShare = 0.05;    // of the valid pixels at least
+constexpr double kLargestBelow = 0.30;  // share of valid pixels below a table: more is a shelf or a wall
+
+double depth_step(double z, const DetectionOptions& options) {
+  return options.smoothing_step * std::max(1.0, z * z);
+}
+
+std::uint64_t voxel_key(const Eigen::Vector3f& p, float voxel) {
+  const auto part = [&](float x) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / voxel)) + 1048576) & 0x1FFFFFU;
+  };
+  return part(p.z()) << 42U | part(p.y()) << 21U | part(p.x());
+}
+
+std::vector<Eigen::Vector3d> table_candidates(const DepthImage& depth) {
+  std::vector<Eigen::Vector3d> points;
+  for (int v = 0; v < depth.camera.height; v += kTableStride)
+    for (int u = 0; u < depth.camera.width; u += kTableStride)
+      if (const double z = depth.at(u, v); z > 0) points.push_back(z * deproject(depth.camera, u, v));
+  return points;
+}
+
+/// Through three points, normal towards the camera at the origin; empty for a sliver.
+std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                   const Eigen::Vector3d& c) {
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double area = normal.norm();
+  if (area < 1e-4) return {};
+  Plane plane{normal / area, 0.0};
+  plane.offset = plane.normal.dot(a);
+  if (plane.offset > 0) plane = {-plane.normal, -plane.offset};
+  return plane;
+}
+
+bool plausible(const Plane& plane, const std::optional<Plane>& expected) {
+  if (!expected) return plane.offset < -0.1;  // the camera is above it
+  return plane.normal.dot(expected->normal) > 0.985 && std::abs(plane.offset - expected->offset) < 0.03;
+}
+
+/// Least squares over the points near `plane`, twice.
+Plane fitted(const std::vector<Eigen::Vector3d>& points, Plane plane, double tolerance) {
+  for (int turn = 0; turn < 2; ++turn) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d outer = Eigen::Matrix3d::Zero();
+    int count = 0;
+    for (const auto& p : points)
+      if (std::abs(plane.distance(p)) < tolerance) sum += p, outer += p * p.transpose(), ++count;
+    if (count < 3) return plane;
+    const Eigen::Vector3d mean = sum / count;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(outer / count - mean * mean.transpose());
+    Eigen::Vector3d normal = solver.eigenvectors().col(0);
+    if (normal.dot(mean) > 0) normal = -normal;
+    plane = {normal, normal.dot(mean)};
+  }
+  return plane;
+}
+
+/// Smallest principal direction of the points near `p`; zero if they are too few or a line.
+Eigen::Vector3f local_normal(const PointGrid& grid, const std::vector<Eigen::Vector3f>& points,
+                             const Eigen::Vector3f& p, float radius) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f outer = Eigen::Matrix3f::Zero();
+  int count = 0;
+  grid.for_each_near(p, radius, [&](int i, float) {
+    const Eigen::Vector3f d = points[static_cast<std::size_t>(i)] - p;
+    sum += d, outer += d * d.transpose(), ++count;
+  });
+  if (count < 6) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f mean = sum / static_cast<float>(count);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(outer / static_cast<float>(count) - mean * mean.transpose());
+  if (!(solver.eigenvalues()(1) > 4e-7F)) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f normal = solver.eigenvectors().col(0);
+  return normal.dot(p) > 0 ? Eigen::Vector3f(-normal) : normal;
+}
+
+}  // namespace
+
+DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) {
+  const int width = raw.camera.width, height = raw.camera.height;
+  DepthImage out{raw.camera, std::vector<float>(raw.z.size(), 0.0F)};
+  const auto in_range = [&](float z) { return z >= options.nearest && z <= options.farthest; };
+  tbb::parallel_for(tbb::blocked_range<int>(2, std::max(2, height - 2), 16), [&](const auto& rows) {
+    for (int v = rows.begin(); v < rows.end(); ++v)
+      for (int u = 2; u < width - 2; ++u) {
+        const float z = raw.at(u, v);
+        if (!in_range(z)) continue;
+        const auto step = static_cast<float>(depth_step(z, options));
+        float sum = 0;
+        int count = 0;
+        for (int dv = -2; dv <= 2; ++dv) {
+          const float* row = &raw.z[static_cast<std::size_t>((v + dv) * width + u - 2)];
+          for (int k = 0; k < 5; ++k)
+            if (std::abs(row[k] - z) < step) sum += row[k] - z, ++count;
+        }
+        if (count >= kFewestNeighbours)
+          out.z[static_cast<std::size_t>(v * width + u)] = z + sum / static_cast<float>(count);
+      }
+  });
+  return out;
+}
+
+std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Plane>& expected,
+                                const DetectionOptions& options) {
+  const std::vector<Eigen::Vector3d> points = table_candidates(depth);
+  if (points.size() < 30) return {};
+  Random random = Random::stream(static_cast<std::uint64_t>(options.seed), "detection table");
+  std::optional<Plane> best;
+  std::size_t best_inliers = static_cast<std::size_t>(kTableShare * static_cast<double>(points.size()));
+  for (int trial = 0; trial < kTableTrials; ++trial) {
+    const auto plane = plane_through(points[random.index(points.size())], points[random.index(points.size())],
+                                     points[random.index(points.size())]);
+    if (!plane || !plausible(*plane, expected)) continue;
+    std::size_t inliers = 0, below = 0;
+    for (const auto& p : points) {
+      const double d = plane->distance(p);
+      inliers += std::abs(d) < options.table_tolerance ? 1 : 0;
+      below += d < -5.0 * options.table_tolerance ? 1 : 0;
+    }
+    if (static_cast<double>(below) > kLargestBelow * static_cast<double>(points.size())) continue;
+    if (inliers > best_inliers) best = plane, best_inliers = inliers;
+  }
+  if (!best) return expected;
+  return fitted(points, *best, options.table_tolerance);
+}
+
+double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance) {
+  std::vector<double> off;
+  for (const auto& p : table_candidates(depth))
+    if (const double d = std::abs(plane_C.distance(p)); d < 3.0 * tolerance) off.push_back(d);
+  if (off.size() < 30) return 0.0006;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return 1.4826 * *middle;
+}
+
+SurfacePoints surface_points(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& areas,
+                             float voxel, float radius) {
+  std::vector<std::pair<std::uint64_t, int>> order(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    order[i] = {voxel_key(points[i], voxel), static_cast<int>(i)};
+  std::sort(order.begin(), order.end());
+  std::vector<Eigen::Vector3f> means;
+  std::vector<float> sums;
+  for (std::size_t i = 0; i < order.size();) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float area = 0;
+    int count = 0;
+    for (const auto key = order[i].first; i < order.size() && order[i].first == key; ++i, ++count)
+      sum += points[static_cast<std::size_t>(order[i].second)],
+          area += areas[static_cast<std::size_t>(order[i].second)];
+    means.emplace_back(sum / static_cast<float>(count));
+    sums.push_back(area);
+  }
+  const PointGrid grid(means, radius);
+  std::vector<Eigen::Vector3f> normals(means.size());
+  tbb::parallel_for(std::size_t{0}, means.size(),
+                    [&](std::size_t i) { normals[i] = local_normal(grid, means, means[i], radius); });
+  SurfacePoints out;
+  for (std::size_t i = 0; i < means.size(); ++i)
+    if (normals[i].squaredNorm() > 0.5F) {
+      out.points.push_back(means[i]);
+      out.normals.push_back(normals[i]);
+      out.areas.push_back(sums[i]);
+    }
+  return out;
+}
+
+std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, float gap, int fewest) {
+  std::vector<int> label(points.size(), -1);
+  if (points.empty()) return label;
+  const PointGrid grid(points, gap);
+  std::vector<std::pair<int, int>> size_of;  // (-size, label), to sort the largest first
+  std::vector<int> open;
+  for (std::size_t seed = 0; seed < points.size(); ++seed) {
+    if (label[seed] >= 0) continue;
+    const int name = static_cast<int>(size_of.size());
+    size_of.emplace_back(0, name);
+    label[seed] = name;
+    open.assign(1, static_cast<int>(seed));
+    while (!open.empty()) {
+      const auto at = static_cast<std::size_t>(open.back());
+      open.pop_back();
+      --size_of.back().first;
+      grid.for_each_near(points[at], gap, [&](int i, float) {
+        if (label[static_cast<std::size_t>(i)] >= 0) return;
+        label[static_cast<std::size_t>(i)] = name;
+        open.push_back(i);
+      });
+    }
+  }
+  std::vector<int> rank(size_of.size(), -1);
+  std::sort(size_of.begin(), size_of.end());
+  for (std::size_t i = 0; i < size_of.size() && -size_of[i].first >= fewest; ++i)
+    rank[static_cast<std::size_t>(size_of[i].second)] = static_cast<int>(i);
+  for (int& l : label) l = rank[static_cast<std::size_t>(l)];
+  return label;
+}
+
+namespace {
+
+/// Why an image cannot be a scene; empty if it can.
+std::string unusable(const DepthImage& image) {
+  const auto pixels =
+      static_cast<std::size_t>(image.camera.width) * static_cast<std::size_t>(image.camera.height);
+  if (image.camera.width <= 0 || image.camera.height <= 0 || image.z.empty()) return "the image is empty";
+  if (image.z.size() != pixels)
+    return concat("the image has ", image.z.size(), " depths for ", image.camera.width, " x ",
+                  image.camera.height, " pixels");
+  if (!(image.camera.fx > 0 && image.camera.fy > 0)) return "the camera has no focal length";
+  return {};
+}
+
+/// Says what is odd about an image with next to no depth in range.
+std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& options) {
+  std::size_t seen = 0, far = 0;
+  for (const float z : raw.z) seen += z > 0 ? 1 : 0, far += z > 50.0F ? 1 : 0;
+  if (seen == 0) return "no pixel has a depth";
+  const std::string range = concat("fewer than ", kFewestPixels, " pixels have a depth within ",
+                                   options.nearest, " to ", options.farthest, " m");
+  return 2 * far > seen ? range + "; are the depths in millimetres?" : range;
+}
+
+}  // namespace
+
+DetectionScene preprocess(const DepthImage& image, const SceneContext& context,
+                          const DetectionOptions& options) {
+  DetectionScene scene;
+  if (scene.note = unusable(image); !scene.note.empty()) return scene;
+  scene.depth = smooth_depth(image, options);
+  const auto valid = std::count_if(scene.depth.z.begin(), scene.depth.z.end(), [](float z) { return z > 0; });
+  if (valid < kFewestPixels) {
+    scene.note = nothing_in_range(image, options);
+    return scene;
+  }
+  if (context.table_C || context.find_table)
+    scene.table_C = find_table(scene.depth, context.table_C, options);
+  if (scene.table_C) scene.noise = noise_about(*scene.table_C, scene.depth, options.table_tolerance);
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> areas;
+  const double pixel = 1.0 / (image.camera.fx * image.camera.fy);
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u) {
+      const double z = scene.depth.at(u, v);
+      if (z <= 0) continue;
+      const Eigen::Vector3d p = z * deproject(image.camera, u, v);
+      const double height = scene.table_C ? scene.table_C->distance(p) : options.height_low;
+      if (height < options.height_low || height > options.height_high) continue;
+      if (context.explained && context.explained(p.cast<float>())) {
+        scene.explained.resize(image.z.size(), 0);
+        scene.explained[static_cast<std::size_t>(v * image.camera.width + u)] = 1;
+        continue;
+      }
+      points.emplace_back(p.cast<float>());
+      areas.push_back(static_cast<float>(z * z * pixel));
+    }
+  scene.surface = surface_points(points, areas, static_cast<float>(options.voxel),
+                                 static_cast<float>(options.normal_radius));
+  scene.cluster =
+      cluster_points(scene.surface.points, static_cast<float>(options.cluster_gap), options.cluster_points);
+  for (const int c : scene.cluster) scene.clusters = std::max(scene.clusters, c + 1);
+  if (scene.clusters == 0)
+    scene.note = scene.table_C ? "nothing stands on the table" : "nothing but specks is in view";
+  return scene;
+}
+
+}  // namespace stonestack

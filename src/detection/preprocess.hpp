@@ -1,0 +1,66 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/geometry/plane.hpp"
+
+namespace stonestack {
+
+/// One point a voxel of what may be a stone, in C.
+struct SurfacePoints {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;  ///< unit, towards the camera (scene) or outwards (model)
+  std::vector<float> areas;              ///< m^2: seen across the line of sight (scene), of surface (model)
+};
+
+/// A depth image made ready: smoothed, cropped, the table found, the rest in voxels and clusters.
+struct DetectionScene {
+  DepthImage depth;              ///< smoothed; 0 where unknown or out of range
+  std::optional<Plane> table_C;  ///< normal towards the camera
+  double noise = 0.0006;        ///< m, deviation of the smoothed depth from the table plane, along its normal
+  std::vector<char> explained;  ///< a flag a pixel: it shows a stone whose pose is known; empty if none does
+  SurfacePoints surface;        ///< above the table, `voxel` apart, without what is explained
+  std::vector<int> cluster;     ///< of each point: 0.., or -1 for specks
+  int clusters = 0;
+  std::string note;  ///< why there is nothing to see; empty otherwise
+};
+
+/// Edge-aware mean over 5 x 5 pixels: averages neighbours within a depth step that grows with z (noise of a
+/// depth camera does), and drops a pixel with too few of them (flying pixels). Depths out of range vanish.
+[[nodiscard]] DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options);
+
+/// The largest plane that may be a table: seen from above, nothing substantial below. If `expected` is given,
+/// only planes near it. Seeded.
+[[nodiscard]] std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Plane>& expected,
+                                              const DetectionOptions& options);
+
+/// Robust standard deviation of the depth image's points about a plane, along its normal; m.
+[[nodiscard]] double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance);
+
+/// Means of points that share a cube of `voxel`; normals by local planes within `radius`, towards the origin
+/// (the camera). Points without a local plane vanish.
+[[nodiscard]] SurfacePoints surface_points(const std::vector<Eigen::Vector3f>& points,
+                                           const std::vector<float>& areas, float voxel, float radius);
+
+/// Groups points that are linked by steps of at most `gap`, largest group first; groups below `fewest` get
+/// -1.
+[[nodiscard]] std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, float gap,
+                                              int fewest);
+
+/// What an image is read with.
+struct SceneContext {
+  std::optional<Plane> table_C;  ///< expected
+  bool find_table = true;        ///< without an expected table, look for one
+  std::function<bool(const Eigen::Vector3f&)>
+      explained;  ///< true for points (C) of stones whose poses are known
+};
+
+/// All of it.
+[[nodiscard]] DetectionScene preprocess(const DepthImage& image, const SceneContext& context,
+                                        const DetectionOptions& options);
+
+}  // namespace stonestack

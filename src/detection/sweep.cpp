@@ -1,0 +1,123 @@
+#include "detection/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace stonestack {
+namespace {
+
+/// What a cluster looks like from the camera.
+struct SeenPatch {
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+  Eigen::Vector3f towards = Eigen::Vector3f::Zero();  ///< unit, to the camera
+  float area = 0.0F;
+  std::vector<int> points;  ///< evenly thinned
+};
+
+SeenPatch look_at(const SurfacePoints& seen, std::span<const int> cluster, int most) {
+  SeenPatch patch;
+  for (const int i : cluster) {
+    const float area = seen.areas[static_cast<std::size_t>(i)];
+    patch.centre += area * seen.points[static_cast<std::size_t>(i)];
+    patch.area += area;
+  }
+  patch.centre /= patch.area;
+  patch.towards = -patch.centre.normalized();
+  const auto count = std::min(static_cast<std::size_t>(most), cluster.size());
+  for (std::size_t k = 0; k < count; ++k) patch.points.push_back(cluster[k * cluster.size() / count]);
+  return patch;
+}
+
+/// A rotation with `axis` as its third column, turned about it by `angle`.
+Eigen::Matrix3f frame_about(const Eigen::Vector3f& axis, float angle) {
+  Eigen::Matrix3f frame;
+  frame.col(0) = axis.unitOrthogonal();
+  frame.col(1) = axis.cross(frame.col(0));
+  frame.col(2) = axis;
+  return frame * Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+}
+
+/// Mean cost of the patch's points at a pose: squared distance plus what the normals disagree, both capped.
+float misfit(const DetectionModel& model, const SurfacePoints& seen, const SeenPatch& patch,
+             const Eigen::Matrix3f& R_O_C, const Eigen::Vector3f& t_O_C, float reach) {
+  const float cap = reach * reach;
+  float sum = 0;
+  for (const int i : patch.points) {
+    const Eigen::Vector3f q = R_O_C * seen.points[static_cast<std::size_t>(i)] + t_O_C;
+    const int k = model.field.nearest(q);
+    if (k < 0) {
+      sum += 2.0F * cap;
+      continue;
+    }
+    const float d2 = (q - model.surface.points[static_cast<std::size_t>(k)]).squaredNorm();
+    const float cosine = model.surface.normals[static_cast<std::size_t>(k)].dot(
+        R_O_C * seen.normals[static_cast<std::size_t>(i)]);
+    sum += std::min(d2, cap) + cap * std::min(1.0F, 1.0F - cosine);
+  }
+  return sum / static_cast<float>(patch.points.size());
+}
+
+/// A tried orientation, best first.
+struct Trial {
+  float cost;
+  int side, turn;
+  bool operator<(const Trial& o) const {
+    if (cost != o.cost) return cost < o.cost;
+    return side != o.side ? side < o.side : turn < o.turn;
+  }
+};
+
+}  // namespace
+
+std::vector<Hypothesis> sweep_orientations(const DetectionModel& model, const SurfacePoints& seen,
+                                           std::span<const int> cluster, const SweepOptions& options) {
+  std::vector<Hypothesis> found;
+  if (cluster.empty()) return found;
+  const SeenPatch patch = look_at(seen, cluster, options.points);
+  if (!(patch.area > 0)) return found;
+  const float step = 2.0F * std::numbers::pi_v<float> / static_cast<float>(options.turns);
+  const auto reach = static_cast<float>(options.reach);
+  const auto rotation = [&](int side, int turn) -> Eigen::Matrix3f {  // R_C_O
+    return frame_about(patch.towards, step * static_cast<float>(turn)) *
+           frame_about(model.sides[static_cast<std::size_t>(side)].towards, 0.0F).transpose();
+  };
+  std::vector<Trial> trials;
+  for (int side = 0; side < static_cast<int>(model.sides.size()); ++side) {
+    const ModelSide& s = model.sides[static_cast<std::size_t>(side)];
+    const double share = patch.area / s.area;
+    if (share < options.area_low || share > options.area_high) continue;
+    for (int turn = 0; turn < options.turns; ++turn) {
+      const Eigen::Matrix3f R_O_C = rotation(side, turn).transpose();
+      trials.push_back(
+          {misfit(model, seen, patch, R_O_C, s.centre - R_O_C * patch.centre, reach), side, turn});
+    }
+  }
+  std::sort(trials.begin(), trials.end());
+  for (const Trial& trial : trials) {
+    if (static_cast<int>(found.size()) >= options.best || trial.cost > 1.2F * reach * reach) break;
+    const Eigen::Matrix3f R = rotation(trial.side, trial.turn);
+    Pose T_C_O = Pose::Identity();
+    T_C_O.linear() = R.cast<double>();
+    T_C_O.translation() =
+        (patch.centre - R * model.sides[static_cast<std::size_t>(trial.side)].centre).cast<double>();
+    const bool near = std::any_of(found.begin(), found.end(), [&](const Hypothesis& h) {
+      return difference(h.T_C_O, T_C_O).angle < options.apart;
+    });
+    if (!near) found.push_back({orthonormal(T_C_O), 1.0 / (1e-9 + trial.cost)});
+  }
+  return found;
+}
+
+std::vector<Eigen::Vector3f> even_directions(int count) {
+  std::vector<Eigen::Vector3f> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(
+        Eigen::Vector3d(r * std::cos(golden * i), r * std::sin(golden * i), z).cast<float>());
+  }
+  return directions;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "detection/consistency.hpp"
+#include "detection/keypoints.hpp"
+#include "detection/matching.hpp"
+#include "detection/models.hpp"
+#include "detection/preprocess.hpp"
+#include "detection/refine.hpp"
+#include "detection/test_scene.hpp"
+#include "detection/verify.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kDegree = 3.14159265358979 / 180.0;
+
+SurfacePoints cube_surface(double size, double spacing) {
+  SurfacePoints out;
+  for (const auto& s : sample_surface(make_box(Eigen::Vector3d::Constant(size)), spacing)) {
+    out.points.emplace_back(s.point.cast<float>());
+    out.normals.emplace_back(s.normal.cast<float>());
+    out.areas.push_back(static_cast<float>(s.area));
+  }
+  return out;
+}
+
+TEST(Preprocess, FindsTheTableAndOneClusterAStone) {
+  const Stone a = test::make_test_stone(1), b = test::make_test_stone(2);
+  const Pose T_W_C = test::make_camera_pose(0.4, 0.3);
+  const DepthImage image =
+      test::with_noise(test::look_at({{&a, test::on_table(a, Eigen::Quaterniond::Identity(), -0.12, 0.0)},
+                                      {&b, test::on_table(b, Eigen::Quaterniond::Identity(), 0.12, 0.05)}},
+                                     T_W_C),
+                       0.0008, 1);
+  const DetectionScene scene = preprocess(image, {}, {});
+  ASSERT_TRUE(scene.table_C.has_value());
+  const Eigen::Vector3d up_C = T_W_C.linear().transpose() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT(std::acos(scene.table_C->normal.dot(up_C)), 0.2 * kDegree);
+  EXPECT_NEAR(scene.table_C->distance(T_W_C.inverse() * Eigen::Vector3d::Zero()), 0.0, 0.0005);
+  EXPECT_EQ(scene.clusters, 2);
+}
+
+TEST(Keypoints, VoxelKeypointsAreApartAndCover) {
+  const SurfacePoints cube = cube_surface(0.1, 0.003);
+  const auto keypoints = voxel_keypoints(cube, 0.010F);
+  EXPECT_GT(keypoints.size(), 400U);  // 600 squares of 1 cm^2 on the cube, some cells hold an edge
+  EXPECT_LT(keypoints.size(), 1000U);
+}
+
+TEST(Keypoints, IssFindsTheCornersOfACube) {
+  const double size = 0.1;
+  const SurfacePoints cube = cube_surface(size, 0.003);
+  const auto keypoints = iss_keypoints(cube);
+  ASSERT_FALSE(keypoints.empty());
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3f at =
+        static_cast<float>(0.5 * size) *
+        Eigen::Vector3f((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+    float nearest = 1.0F;
+    for (const int i : keypoints)
+      nearest = std::min(nearest, (cube.points[static_cast<std::size_t>(i)] - at).norm());
+    EXPECT_LT(nearest, 0.012F) << "corner " << corner;
+  }
+}
+
+/// Scene features at T_C_O of model features, one to one.
+struct FeatureSet {
+  Features model, scene;
+  std::vector<Correspondence> matches;
+};
+
+FeatureSet make_feature_set(const Pose& T_C_O, bool mirror) {
+  FeatureSet set;
+  Random random = Random::stream(3, "features");
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Vector3d n = random.unit_vector(), p = n.cwiseProduct(Eigen::Vector3d(0.08, 0.06, 0.04));
+    const Eigen::Vector3d flip(1, 1, mirror ? -1 : 1);
+    set.model.points.emplace_back(p.cast<float>());
+    set.model.normals.emplace_back(n.cast<float>());
+    set.scene.points.emplace_back((T_C_O * p.cwiseProduct(flip)).cast<float>());
+    set.scene.normals.emplace_back((T_C_O.linear() * n.cwiseProduct(flip)).cast<float>());
+    set.matches.push_back({i, i, 0.01F * static_cast<float>(i)});
+  }
+  return set;
+}
+
+TEST(Consistency, FindsTheRigidMotionAmongWrongMatches) {
+  const Pose T_C_O = make_pose({0.1, -0.2, 0.7}, Eigen::Quaterniond(0.5, 0.1, -0.7, 0.3));
+  FeatureSet set = make_feature_set(T_C_O, false);
+  Random random = Random::stream(4, "wrong");
+  for (int i = 0; i < 60; ++i)
+    set.matches.push_back({static_cast<int>(random.index(30)), static_cast<int>(random.index(30)), 0.5F});
+  const auto found = consistent_groups(set.matches, set.scene, set.model, {});
+  ASSERT_FALSE(found.empty());
+  EXPECT_LT(difference(found[0].T_C_O, T_C_O).angle, 1.0 * kDegree);
+  EXPECT_LT(difference(found[0].T_C_O, T_C_O).translation, 0.001);
+}
+
+TEST(Consistency, RejectsAMirroredSet) {
+  const FeatureSet set = make_feature_set(make_pose({0, 0, 0.7}), true);
+  for (const auto& h : consistent_groups(set.matches, set.scene, set.model, {})) EXPECT_LT(h.support, 10);
+}
+
+class OneStone : public ::testing::Test {
+ protected:
+  Stone stone = test::make_test_stone(5);
+  DetectionOptions options;
+  DetectionModel model = make_detection_model(stone, options);
+  Pose T_W_C = test::make_camera_pose(0.5, 1.0);
+  Pose T_W_O = test::on_table(stone, Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())),
+                              0.02, -0.01);
+  Pose T_C_O = T_W_C.inverse() * T_W_O;
+  DetectionScene scene = preprocess(test::look_at({{&stone, T_W_O}}, T_W_C), {}, options);
+};
+
+TEST_F(OneStone, RefinementConvergesFrom8MillimetresAnd8Degrees) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d unit = Eigen::Vector3d::Unit(axis);
+    const Eigen::Vector3d c = T_C_O.translation();
+    const Pose start = make_pose(0.008 * Eigen::Vector3d::Unit((axis + 1) % 3) + c) *
+                       Pose(Eigen::AngleAxisd(8 * kDegree, unit)) * make_pose(-c) * T_C_O;
+    const auto near = points_near(model, start, scene.surface, 0.015, 3000);
+    RefineOptions refine;
+    refine.iterations = 25;
+    const Refined refined = refine_pose(model, start, scene.surface, near, refine);
+    EXPECT_LT(difference(refined.T_C_O, T_C_O).translation, 0.0005) << "axis " << axis;
+    EXPECT_LT(difference(refined.T_C_O, T_C_O).angle, 0.5 * kDegree) << "axis " << axis;
+  }
+}
+
+TEST_F(OneStone, VerdictAcceptsTheTruthAndRejectsPosesBehindAndAboveTheTable) {
+  const auto score = [&](const Pose& T) { return verify_pose(model, T, scene, {}).score; };
+  EXPECT_GT(score(T_C_O), 0.95);
+  const Eigen::Vector3d up_C = scene.table_C->normal;
+  EXPECT_LT(score(make_pose(-0.12 * up_C) * T_C_O), 0.3) << "behind the table";
+  EXPECT_LT(score(make_pose(0.05 * up_C) * T_C_O), 0.3) << "in the air";
+  EXPECT_LT(score(make_pose({0.25, 0, 0}) * T_C_O), 0.3) << "beside the stone";
+  EXPECT_LT(score(make_pose({0, 0, 0.03}) * T_C_O), 0.5) << "further down the line of sight";
+}
+
+TEST_F(OneStone, VerdictIsEmptyOutsideTheImage) {
+  EXPECT_LT(verify_pose(model, make_pose({3, 0, 0.7}), scene, {}).score, 0);
+  EXPECT_LT(verify_pose(model, make_pose({0, 0, -0.7}), scene, {}).score, 0);
+}
+
+}  // namespace
+}  // namespace stonestack

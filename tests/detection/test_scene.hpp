@@ -1,0 +1,35 @@
+#pragma once
+#include <vector>
+
+#include "stonestack/core/random.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/depth_render.hpp"
+
+/// Stones and depth images for the tests of this room.
+namespace stonestack::test {
+
+/// An irregular stone, 13 to 18 cm long: an ellipsoid with waves and flat cuts. `mesh` has 1280 faces, `scan`
+/// 20480.
+[[nodiscard]] Stone make_test_stone(int seed);
+
+/// A stone standing somewhere.
+struct StandingStone {
+  const Stone* stone = nullptr;
+  Pose T_W_O = Pose::Identity();
+};
+
+/// The rotation `R_W_O` with the lowest vertex of the scan on the table at (x, y).
+[[nodiscard]] Pose on_table(const Stone& stone, const Eigen::Quaterniond& R_W_O, double x, double y);
+
+/// A camera 0.7 m from the origin of W, `tilt` off the vertical, looking at it.
+[[nodiscard]] Pose make_camera_pose(double tilt, double azimuth, double distance = 0.7);
+
+/// The scans on a table of 1.6 m, seen without noise.
+[[nodiscard]] DepthImage look_at(const std::vector<StandingStone>& stones, const Pose& T_W_C,
+                                 const CameraIntrinsics& camera = {});
+
+/// Adds Gaussian noise of `sigma` (at 1 m, growing with z^2, never below 0.4 of it), holes and blends at
+/// edges.
+[[nodiscard]] DepthImage with_noise(const DepthImage& image, double sigma, std::uint64_t seed);
+
+}  // namespace stonestack::test
