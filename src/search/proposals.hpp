@@ -21,15 +21,34 @@ struct LooseStone {
   std::vector<Eigen::Matrix3d> orientations;  ///< R_W_O, each stands for all yaws
 };
 
-/// Cells from the middle to the rim of a raster that any of the stones fits over, wherever its centre of mass
-/// is set down.
-[[nodiscard]] int half_width(std::span<const StoneGeometry> stones, double cell);
-[[nodiscard]] StackField stack_field(std::span<const BodyPose> stack, const SurfaceGrid& grid,
-                                     const SearchOptions& options);
+inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of the top that are tried
 
-/// What the top of `stack` and the undersides of the stones offer each other: every orientation and yaw over
-/// a grid of offsets, then the best refined on a finer raster. Sorted by stone, best first, at most `keep` a
-/// stone and distinct (8 deg or 10 mm). `evaluated` counts landings.
+/// The gap field of a stack for any of the stones: raster as wide as the largest.
+[[nodiscard]] StackField stack_field(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
+                                     const Eigen::Vector2d& site, double cell, const SearchOptions& options);
+[[nodiscard]] UndersideOptions underside_options(const StackField& stack);
+
+/// Turns a body by the tilt that its landing still asks for.
+[[nodiscard]] Eigen::Matrix3d levelled(const Eigen::Matrix3d& R_W_O, const Landing& landing);
+
+/// True if the two differ by more than 8 deg or 10 mm sideways.
+[[nodiscard]] bool distinct(const BodyPose& p, const BodyPose& q);
+/// Best first by `value`, at most `keep`, distinct.
+[[nodiscard]] std::vector<Proposal> best_distinct(std::vector<Proposal> list, std::size_t keep,
+                                                  const std::function<double(const Proposal&)>& value);
+
+/// The best offset for every yaw of the orientations that promise most (few yaws and wide offsets first),
+/// at most `keep` a stone. `evaluated` counts landings.
+[[nodiscard]] std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
+                                                     std::span<const LooseStone> stones, std::size_t keep,
+                                                     const SearchOptions& options, long* evaluated);
+
+/// Levels a proposal and walks to the best offset nearby on a finer raster, until both are at rest.
+[[nodiscard]] Proposal refined(const Proposal& start, const StackField& fine, bool on_table,
+                               const SearchOptions& options, long* evaluated);
+
+/// What the top of `stack` and the undersides of the stones offer each other: coarse, refined, at most `keep`
+/// a stone and distinct. Sorted by stone, best first.
 [[nodiscard]] std::vector<Proposal> propose(std::span<const BodyPose> stack,
                                             std::span<const LooseStone> stones, const Eigen::Vector2d& site,
                                             int keep, const SearchOptions& options, long* evaluated);

@@ -35,7 +35,7 @@ struct SearchOptions {
   double descent_tolerance = 0.01;  ///< relative change of the cost that counts as converged
 
   // Default mode.
-  double grid = 0.003;               ///< m, cell of the gap field
+  double grid = 0.004;               ///< m, cell of the gap field; refined at half of it
   int directions = 160;              ///< which side of a stone points down: directions over the sphere
   int yaws = 12;                     ///< turns about the vertical, each direction
   double clean_height = 0.006;       ///< m: room kept between a new stone and all but the top stone

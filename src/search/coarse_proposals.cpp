@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <cmath>
+
+#include "search/orientations.hpp"
+#include "search/parallel.hpp"
+#include "search/proposals.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kOffsetPitch = 0.008;  ///< m
+constexpr double kSurveyPitch = 0.016;  ///< m
+constexpr std::size_t kPromising = 48;  ///< orientations of a stone that pass the survey (measured)
+
+struct Effort {
+  int yaws;
+  double pitch;
+};
+
+Proposal make_proposal(const LooseStone& stone, const StackField& stack, const Eigen::Matrix3d& R_W_O, int i,
+                       int j, const Landing& landing) {
+  Proposal proposal;
+  proposal.stone = stone.stone;
+  proposal.landing = landing;
+  proposal.body.stone = stone.geometry;
+  proposal.body.R_W_O = R_W_O;
+  proposal.body.p_W_M << stack.surface.heights.node(stack.surface.heights.index(i, j)), landing.height;
+  return proposal;
+}
+
+OffsetGrid offset_grid(const StackField& stack, double pitch) {
+  const double cell = stack.surface.heights.cell;
+  OffsetGrid offsets;
+  offsets.step = std::max(1, static_cast<int>(std::lround(pitch / cell)));
+  offsets.n = std::max(2, static_cast<int>(std::lround(kOffsetReach / (cell * offsets.step))));
+  return offsets;
+}
+
+/// The landing with the best estimate, as a proposal; none if none holds.
+void add_best(const LooseStone& stone, const StackField& stack, const Eigen::Matrix3d& R,
+              const LandingGrid& grid, std::vector<Proposal>* found) {
+  const OffsetGrid& offsets = grid.offsets;
+  const Landing* best = nullptr;
+  int best_u = 0, best_v = 0;
+  for (int v = 1 - offsets.n; v < offsets.n; ++v)
+    for (int u = 1 - offsets.n; u < offsets.n; ++u)
+      if (const Landing& landing = grid.at(u, v);
+          landing.holds && (best == nullptr || landing.estimate > best->estimate)) {
+        best = &landing;
+        best_u = u;
+        best_v = v;
+      }
+  if (best != nullptr)
+    found->push_back(make_proposal(stone, stack, R, best_u * offsets.step, best_v * offsets.step, *best));
+}
+
+std::vector<Proposal> try_orientation(const LooseStone& stone, const Eigen::Matrix3d& R_W_O,
+                                      const StackField& stack, bool on_table, const Effort& effort) {
+  std::vector<Proposal> found;
+  GapField buffer;
+  const OffsetGrid offsets = offset_grid(stack, effort.pitch);
+  for (int yaw = 0; yaw < (on_table ? 1 : effort.yaws); ++yaw) {
+    const Eigen::Matrix3d R = yaw_rotation(6.283185307179586 * yaw / effort.yaws) * R_W_O;
+    const Underside underside =
+        make_underside(stone.geometry->vertices_M, stone.geometry->faces, R, underside_options(stack));
+    if (on_table) {
+      const Landing landing = land_on_table(stack, underside, &buffer);
+      if (landing.holds) found.push_back(make_proposal(stone, stack, R, 0, 0, landing));
+    } else {
+      add_best(stone, stack, R, land(stack, underside, stone.geometry->mass, offsets, &buffer), &found);
+    }
+  }
+  return found;
+}
+
+struct Task {
+  std::size_t stone;
+  const Eigen::Matrix3d* R_W_O;
+};
+
+std::vector<std::vector<Proposal>> try_all(const std::vector<Task>& tasks, std::span<const LooseStone> stones,
+                                           const StackField& stack, bool on_table, const Effort& effort,
+                                           const SearchOptions& options, long* evaluated) {
+  std::vector<std::vector<Proposal>> found(tasks.size());
+  run_tasks(options.threads, tasks.size(), [&](std::size_t k) {
+    found[k] = try_orientation(stones[tasks[k].stone], *tasks[k].R_W_O, stack, on_table, effort);
+  });
+  const int width = 2 * offset_grid(stack, effort.pitch).n + 1;
+  *evaluated += static_cast<long>(tasks.size()) * (on_table ? 1 : effort.yaws * width * width);
+  return found;
+}
+
+double best_estimate(const std::vector<Proposal>& list) {
+  double best = -1.0;
+  for (const Proposal& p : list) best = std::max(best, p.landing.estimate);
+  return best;
+}
+
+/// The tasks of one stone whose survey went best, in their order.
+std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<std::vector<Proposal>>& survey,
+                            std::size_t stone) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < tasks.size(); ++k)
+    if (tasks[k].stone == stone && !survey[k].empty()) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
+    return best_estimate(survey[p]) > best_estimate(survey[q]);
+  });
+  order.resize(std::min(order.size(), kPromising));
+  std::vector<Task> kept;
+  for (const std::size_t k : order) kept.push_back(tasks[k]);
+  return kept;
+}
+
+}  // namespace
+
+std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
+                                       std::span<const LooseStone> stones, std::size_t keep,
+                                       const SearchOptions& options, long* evaluated) {
+  std::vector<Task> tasks;
+  for (std::size_t s = 0; s < stones.size(); ++s)
+    for (const Eigen::Matrix3d& R_W_O : stones[s].orientations) tasks.push_back({s, &R_W_O});
+  auto found = try_all(tasks, stones, stack, on_table, {std::max(1, options.yaws / 2), kSurveyPitch}, options,
+                       evaluated);
+  if (!on_table) {
+    std::vector<Task> chosen;
+    for (std::size_t s = 0; s < stones.size(); ++s) {
+      const std::vector<Task> of_stone = promising(tasks, found, s);
+      chosen.insert(chosen.end(), of_stone.begin(), of_stone.end());
+    }
+    tasks = std::move(chosen);
+    found = try_all(tasks, stones, stack, on_table, {options.yaws, kOffsetPitch}, options, evaluated);
+  }
+  std::vector<Proposal> candidates;
+  for (std::size_t s = 0; s < stones.size(); ++s) {
+    std::vector<Proposal> of_stone;
+    for (std::size_t k = 0; k < tasks.size(); ++k)
+      if (tasks[k].stone == s) of_stone.insert(of_stone.end(), found[k].begin(), found[k].end());
+    of_stone = best_distinct(std::move(of_stone), keep, [](const Proposal& p) { return p.landing.estimate; });
+    candidates.insert(candidates.end(), of_stone.begin(), of_stone.end());
+  }
+  return candidates;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,100 @@
+#include "search/contact_search.hpp"
+
+#include <algorithm>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kLongest = 1.0;   ///< s simulated
+constexpr int kPathEvery = 8;      ///< steps between poses of the path
+constexpr double kFarAway = 0.25;  ///< m from the start: it slid off
+
+/// Contacts of the new stone; false if it touches something else than the top of the stack.
+bool touches_top_only(const World& world, int body, int top, std::vector<Contact>* contacts) {
+  contacts->clear();
+  for (const Contact& contact : world.contacts()) {
+    if (contact.above != body && contact.below != body) continue;
+    const int other = contact.above == body ? contact.below : contact.above;
+    if (other != top) return false;
+    contacts->push_back(contact);
+  }
+  return true;
+}
+
+World world_with_stack(const SearchContext& context) {
+  WorldOptions options;
+  options.friction = context.options->friction;
+  World world(options);
+  world.set_gravity(Eigen::Vector3d::Zero());
+  for (const PlacedStone& placed : context.stack.stones)
+    world.add_stone(context.shapes()[static_cast<std::size_t>(placed.stone)], placed.T_W_O, true);
+  return world;
+}
+
+/// Draws on while contacts are collected, and fills polygon and cost.
+void collect(const SearchContext& context, const Target& target, int stone, World& world,
+             std::vector<Contact> contacts, ContactSearch* result) {
+  const int body = world.bodies() - 1, top = body - 1;  // kTable is -1
+  const Eigen::Vector3d& p_O_M = context.geometry[static_cast<std::size_t>(stone)].p_O_M;
+  std::vector<Contact> of_step;
+  for (int k = 1; k < context.options->contact_steps; ++k) {
+    const Eigen::Vector3d p_W_com = world.pose(body) * p_O_M;
+    world.apply(body, context.options->attraction * (target.p_W_centroid - p_W_com).normalized());
+    world.step();
+    if (!touches_top_only(world, body, top, &of_step)) {
+      result->outcome = "touches more than the top of the stack";
+      return;
+    }
+    contacts.insert(contacts.end(), of_step.begin(), of_step.end());
+  }
+  result->T_W_O = world.pose(body);
+  result->path_W_O.push_back(result->T_W_O);
+  result->pose.p_W_com = result->T_W_O * p_O_M;
+  result->pose.support = support_polygon(contacts, result->pose.p_W_com);
+  result->pose.v_W = (target.p_W_centroid - result->pose.p_W_com).normalized();
+  result->cost = pose_cost(result->pose, *context.options);
+  result->valid = result->pose.support.corners_W.size() >= 3 && result->pose.support.margin > 0.0;
+  if (!result->valid) result->outcome = "the centre of mass left the polygon while contacts were collected";
+}
+
+}  // namespace
+
+ContactSearch search_contact(const SearchContext& context, const Target& target, int stone,
+                             const Pose& T_W_O_init) {
+  const SearchOptions& o = *context.options;
+  World world = world_with_stack(context);
+  const int body = world.add_stone(context.shapes()[static_cast<std::size_t>(stone)], T_W_O_init);
+  const int top = body - 1;  // kTable is -1
+  const Eigen::Vector3d p_O_M = context.geometry[static_cast<std::size_t>(stone)].p_O_M;
+  ContactSearch result;
+  result.pose.p_W_previous_com = target.p_W_previous_com;
+  std::vector<Contact> contacts;
+  const int steps = static_cast<int>(kLongest / world.options().step);
+  for (int k = 0; k < steps; ++k) {
+    const Pose T_W_O = world.pose(body);
+    const Eigen::Vector3d p_W_com = T_W_O * p_O_M;
+    if (k % kPathEvery == 0) result.path_W_O.push_back(T_W_O);
+    if ((T_W_O.translation() - T_W_O_init.translation()).norm() > kFarAway) {
+      result.outcome = "slid off the stack";
+      return result;
+    }
+    world.apply(body, o.attraction * (target.p_W_centroid - p_W_com).normalized());
+    world.step();
+    if (!touches_top_only(world, body, top, &contacts)) {
+      result.outcome = "touches more than the top of the stack";
+      return result;
+    }
+    if (contacts.size() < 3 || world.kinetic_energy(body) >= o.e_kin_stable) continue;
+    const SupportPolygon polygon = support_polygon(contacts, world.pose(body) * p_O_M);
+    if (polygon.corners_W.size() < 3 || polygon.margin <= 0.0) continue;
+    result.pose.kinetic_energy = world.kinetic_energy(body);
+    collect(context, target, stone, world, contacts, &result);
+    return result;
+  }
+  result.outcome = "no three contacts around the centre of mass at low kinetic energy";
+  return result;
+}
+
+}  // namespace stonestack

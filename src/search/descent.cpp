@@ -1,0 +1,59 @@
+#include "search/descent.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+using Step = Eigen::Matrix<double, 5, 1>;  ///< x, y and rotation vector times kArm, all in metres
+constexpr double kArm = 0.05;              ///< m: a turn by 1 / kArm rad moves the surface by about a metre
+constexpr double kMissing = 0.5;           ///< relative cost rise assumed where no contact pose was found
+
+ContactSearch from(const SearchContext& context, const Target& target, int stone, const ContactSearch& at,
+                   const Step& step) {
+  const Eigen::Vector3d turn = step.tail<3>() / kArm;
+  Eigen::Matrix3d R = at.T_W_O.linear();
+  if (turn.norm() > 1e-12) R = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * R;
+  Eigen::Vector3d aside = at.pose.p_W_com - target.p_W_centroid;
+  aside -= aside.dot(target.n_W) * target.n_W;
+  aside.head<2>() += step.head<2>();
+  return search_contact(context, target, stone, placed_along_normal(context, target, stone, R, aside));
+}
+
+}  // namespace
+
+ContactSearch descend(const SearchContext& context, const Target& target, int stone, ContactSearch start,
+                      long* evaluated) {
+  const SearchOptions& o = *context.options;
+  ContactSearch best = std::move(start);
+  double length = 2.0 * o.descent_step;
+  for (int round = 0; round < o.descent_rounds && !context.out_of_time(); ++round) {
+    throw_if_interrupted();
+    Step gradient;
+    for (int axis = 0; axis < 5; ++axis) {
+      Step step = Step::Zero();
+      step[axis] = o.descent_step;
+      const ContactSearch beside = from(context, target, stone, best, step);
+      ++*evaluated;
+      const double rise = beside.valid ? beside.cost.total - best.cost.total : kMissing * best.cost.total;
+      gradient[axis] = rise / o.descent_step;
+    }
+    if (gradient.norm() < 1e-12) break;
+    const ContactSearch next = from(context, target, stone, best, -length * gradient.normalized());
+    ++*evaluated;
+    if (!next.valid || next.cost.total >= best.cost.total) {
+      length *= 0.5;
+      if (length < 0.25 * o.descent_step) break;
+      continue;
+    }
+    const double gain = (best.cost.total - next.cost.total) / std::max(best.cost.total, 1e-12);
+    best = next;
+    if (gain < o.descent_tolerance) break;
+  }
+  return best;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,125 @@
+#include "search/paper_search.hpp"
+
+#include <algorithm>
+
+#include "search/descent.hpp"
+#include "search/parallel.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+/// One local solution of one stone, and the failed tries before it.
+struct LocalSolution {
+  std::size_t available = 0;
+  int stone = -1;
+  ContactSearch found;
+  std::vector<ContactSearch> failed;
+  long evaluated = 0;
+};
+
+void solve(const SearchContext& context, const Target& target, std::uint64_t task, LocalSolution* local) {
+  const SearchOptions& o = *context.options;
+  Random random = Random::stream(static_cast<std::uint64_t>(o.seed), task);
+  const Eigen::Matrix3d R_detected = context.available[local->available].T_W_O.linear();
+  for (int restart = 0; restart < o.restarts && !context.out_of_time(); ++restart) {
+    throw_if_interrupted();
+    const Eigen::Matrix3d R = initial_orientation(R_detected, o.theta_init, random);
+    const Pose T_W_O = placed_along_normal(context, target, local->stone, R, Eigen::Vector3d::Zero());
+    ContactSearch contact = search_contact(context, target, local->stone, T_W_O);
+    ++local->evaluated;
+    if (contact.valid) {
+      local->found = descend(context, target, local->stone, std::move(contact), &local->evaluated);
+      return;
+    }
+    if (o.trace) local->failed.push_back(std::move(contact));
+  }
+}
+
+CandidateTrace trace_of(int stone, const ContactSearch& contact) {
+  return {stone,
+          contact.path_W_O,
+          contact.pose.support,
+          contact.cost.total,
+          contact.cost.terms,
+          contact.valid ? "local solution" : contact.outcome};
+}
+
+Placement placement_of(int stone, const ContactSearch& contact) {
+  Placement placement;
+  placement.stone = stone;
+  placement.T_W_O = contact.T_W_O;
+  placement.cost = contact.cost.total;
+  placement.terms = contact.cost.terms;
+  placement.support = contact.pose.support;
+  return placement;
+}
+
+/// True where the turn from the detected orientation keeps within the tilt limit.
+bool within_tilt(const SearchContext& context, const LocalSolution& local) {
+  const Eigen::Vector3d up_now = context.available[local.available].T_W_O.linear().row(2).transpose();
+  const Eigen::Vector3d up_then = local.found.T_W_O.linear().row(2).transpose();
+  return std::acos(std::clamp(up_now.dot(up_then), -1.0, 1.0)) <= context.options->largest_tilt;
+}
+
+/// Local solutions by cost that the arm can bring about.
+std::vector<const LocalSolution*> by_cost(const SearchContext& context, const std::vector<LocalSolution>& all,
+                                          SearchResult* result) {
+  std::vector<const LocalSolution*> list;
+  for (const LocalSolution& local : all)
+    if (local.found.valid && within_tilt(context, local)) list.push_back(&local);
+  std::stable_sort(list.begin(), list.end(), [](const LocalSolution* p, const LocalSolution* q) {
+    return p->found.cost.total < q->found.cost.total;
+  });
+  if (!context.problem->reachable) return list;
+  std::erase_if(list, [&](const LocalSolution* local) {
+    const bool refused = !context.problem->reachable(local->stone, local->found.T_W_O);
+    result->unreachable += refused ? 1 : 0;
+    return refused;
+  });
+  return list;
+}
+
+}  // namespace
+
+void paper_search(const SearchContext& context, SearchResult* result) {
+  const SearchOptions& o = *context.options;
+  const Target target = target_of(context);
+  std::vector<LocalSolution> all;
+  for (std::size_t k = 0; k < context.available.size(); ++k)
+    for (int x = 0; x < o.local_solutions; ++x) {
+      LocalSolution local;
+      local.available = k;
+      local.stone = context.available[k].stone;
+      all.push_back(std::move(local));
+    }
+  run_tasks(o.threads, all.size(), [&](std::size_t k) { solve(context, target, k, &all[k]); });
+  for (const LocalSolution& local : all) {
+    result->candidates += local.evaluated;
+    if (!o.trace) continue;
+    for (const ContactSearch& failed : local.failed) result->trace.push_back(trace_of(local.stone, failed));
+    if (local.found.valid) result->trace.push_back(trace_of(local.stone, local.found));
+  }
+  const auto ranked = by_cost(context, all, result);
+  context.say(concat(ranked.size(), " local solutions from ", result->candidates, " contact searches"));
+  if (ranked.empty()) {
+    result->reason = "no initial orientation led to three contacts around the centre of mass";
+    return;
+  }
+  std::vector<Trial> trials;
+  for (const LocalSolution* local : ranked) {
+    result->best.push_back(placement_of(local->stone, local->found));
+    Trial trial;
+    trial.stone = local->stone;
+    trial.T_W_O = local->found.T_W_O;
+    trials.push_back(std::move(trial));
+  }
+  result->best.resize(std::min(result->best.size(), static_cast<std::size_t>(o.alternatives)));
+  if (!o.verify) return;
+  result->best.clear();
+  verify(context, std::move(trials), result);
+  std::stable_sort(result->best.begin(), result->best.end(),
+                   [](const Placement& p, const Placement& q) { return p.cost < q.cost; });
+}
+
+}  // namespace stonestack

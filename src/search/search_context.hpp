@@ -1,0 +1,38 @@
+#pragma once
+#include "search/proposals.hpp"
+#include "stonestack/core/clock.hpp"
+
+namespace stonestack {
+
+/// A search problem that was checked, with what every stage needs.
+struct SearchContext {
+  const SearchProblem* problem = nullptr;
+  const SearchOptions* options = nullptr;
+  std::vector<StoneGeometry> geometry;  ///< one for each shape
+  Stack stack;                          ///< as it stands after a check, perhaps a little moved
+  std::vector<PlacedStone> available;   ///< without the stones of the stack
+  Stopwatch watch;
+  std::function<void(const std::string&)> report;
+
+  [[nodiscard]] const ShapeList& shapes() const { return *problem->shapes; }
+  [[nodiscard]] bool out_of_time() const {
+    return options->budget > 0.0 && watch.seconds() >= options->budget;
+  }
+  void say(const std::string& line) const {
+    if (report) report(line);
+  }
+};
+/// The stack's bodies, bottom first.
+[[nodiscard]] std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack);
+/// The loose stones with every orientation that the tilt limit allows.
+[[nodiscard]] std::vector<LooseStone> loose_stones(const SearchContext& context);
+
+/// Throws InvalidArgument for stones and options that cannot be.
+void check_problem(const SearchProblem& problem, const SearchOptions& options);
+/// The stack if it stands as given; else the stack that results when each stone in turn is let down from just
+/// above its given pose, provided that it ends near there (5 mm, 5 deg) and stands; else empty with the
+/// reason. Measured poses are off by a millimetre, and a tower measured so may not stand to the letter.
+[[nodiscard]] std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
+                                                  const SearchOptions& options, std::string* reason);
+
+}  // namespace stonestack
