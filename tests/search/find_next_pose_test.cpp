@@ -1,0 +1,232 @@
+#include "stonestack/search/find_next_pose.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::shared_ptr<const ContactShape> box(const std::string& name, const Eigen::Vector3d& size) {
+  ShapeOptions options;
+  options.cell = 0.003;
+  options.spacing = 0.006;
+  const Mesh mesh = make_box(size);
+  return make_contact_shape(mesh, mass_properties(mesh, 2600.0), name, options);
+}
+
+const ShapeList& boxes() {
+  static const ShapeList list = {box("base", {0.12, 0.11, 0.06}), box("middle", {0.10, 0.09, 0.05}),
+                                 box("top", {0.08, 0.07, 0.04})};
+  return list;
+}
+
+Pose at(double x, double y, double z) {
+  return make_pose(Eigen::Vector3d(x, y, z));
+}
+
+/// The base stands at the origin; the other two lie beside it.
+SearchProblem base_stands() {
+  SearchProblem problem;
+  problem.shapes = &boxes();
+  problem.stack.stones = {{0, at(0, 0, 0.03)}};
+  problem.available = {{1, at(0.4, 0, 0.025)}, {2, at(0.4, 0.3, 0.02)}};
+  return problem;
+}
+
+SearchOptions quick() {
+  SearchOptions options;
+  options.directions = 30;
+  options.yaws = 3;
+  options.settled = 6;
+  options.alternatives = 2;
+  options.verdict_seconds = 1.0;
+  options.perturbations = 2;
+  options.perturbed_seconds = 0.5;
+  options.threads = 2;
+  return options;
+}
+
+TEST(FindNextPose, PutsABoxOnABox) {
+  const SearchResult result = find_next_pose(base_stands(), quick());
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  for (const Placement& placement : result.best) {
+    const double half_height = 0.5 * (placement.stone == 1 ? 0.05 : 0.04);
+    EXPECT_GT(placement.T_W_O.translation().z(), 0.06 + half_height - 0.002);
+    EXPECT_LT(placement.T_W_O.translation().head<2>().norm(), 0.05);
+    EXPECT_GE(placement.predicted_success, 0.5);
+    EXPECT_GT(placement.terms.at("margin"), 0.02);
+    EXPECT_GT(placement.support.area, 0.0005);
+    for (const char* name : {"area", "kinetic_energy", "distance", "normal", "a_est"})
+      EXPECT_TRUE(placement.terms.contains(name)) << name;
+  }
+}
+
+TEST(FindNextPose, SameForAnyNumberOfThreads) {
+  SearchOptions options = quick();
+  std::vector<SearchResult> results;
+  for (const int threads : {1, 2, 4}) {
+    options.threads = threads;
+    results.push_back(find_next_pose(base_stands(), options));
+  }
+  for (const SearchResult& other : results) {
+    ASSERT_EQ(other.best.size(), results[0].best.size());
+    EXPECT_EQ(other.candidates, results[0].candidates);
+    for (std::size_t k = 0; k < other.best.size(); ++k) {
+      EXPECT_EQ(other.best[k].stone, results[0].best[k].stone);
+      EXPECT_TRUE(other.best[k].T_W_O.matrix() == results[0].best[k].T_W_O.matrix());
+      EXPECT_EQ(other.best[k].cost, results[0].best[k].cost);
+    }
+  }
+}
+
+TEST(FindNextPose, KeepsTheTiltLimit) {
+  SearchProblem problem = base_stands();
+  problem.available = {{1, at(0.4, 0, 0.05)}};
+  problem.available[0].T_W_O.linear() =
+      Eigen::AngleAxisd(1.5707963, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  SearchOptions options = quick();
+  options.largest_tilt = 0.5;
+  const SearchResult result = find_next_pose(problem, options);
+  for (const Placement& placement : result.best) {
+    const Eigen::Vector3d up_now = problem.available[0].T_W_O.linear().row(2).transpose();
+    const Eigen::Vector3d up_then = placement.T_W_O.linear().row(2).transpose();
+    EXPECT_LT(std::acos(std::min(1.0, up_now.dot(up_then))), 0.55);
+  }
+  EXPECT_FALSE(result.best.empty()) << result.reason;
+}
+
+TEST(FindNextPose, AsksTheArmFirst) {
+  SearchProblem problem = base_stands();
+  int asked = 0;
+  problem.reachable = [&](int, const Pose&) {
+    ++asked;
+    return false;
+  };
+  const SearchResult result = find_next_pose(problem, quick());
+  EXPECT_TRUE(result.best.empty());
+  EXPECT_GT(asked, 0);
+  EXPECT_EQ(result.unreachable, asked);
+  EXPECT_THAT(result.reason, HasSubstr("reaches none"));
+}
+
+TEST(FindNextPose, OnlyReturnsWhatTheArmReaches) {
+  SearchProblem problem = base_stands();
+  problem.reachable = [](int stone, const Pose&) { return stone == 2; };
+  const SearchResult result = find_next_pose(problem, quick());
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2);
+}
+
+TEST(FindNextPose, FirstStoneGoesToTheSite) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.clear();
+  problem.site = {0.2, -0.1};
+  const SearchResult result = find_next_pose(problem, quick());
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  EXPECT_LT((result.best[0].T_W_O.translation().head<2>() - problem.site).norm(), 0.01);
+}
+
+TEST(FindNextPose, NothingLeftIsAReason) {
+  SearchProblem problem = base_stands();
+  problem.available = {{0, at(0, 0, 0.03)}};
+  const SearchResult result = find_next_pose(problem, quick());
+  EXPECT_TRUE(result.best.empty());
+  EXPECT_THAT(result.reason, HasSubstr("no loose stone"));
+}
+
+TEST(FindNextPose, RefusesStonesThatCannotBe) {
+  for (const int wrong : {0, 1, 2}) {
+    ShapeList list = boxes();
+    auto broken = std::make_shared<ContactShape>(
+        ContactShape{"broken", SignedDistance(list[1]->scan, 0.003, 0.012), list[1]->samples, list[1]->mass,
+                     list[1]->radius, list[1]->scan, list[1]->features});
+    if (wrong == 0) broken->mass.mass = 0.0;
+    if (wrong == 1) broken->mass.p_O_M = {0.06, 0.0, 0.0};
+    if (wrong == 2) broken->mass.I_M(0, 0) = std::numeric_limits<double>::quiet_NaN();
+    list[1] = broken;
+    SearchProblem problem = base_stands();
+    problem.shapes = &list;
+    EXPECT_THROW((void)find_next_pose(problem, quick()), InvalidArgument) << wrong;
+  }
+}
+
+TEST(FindNextPose, RefusesOptionsThatCannotBe) {
+  for (const double friction : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    SearchOptions options = quick();
+    options.friction = friction;
+    EXPECT_THROW((void)find_next_pose(base_stands(), options), InvalidArgument) << friction;
+  }
+  SearchOptions options = quick();
+  options.method = "magic";
+  EXPECT_THROW((void)find_next_pose(base_stands(), options), InvalidArgument);
+  SearchProblem problem = base_stands();
+  problem.available[0].stone = 17;
+  EXPECT_THROW((void)find_next_pose(problem, quick()), InvalidArgument);
+}
+
+TEST(FindNextPose, RefusesAStackThatOverlaps) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1, at(0, 0, 0.06)});
+  const SearchResult result = find_next_pose(problem, quick());
+  EXPECT_TRUE(result.best.empty());
+  EXPECT_THAT(result.reason, HasSubstr("overlap"));
+}
+
+TEST(FindNextPose, RefusesAStackThatFalls) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1, at(0.09, 0, 0.085)});
+  const SearchResult result = find_next_pose(problem, quick());
+  EXPECT_TRUE(result.best.empty());
+  EXPECT_THAT(result.reason, HasSubstr("does not stand"));
+}
+
+TEST(FindNextPose, BuildsOnAStackMeasuredAMillimetreOff) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones = {{0, at(0, 0, 0.0312)}};
+  const SearchResult result = find_next_pose(problem, quick());
+  EXPECT_FALSE(result.best.empty()) << result.reason;
+}
+
+TEST(PlanTower, StacksThreeBoxes) {
+  SearchProblem problem = base_stands();
+  problem.stack.stones.clear();
+  problem.available = {{0, at(0.4, -0.3, 0.03)}, {1, at(0.4, 0, 0.025)}, {2, at(0.4, 0.3, 0.02)}};
+  SearchOptions options = quick();
+  options.beam = 1;
+  std::string reason;
+  const auto tower = plan_tower(problem, 3, options, &reason);
+  ASSERT_EQ(tower.size(), 3U) << reason;
+  Stack stack;
+  for (const Placement& placement : tower) stack.stones.push_back({placement.stone, placement.T_W_O});
+  const StandVerdict verdict = judge_stack(boxes(), stack);
+  EXPECT_TRUE(verdict.stands) << verdict.reason;
+  EXPECT_TRUE(verdict.clean);
+}
+
+TEST(PaperMode, FindsAPoseForCubes) {
+  SearchOptions options = quick();
+  options.method = "paper";
+  options.theta_init = 0.1;
+  options.local_solutions = 2;
+  options.descent_rounds = 3;
+  options.trace = true;
+  options.verify = false;
+  const SearchResult result = find_next_pose(base_stands(), options);
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  EXPECT_GE(result.best[0].support.corners_W.size(), 3U);
+  EXPECT_GT(result.best[0].support.margin, 0.0);
+  for (std::size_t k = 1; k < result.best.size(); ++k)
+    EXPECT_LE(result.best[k - 1].cost, result.best[k].cost);
+  ASSERT_FALSE(result.trace.empty());
+  for (const CandidateTrace& trace : result.trace) EXPECT_FALSE(trace.path_W_O.empty());
+}
+
+}  // namespace
+}  // namespace stonestack
