@@ -95,15 +95,22 @@ bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Sla
 }
 
 bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  const Pose T_T_R = (placed.pose[6] * shapes.T_6_T).inverse();
   for (const auto& [i, j] : shapes.pairs) {
     const auto &a = shapes.movers[i], &b = shapes.movers[j];
     const double away = shapes.rules.self_padding + slack.seen_from(a.link, b);
     const double bound = a.core.reach + b.core.reach + away;
-    if (squared_distance(placed.axes[i], placed.axes[j]) > bound * bound) continue;
-    const bool exact = a.part == Mover::Part::kArm && b.part == Mover::Part::kArm;
-    if (exact || hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link]) <
-                     a.core.radius + b.core.radius + away)
+    const Segment& axis = placed.axes[i];
+    if (squared_distance(axis, placed.axes[j]) > bound * bound) continue;
+    if (b.part == Mover::Part::kArm) return true;  // between capsules the bound is the distance
+    if (b.part == Mover::Part::kGripper) {
+      const double least = a.core.radius + away;
+      const Segment axis_T{T_T_R * axis.a, T_T_R * axis.b};
+      if (squared_distance_to_box(axis_T, b.box_T.min(), b.box_T.max()) < least * least) return true;
+    } else if (hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link]) <
+               a.core.radius + away) {
       return true;
+    }
   }
   return false;
 }
@@ -114,12 +121,22 @@ bool collides_within(const CollisionShapes& shapes, const Joints& q, const Slack
          hits_itself(shapes, placed, slack);
 }
 
+/// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
+/// are known at once.
+bool samples_are_free(const CollisionShapes& shapes, const Joints& a, const Joints& b) {
+  constexpr double kSpacing = 0.05;  // rad
+  const double turn = (b - a).cwiseAbs().maxCoeff();
+  for (double pieces = 1.0; turn / pieces > kSpacing; pieces *= 2.0)
+    for (double k = 0.5; k < pieces; k += 1.0)
+      if (collides_within(shapes, a + (b - a) * (k / pieces), Slack())) return false;
+  return true;
+}
+
 bool is_free(const CollisionShapes& shapes, const Joints& a, const Joints& b, double resolution) {
   const Joints middle = 0.5 * (a + b);
   const Joints half = (0.5 * (b - a)).cwiseAbs();
   if (!collides_within(shapes, middle, Slack(shapes.robot, half))) return true;
   if (2.0 * half.maxCoeff() <= resolution) return false;
-  if (collides_within(shapes, middle, Slack())) return false;
   return is_free(shapes, a, middle, resolution) && is_free(shapes, middle, b, resolution);
 }
 
@@ -143,7 +160,7 @@ bool CollisionChecker::collides(const Joints& q, double extra) const {
 bool CollisionChecker::motion_is_free(const Joints& a, const Joints& b, double resolution) const {
   require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
   require(resolution > 0.0, "the resolution must be positive, got ", resolution, " rad");
-  return is_free(*shapes_, a, b, resolution);
+  return samples_are_free(*shapes_, a, b) && is_free(*shapes_, a, b, resolution);
 }
 
 Clearance CollisionChecker::clearance(const Joints& q) const {

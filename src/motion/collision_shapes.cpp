@@ -46,9 +46,9 @@ std::vector<Eigen::Vector3d> corners(const GripperBox& box, double opening) {
   return points;
 }
 
-void add_mover(CollisionShapes& shapes, Mover::Part part, int link, ConvexCore core,
-               const std::string& name) {
-  Mover mover{part, static_cast<std::size_t>(link), std::move(core), 0.0, true, name};
+void add_mover(CollisionShapes& shapes, Mover::Part part, int link, ConvexCore core, const std::string& name,
+               const Eigen::AlignedBox3d& box_T = {}) {
+  Mover mover{part, static_cast<std::size_t>(link), std::move(core), 0.0, true, box_T, name};
   for (const auto& p : mover.core.points) mover.span = std::max(mover.span, p.norm());
   mover.sees_table = !may_touch(shapes.rules, mover, kTable);
   shapes.movers.push_back(std::move(mover));
@@ -61,17 +61,18 @@ void add_movers(const PlanningScene& scene, const HeldObject* held, CollisionSha
                    [](const LinkCapsule& a, const LinkCapsule& b) { return a.link < b.link; });
   for (const auto& c : capsules)
     add_mover(shapes, Mover::Part::kArm, c.link, make_core({c.a, c.b}, c.radius), kLinks[c.link]);
-  const Pose T_6_T = scene.robot.T_6_F * scene.T_F_T;
+  shapes.T_6_T = scene.robot.T_6_F * scene.T_F_T;
   for (const auto& box : scene.gripper.boxes) {
     auto points = corners(box, shapes.rules.opening);
-    transform(points, T_6_T);
+    const Eigen::AlignedBox3d box_T(points.front(), points.back());
+    transform(points, shapes.T_6_T);
     add_mover(shapes, Mover::Part::kGripper, 6, make_core(std::move(points), 0.0),
-              box.finger_side != 0.0 ? "finger" : "gripper");
+              box.finger_side != 0.0 ? "finger" : "gripper", box_T);
   }
   if (held == nullptr) return;
   for (const auto& piece : held->pieces) {
     auto points = piece.vertices;
-    transform(points, T_6_T * held->T_T_O);
+    transform(points, shapes.T_6_T * held->T_T_O);
     add_mover(shapes, Mover::Part::kHeld, 6, make_core(std::move(points), 0.0), held->name);
   }
 }

@@ -17,6 +17,7 @@ struct Mover {
   ConvexCore core;
   double span = 0.0;  ///< m, furthest point of the hull from the link's origin
   bool sees_table = true;
+  Eigen::AlignedBox3d box_T;  ///< of a gripper box, in T; empty for others
   std::string name;
 };
 
@@ -51,6 +52,7 @@ struct CollisionShapes {
   std::vector<Obstacle> obstacles;
   std::vector<ObstacleGroup> groups;
   std::vector<MoverPair> pairs;
+  Pose T_6_T = Pose::Identity();
   Eigen::Vector3d n_R_table;  ///< up
   double table_offset = 0.0;  ///< height of p above the table: n.p + offset
 };
