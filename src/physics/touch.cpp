@@ -67,22 +67,10 @@ Crossing cross(const EdgeFeature& a, const EdgeFeature& b, double beyond, double
   return out;
 }
 
-/// Shortest distance between two segments is below `reach` (by sampling the ends and the crossing: enough to
-/// prune).
-bool segments_near(const EdgeFeature& a, const EdgeFeature& b, double reach) {
-  const auto to_segment = [](const Vector& p, const EdgeFeature& e) {
-    return (p - e.p0 - std::clamp((p - e.p0).dot(e.d), 0.0, e.length) * e.d).norm();
-  };
-  if (to_segment(a.p0, b) <= reach || to_segment(a.p1, b) <= reach || to_segment(b.p0, a) <= reach ||
-      to_segment(b.p1, a) <= reach)
-    return true;
-  const Vector c = a.d.cross(b.d);
-  const double square = c.squaredNorm();
-  if (square < 1e-12) return false;
-  const Vector r = b.p0 - a.p0;
-  const double s = r.cross(b.d).dot(c) / square, t = r.cross(a.d).dot(c) / square;
-  return s >= 0 && s <= a.length && t >= 0 && t <= b.length &&
-         std::abs(r.dot(c)) <= reach * std::sqrt(square);
+/// The point lies within `reach` of the edge.
+bool near_edge(const Vector& p, const EdgeFeature& e, double reach) {
+  const double s = std::clamp((p - e.p0).dot(e.d), 0.0, e.length);
+  return (p - e.p0 - s * e.d).squaredNorm() <= reach * reach;
 }
 
 /// Touch of vertex x of X on face y of Y, all in Y; false if they cannot be the first to touch.
@@ -243,8 +231,8 @@ void FeaturePairs::look_up_ball(const Surface& X, const Surface& Y, const Pose& 
   for (int i = ball.begin; i < ball.end; ++i) {
     const FeatureSample& sample = x.samples[static_cast<std::size_t>(i)];
     const Vector p = T_Y_X * sample.p;
-    const auto cell = y.near(p);
     if (sample.vertex >= 0) {
+      const auto cell = y.near(p);
       for (const int* f = cell.face_begin; f != cell.face_end; ++f) {
         const FaceFeature& face = y.faces[static_cast<std::size_t>(*f)];
         const double gap = face.n.dot(p) - face.offset;
@@ -258,16 +246,23 @@ void FeaturePairs::look_up_ball(const Surface& X, const Surface& Y, const Pose& 
       }
       if (y.box.contains(p) && signed_distance(Y, p, nullptr) < kSlack - kDeep)
         (swapped ? deep_b_ : deep_a_).push_back(sample.vertex);
-    } else if (cell.edge_begin != cell.edge_end) {
-      const EdgeFeature edge = moved(x.edges[static_cast<std::size_t>(sample.edge)], T_Y_X);
-      for (const int* e = cell.edge_begin; e != cell.edge_end; ++e) {
-        const EdgeFeature& other = y.edges[static_cast<std::size_t>(*e)];
-        if (!segments_near(edge, other, kReach)) continue;
-        const double sine = edge.d.cross(other.d).norm();
-        if (sine > 0.2 && !cross(edge, other, kSlack / sine, kCone + 1.5 * kTurn / sine, 0.0).valid) continue;
-        edges_.push_back(swapped ? Pair{*e, sample.edge} : Pair{sample.edge, *e});
-      }
+    } else if (!swapped) {  // samples of A's edges find every edge of B that may cross them
+      look_up_edges(x.edges[static_cast<std::size_t>(sample.edge)], sample, p, y, T_Y_X);
     }
+  }
+}
+
+void FeaturePairs::look_up_edges(const EdgeFeature& own, const FeatureSample& sample,
+                                 const Eigen::Vector3d& p, const SurfaceFeatures& y, const Pose& T_Y_X) {
+  const auto cell = y.near(p);
+  EdgeFeature edge;
+  for (const int* e = cell.edge_begin; e != cell.edge_end; ++e) {
+    const EdgeFeature& other = y.edges[static_cast<std::size_t>(*e)];
+    if (!near_edge(p, other, kReach + 0.5 * kEdgeSpacing)) continue;
+    if (edge.length == 0.0) edge = moved(own, T_Y_X);
+    const double sine = edge.d.cross(other.d).norm();
+    if (sine > 0.2 && !cross(edge, other, kSlack / sine, kCone + 1.5 * kTurn / sine, 0.0).valid) continue;
+    edges_.push_back({sample.edge, *e});
   }
 }
 

@@ -57,6 +57,8 @@ class FeaturePairs {
   void look_up(const Surface& X, const Surface& Y, const Pose& T_Y_X, bool swapped);
   void look_up_ball(const Surface& X, const Surface& Y, const Pose& T_Y_X, const SampleBall& ball,
                     bool swapped);
+  void look_up_edges(const EdgeFeature& own, const FeatureSample& sample, const Eigen::Vector3d& p,
+                     const SurfaceFeatures& y, const Pose& T_Y_X);
 
   bool fresh_ = false;
   Pose T_B_A_ = Pose::Identity();

@@ -1,4 +1,5 @@
 #pragma once
+#include "stonestack/core/random.hpp"
 #include "stonestack/physics/shape.hpp"
 
 /// Test bodies of limestone.
@@ -14,6 +15,15 @@ inline std::shared_ptr<const ContactShape> box(double x, double y, double z) {
 
 inline Pose at(double x, double y, double z, double yaw = 0.0) {
   return make_pose({x, y, z}, Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())));
+}
+
+/// A flattened lump with dents, 320 faces, concave in places.
+inline std::shared_ptr<const ContactShape> lump(std::uint64_t seed) {
+  Random random = Random::stream(seed, "lump");
+  Mesh mesh = make_sphere(0.05, 2);
+  for (auto& v : mesh.vertices) v *= random.uniform(0.92, 1.0);
+  for (auto& v : mesh.vertices) v = {1.3 * v.x(), v.y(), 0.7 * v.z()};
+  return body(mesh, "lump");
 }
 
 }  // namespace stonestack::test
