@@ -10,6 +10,7 @@ find_package(CLI11 REQUIRED)
 find_package(TBB REQUIRED)
 find_package(PNG REQUIRED)
 find_package(embree 3 REQUIRED)
+find_package(CGAL 5.5 REQUIRED QUIET)  # header only; its targets bring GMP and MPFR
 find_package(Threads REQUIRED)
 if(STONESTACK_TESTS)
   find_package(GTest REQUIRED)

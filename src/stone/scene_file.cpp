@@ -3,28 +3,17 @@
 #include <filesystem>
 
 #include "core/yaml.hpp"
+#include "stone/pose_yaml.hpp"
 #include "stonestack/core/file.hpp"
 
 namespace stonestack {
 namespace {
 
 constexpr const char* kSchema = "stonestack.scene/1";
-constexpr double kFarthest = 100.0;  // m
 
 std::string beside(const std::string& scene_path, const std::string& file) {
   const std::filesystem::path given(file);
   return given.is_absolute() ? file : (std::filesystem::path(scene_path).parent_path() / given).string();
-}
-
-Pose read_pose(yaml::Map map) {
-  const Eigen::Vector3d p(map.number("x", -kFarthest, kFarthest), map.number("y", -kFarthest, kFarthest),
-                          map.number("z", -kFarthest, kFarthest));
-  const Eigen::Quaterniond q(map.number("qw", -2, 2), map.number("qx", -2, 2), map.number("qy", -2, 2),
-                             map.number("qz", -2, 2));
-  map.finish();
-  if (std::abs(q.norm() - 1.0) > 0.01)
-    map.fail("q", concat("has length ", q.norm()), "a rotation has length 1");
-  return make_pose(p, q);
 }
 
 CameraIntrinsics read_camera(yaml::Map map) {

@@ -6,8 +6,8 @@
 
 namespace stonestack {
 
-/// Stones in a folder: `DIR/NAME/stone.yaml`, `DIR/NAME/mesh.ply`, `DIR/NAME/scan.ply`,
-/// `DIR/NAME/pieces.ply`.
+/// Stones in a folder: `DIR/NAME/stone.yaml`, `DIR/NAME/mesh.ply` (reduced), `DIR/NAME/scan.ply` (full) and
+/// `DIR/NAME/pieces/1.ply` and so on (convex). Metres, frame O.
 struct Catalogue {
   std::string path;
   std::vector<Stone> stones;  ///< sorted by name
@@ -18,7 +18,11 @@ struct Catalogue {
 
 /// Reads every stone; throws FileError naming file and value, also for a folder without stones.
 [[nodiscard]] Catalogue read_catalogue(const std::string& path);
-/// Writes one stone into its folder, whole or not at all.
+/// True for what may be a stone's name and so a folder's: 1 to 64 letters, digits, '_', '-', '.', no '.'
+/// first.
+[[nodiscard]] bool is_stone_name(const std::string& name);
+/// Writes one stone into its folder, whole or not at all, in the place of one of that name. Makes the
+/// catalogue's folder. Throws FileError, InvalidArgument for a name that is none.
 void write_stone(const std::string& catalogue_path, const Stone& stone);
 
 }  // namespace stonestack

@@ -7,6 +7,12 @@
 
 namespace stonestack {
 
+/// How far one surface lies from another, metres.
+struct Deviation {
+  double median = 0.0;
+  double worst = 0.0;
+};
+
 /// What is known of a stone before it is seen: its scan, measured once. Frame O: origin at the centre of mass
 /// of the uniform scan, axes of the scanned file unless asked otherwise.
 struct Stone {
@@ -20,6 +26,8 @@ struct Stone {
   Pose T_O_file = Pose::Identity();  ///< where the scanned file's frame, scaled to metres, lies in O
   double scale = 1.0;                ///< metres per unit of the scanned file
   std::string source;                ///< file or generator with seed
+  Deviation mesh_deviation;          ///< of the reduced mesh from the scan, both ways
+  Deviation contact_deviation;       ///< of the surface that physics collides with from the scan
 };
 
 /// A stone somewhere, by index into whatever list of stones the owner holds.

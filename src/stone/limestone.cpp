@@ -1,0 +1,73 @@
+#include "stonestack/stone/limestone.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "stone/geodesic.hpp"
+#include "stone/rubble.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/geometry/convex_pieces.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kAttempts = 64;
+
+void check(const LimestoneOptions& o) {
+  require(o.smallest >= 0.02 && o.smallest <= o.largest && o.largest <= 2.0,
+          "longest extent must be in [0.02, 2] m, got [", o.smallest, ", ", o.largest, "]");
+  require(o.widest >= 0.6 * o.smallest, "widest must be at least 0.6 * smallest, got ", o.widest, " m");
+  require(o.least_full >= 0.7 && o.most_full <= 0.95 && o.least_full + 0.02 <= o.most_full,
+          "volume over hull must be in [0.7, 0.95] and 0.02 wide, got [", o.least_full, ", ", o.most_full,
+          "]");
+  require(o.faces >= 320 && o.faces <= 200000, "faces must be in [320, 200000], got ", o.faces);
+}
+
+/// Longest, second and shortest extent: near 1 : 0.8 : 0.55, as rubble is.
+Eigen::Vector3d draw_extents(Random& random, const LimestoneOptions& options) {
+  const double longest = random.uniform(options.smallest, options.largest);
+  const double second = std::min(longest * random.uniform(0.68, 0.90),
+                                 options.widest - 0.002);  // the grain adds up to a millimetre a side
+  return {longest, second, second * random.uniform(0.58, 0.82)};
+}
+
+double fullness(const Mesh& mesh) {
+  return volume(mesh) / volume(convex_hull(mesh));
+}
+
+/// Deepens or fills the hollows of one drawn form until its fullness is `target`; empty if that is out of its
+/// reach.
+std::optional<Mesh> with_fullness(const Rubble& rubble, const Mesh& sphere, double target) {
+  double shallow = 0.5, deep = 2.2;
+  Mesh mesh = surface(rubble, sphere, deep);
+  if (fullness(mesh) > target) return std::nullopt;
+  for (int turn = 0; turn < 12; ++turn) {
+    const double middle = (shallow + deep) / 2.0;
+    mesh = surface(rubble, sphere, middle);
+    const double full = fullness(mesh);
+    if (std::abs(full - target) < 0.006) return mesh;
+    (full > target ? shallow : deep) = middle;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Mesh make_limestone(std::uint64_t seed, const LimestoneOptions& options) {
+  check(options);
+  const Mesh sphere = make_geodesic(static_cast<int>(std::sqrt(options.faces / 20.0)));
+  for (std::uint64_t attempt = 0; attempt < kAttempts; ++attempt) {
+    Random random = Random::stream(seed, attempt);
+    const Eigen::Vector3d extents = draw_extents(random, options);
+    const Rubble rubble = draw_rubble(random, extents);
+    const double middle = (options.least_full + options.most_full) / 2.0;
+    const double spread = (options.most_full - options.least_full) / 2.0 - 0.006;
+    const double target = middle + spread * random.uniform(-0.6, 1.0);
+    if (const auto mesh = with_fullness(rubble, sphere, target)) return *mesh;
+  }
+  throw InvalidArgument(concat("no stone with volume over hull in [", options.least_full, ", ",
+                               options.most_full, "] after ", kAttempts, " attempts; widen the range"));
+}
+
+}  // namespace stonestack

@@ -1,0 +1,47 @@
+#include "stone/mesh_deviation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stonestack/geometry/signed_distance.hpp"
+#include "stonestack/geometry/surface_tree.hpp"
+
+namespace stonestack {
+namespace {
+
+Deviation summary(std::vector<double> distances) {
+  if (distances.empty()) return {};
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  const auto rounded = [](double metres) { return std::round(metres * 1e7) / 1e7; };  // for people to read
+  return {rounded(*middle), rounded(*std::max_element(distances.begin(), distances.end()))};
+}
+
+void add_distances(const Mesh& from, const Mesh& to, double spacing, std::vector<double>& distances) {
+  const SurfaceTree tree(to);
+  int face = -1;
+  for (const SurfaceSample& sample : sample_surface(from, spacing)) {
+    const SurfacePoint nearest = tree.nearest(sample.point, std::numeric_limits<double>::infinity(), face);
+    face = nearest.face;
+    distances.push_back(std::abs(nearest.distance));
+  }
+}
+
+}  // namespace
+
+Deviation deviation(const Mesh& a, const Mesh& b, double spacing) {
+  std::vector<double> distances;
+  add_distances(a, b, spacing, distances);
+  add_distances(b, a, spacing, distances);
+  return summary(std::move(distances));
+}
+
+Deviation grid_deviation(const Mesh& scan, double cell, double band, double spacing) {
+  const SignedDistance grid(scan, cell, band);
+  std::vector<double> distances;
+  for (const SurfaceSample& sample : sample_surface(scan, spacing))
+    distances.push_back(std::abs(grid.distance(sample.point)));
+  return summary(std::move(distances));
+}
+
+}  // namespace stonestack

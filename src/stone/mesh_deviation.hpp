@@ -1,0 +1,12 @@
+#pragma once
+#include "stonestack/stone/stone.hpp"
+
+namespace stonestack {
+
+/// Between two surfaces, both ways: points of each, `spacing` apart, to the nearest point of the other.
+[[nodiscard]] Deviation deviation(const Mesh& a, const Mesh& b, double spacing);
+/// Between a surface and what a signed distance on a grid of `cell` makes of it, which is what physics
+/// collides with: the grid's distance at points of the surface, where it should be zero.
+[[nodiscard]] Deviation grid_deviation(const Mesh& scan, double cell, double band, double spacing);
+
+}  // namespace stonestack
