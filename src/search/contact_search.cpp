@@ -76,7 +76,7 @@ ContactSearch search_contact(const SearchContext& context, const Target& target,
     const Pose T_W_O = world.pose(body);
     const Eigen::Vector3d p_W_com = T_W_O * p_O_M;
     if (k % kPathEvery == 0) result.path_W_O.push_back(T_W_O);
-    if ((T_W_O.translation() - T_W_O_init.translation()).norm() > kFarAway) {
+    if ((p_W_com - T_W_O_init * p_O_M).norm() > kFarAway) {
       result.outcome = "slid off the stack";
       return result;
     }

@@ -144,7 +144,10 @@ std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
     settling.world.friction = options.friction;
     const SettleResult at_rest =
         settle(shapes, let_down, placed.stone, lifted_clear(shapes, let_down, placed), settling);
-    const PoseDifference moved = difference(at_rest.T_W_O, placed.T_W_O);
+    PoseDifference moved = difference(at_rest.T_W_O, placed.T_W_O);
+    const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(placed.stone)]->mass.p_O_M;
+    moved.translation =
+        (at_rest.T_W_O * p_O_M - placed.T_W_O * p_O_M).norm();  // O may lie far from the stone
     const std::string& name = shapes[static_cast<std::size_t>(placed.stone)]->name;
     if (!at_rest.rests || moved.translation > kNearShift || moved.angle > kNearTurn) {
       *reason = concat(
