@@ -24,6 +24,7 @@ constexpr double kTableStiffness = 1e5;  // N/m, hand on table
 constexpr double kDeepestPress = 0.003;  // m into the table
 constexpr double kLargestForce = 150.0;  // N on the hand: where a UR's protective stop is by default
 constexpr double kShapeCell = 0.001;     // m, finer than the planner's
+constexpr double kShapeBand = 0.006;     // m: half the planner's, because a finer grid costs more to fill
 constexpr double kShapeSpacing = 0.002;  // m
 constexpr double kAside = 50.0;          // m away: where stones wait that are not there
 
@@ -71,7 +72,7 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
     real.back().mass =
         true_mass(real.back().mass, options, Random::stream(seed, "true mass " + real.back().name));
   }
-  const auto shapes = make_contact_shapes(real, {kShapeCell, ShapeOptions{}.band, kShapeSpacing});
+  const auto shapes = make_contact_shapes(real, {kShapeCell, kShapeBand, kShapeSpacing});
   for (std::size_t k = 0; k < present_.size(); ++k) {
     auto& it = states_[at(present_[k])];
     shapes_[at(present_[k])] = shapes[k];
