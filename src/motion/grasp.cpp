@@ -132,24 +132,13 @@ double score(const Sampler& s, const Grasp& grasp, const std::array<Touch, 3>& t
          0.2 / std::max(1.0, force);
 }
 
-GraspContacts contacts_in_T(const Sampler& s, const Grasp& grasp) {
-  const Pose T_T_O = grasp.T_O_T.inverse();
-  GraspContacts contacts;
-  contacts.p_T_M = T_T_O * s.stone.mass.p_O_M;
-  for (std::size_t i = 0; i < 3; ++i) {
-    contacts.p_T[i] = T_T_O * grasp.p_O_contact[i];
-    contacts.n_T[i] = T_T_O.linear() * grasp.n_O_contact[i];
-  }
-  return contacts;
-}
-
 /// The contacts have been found: is it a grasp? Adds it, or counts what refused it.
 void judge(Sampler& s, Grasp grasp, const std::array<Touch, 3>& touch) {
   for (std::size_t i = 0; i < 3; ++i) {
     grasp.p_O_contact[i] = touch[i].p;
     grasp.n_O_contact[i] = touch[i].n;
   }
-  const GraspContacts contacts = contacts_in_T(s, grasp);
+  const GraspContacts contacts = contacts_in_T(grasp, s.stone.mass.p_O_M);
   if (contacts.n_T[0].x() < 0.7 || contacts.n_T[1].x() > -0.5 || contacts.n_T[2].x() > -0.5 ||
       !squeeze_holds(contacts, s.options.friction_share * s.gripper.friction)) {
     ++s.set.slips;

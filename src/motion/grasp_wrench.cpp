@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "motion/nonnegative_least_squares.hpp"
@@ -38,6 +39,19 @@ double closing_force(const Eigen::MatrixXd& G, const Eigen::VectorXd& f) {
   return std::max({a, bc, 0.0});
 }
 
+/// Least closing force that balances a unit pull at the centre of mass; empty if none does.
+std::optional<double> least_closing_force(const Eigen::MatrixXd& G, const Eigen::Vector3d& pull) {
+  // All forces push, so the square of their sum along x is a weight on the grip force itself.
+  Eigen::MatrixXd A(7, G.cols());
+  A.topRows(6) = G;
+  A.row(6) = std::sqrt(kGripWeight) * G.row(0).cwiseAbs();
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(7);
+  b.head(3) = -pull;
+  const Eigen::VectorXd f = nonnegative_least_squares(A, b, kRegularise * kRegularise);
+  if ((G * f - b.head(6)).norm() > kResidual) return std::nullopt;
+  return closing_force(G, f);
+}
+
 }  // namespace
 
 bool squeeze_holds(const GraspContacts& contacts, double friction) {
@@ -52,21 +66,32 @@ bool squeeze_holds(const GraspContacts& contacts, double friction) {
 
 std::optional<std::array<double, 6>> force_per_weight(const GraspContacts& contacts, double friction) {
   const Eigen::MatrixXd G = wrench_columns(contacts, friction);
-  // All forces push, so the square of their sum along x is a weight on the grip force itself.
-  Eigen::MatrixXd A(7, G.cols());
-  A.topRows(6) = G;
-  A.row(6) = std::sqrt(kGripWeight) * G.row(0).cwiseAbs();
-  Eigen::VectorXd b = Eigen::VectorXd::Zero(7);
   std::array<double, 6> force{};
   for (std::size_t d = 0; d < 6; ++d) {
-    Eigen::VectorXd load = Eigen::VectorXd::Zero(6);
-    load[static_cast<Eigen::Index>(d / 2)] = d % 2 == 0 ? -1.0 : 1.0;  // balances a pull along that direction
-    b.head(6) = load;
-    const Eigen::VectorXd f = nonnegative_least_squares(A, b, kRegularise * kRegularise);
-    if ((G * f - load).norm() > kResidual) return std::nullopt;
-    force[d] = closing_force(G, f);
+    Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+    pull[static_cast<Eigen::Index>(d / 2)] = d % 2 == 0 ? 1.0 : -1.0;
+    const auto needed = least_closing_force(G, pull);
+    if (!needed) return std::nullopt;
+    force[d] = *needed;
   }
   return force;
+}
+
+GraspContacts contacts_in_T(const Grasp& grasp, const Eigen::Vector3d& p_O_M) {
+  const Pose T_T_O = grasp.T_O_T.inverse();
+  GraspContacts contacts;
+  contacts.p_T_M = T_T_O * p_O_M;
+  for (std::size_t i = 0; i < 3; ++i) {
+    contacts.p_T[i] = T_T_O * grasp.p_O_contact[i];
+    contacts.n_T[i] = T_T_O.linear() * grasp.n_O_contact[i];
+  }
+  return contacts;
+}
+
+double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, double friction, double weight,
+                           const Eigen::Vector3d& n_T_down) {
+  const auto needed = least_closing_force(wrench_columns(contacts_in_T(grasp, p_O_M), friction), n_T_down);
+  return needed ? weight * *needed : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace stonestack

@@ -21,4 +21,11 @@ struct GraspContacts {
 [[nodiscard]] std::optional<std::array<double, 6>> force_per_weight(const GraspContacts& contacts,
                                                                     double friction);
 
+/// Contacts of a grasp, with the stone's centre of mass.
+[[nodiscard]] GraspContacts contacts_in_T(const Grasp& grasp, const Eigen::Vector3d& p_O_M);
+
+/// Like `holding_force`, but for this direction instead of a bound from the axes. Infinite if it slips.
+[[nodiscard]] double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, double friction,
+                                         double weight, const Eigen::Vector3d& n_T_down);
+
 }  // namespace stonestack

@@ -12,6 +12,14 @@ FieldList fields(MotionOptions& o) {
           field("descent_past", o.descent_past, {0, 0.1}, "m", "facts/robot.md"),
           field("transit_padding", o.transit_padding, {0, 0.1}, "m", "facts/robot.md"),
           field("approach_padding", o.approach_padding, {0, 0.1}, "m", "facts/robot.md"),
+          field("contact_zone", o.contact_zone, {0, 0.1}, "m", "facts/robot.md: the last 15 mm"),
+          field("approach_speed", o.approach_speed, {0.005, 1}, "m/s", "ours"),
+          field("finger_speed", o.finger_speed, {0.022, 0.11}, "m/s", "facts/robot.md: 22 to 110 mm/s"),
+          field("grip_speed", o.grip_speed, {0.022, 0.11}, "m/s", "facts/robot.md: 22 to 110 mm/s"),
+          field("loosen", o.loosen, {0, 0.05}, "m", "ours"),
+          field("least_threshold", o.least_threshold, {0.5, 100}, "N", "facts/robot.md"),
+          field("force_noise", o.force_noise, {0, 10}, "N", "facts/robot.md: resolution 0.1 N"),
+          field("alternatives", o.alternatives, {1, 100}, "", "measured: bench motion"),
           field("planning_seconds", o.planning_seconds, {0.01, 600}, "s", "ours"),
           field("seed", o.seed, {0, 2147483647}, "", "ours")};
 }

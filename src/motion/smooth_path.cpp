@@ -6,12 +6,13 @@
 namespace stonestack {
 namespace {
 
-constexpr double kShortest = 1e-9;  ///< rad; below it two way points are one
+constexpr double kShortest = 1e-6;  ///< rad, a micrometre at the tool; below it two way points are one
 
 JointPath without_repeats(const JointPath& path) {
   JointPath kept;
   for (const Joints& q : path)
     if (kept.empty() || (q - kept.back()).norm() > kShortest) kept.push_back(q);
+  if (kept.size() > 1) kept.back() = path.back();  // the end is exact; what was merged lies before it
   return kept;
 }
 

@@ -16,6 +16,7 @@ constexpr int kBlendCells = 16;  ///< measured: 64 shorten a motion by less than
 constexpr double kToolLine =
     0.05;  ///< rad; lines are split so that the tool's speed is about constant on one
 constexpr double kUnbounded = 1e12;
+constexpr double kShortestJudged = 1e-5;  ///< s
 
 /// A stretch of the path between two grid points, and the squared path speeds x = (ds/dt)^2 at its ends.
 /// On it d2s/dt2 is constant; on a line it may also be a trapezoid with `acceleration` and `fastest`.
@@ -160,7 +161,8 @@ void stretch(JointTrajectory& out, const TimingLimits& limits) {
       double v = std::max(std::abs(out.qd[i][j]), std::abs(out.qd[i + 1][j]));
       if (a0[j] * a1[j] < 0)  // the speed turns inside the piece
         v = std::max(v, std::abs(out.qd[i][j] + 0.5 * a0[j] * dt * a0[j] / (a0[j] - a1[j])));
-      const double a = std::max(std::abs(a0[j]), std::abs(a1[j]));
+      // A shorter piece is within limits by construction; what is seen of it is rounding over dt squared.
+      const double a = dt > kShortestJudged ? std::max(std::abs(a0[j]), std::abs(a1[j])) : 0.0;
       factor = std::max({factor, v / limits.velocity[j], std::sqrt(a / limits.acceleration[j])});
     }
   }

@@ -155,6 +155,32 @@ TEST(Timing, PathWithoutLengthIsOneKnot) {
   EXPECT_EQ(t.duration(), 0.0);
 }
 
+/// Way points as of a straight tool motion: tiny phases between them must not slow the whole motion.
+TEST(Timing, DenseWayPointsCostNoTime) {
+  const RobotModel robot = read_robot("ur10");
+  const Pose T_F_T(Eigen::Translation3d(0, 0, 0.264));
+  for (std::uint64_t trial = 0; trial < 60; ++trial) {
+    Random random = Random::stream(13, trial);
+    JointPath path;
+    const double phase = random.uniform(0.0, 3.0), curve = random.uniform(0.01, 0.2);
+    const std::size_t count = 5 + random.index(60);
+    for (std::size_t i = 0; i <= count; ++i) {
+      const double s = static_cast<double>(i) / static_cast<double>(count);
+      Joints q;
+      q << 0.1 * s, -1.5 + 0.2 * s, 1.6 + curve * std::sin(2 * s + phase), -1.6 - 0.1 * s * s, -1.57, 0.3 * s;
+      path.push_back(q);
+    }
+    TimingLimits limits = ur10_limits();
+    limits.tool_speed = 0.10;
+    limits.blend = 0.0003;
+    const double whole = time_path(path, limits, robot, T_F_T).duration();
+    limits.blend = 0.05;
+    const double eased = time_path(path, limits, robot, T_F_T).duration();
+    EXPECT_LT(whole, 1.5 * eased + 0.5) << trial;
+    EXPECT_LT(whole, 12.0) << trial;
+  }
+}
+
 TEST(Timing, RefusesWhatCannotBeTimed) {
   EXPECT_THROW((void)time_path({}, ur10_limits()), InvalidArgument);
   TimingLimits limits = ur10_limits();

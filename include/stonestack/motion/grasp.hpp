@@ -13,8 +13,8 @@ struct GraspOptions {
   int directions = 160;          ///< approach directions over the sphere (about 16 deg apart)
   int yaws = 12;                 ///< turns about the approach, each direction
   double spacing = 0.008;        ///< m, between surface points that stand for the scan
-  double shallowest = 0.004;     ///< m, finger tips past the centre of mass, least
-  double deepest = 0.036;        ///< m, most
+  double shallowest = -0.004;    ///< m, finger tips past the centre of mass, least
+  double deepest = 0.028;        ///< m, most
   int depths = 5;                ///< steps between the two
   double sideways = 0.012;       ///< m, the hand shifted along y by +- this where the middle gives nothing
   double pad_softness = 0.0015;  ///< m, surface that deep under a pad counts as touched

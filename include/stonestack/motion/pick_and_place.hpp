@@ -19,7 +19,15 @@ struct MotionOptions {
   double descent_past = 0.015;      ///< m past the expected contact where it gives up
   double transit_padding = 0.010;   ///< m
   double approach_padding = 0.002;  ///< m
-  double planning_seconds = 5.0;    ///< transit, at most
+  double contact_zone = 0.015;    ///< m: so near to where it lies or will lie, a held stone may touch others
+  double approach_speed = 0.10;   ///< m/s of the tool on straight approaches, lifts and retreats
+  double finger_speed = 0.08;     ///< m/s, opening in free space
+  double grip_speed = 0.03;       ///< m/s, closing on the stone and letting go of it
+  double loosen = 0.006;          ///< m, opened at grip_speed before the hand opens for the retreat
+  double least_threshold = 5.0;   ///< N, contact at the descent
+  double force_noise = 0.15;      ///< N, one sigma of the force sensor; the threshold is at least six
+  int alternatives = 3;           ///< complete plans to choose the quickest from
+  double planning_seconds = 5.0;  ///< a whole plan, at most; the only limit that depends on the machine
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(MotionOptions& options);
@@ -56,10 +64,21 @@ struct PickAndPlaceTask {
   Pose T_W_O_place = Pose::Identity();
   Joints q_start = Joints::Zero();
 };
-/// A grasp that serves both pick and place, collision-free transit (OMPL), straight approach, lift, guarded
-/// descent and retreat, timed within limits. Deterministic for a seed.
+/// Open, transit, approach, grasp, lift, carry, lower, guarded descent, release, retreat: a grasp that serves
+/// both ends, free of collision on the whole way, timed within limits. Of several complete plans the
+/// quickest. Deterministic for a seed. Throws InvalidArgument for a task that cannot be (no stone, poses that
+/// are none).
+///
+/// The guarded descent ends where the force says, not where the plan says: retreat by `plan_retreat` then.
 [[nodiscard]] PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                    const MotionOptions& options = {});
+
+/// Straight back along -z of the tool by `options.approach` from where the arm stands, with the pads
+/// `opening` apart; `object` (or -1) is what the hand has let go of. Empty: out of reach or something in the
+/// way.
+[[nodiscard]] std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q,
+                                                          double opening, int object,
+                                                          const MotionOptions& options = {});
 
 /// A collision-free, timed motion to a joint goal or to a tool pose; empty if there is none.
 [[nodiscard]] std::optional<JointTrajectory> plan_transit(const PlanningScene& scene, const Joints& q_start,

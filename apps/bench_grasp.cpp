@@ -1,0 +1,191 @@
+// Prints how often a stone can be grasped where it lies and set on a tower, and what planning it costs.
+//   bench_grasp CATALOGUE [tasks, default 40] [seed, default 1]
+// Loose stones lie in the field in poses of rest; the tower is another stone at the site with, on top, the
+// target: the stone as it lies, turned about the vertical ("turned"), or in another pose of rest ("tipped").
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <vector>
+
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/stone/catalogue.hpp"
+
+namespace {
+
+using namespace stonestack;
+
+/// Height of the centre of mass over the lowest point, m.
+double standing_height(const Stone& stone, const Eigen::Quaterniond& R_W_O) {
+  double lowest = 0.0;
+  for (const Eigen::Vector3d& p : stone.mesh.vertices)
+    lowest = std::min(lowest, (R_W_O * (p - stone.mass.p_O_M)).z());
+  return -lowest;
+}
+
+/// A random orientation rolled downhill until the centre of mass is at a local low.
+Eigen::Quaterniond rest(const Stone& stone, Random& random) {
+  Eigen::Quaterniond R = random.rotation();
+  double height = standing_height(stone, R);
+  for (double step = 0.3; step > 0.003; step *= 0.93) {
+    for (int i = 0; i < 8; ++i) {
+      Eigen::Vector3d axis = random.unit_vector();
+      axis.z() = 0.0;
+      const Eigen::Quaterniond turned(Eigen::AngleAxisd(step, axis.normalized()) * R);
+      if (const double h = standing_height(stone, turned); h < height) {
+        height = h;
+        R = turned;
+      }
+    }
+  }
+  return R;
+}
+
+Pose standing(const Stone& stone, const Eigen::Quaterniond& R_W_O, const Eigen::Vector2d& at, double z) {
+  Pose T = make_pose({at.x(), at.y(), z + standing_height(stone, R_W_O)}, R_W_O);
+  T.translation() -= R_W_O * stone.mass.p_O_M;
+  return T;
+}
+
+double radius(const Stone& stone) {
+  double r = 0.0;
+  for (const Eigen::Vector3d& p : stone.mesh.vertices) r = std::max(r, (p - stone.mass.p_O_M).norm());
+  return r;
+}
+
+double top(const SceneObject& object) {
+  double z = 0.0;
+  for (const Mesh& piece : object.pieces)
+    for (const Eigen::Vector3d& p : piece.vertices) z = std::max(z, (object.T_W_object * p).z());
+  return z;
+}
+
+/// Up to six loose stones and one at the site; object i is loose stone i, the last object is the tower.
+struct Problem {
+  PlanningScene scene;
+  std::vector<int> loose;  ///< index of the stone
+};
+
+Problem make_problem(const std::vector<Stone>& stones, Random& random) {
+  const CellLayout layout;
+  Problem problem;
+  problem.scene.robot = read_robot("ur10");
+  problem.scene.T_F_T = layout.T_F_T;
+  std::vector<int> order(stones.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  random.shuffle(order.begin(), order.end());
+  const auto stone = [&](int i) -> const Stone& { return stones[static_cast<std::size_t>(i)]; };
+  std::vector<Eigen::Vector3d> taken;  // x, y, radius
+  for (std::size_t n = 1; n < order.size() && n <= 6; ++n) {
+    const Stone& s = stone(order[n]);
+    for (int attempt = 0; attempt < 60; ++attempt) {
+      const Eigen::Vector2d at(layout.field_centre.x() + layout.field_size.x() * random.uniform(-0.5, 0.5),
+                               layout.field_centre.y() + layout.field_size.y() * random.uniform(-0.5, 0.5));
+      const bool clear = std::all_of(taken.begin(), taken.end(), [&](const Eigen::Vector3d& t) {
+        return (t.head<2>() - at).norm() > 0.75 * (t.z() + radius(s));
+      });
+      if (!clear) continue;
+      taken.emplace_back(at.x(), at.y(), radius(s));
+      problem.scene.objects.push_back({s.name, s.pieces, standing(s, rest(s, random), at, 0.0)});
+      problem.loose.push_back(order[n]);
+      break;
+    }
+  }
+  const Stone& base = stone(order[0]);
+  problem.scene.objects.push_back(
+      {base.name, base.pieces, standing(base, rest(base, random), layout.site, 0.0)});
+  return problem;
+}
+
+struct Tally {
+  int tasks = 0, graspable = 0, planned = 0;
+  std::vector<double> check_ms, plan_ms, motion_s;
+  std::map<std::string, int> reasons;
+};
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+void print(const char* name, const Tally& t) {
+  std::printf(
+      "%-7s %3d tasks  grasp %5.1f %%  planned %5.1f %%  check ms %.1f / %.1f  plan ms %.0f / %.0f  motion s "
+      "%.1f / %.1f  (median / 95 %%)\n",
+      name, t.tasks, 100.0 * t.graspable / t.tasks, 100.0 * t.planned / t.tasks, quantile(t.check_ms, 0.5),
+      quantile(t.check_ms, 0.95), quantile(t.plan_ms, 0.5), quantile(t.plan_ms, 0.95),
+      quantile(t.motion_s, 0.5), quantile(t.motion_s, 0.95));
+  for (const auto& [reason, count] : t.reasons) std::printf("    %3d  %s\n", count, reason.c_str());
+}
+
+void run_task(const Problem& problem, std::size_t i, const Stone& stone, const Pose& T_W_O_place,
+              Tally& tally) {
+  PickAndPlaceTask task;
+  task.stone = &stone;
+  task.object = static_cast<int>(i);
+  task.support = static_cast<int>(problem.scene.objects.size()) - 1;
+  task.T_W_O_pick = problem.scene.objects[i].T_W_object;
+  task.T_W_O_place = T_W_O_place;
+  task.q_start << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
+  ++tally.tasks;
+  const Stopwatch check;
+  const bool graspable = can_grasp(problem.scene, task);
+  tally.check_ms.push_back(1e3 * check.seconds());
+  tally.graspable += graspable ? 1 : 0;
+  const Stopwatch plan_time;
+  const PickAndPlacePlan plan = plan_pick_and_place(problem.scene, task);
+  tally.plan_ms.push_back(1e3 * plan_time.seconds());
+  if (plan.status == PickAndPlacePlan::Status::kPlanned) {
+    ++tally.planned;
+    tally.motion_s.push_back(plan.seconds);
+  } else {
+    ++tally.reasons[plan.reason];
+  }
+}
+
+void bench(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
+  const Stopwatch sampling;
+  int grasps = 0;
+  for (const Stone& stone : stones) {
+    const auto set = cached_grasps(stone, make_robotiq_3f());
+    std::printf("%-16s %.2f kg  %4zu grasps\n", stone.name.c_str(), stone.mass.mass, set->grasps.size());
+    grasps += static_cast<int>(set->grasps.size());
+  }
+  std::printf("%d grasps of %zu stones sampled in %.1f s\n", grasps, stones.size(), sampling.seconds());
+  Tally turned, tipped;
+  for (std::uint64_t n = 0; turned.tasks < tasks; ++n) {
+    throw_if_interrupted();
+    Random random = Random::stream(seed, n);
+    const Problem problem = make_problem(stones, random);
+    const SceneObject& tower = problem.scene.objects.back();
+    const Eigen::Vector2d site = tower.T_W_object.translation().head<2>();
+    for (std::size_t i = 0; i < problem.loose.size() && turned.tasks < tasks; ++i) {
+      const Stone& stone = stones[static_cast<std::size_t>(problem.loose[i])];
+      const Eigen::Quaterniond yaw(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
+      const Eigen::Quaterniond lying(problem.scene.objects[i].T_W_object.linear());
+      run_task(problem, i, stone, standing(stone, yaw * lying, site, top(tower)), turned);
+      run_task(problem, i, stone, standing(stone, rest(stone, random), site, top(tower)), tipped);
+    }
+  }
+  print("turned", turned);
+  print("tipped", tipped);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    stonestack::require(argc >= 2, "usage: bench_grasp CATALOGUE [tasks] [seed]");
+    bench(stonestack::read_catalogue(argv[1]).stones, argc > 2 ? std::atoi(argv[2]) : 40,
+          argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
+  } catch (const stonestack::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return static_cast<int>(error.exit_code());
+  }
+}

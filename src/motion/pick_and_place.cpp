@@ -1,0 +1,196 @@
+#include "stonestack/motion/pick_and_place.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "motion/pick_attempt.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/motion/timing.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest inverse solutions looked at, each grasp
+constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
+constexpr std::size_t kWaysPerGrasp = 2;
+constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
+constexpr double kGravity = 9.81;
+
+using Status = PickAndPlacePlan::Status;
+
+/// A grasp with joint angles at both ends, and what it promises to cost.
+struct Candidate {
+  int grasp = -1;
+  Joints q_pick, q_place;
+  double cost = 0.0;  ///< s
+};
+
+/// Seconds at the joints' full speed, without acceleration: a lower bound.
+double least_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
+  return (a - b).cwiseAbs().cwiseQuotient(velocity).maxCoeff();
+}
+
+/// Cheapest first. Every usable grasp gives a few.
+std::vector<Candidate> rank(const PlanningScene& scene, const PickAndPlaceTask& task,
+                            const MotionOptions& options, const GraspSet& set, const GraspCheck& check) {
+  const Joints velocity = timing_limits(scene.robot, options).velocity;
+  const Pose T_R_W = scene.T_W_R.inverse(), T_T_F = scene.T_F_T.inverse();
+  std::vector<Candidate> all;
+  for (const int index : check.usable) {
+    throw_if_interrupted();
+    const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
+    std::vector<Candidate> own;
+    auto picks = inverse(scene.robot, T_R_W * task.T_W_O_pick * grasp.T_O_T * T_T_F, task.q_start);
+    picks.resize(std::min(picks.size(), kSolutionsAtPick));
+    for (const IkSolution& pick : picks) {
+      auto places = inverse(scene.robot, T_R_W * task.T_W_O_place * grasp.T_O_T * T_T_F, pick.q);
+      places.resize(std::min(places.size(), kSolutionsAtPlace));
+      for (const IkSolution& place : places) {
+        const double seconds =
+            least_seconds(task.q_start, pick.q, velocity) + least_seconds(pick.q, place.q, velocity);
+        own.push_back({index, pick.q, place.q, seconds + kScoreWorth * (1.0 - grasp.score)});
+      }
+    }
+    const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
+    std::stable_sort(own.begin(), own.end(), cheaper);
+    own.resize(std::min(own.size(), kWaysPerGrasp));
+    all.insert(all.end(), own.begin(), own.end());
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
+  return all;
+}
+
+PickAndPlacePlan refused(Status status, std::string reason) {
+  PickAndPlacePlan plan;
+  plan.status = status;
+  plan.reason = std::move(reason);
+  return plan;
+}
+
+/// Why a stone has no grasp at all, wherever it lies.
+PickAndPlacePlan no_grasp(const PlanningScene& scene, const Stone& stone, const GraspSet& set) {
+  const GripperModel& hand = scene.gripper;
+  if (set.too_heavy > 0)
+    return refused(Status::kTooHeavy,
+                   concat(stone.name, " weighs ", stone.mass.mass, " kg; all ", set.too_heavy,
+                          " ways to hold it need more than ", hand.force, " N a finger"));
+  if (set.too_wide > std::max(set.slips, set.hand_in_stone))
+    return refused(Status::kTooWide, concat(stone.name, " is at least ", set.narrowest,
+                                            " m wide between the pads; the hand takes ", hand.smallest_object,
+                                            " to ", hand.largest_opening, " m"));
+  return refused(Status::kNoGrasp,
+                 concat(stone.name, " offers no grasp: of ", set.tried, " samples ", set.no_contact,
+                        " touch with less than three pads, ", set.too_wide, " are too wide, ",
+                        set.hand_in_stone, " bring the hand into the stone, ", set.slips, " slip"));
+}
+
+/// Some grasps exist, but none serves both ends.
+PickAndPlacePlan none_usable(const Stone& stone, const GraspCheck& check) {
+  const auto count = [&](GraspFault f) { return check.refused[static_cast<std::size_t>(f)]; };
+  const int reach = count(GraspFault::kReachAtPick) + count(GraspFault::kReachAtPlace);
+  const bool weak = count(GraspFault::kTooWeak) == check.total;
+  const Status status = weak ? Status::kTooHeavy : reach == check.total ? Status::kNoReach : Status::kNoGrasp;
+  return refused(status, concat(stone.name, ": ", check.text()));
+}
+
+/// How many candidates failed on which part of the way.
+class FaultCounts {
+ public:
+  void add(WayFault fault) { ++counts_[static_cast<std::size_t>(fault)]; }
+  [[nodiscard]] std::string text() const {
+    std::string parts;
+    for (std::size_t i = 1; i < counts_.size(); ++i)
+      if (counts_[i] > 0)
+        parts += concat(parts.empty() ? "" : ", ", counts_[i], " ", to_text(static_cast<WayFault>(i)));
+    return parts;
+  }
+
+ private:
+  std::array<int, 7> counts_{};
+};
+
+double total_seconds(const std::vector<PlanStep>& steps) {
+  double seconds = 0.0;
+  for (const PlanStep& step : steps) seconds += step.trajectory.duration();
+  return seconds;
+}
+
+/// Tries candidates in order until enough have a free way; the quickest wins.
+PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& task,
+                           const MotionOptions& options, const GraspSet& set,
+                           const std::vector<Candidate>& candidates) {
+  const Stopwatch watch;
+  FaultCounts faults;
+  PickAndPlacePlan best = refused(Status::kNoTransit, "");
+  int found = 0, tried = 0;
+  for (const Candidate& candidate : candidates) {
+    throw_if_interrupted();
+    if (found >= options.alternatives || watch.seconds() > options.planning_seconds) break;
+    ++tried;
+    const Grasp& grasp = set.grasps[static_cast<std::size_t>(candidate.grasp)];
+    const PickAttempt attempt(scene, task, options, grasp);
+    const PickAttempt::Result result = attempt.try_joints(candidate.q_pick, candidate.q_place);
+    faults.add(result.fault);
+    if (result.fault != WayFault::kNone) continue;
+    ++found;
+    PickAndPlacePlan plan;
+    plan.T_O_T = grasp.T_O_T;
+    plan.steps = timed_steps(scene, task, options, grasp, result.way);
+    plan.seconds = total_seconds(plan.steps);
+    if (best.status != Status::kPlanned || plan.seconds < best.seconds) best = std::move(plan);
+  }
+  if (best.status != Status::kPlanned)
+    best.reason = concat(task.stone->name, ": of ", tried, " ways tried with usable grasps ", faults.text(),
+                         tried < static_cast<int>(candidates.size()) ? "; then planning time was over" : "");
+  return best;
+}
+
+void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
+  require(task.stone != nullptr, "a task needs a stone");
+  require(is_valid(task.T_W_O_pick) && is_valid(task.T_W_O_place), "the poses of ", task.stone->name,
+          " are not poses: ", to_text(task.T_W_O_pick), " and ", to_text(task.T_W_O_place));
+  require(task.q_start.allFinite(), "the arm's joints are not finite: ", task.q_start.transpose());
+  const int objects = static_cast<int>(scene.objects.size());
+  require(task.object >= -1 && task.object < objects && task.support >= -1 && task.support < objects,
+          "the task names object ", task.object, " and support ", task.support, " of ", objects);
+  require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");
+}
+
+}  // namespace
+
+PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPlaceTask& task,
+                                     const MotionOptions& options) {
+  check_task(scene, task);
+  const Stone& stone = *task.stone;
+  if (stone.mass.mass > scene.gripper.payload)
+    return refused(Status::kTooHeavy, concat(stone.name, " weighs ", stone.mass.mass,
+                                             " kg; the fingers carry ", scene.gripper.payload, " kg"));
+  const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick, options);
+  if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
+  const GraspCheck check = finder.check(task.T_W_O_place);
+  if (check.usable.empty()) return none_usable(stone, check);
+  return plan_ways(scene, task, options, finder.set(), rank(scene, task, options, finder.set(), check));
+}
+
+std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q, double opening,
+                                            int object, const MotionOptions& options) {
+  const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
+  const auto path =
+      straight_path(scene.robot, scene.T_F_T, q, T_R_T * Pose(Eigen::Translation3d(0, 0, -options.approach)));
+  CollisionRules rules;
+  rules.padding = 0.0;
+  rules.opening = opening;
+  rules.left_out = object;
+  if (!path || !is_free(CollisionChecker(scene, rules), *path)) return std::nullopt;
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = options.approach_speed;
+  return time_path(*path, limits, scene.robot, scene.T_F_T);
+}
+
+}  // namespace stonestack

@@ -1,0 +1,161 @@
+#include "motion/pick_attempt.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/timing.hpp"
+#include "stonestack/motion/transit.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kTransitSeconds = 0.5;         ///< s, effort for one transit of one candidate
+constexpr std::array kBlends{0.2, 0.08, 0.03};  ///< rad, corners cut, widest first
+constexpr double kRoundedStep = 0.03;           ///< rad; a chord leaves a parabola by less than 1 mrad
+
+HeldObject held_stone(const Stone& stone, const Grasp& grasp) {
+  return {stone.name, stone.pieces, grasp.T_O_T.inverse()};
+}
+
+CollisionRules rules(double padding, double opening, int left_out) {
+  CollisionRules r;
+  r.padding = padding;
+  r.opening = opening;
+  r.left_out = left_out;
+  return r;
+}
+
+Pose raised(const Pose& T_W_T, double by) {
+  return Pose(Eigen::Translation3d(0, 0, by)) * T_W_T;
+}
+Pose backed(const Pose& T_W_T, double by) {
+  return T_W_T * Pose(Eigen::Translation3d(0, 0, -by));
+}
+
+JointPath reversed(JointPath path) {
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+JointPath joined(JointPath a, const JointPath& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+}  // namespace
+
+const char* to_text(WayFault fault) {
+  switch (fault) {
+    case WayFault::kApproach:
+      return "have no free straight approach";
+    case WayFault::kLift:
+      return "cannot be lifted straight";
+    case WayFault::kLower:
+      return "cannot be lowered straight";
+    case WayFault::kRetreat:
+      return "have no free retreat";
+    case WayFault::kTransit:
+      return "have no way to the stone";
+    case WayFault::kCarry:
+      return "have no way to carry the stone";
+    default:
+      return "are free";
+  }
+}
+
+bool is_free(const CollisionChecker& checker, const JointPath& path) {
+  for (std::size_t i = 0; i + 1 < path.size(); ++i)
+    if (!checker.motion_is_free(path[i], path[i + 1])) return false;
+  return !path.empty();
+}
+
+PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task,
+                         const MotionOptions& options, const Grasp& grasp)
+    : scene_(scene),
+      task_(task),
+      options_(options),
+      T_W_T_pick_(task.T_W_O_pick * grasp.T_O_T),
+      T_W_T_place_(task.T_W_O_place * grasp.T_O_T),
+      open_(scene, rules(options.approach_padding, grasp.pre_opening, task.object)),
+      open_wide_(scene, rules(options.transit_padding, grasp.pre_opening, -1)),
+      open_tight_(scene, rules(options.approach_padding, grasp.pre_opening, -1)),
+      held_([&] {
+        const HeldObject held = held_stone(*task.stone, grasp);
+        return CollisionChecker(scene, rules(options.approach_padding, grasp.opening, task.object), &held);
+      }()),
+      held_wide_([&] {
+        const HeldObject held = held_stone(*task.stone, grasp);
+        return CollisionChecker(scene, rules(options.transit_padding, grasp.opening, task.object), &held);
+      }()) {}
+
+std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_T) const {
+  return straight_path(scene_.robot, scene_.T_F_T, q, scene_.T_W_R.inverse() * T_W_T);
+}
+
+/// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
+WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
+  const double zone = std::min(options_.contact_zone, options_.lift);
+  const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
+  if (!back || !is_free(open_, *back)) return WayFault::kApproach;
+  const auto loose = straight(q_pick, raised(T_W_T_pick_, zone));
+  if (!loose || !is_free(open_, *loose)) return WayFault::kLift;
+  const auto lift = straight(loose->back(), raised(T_W_T_pick_, options_.lift));
+  if (!lift || !is_free(held_, *lift)) return WayFault::kLift;
+
+  const auto near = straight(q_place, raised(T_W_T_place_, zone));
+  if (!near || !is_free(open_, *near)) return WayFault::kLower;
+  const auto high = straight(near->back(), raised(T_W_T_place_, options_.lift));
+  if (!high || !is_free(held_, *high)) return WayFault::kLower;
+  const auto retreat = straight(q_place, backed(T_W_T_place_, options_.approach));
+  if (!retreat || !is_free(open_, *retreat)) return WayFault::kRetreat;
+  // The guarded part starts at a way point of its own, so that it can be timed by itself.
+  const auto start = straight(q_place, raised(T_W_T_place_, options_.descent_length));
+  const auto past = straight(q_place, raised(T_W_T_place_, -options_.descent_past));
+  if (!start || !past) return WayFault::kLower;
+  const auto lower = straight(high->back(), raised(T_W_T_place_, options_.descent_length));
+  if (!lower) return WayFault::kLower;
+
+  way.approach = reversed(*back);
+  way.lift = joined(*loose, *lift);
+  way.lower = *lower;
+  way.descent = joined(reversed(*start), *past);
+  way.descent.front() = way.lower.back();
+  way.retreat = *retreat;
+  return WayFault::kNone;
+}
+
+std::optional<Transit> PickAttempt::transit(const CollisionChecker& wide, const CollisionChecker& tight,
+                                            const Joints& a, const Joints& b) const {
+  // An end that is nearer to something than the padding of a transit leaves no choice.
+  const bool near = wide.collides(a) || wide.collides(b);
+  const CollisionChecker& checker = near ? tight : wide;
+  MotionOptions options = options_;  // a grasp whose way is hard to find gives way to the next one
+  options.planning_seconds = std::min(options.planning_seconds, kTransitSeconds);
+  auto path = find_path(checker, a, std::span(&b, 1), options);
+  if (!path) return std::nullopt;
+  Transit transit{std::move(*path), 0.0};
+  for (const double blend : kBlends) {
+    transit.blend = blend;
+    if (is_free(checker, rounded(transit.path, blend, kRoundedStep))) return transit;
+  }
+  transit.blend = near ? 0.0 : TimingLimits{}.blend;  // covered by the padding
+  return transit;
+}
+
+PickAttempt::Result PickAttempt::try_joints(const Joints& q_pick, const Joints& q_place) const {
+  Result result;
+  result.fault = straight_parts(q_pick, q_place, result.way);
+  if (result.fault != WayFault::kNone) return result;
+  Way& way = result.way;
+  const auto to_pick = transit(open_wide_, open_tight_, task_.q_start, way.approach.front());
+  const auto carry = to_pick ? transit(held_wide_, held_, way.lift.back(), way.lower.front()) : std::nullopt;
+  if (!carry) {
+    result.fault = to_pick ? WayFault::kCarry : WayFault::kTransit;
+    return result;
+  }
+  way.to_pick = *to_pick;
+  way.carry = *carry;
+  return result;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,68 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "stonestack/motion/collision.hpp"
+#include "stonestack/motion/grasp.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+
+namespace stonestack {
+
+/// Where a way failed; also how the reason counts them.
+enum class WayFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarry };
+[[nodiscard]] const char* to_text(WayFault fault);
+
+/// A path between straight motions, and how far its corners may be cut.
+struct Transit {
+  JointPath path;
+  double blend = 0.0;  ///< rad
+};
+
+/// The joint paths of one pick and place, all free of collision.
+struct Way {
+  Transit to_pick;     ///< q_start to where the approach begins
+  JointPath approach;  ///< to the grasp
+  JointPath lift;      ///< grasp, straight up
+  Transit carry;       ///< to above the target
+  JointPath lower;     ///< straight down to where the guarded part begins
+  JointPath descent;   ///< guarded, through the target to `descent_past` below
+  JointPath retreat;   ///< from the target straight back
+};
+
+/// One grasp of one task: checkers made once, then tried with several inverse kinematic solutions.
+class PickAttempt {
+ public:
+  PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
+              const Grasp& grasp);
+  /// The whole way with these joint angles at the grasp and at the target; `fault` says what failed.
+  struct Result {
+    WayFault fault = WayFault::kNone;
+    Way way;
+  };
+  [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place) const;
+
+ private:
+  [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
+  [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
+  [[nodiscard]] std::optional<Transit> transit(const CollisionChecker& wide, const CollisionChecker& tight,
+                                               const Joints& a, const Joints& b) const;
+
+  const PlanningScene& scene_;
+  const PickAndPlaceTask& task_;
+  const MotionOptions& options_;
+  Pose T_W_T_pick_, T_W_T_place_;
+  CollisionChecker open_;        ///< hand open, the stone not there: approach, retreat
+  CollisionChecker open_wide_;   ///< hand open, the stone there: transit
+  CollisionChecker open_tight_;  ///< the same with the padding of an approach
+  CollisionChecker held_;        ///< stone in hand, padding of an approach
+  CollisionChecker held_wide_;   ///< stone in hand, transit
+};
+
+/// True if every piece of the path is free.
+[[nodiscard]] bool is_free(const CollisionChecker& checker, const JointPath& path);
+/// Times a way. `pick` is the opening with the stone between the pads.
+[[nodiscard]] std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
+                                                const MotionOptions& options, const Grasp& grasp,
+                                                const Way& way);
+
+}  // namespace stonestack

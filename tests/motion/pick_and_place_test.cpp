@@ -1,0 +1,157 @@
+#include "stonestack/motion/pick_and_place.hpp"
+
+#include <gtest/gtest.h>
+
+#include "motion/pick_attempt.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+
+namespace stonestack {
+namespace {
+
+Stone block(const std::string& name, const Eigen::Vector3d& size, double density = 2600.0) {
+  Stone stone;
+  stone.name = name;
+  stone.scan = stone.mesh = make_box(size);
+  stone.pieces = {stone.scan};
+  stone.mass = mass_properties(stone.scan, density);
+  return stone;
+}
+
+/// A block in the field and a tower block at the site; the task sets the one on the other.
+struct Workplace {
+  Stone stone = block("block", {0.10, 0.08, 0.07});
+  Stone tower = block("tower", {0.12, 0.12, 0.08});
+  PlanningScene scene;
+  PickAndPlaceTask task;
+
+  Workplace() {
+    scene.robot = read_robot("ur10");
+    scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
+    task.T_W_O_pick = Pose(Eigen::Translation3d(0.70, -0.18, 0.035));
+    task.T_W_O_place = Pose(Eigen::Translation3d(0.70, 0.28, 0.08 + 0.035));
+    scene.objects = {{"block", stone.pieces, task.T_W_O_pick},
+                     {"tower", tower.pieces, Pose(Eigen::Translation3d(0.70, 0.28, 0.04))}};
+    task.stone = &stone;
+    task.object = 0;
+    task.support = 1;
+    task.q_start << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
+  }
+};
+
+Pose tool_at_end(const Workplace& cell, const PlanStep& step) {
+  return cell.scene.T_W_R * forward(cell.scene.robot, step.trajectory.q.back()) * cell.scene.T_F_T;
+}
+
+TEST(PickAndPlace, PlansTheWholeWay) {
+  const Workplace cell;
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
+  Joints q = cell.task.q_start;
+  for (const PlanStep& step : plan.steps) {
+    if (step.trajectory.time.empty()) continue;
+    // The retreat starts at the target, where the descent was expected to meet the support.
+    if (step.kind != PlanStep::Kind::kRetreat) {
+      EXPECT_LT((step.trajectory.q.front() - q).norm(), 1e-5) << step.name;
+    }
+    q = step.trajectory.q.back();
+    if (step.kind == PlanStep::Kind::kDescent) {
+      EXPECT_GE(step.threshold, 5.0);
+      const Pose expected = cell.task.T_W_O_place * plan.T_O_T;
+      EXPECT_NEAR(expected.translation().z() - tool_at_end(cell, step).translation().z(),
+                  MotionOptions{}.descent_past, 1e-5);
+      const double length = MotionOptions{}.descent_length + MotionOptions{}.descent_past;
+      EXPECT_GE(step.trajectory.duration(), length / MotionOptions{}.descent_speed - 1e-3);
+    }
+    if (step.name.rfind("approach", 0) == 0) {
+      const Pose expected = cell.task.T_W_O_pick * plan.T_O_T;
+      EXPECT_LT(difference(tool_at_end(cell, step), expected).translation, 1e-6);
+    }
+    if (step.kind == PlanStep::Kind::kGrasp) {
+      EXPECT_GE(step.force, 15.0);
+      EXPECT_LE(step.force, 60.0);
+    }
+  }
+  EXPECT_LT(plan.seconds, 60.0);
+}
+
+TEST(PickAndPlace, SameSeedSamePlan) {
+  const Workplace cell;
+  const PickAndPlacePlan a = plan_pick_and_place(cell.scene, cell.task);
+  const PickAndPlacePlan b = plan_pick_and_place(cell.scene, cell.task);
+  ASSERT_EQ(a.steps.size(), b.steps.size());
+  EXPECT_EQ(a.seconds, b.seconds);
+  EXPECT_EQ(a.T_O_T.matrix(), b.T_O_T.matrix());
+}
+
+TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
+  using Status = PickAndPlacePlan::Status;
+  Workplace cell;
+  cell.task.T_W_O_place.translation().x() = 2.5;
+  PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  EXPECT_NE(plan.status, Status::kPlanned);
+  EXPECT_NE(plan.reason.find("out of reach at the target"), std::string::npos) << plan.reason;
+  EXPECT_FALSE(can_grasp(cell.scene, cell.task));
+
+  Workplace low;
+  low.task.T_W_O_place.translation().z() = -0.10;
+  plan = plan_pick_and_place(low.scene, low.task);
+  EXPECT_NE(plan.status, Status::kPlanned);
+  EXPECT_NE(plan.reason.find("hit the table at the target"), std::string::npos) << plan.reason;
+
+  Workplace heavy;
+  heavy.stone = block("lead", {0.10, 0.08, 0.07}, 11000.0);
+  plan = plan_pick_and_place(heavy.scene, heavy.task);
+  EXPECT_EQ(plan.status, Status::kTooHeavy);
+  EXPECT_NE(plan.reason.find("kg"), std::string::npos) << plan.reason;
+
+  Workplace wide;
+  wide.stone = block("slab", {0.18, 0.18, 0.18}, 300.0);
+  plan = plan_pick_and_place(wide.scene, wide.task);
+  EXPECT_EQ(plan.status, Status::kTooWide) << plan.reason;
+}
+
+TEST(PickAndPlace, RefusesTasksThatCannotBe) {
+  Workplace cell;
+  cell.task.T_W_O_place.translation().x() = std::nan("");
+  EXPECT_THROW((void)plan_pick_and_place(cell.scene, cell.task), InvalidArgument);
+  Workplace index;
+  index.task.object = 7;
+  EXPECT_THROW((void)plan_pick_and_place(index.scene, index.task), InvalidArgument);
+  Workplace none;
+  none.task.stone = nullptr;
+  EXPECT_THROW((void)plan_pick_and_place(none.scene, none.task), InvalidArgument);
+}
+
+TEST(GraspFinder, WallAroundTheStoneLeavesNoGrasp) {
+  Workplace cell;
+  EXPECT_TRUE(can_grasp(cell.scene, cell.task));
+  const Mesh wall = make_box({0.30, 0.02, 0.30});
+  for (const double y : {-0.08, 0.08})
+    cell.scene.objects.push_back({"wall", {wall}, Pose(Eigen::Translation3d(0.70, -0.18 + y, 0.15))});
+  const Mesh end = make_box({0.02, 0.30, 0.30});
+  for (const double x : {-0.09, 0.09})
+    cell.scene.objects.push_back({"wall", {end}, Pose(Eigen::Translation3d(0.70 + x, -0.18, 0.15))});
+  const GraspCheck check = check_grasps(cell.scene, cell.task);
+  EXPECT_TRUE(check.usable.empty());
+  int refused = 0;
+  for (const int count : check.refused) refused += count;
+  EXPECT_EQ(refused, check.total);
+  EXPECT_NE(check.text().find("hit another object at pick"), std::string::npos) << check.text();
+}
+
+TEST(PickAndPlace, RetreatsFromWhereTheArmStands) {
+  const Workplace cell;
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned);
+  const Joints q = plan.steps.back().trajectory.q.front();
+  const auto retreat = plan_retreat(cell.scene, q, plan.steps.front().opening, 0);
+  ASSERT_TRUE(retreat.has_value());
+  EXPECT_LT((retreat->q.front() - q).norm(), 1e-9);
+  const Pose from = forward(cell.scene.robot, q), to = forward(cell.scene.robot, retreat->q.back());
+  EXPECT_NEAR((from.inverse() * to).translation().z(), -MotionOptions{}.approach, 1e-6);
+}
+
+}  // namespace
+}  // namespace stonestack
