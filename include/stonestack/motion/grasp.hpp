@@ -10,7 +10,7 @@ namespace stonestack {
 
 /// How grasps of a stone are sampled and judged. Numbers without a source are ours.
 struct GraspOptions {
-  int directions = 160;          ///< approach directions over the sphere (about 16 deg apart)
+  int directions = 400;          ///< approach directions over the sphere (about 10 deg apart)
   int yaws = 12;                 ///< turns about the approach, each direction
   double spacing = 0.008;        ///< m, between surface points that stand for the scan
   double shallowest = -0.004;    ///< m, finger tips past the centre of mass, least
