@@ -11,6 +11,17 @@ namespace {
 
 using stonestack::ExitCode;
 
+/// An unknown command gets its own answer: CLI11 would only say that one is missing.
+void check_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::string known;
+  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == argv[1]) return;
+    known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  throw stonestack::InvalidArgument("unknown command '" + std::string(argv[1]) + "'; commands: " + known);
+}
+
 /// First signal: finish what must be finished. Second: the default action, at once.
 void install_signal_handlers() {
   struct sigaction action {};
@@ -32,9 +43,13 @@ int run(int argc, char** argv) {
       "Exit codes: 0 done, 2 usage, 3 unreadable input, 4 nothing detected, 5 no stable pose,\n"
       "            6 planning or execution failed, 7 safety stop, 130 interrupted");
   const std::initializer_list<void (*)(CLI::App&)> commands{
-      // one line a subcommand, in the order of the help
+      // in the order of the help
+      stonestack::apps::add_scan,   stonestack::apps::add_render, stonestack::apps::add_detect,
+      stonestack::apps::add_search, stonestack::apps::add_plan,   stonestack::apps::add_run,
+      stonestack::apps::add_config,
   };
   for (const auto add : commands) add(app);
+  check_command(app, argc, argv);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& problem) {

@@ -22,7 +22,7 @@ bool allowed(const std::vector<int>& list, int object) {
 bool may_touch(const CollisionRules& rules, const Mover& mover, int object) {
   if (mover.part == Mover::Part::kGripper) return allowed(rules.gripper_may_touch, object);
   if (mover.part == Mover::Part::kHeld) return allowed(rules.held_may_touch, object);
-  return mover.link == 0 || (object == kTable && mover.link == 1);  // bolted down
+  return mover.link == 0 || (object == kTableObject && mover.link == 1);  // bolted down
 }
 
 /// Links whose capsules touch by construction, or nearly so in every pose: neighbours, the upper arm beside
@@ -50,7 +50,7 @@ void add_mover(CollisionShapes& shapes, Mover::Part part, int link, ConvexCore c
                const Eigen::AlignedBox3d& box_T = {}) {
   Mover mover{part, static_cast<std::size_t>(link), std::move(core), 0.0, true, box_T, name};
   for (const auto& p : mover.core.points) mover.span = std::max(mover.span, p.norm());
-  mover.sees_table = !may_touch(shapes.rules, mover, kTable);
+  mover.sees_table = !may_touch(shapes.rules, mover, kTableObject);
   shapes.movers.push_back(std::move(mover));
 }
 

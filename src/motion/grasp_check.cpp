@@ -72,7 +72,7 @@ std::optional<GraspFault> GraspFinder::Parts::fault(const Grasp& grasp, const Po
                                                     const End& end) const {
   const Pose T_W_T = T_W_O * grasp.T_O_T;
   const HandCheck::Hit hit = hand.sweep(T_W_T, grasp.pre_opening, options.approach_padding);
-  if (hit.what == HandCheck::Hit::What::kTable) return end.table;
+  if (hit.what == HandCheck::Hit::What::kTableObject) return end.table;
   if (hit.what == HandCheck::Hit::What::kObject) return end.object;
   if (too_weak(grasp, T_W_T)) return GraspFault::kTooWeak;
 

@@ -41,7 +41,7 @@ HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double paddin
   for (const Part& part : parts_) {
     const Pose T_W_part = placed(part);
     for (const Eigen::Vector3d& p : part.core.points)
-      if ((T_W_part * p).z() < table_z_ + padding) return {Hit::What::kTable, -1};
+      if ((T_W_part * p).z() < table_z_ + padding) return {Hit::What::kTableObject, -1};
   }
   for (const Part& part : parts_) {
     const Pose T_W_part = placed(part);

@@ -15,7 +15,7 @@ class HandCheck {
 
   /// What the hand comes nearer to than `padding`.
   struct Hit {
-    enum class What { kNothing, kTable, kObject };
+    enum class What { kNothing, kTableObject, kObject };
     What what = What::kNothing;
     int object = -1;
   };

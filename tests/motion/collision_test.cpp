@@ -128,7 +128,7 @@ TEST(Collision, TableStopsTheFingersAtTheirPadding) {
   const CollisionChecker checker(scene, rules);
   EXPECT_FALSE(checker.collides(above(scene, {0.7, 0.1, 0.0021})));
   EXPECT_TRUE(checker.collides(above(scene, {0.7, 0.1, 0.0019})));
-  rules.gripper_may_touch = {kTable};
+  rules.gripper_may_touch = {kTableObject};
   EXPECT_FALSE(CollisionChecker(scene, rules).collides(above(scene, {0.7, 0.1, -0.001})));
   const Clearance clearance = checker.clearance(above(scene, {0.7, 0.1, 0.02}));
   EXPECT_NEAR(clearance.distance, 0.02, 1e-9);

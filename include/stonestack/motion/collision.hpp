@@ -16,7 +16,7 @@ struct HeldObject {
 };
 
 /// The table, where an index of scene.objects could stand.
-inline constexpr int kTable = -1;
+inline constexpr int kTableObject = -1;
 
 /// What may touch, and how far everything else stays away.
 struct CollisionRules {
@@ -24,8 +24,8 @@ struct CollisionRules {
   double self_padding = 0.005;         ///< m, arm against itself, the gripper and what it holds
   double opening = 0.155;              ///< m, of the fingers
   int left_out = -1;                   ///< index of an object that is not there (it is held); -1: none
-  std::vector<int> held_may_touch;     ///< objects, or kTable: supports of the held stone
-  std::vector<int> gripper_may_touch;  ///< objects, or kTable: what the fingers are about to grasp
+  std::vector<int> held_may_touch;     ///< objects, or kTableObject: supports of the held stone
+  std::vector<int> gripper_may_touch;  ///< objects, or kTableObject: what the fingers are about to grasp
 };
 
 /// The two things that are nearest to each other.

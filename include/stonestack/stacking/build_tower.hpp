@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,16 +8,31 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/journal.hpp"
+#include "stonestack/stacking/observe.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack {
 
 /// Options of the whole loop.
 struct BuildOptions {
+  BuildOptions() {
+    search.largest_tilt = 1.0;
+  }  // one grasp serves pick and place: a stone is turned little, as in the paper
   DetectionOptions detection;
   SearchOptions search;
   MotionOptions motion;
-  int most_stones = 0;  ///< stop at this height; 0: all that are seen
+  int most_stones = 0;          ///< stop at this height; 0: all that are seen
+  double look_distance = 0.62;  ///< m from camera to what it looks at; SR300: 0.2 to 1.5 m
+  double placed_shift = 0.030;  ///< m: measured nearer than this to the planned pose counts as placed
+  double placed_turn = 0.35;    ///< rad
+  double moved_shift = 0.012;   ///< m: a stone of the stack that moved further is reported
+  double most_friction = 0.35;  ///< the search starts at search.friction and goes up to this, step by step,
+                                ///< while it finds no pose: stone on stone seldom slides below 0.35 (ours)
+  double friction_step = 0.125;
+  double sure_success = 0.9;  ///< a pose predicted to hold as often ends the climb in friction
+  int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
+  int pick_attempts = 2;      ///< of one stone that the gripper misses
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
@@ -29,6 +45,7 @@ struct PlacementRecord {
   Outcome outcome = Outcome::kPlaced;
   std::string note;
 };
+/// "placed", "moved", "fallen", "not picked", "lost".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
 /// Host seconds (detection, search, planning) and arm seconds (motion, by the cell's clock).
@@ -41,14 +58,31 @@ struct RunResult {
   int height = 0;  ///< stones that the last observation shows stacked
   std::vector<PlacementRecord> placements;
   std::string ended;  ///< why it stopped
+  enum class End {
+    kAllPlaced,
+    kHeightReached,
+    kNoPose,
+    kNoPlan,
+    kPlacementFailed,
+    kNothingSeen,
+    kStopped,
+    kInterrupted
+  };
+  End end = End::kAllPlaced;
   StageSeconds seconds;
-  std::vector<PlacedStone> stack;  ///< as last measured
+  Belief belief;  ///< as last measured
+};
+
+/// Who is told what happens.
+struct BuildHooks {
+  std::function<void(const std::string&)> report;  ///< a line of progress
+  Journal* journal = nullptr;                      ///< intents and outcomes; none: not kept
 };
 
 /// The paper's loop (figure 1): observe, search, plan, execute, observe again, judge, until no pose is
-/// feasible, a placement failed, or all stones are placed.
+/// feasible, a placement failed, or all stones are placed. Stops the arm and returns what was done when
+/// interrupted.
 [[nodiscard]] RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
-                                    const BuildOptions& options,
-                                    const std::function<void(const std::string&)>& report);
+                                    const BuildOptions& options, const BuildHooks& hooks = {});
 
 }  // namespace stonestack

@@ -1,0 +1,40 @@
+#include "common_options.hpp"
+
+#include <algorithm>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack::apps {
+
+void CommonOptions::register_on(CLI::App& command) {
+  command
+      .add_option("--catalogue", catalogue, "Folder of stones (default: the six that come with stonestack)")
+      ->type_name("DIR");
+  command.add_option("--seed", seed, "Same seed, same result")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  command.add_flag("--json", json, "Result as JSON on stdout");
+  command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
+  settings.register_on(command);
+}
+
+void CommonOptions::begin() const {
+  if (quiet) set_log_level(LogLevel::kWarning);
+}
+
+Catalogue CommonOptions::read() const {
+  return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
+}
+
+std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed) {
+  std::vector<int> order(catalogue.stones.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  Random::stream(static_cast<std::uint64_t>(seed), "stones of the run").shuffle(order.begin(), order.end());
+  order.resize(std::min(order.size(), static_cast<std::size_t>(count)));
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+}  // namespace stonestack::apps

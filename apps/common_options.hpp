@@ -1,0 +1,29 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "settings.hpp"
+#include "stonestack/stone/catalogue.hpp"
+
+namespace stonestack::apps {
+
+/// What nearly every subcommand takes.
+struct CommonOptions {
+  std::string catalogue;  ///< empty: the stones that come with the project
+  int seed = 1;
+  bool json = false;
+  bool quiet = false;
+  Settings settings;
+
+  /// --catalogue, --seed, --json, --quiet, --set, --config.
+  void register_on(CLI::App& command);
+  /// Applies --quiet; call first in a callback.
+  void begin() const;
+  [[nodiscard]] Catalogue read() const;
+};
+
+/// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
+[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed);
+
+}  // namespace stonestack::apps

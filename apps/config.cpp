@@ -1,0 +1,49 @@
+#include <iostream>
+#include <memory>
+
+#include "commands.hpp"
+#include "settings.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+struct ConfigCommand {
+  Settings settings;
+  bool origin = false;
+};
+
+void show(ConfigCommand& command) {
+  BuildOptions build;
+  SimulationOptions simulation;
+  const FieldList list = join({fields(build), nest("simulation", fields(simulation))});
+  command.settings.apply(list);
+  if (!command.origin) {
+    std::cout << write_fields(list);
+    return;
+  }
+  for (const auto& field : list)
+    std::cout << field.name << ": " << field_text(field) << "  # " << command.settings.origin(field.name)
+              << '\n';
+}
+
+}  // namespace
+
+void add_config(CLI::App& app) {
+  auto command = std::make_shared<ConfigCommand>();
+  CLI::App* sub = app.add_subcommand("config", "Options and where their values come from");
+  sub->require_subcommand(1);
+  CLI::App* show_command = sub->add_subcommand("show", "Every option with its value, range, unit and source");
+  show_command->add_flag("--origin", command->origin, "Say which of default, file, environment or flag won");
+  command->settings.register_on(*show_command);
+  show_command->footer(
+      "Precedence: flag, environment (STONESTACK_SEARCH_FRICTION=0.3), ./stonestack.yaml, "
+      "~/.config/stonestack/config.yaml, default.\n"
+      "Examples:\n"
+      "  stonestack config show > stonestack.yaml      an option file to edit\n"
+      "  stonestack config show --origin");
+  show_command->callback([command] { show(*command); });
+}
+
+}  // namespace stonestack::apps

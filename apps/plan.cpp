@@ -1,0 +1,166 @@
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "geometry/pose_json.hpp"
+#include "scene_input.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/stacking/observe.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+struct PlanCommand {
+  CommonOptions common;
+  std::string robot = "ur10";
+  std::string scene;
+  std::string stone;
+  std::string target;
+  std::string search;
+  std::string csv;
+  MotionOptions options;
+};
+
+constexpr double kSamplePeriod = 0.008;  // s: the control period of a CB3
+
+const char* kind_text(PlanStep::Kind kind) {
+  switch (kind) {
+    case PlanStep::Kind::kOpen:
+      return "open";
+    case PlanStep::Kind::kTransit:
+      return "transit";
+    case PlanStep::Kind::kApproach:
+      return "approach";
+    case PlanStep::Kind::kGrasp:
+      return "grasp";
+    case PlanStep::Kind::kLift:
+      return "lift";
+    case PlanStep::Kind::kDescent:
+      return "descent";
+    case PlanStep::Kind::kRelease:
+      return "release";
+    case PlanStep::Kind::kRetreat:
+      return "retreat";
+  }
+  return "unknown";
+}
+
+/// The stone and its target: from --stone and --target, or the first placement of `search --json`.
+NamedPose read_target(const PlanCommand& command) {
+  if (command.search.empty()) {
+    require(!command.stone.empty() && !command.target.empty(), "give --stone and --target, or --search FILE");
+    return {command.stone, parse_pose(command.target)};
+  }
+  try {
+    const auto json = nlohmann::json::parse(read_file(command.search, std::size_t{1} << 24));
+    const auto& first = json.at("placements").at(0);
+    const auto& t = first.at("T_W_O");
+    const auto number = [&](const char* key) { return t.at(key).get<double>(); };
+    return {first.at("stone").get<std::string>(),
+            make_pose({number("x"), number("y"), number("z")},
+                      {number("qw"), number("qx"), number("qy"), number("qz")})};
+  } catch (const nlohmann::json::exception& problem) {
+    throw FileError(command.search, concat("holds no placement: ", problem.what()),
+                    "make it with `stonestack search --json`");
+  }
+}
+
+nlohmann::json step_json(const PlanStep& step) {
+  nlohmann::json points = nlohmann::json::array();
+  const auto& t = step.trajectory;
+  for (std::size_t i = 0; i < t.time.size(); ++i)
+    points.push_back({{"t", t.time[i]},
+                      {"q", std::vector<double>(t.q[i].begin(), t.q[i].end())},
+                      {"qd", std::vector<double>(t.qd[i].begin(), t.qd[i].end())}});
+  return {{"kind", kind_text(step.kind)},
+          {"name", step.name},
+          {"opening", step.opening},
+          {"threshold", step.threshold},
+          {"trajectory", points}};
+}
+
+/// All motions one after the other, sampled at the control period.
+std::string csv_text(const PickAndPlacePlan& plan) {
+  std::string text = "step,kind,t,q0,q1,q2,q3,q4,q5,qd0,qd1,qd2,qd3,qd4,qd5\n";
+  for (std::size_t s = 0; s < plan.steps.size(); ++s) {
+    const auto& trajectory = plan.steps[s].trajectory;
+    if (trajectory.time.empty()) continue;
+    const auto samples = static_cast<long>(std::ceil(trajectory.duration() / kSamplePeriod));
+    for (long i = 0; i <= samples; ++i) {
+      const double t = std::min(trajectory.duration(), static_cast<double>(i) * kSamplePeriod);
+      const JointState state = sample(trajectory, t);
+      text += concat(s, ',', kind_text(plan.steps[s].kind), ',', t);
+      for (const double q : state.q) text += concat(',', q);
+      for (const double qd : state.qd) text += concat(',', qd);
+      text += '\n';
+    }
+  }
+  return text;
+}
+
+PickAndPlacePlan make_plan(const PlanCommand& command, const Catalogue& catalogue, const NamedPose& target) {
+  const RobotModel robot = read_robot(command.robot);
+  const SceneFile file = read_scene_file(command.scene);
+  Belief belief;
+  for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
+  for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
+  const int stone = catalogue.index(target.stone);
+  const PlanningScene scene = make_planning_scene(CellLayout{}, robot, catalogue, belief);
+  return plan_pick_and_place(scene, make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
+                             command.options);
+}
+
+void plan(PlanCommand& command) {
+  command.common.begin();
+  command.options.seed = command.common.seed;
+  command.common.settings.apply(nest("motion", fields(command.options)));
+  const Catalogue catalogue = command.common.read();
+  const PickAndPlacePlan plan = make_plan(command, catalogue, read_target(command));
+  if (plan.status != PickAndPlacePlan::Status::kPlanned)
+    throw Error("no plan: " + plan.reason, ExitCode::kExecutionFailed);
+  if (!command.csv.empty()) write_file(command.csv, csv_text(plan));
+  if (command.common.json) {
+    nlohmann::json steps = nlohmann::json::array();
+    for (const auto& step : plan.steps) steps.push_back(step_json(step));
+    std::cout << nlohmann::json{{"schema", "stonestack.plan/1"},
+                                {"steps", steps},
+                                {"T_O_T", pose_json(plan.T_O_T)},
+                                {"seconds", plan.seconds}}
+                     .dump(1)
+              << '\n';
+    return;
+  }
+  for (const auto& step : plan.steps)
+    std::printf("%-10s %6.2f s  %s\n", kind_text(step.kind), step.trajectory.duration(), step.name.c_str());
+  std::printf("%.1f s of motion\n", plan.seconds);
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app) {
+  auto command = std::make_shared<PlanCommand>();
+  CLI::App* sub = app.add_subcommand("plan", "Plan grasp and motion for one stone");
+  sub->add_option("SCENE", command->scene, "Scene file with the stones' poses")->required();
+  sub->add_option("--robot", command->robot, "Robot name or URDF")->capture_default_str();
+  sub->add_option("--stone", command->stone, "Which stone to move");
+  sub->add_option("--target", command->target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
+  sub->add_option("--search", command->search, "Take stone and target from this output of `search --json`");
+  sub->add_option("--csv", command->csv, "Write the trajectories, sampled every 8 ms");
+  command->common.register_on(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack render --out scene --seed 1\n"
+      "  stonestack search scene/scene.yaml --json > next.json\n"
+      "  stonestack plan scene/scene.yaml --search next.json --csv motion.csv");
+  sub->callback([command] { plan(*command); });
+}
+
+}  // namespace stonestack::apps

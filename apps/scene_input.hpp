@@ -1,0 +1,40 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/geometry/plane.hpp"
+#include "stonestack/stone/scene_file.hpp"
+
+namespace stonestack::apps {
+
+/// A view that came from a file: the frame, and where the camera stood if that is known.
+struct SceneView {
+  DepthImage image;
+  std::optional<Pose> T_W_C;
+};
+
+/// "x,y,z,qx,qy,qz,qw", or the path of a scene file with T_W_C. Throws InvalidArgument or FileError.
+[[nodiscard]] Pose parse_pose(const std::string& text);
+/// "x,y".
+[[nodiscard]] Eigen::Vector2d parse_point(const std::string& text);
+
+/// A depth view from a scene file (depth image or cloud in it), or from a cloud (PLY, PCD). A cloud is in the
+/// camera frame when `camera_pose` is given or when it is organised like a depth camera's (then its pose
+/// stays unknown); any other is in the world frame, or in the camera frame if `camera_frame` says so. Throws
+/// FileError.
+[[nodiscard]] SceneView read_view(const std::string& path, const std::string& camera_pose,
+                                  bool world = false);
+
+/// T_W_C of a camera whose pose nobody gave: the table it sees is z = 0, the point below the camera is the
+/// origin, image x runs along world x. Throws FileError when no table was seen.
+[[nodiscard]] Pose camera_over_table(const std::optional<Plane>& table_C, const std::string& path);
+
+/// True for .yaml and .yml.
+[[nodiscard]] bool is_scene_file(const std::string& path);
+
+/// The parts of "a,b,c".
+[[nodiscard]] std::vector<std::string> split(const std::string& list, char separator);
+
+}  // namespace stonestack::apps

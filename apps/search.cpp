@@ -1,0 +1,188 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "geometry/pose_json.hpp"
+#include "scene_input.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/report/run_report.hpp"
+#include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/observe.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+struct SearchCommand {
+  CommonOptions common;
+  std::string input;
+  std::string camera_pose;
+  std::string stones;
+  std::string site;
+  std::string picture;
+  std::string out;
+  int levels = 1;
+  SearchOptions options;
+  DetectionOptions detection;
+};
+
+/// What the search starts from, by whatever way it was given.
+SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalogue,
+                           const ShapeList& shapes) {
+  SearchProblem problem;
+  problem.shapes = &shapes;
+  problem.site = command.site.empty() ? CellLayout{}.site : parse_point(command.site);
+  if (command.input.empty()) {
+    require(!command.stones.empty(), "no scene and no stones; give SCENE or --stones a,b,c");
+    for (const auto& name : split(command.stones, ','))
+      problem.available.push_back({catalogue.index(name), Pose::Identity()});
+    return problem;
+  }
+  if (is_scene_file(command.input)) {
+    const SceneFile scene = read_scene_file(command.input);
+    for (const auto& item : scene.stack)
+      problem.stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
+    for (const auto& item : scene.stones)
+      problem.available.push_back({catalogue.index(item.stone), item.T_W_O});
+    if (!problem.stack.stones.empty() || !problem.available.empty()) return problem;
+    if (scene.depth_file.empty() && scene.cloud_file.empty())
+      throw FileError(command.input, "has no stones, no depth and no cloud",
+                      "add stones with their poses or a view of them");
+  }
+  const DetectionModels models(catalogue.stones, command.detection);
+  const SceneView view = read_view(command.input, command.camera_pose);
+  const DetectionResult seen = detect_stones(view.image, models, {}, command.detection);
+  if (seen.detections.empty())
+    throw Error(command.input + ": nothing detected: " + seen.note, ExitCode::kNothingDetected);
+  std::vector<PlacedStone> placed;
+  const Pose T_W_C = view.T_W_C ? *view.T_W_C : camera_over_table(seen.table_C, command.input);
+  for (const auto& found : seen.detections) placed.push_back({found.stone, T_W_C * found.T_C_O});
+  const Belief belief = sort_by_site(shapes, problem.site, placed);
+  problem.stack.stones = belief.stack;
+  problem.available = belief.loose;
+  log_info(concat(belief.stack.size(), " stones stand at the site, ", belief.loose.size(), " lie loose"));
+  return problem;
+}
+
+nlohmann::json placement_json(const Catalogue& catalogue, const Placement& p) {
+  return {{"stone", catalogue.stones[static_cast<std::size_t>(p.stone)].name},
+          {"T_W_O", pose_json(p.T_W_O)},
+          {"cost", p.cost},
+          {"terms", p.terms},
+          {"predicted_success", p.predicted_success},
+          {"support", {{"area_m2", p.support.area}, {"margin_m", p.support.margin}}}};
+}
+
+void print_table(const Catalogue& catalogue, const std::vector<Placement>& placements) {
+  std::printf("%-20s %8s %6s %10s   position (m)\n", "stone", "cost", "p(ok)", "area (cm2)");
+  for (const auto& p : placements) {
+    const auto& t = p.T_W_O.translation();
+    std::printf("%-20s %8.3f %6.2f %10.2f   %7.4f %7.4f %7.4f\n",
+                catalogue.stones[static_cast<std::size_t>(p.stone)].name.c_str(), p.cost, p.predicted_success,
+                1e4 * p.support.area, t.x(), t.y(), t.z());
+  }
+}
+
+/// The stack with the placements on it.
+std::vector<PlacedStone> tower_of(const SearchProblem& problem, const std::vector<Placement>& placements) {
+  std::vector<PlacedStone> tower = problem.stack.stones;
+  for (const auto& p : placements) tower.push_back({p.stone, p.T_W_O});
+  return tower;
+}
+
+void write_outputs(const SearchCommand& command, const Catalogue& catalogue,
+                   const std::vector<PlacedStone>& tower, const Eigen::Vector2d& site) {
+  if (!command.out.empty()) {
+    SceneFile scene;
+    for (const auto& placed : tower)
+      scene.stack.push_back({catalogue.stones[static_cast<std::size_t>(placed.stone)].name, placed.T_W_O});
+    write_scene_file(command.out, scene);
+    log_info("wrote " + command.out);
+  }
+  if (command.picture.empty()) return;
+  const auto meshes = drawn_stones(catalogue, tower);
+  double top = 0.0;
+  for (const auto& item : meshes) top = std::max(top, bounds(transformed(item.mesh, item.T_W_A)).max().z());
+  write_png(command.picture, draw(meshes, view_of_site(site, top)));
+  log_info("wrote " + command.picture);
+}
+
+void search(SearchCommand& command) {
+  command.common.begin();
+  command.options.seed = command.detection.seed = command.common.seed;
+  command.common.settings.apply(
+      join({nest("search", fields(command.options)), nest("detection", fields(command.detection))}));
+  const Catalogue catalogue = command.common.read();
+  const ShapeList shapes = make_contact_shapes(catalogue.stones);
+  const SearchProblem problem = read_problem(command, catalogue, shapes);
+
+  std::vector<Placement> placements;
+  std::string reason;
+  if (command.levels > 1) {
+    placements = plan_tower(problem, command.levels, command.options, &reason);
+  } else {
+    SearchResult found =
+        find_next_pose(problem, command.options, [](const std::string& line) { log_progress(line); });
+    reason = found.reason;
+    if (!found.best.empty()) placements.push_back(found.best.front());
+  }
+  write_outputs(command, catalogue, tower_of(problem, placements), problem.site);
+  if (command.common.json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const auto& p : placements) list.push_back(placement_json(catalogue, p));
+    std::cout << nlohmann::json{{"schema", "stonestack.search/1"},
+                                {"placements", list},
+                                {"reason", reason},
+                                {"seed", command.common.seed}}
+                     .dump(2)
+              << '\n';
+  } else {
+    print_table(catalogue, placements);
+  }
+  if (placements.empty()) throw Error("no stable pose: " + reason, ExitCode::kNoStablePose);
+  if (static_cast<int>(placements.size()) < command.levels)
+    log_warning(concat(placements.size(), " of ", command.levels, " levels: ", reason));
+}
+
+}  // namespace
+
+void add_search(CLI::App& app) {
+  auto command = std::make_shared<SearchCommand>();
+  CLI::App* sub = app.add_subcommand("search", "Find the next stable stacking pose");
+  sub->add_option("SCENE", command->input,
+                  "Point cloud (PLY, PCD) or scene file; without it, --stones plans from the empty table");
+  sub->add_option("--camera-pose", command->camera_pose,
+                  "The cloud is in the camera frame, taken from here: x,y,z,qx,qy,qz,qw or a scene file");
+  sub->add_option("--stones", command->stones,
+                  "Stones to plan with when there is no scene, by name, comma-separated");
+  sub->add_option("--site", command->site,
+                  "Where the tower stands, x,y in metres (default: the cell's site)");
+  sub->add_option("--levels", command->levels, "Plan on as if each placement had succeeded")
+      ->check(CLI::Range(1, 50))
+      ->capture_default_str();
+  sub->add_option("--method", command->options.method, "default or paper")
+      ->check(CLI::IsMember({"default", "paper"}))
+      ->capture_default_str();
+  sub->add_option("--friction", command->options.friction, "Assumed friction, stone on stone")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
+  sub->add_option("--out", command->out, "Write the planned tower as a scene file");
+  sub->add_option("--picture", command->picture, "Draw the planned tower (PNG)");
+  command->common.register_on(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack search --stones limestone_1,limestone_2,limestone_3 --levels 3 --picture tower.png\n"
+      "  stonestack search scene.ply --camera-pose 0.7,-0.18,0.7,1,0,0,0 --json\n"
+      "  stonestack search scene.yaml --site 0.7,0.28 --method paper\n"
+      "A cloud without --camera-pose is taken to be in the world frame (z up, table at z = 0), unless it is "
+      "organised as a\n"
+      "depth camera's: then the table that is seen becomes z = 0.");
+  sub->callback([command] { search(*command); });
+}
+
+}  // namespace stonestack::apps

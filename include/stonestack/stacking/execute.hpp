@@ -1,0 +1,25 @@
+#pragma once
+#include <string>
+
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/stacking/journal.hpp"
+
+namespace stonestack {
+
+/// How carrying out a plan ended.
+struct ExecutionResult {
+  enum class Status { kReleased, kNotPicked, kNoContact, kStopped };
+  Status status = Status::kReleased;
+  double contact_force = 0.0;  ///< N, at the end of the guarded descent
+  std::string reason;          ///< when it was not released
+};
+
+/// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.
+/// After contact the retreat is planned anew from where the arm stands. A stop of the arm ends it at once,
+/// with the stone held.
+[[nodiscard]] ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone,
+                                      const PlanningScene& scene, Cell& cell, const MotionOptions& options,
+                                      Journal* journal);
+
+}  // namespace stonestack

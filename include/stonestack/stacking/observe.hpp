@@ -1,0 +1,73 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/physics/stack.hpp"
+#include "stonestack/stone/catalogue.hpp"
+
+namespace stonestack {
+
+/// What the program believes: only what camera and sensors told it.
+struct Belief {
+  std::vector<PlacedStone> stack;  ///< from the table up, as last measured
+  std::vector<PlacedStone> loose;  ///< seen on the table
+};
+
+/// T_W_C from what the arm reports: the chain of eq. (1), T_W_R * T_R_F * T_F_T * T_T_C.
+[[nodiscard]] Pose camera_pose(const CellLayout& layout, const RobotModel& robot, const Joints& q);
+
+/// Which of the stones stand at the site, from the table up, and which lie loose, by geometry alone: the
+/// lowest stone within 12 cm of the site is the base; each next one is clear of the table with its centre of
+/// mass over the one below.
+[[nodiscard]] Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
+                                  const std::vector<PlacedStone>& stones);
+
+/// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`.
+[[nodiscard]] PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
+                                                const Catalogue& catalogue, const Belief& belief);
+
+/// The motion task that brings loose stone `stone` from where it is believed to lie to T_W_O. Throws
+/// InvalidArgument when it is not among the loose stones.
+[[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Belief& belief, int stone,
+                                         const Pose& T_W_O, const Joints& q_start);
+
+/// Where the arm waits and starts: folded above the middle of the cell, tool down, view free.
+[[nodiscard]] Joints home_joints();
+
+/// Camera poses that look at `p_W_target` from `distance`, best first: high and from the robot's side before
+/// low and from aside, each with four turns about the optical axis.
+[[nodiscard]] std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target,
+                                           double distance);
+
+/// One frame and where it was taken from.
+struct Look {
+  DepthImage image;
+  Pose T_W_C = Pose::Identity();
+};
+
+/// Moves the camera to the first of `T_W_C_candidates` that the arm reaches without touching anything, and
+/// takes a frame. Throws DeviceError when no candidate can be reached or the arm does not get there.
+[[nodiscard]] Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
+                             const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options);
+
+/// A stone seen in one of several looks, in the world.
+struct Sighting {
+  int stone = -1;
+  Pose T_W_O = Pose::Identity();
+  double score = 0.0;
+  double visible = 0.0;
+};
+
+/// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score. `expected`
+/// stones are looked for where they should be first; what is found there is not searched elsewhere.
+[[nodiscard]] std::vector<Sighting> find_in_looks(const std::vector<Look>& looks,
+                                                  const DetectionModels& models,
+                                                  const std::vector<int>& wanted,
+                                                  const std::vector<PlacedStone>& expected,
+                                                  const DetectionOptions& options);
+
+}  // namespace stonestack

@@ -1,0 +1,157 @@
+#include "stonestack/report/picture.hpp"
+
+#include <png.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+#include <csetjmp>
+#include <cstring>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kTableHalf = 1.6;    // m
+constexpr int kSkyRays = 24;          // ambient occlusion rays a pixel sample
+constexpr int kSamplesPerSide = 2;    // 2 x 2 rays a pixel
+constexpr double kShadowBias = 2e-4;  // m
+const Eigen::Vector3d kTableColour(0.58, 0.60, 0.62);
+const Eigen::Vector3d kSky(0.86, 0.90, 0.96);
+const Eigen::Vector3d kSun = Eigen::Vector3d(-0.35, -0.65, 0.85).normalized();
+
+Mesh make_table() {
+  Mesh table;
+  const double h = kTableHalf;
+  table.vertices = {{-h, -h, 0}, {h, -h, 0}, {h, h, 0}, {-h, h, 0}};
+  table.faces = {{0, 1, 2}, {0, 2, 3}};
+  return table;
+}
+
+/// Cosine-weighted directions about +z, the same for every pixel but turned by a hash: no noise pattern, no
+/// state.
+std::vector<Eigen::Vector3d> sky_directions() {
+  std::vector<Eigen::Vector3d> directions;
+  for (int i = 0; i < kSkyRays; ++i) {
+    const double radius = std::sqrt((i + 0.5) / kSkyRays);
+    const double angle = 2.39996322972865332 * i;  // golden angle
+    directions.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                            std::sqrt(1 - radius * radius));
+  }
+  return directions;
+}
+
+struct Painter {
+  const std::vector<DrawnMesh>& meshes;
+  RayScene scene;
+  std::vector<Eigen::Vector3d> sky = sky_directions();
+
+  explicit Painter(const std::vector<DrawnMesh>& drawn) : meshes(drawn) {
+    scene.add(make_table(), Pose(Eigen::Translation3d(0.7, 0.1, 0.0)));
+    for (const auto& item : meshes) scene.add(item.mesh, item.T_W_A);
+    scene.commit();
+  }
+
+  [[nodiscard]] Eigen::Vector3d colour(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
+                                       double turn) const {
+    const RayHit hit = scene.cast(eye, ray);
+    if (hit.instance < 0) return kSky;
+    const Eigen::Vector3d normal = hit.normal.dot(ray) > 0 ? Eigen::Vector3d(-hit.normal) : hit.normal;
+    const Eigen::Vector3d point = eye + hit.distance * ray + kShadowBias * normal;
+    const Eigen::Vector3d base =
+        hit.instance == 0 ? kTableColour : meshes[static_cast<std::size_t>(hit.instance - 1)].colour;
+    const double facing = std::max(0.0, normal.dot(kSun));
+    const double sun = facing > 0 && scene.cast(point, kSun).instance < 0 ? facing : 0.0;
+    const Eigen::Vector3d light =
+        0.62 * sun * Eigen::Vector3d(1.0, 0.96, 0.88) + 0.52 * openness(point, normal, turn) * kSky;
+    return base.cwiseProduct(light);
+  }
+
+  /// Share of the sky that a point sees.
+  [[nodiscard]] double openness(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                                double turn) const {
+    const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+    const Eigen::Quaterniond about(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    int open = 0;
+    for (const auto& direction : sky) {
+      const RayHit hit = scene.cast(point, tilt * (about * direction));
+      if (hit.instance < 0 || hit.distance > 0.5) ++open;
+    }
+    return static_cast<double>(open) / kSkyRays;
+  }
+};
+
+/// Linear light to an 8-bit sRGB value.
+std::uint8_t encode(double linear) {
+  const double v = std::clamp(linear, 0.0, 1.0);
+  const double s = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+  return static_cast<std::uint8_t>(std::lround(255.0 * s));
+}
+
+struct Lens {
+  Eigen::Vector3d forward, right, up;
+  double half_height, half_width;
+  explicit Lens(const View& view) {
+    forward = (view.p_W_target - view.p_W_eye).normalized();
+    right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
+    up = right.cross(forward);
+    half_height = std::tan(view.angle / 2);
+    half_width = half_height * view.width / view.height;
+  }
+  /// x, y in [-1, 1], y upwards.
+  [[nodiscard]] Eigen::Vector3d ray(double x, double y) const {
+    return (forward + x * half_width * right + y * half_height * up).normalized();
+  }
+};
+
+}  // namespace
+
+Picture draw(const std::vector<DrawnMesh>& meshes, const View& view) {
+  require(view.width > 0 && view.height > 0 && view.width <= 8192 && view.height <= 8192, "picture of ",
+          view.width, " x ", view.height, " pixels; sides must be in [1, 8192]");
+  require((view.p_W_target - view.p_W_eye).cross(Eigen::Vector3d::UnitZ()).norm() > 1e-6,
+          "the view must not look straight up or down");
+  const Painter painter(meshes);
+  const Lens lens(view);
+  Picture picture{view.width, view.height,
+                  std::vector<std::uint8_t>(static_cast<std::size_t>(view.width) *
+                                            static_cast<std::size_t>(view.height) * 3)};
+  tbb::parallel_for(0, view.height, [&](int row) {
+    for (int column = 0; column < view.width; ++column) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      Random random = Random::stream(static_cast<std::uint64_t>(row), static_cast<std::uint64_t>(column));
+      for (int s = 0; s < kSamplesPerSide * kSamplesPerSide; ++s) {
+        const double x = (column + (s % kSamplesPerSide + 0.5) / kSamplesPerSide) / view.width;
+        const double y = (row + (s / kSamplesPerSide + 0.5) / kSamplesPerSide) / view.height;
+        sum += painter.colour(view.p_W_eye, lens.ray(2 * x - 1, 1 - 2 * y), random.uniform(0.0, 6.283185307));
+      }
+      const auto at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(view.width) +
+                           static_cast<std::size_t>(column));
+      for (int c = 0; c < 3; ++c)
+        picture.rgb[at + static_cast<std::size_t>(c)] = encode(sum[c] / (kSamplesPerSide * kSamplesPerSide));
+    }
+  });
+  return picture;
+}
+
+void write_png(const std::string& path, const Picture& picture) {
+  png_image image;
+  std::memset(&image, 0, sizeof image);
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(picture.width);
+  image.height = static_cast<png_uint_32>(picture.height);
+  image.format = PNG_FORMAT_RGB;
+  png_alloc_size_t size = 0;
+  if (png_image_write_to_memory(&image, nullptr, &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+    throw FileError(path, concat("cannot be encoded: ", image.message), "report it");
+  std::string bytes(size, '\0');
+  if (png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr) == 0)
+    throw FileError(path, concat("cannot be encoded: ", image.message), "report it");
+  bytes.resize(size);
+  write_file(path, bytes);
+}
+
+}  // namespace stonestack

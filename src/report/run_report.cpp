@@ -1,0 +1,198 @@
+#include "stonestack/report/run_report.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "geometry/pose_json.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+
+namespace stonestack {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kDegrees = 57.295779513082321;
+
+std::string end_text(RunResult::End end) {
+  switch (end) {
+    case RunResult::End::kAllPlaced:
+      return "all_placed";
+    case RunResult::End::kHeightReached:
+      return "height_reached";
+    case RunResult::End::kNoPose:
+      return "no_feasible_pose";
+    case RunResult::End::kNoPlan:
+      return "no_plan";
+    case RunResult::End::kPlacementFailed:
+      return "placement_failed";
+    case RunResult::End::kNothingSeen:
+      return "nothing_seen";
+    case RunResult::End::kStopped:
+      return "stopped";
+    case RunResult::End::kInterrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+json placement_entry(const PlacementRecord& record) {
+  return {{"stone", record.stone},
+          {"T_W_O_planned", pose_json(record.planned.T_W_O)},
+          {"T_W_O_measured", record.T_W_O_measured ? pose_json(*record.T_W_O_measured) : json(nullptr)},
+          {"cost", record.planned.cost},
+          {"terms", record.planned.terms},
+          {"predicted_success", record.planned.predicted_success},
+          {"outcome", to_text(record.outcome)},
+          {"note", record.note}};
+}
+
+/// printf-style text for the table.
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 512> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
+  return buffer.data();
+}
+
+double term(const Placement& placement, const std::string& name) {
+  const auto found = placement.terms.find(name);
+  return found == placement.terms.end() ? 0.0 : found->second;
+}
+
+std::string pose_text(const Pose& pose) {
+  const Eigen::Vector3d& p = pose.translation();
+  const Eigen::AngleAxisd turn(pose.linear());
+  const Eigen::Vector3d r = turn.angle() * turn.axis() * kDegrees;
+  return format("(%4.0f %4.0f %4.0f) mm (%4.0f %4.0f %4.0f) deg", 1000 * p.x(), 1000 * p.y(), 1000 * p.z(),
+                r.x(), r.y(), r.z());
+}
+
+std::string escape(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '&')
+      safe += "&amp;";
+    else if (c == '<')
+      safe += "&lt;";
+    else if (c == '>')
+      safe += "&gt;";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+std::string base64(const std::string& bytes) {
+  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = (group << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
+  }
+  return text;
+}
+
+std::string summary(const RunReport& report) {
+  std::string text = format("tower of %d of %d stones; ended: ", report.result.height,
+                            static_cast<int>(report.present.size())) +
+                     report.result.ended + "\n";
+  if (report.truth)
+    text += format("true world: %d stones stacked, %s after %.0f s (largest shift %.2f mm)\n",
+                   report.truth->height, report.truth->stands ? "standing" : "not standing",
+                   report.truth->seconds, 1000 * report.truth->shift);
+  const auto& s = report.result.seconds;
+  text += format("seconds: detection %.1f, search %.1f, planning %.1f (host); motion %.1f (robot)\n",
+                 s.detection, s.search, s.planning, s.motion);
+  return text;
+}
+
+}  // namespace
+
+std::string run_json(const RunReport& report) {
+  const RunResult& result = report.result;
+  json placements = json::array();
+  for (const auto& record : result.placements) placements.push_back(placement_entry(record));
+  json out = {{"schema", "stonestack.run/1"},
+              {"height", result.height},
+              {"placements", placements},
+              {"ended", end_text(result.end)},
+              {"reason", result.ended},
+              {"robot", report.robot},
+              {"seed", report.seed},
+              {"stones", report.present},
+              {"seconds",
+               {{"detection", result.seconds.detection},
+                {"search", result.seconds.search},
+                {"planning", result.seconds.planning},
+                {"motion", result.seconds.motion}}}};
+  if (report.truth)
+    out["truth"] = {{"height", report.truth->height},
+                    {"stands", report.truth->stands},
+                    {"seconds", report.truth->seconds},
+                    {"shift_m", report.truth->shift},
+                    {"note", report.truth->note}};
+  if (!report.picture.empty()) out["picture"] = report.picture;
+  return out.dump(2) + "\n";
+}
+
+std::string run_table(const RunReport& report) {
+  std::string text =
+      "\nlevel stone            cost   area  ekin  dist  norm  p(ok) outcome     planned | measured\n";
+  int level = 0;
+  for (const auto& r : report.result.placements) {
+    const auto& p = r.planned;
+    text += format("%5d %-15s %5.2f  %5.2f %5.2f %5.2f %5.2f  %4.2f  %-10s  ", ++level, r.stone.c_str(),
+                   p.cost, term(p, "area"), term(p, "kinetic_energy"), term(p, "distance"), term(p, "normal"),
+                   p.predicted_success, to_text(r.outcome).c_str());
+    text += pose_text(p.T_W_O) + " | " +
+            (r.T_W_O_measured ? pose_text(*r.T_W_O_measured) : std::string("not seen")) + "\n";
+  }
+  return text + summary(report);
+}
+
+std::string run_html(const RunReport& report) {
+  std::string text =
+      "<!doctype html><meta charset=\"utf-8\"><title>stonestack run</title>"
+      "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 "
+      "1rem;color:#222}"
+      "img{width:100%;border-radius:6px}pre{background:#f4f3f0;padding:1rem;overflow-x:auto;border-radius:"
+      "6px}</style>";
+  text += format("<h1>Tower of %d</h1><p>robot %s, seed %d</p>", report.result.height,
+                 escape(report.robot).c_str(), report.seed);
+  if (!report.picture.empty())
+    text += "<img alt=\"the tower\" src=\"data:image/png;base64," +
+            base64(read_file(report.picture, std::size_t{1} << 26)) + "\">";
+  text += "<pre>" + escape(run_table(report)) + "</pre>";
+  text += "<h2>Options</h2><pre>" + escape(report.options_text) + "</pre>\n";
+  return text;
+}
+
+std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vector<PlacedStone>& stones) {
+  static const std::array<Eigen::Vector3d, 6> kColours{{{0.72, 0.68, 0.60},
+                                                        {0.62, 0.60, 0.57},
+                                                        {0.70, 0.60, 0.50},
+                                                        {0.58, 0.61, 0.63},
+                                                        {0.76, 0.72, 0.68},
+                                                        {0.60, 0.54, 0.47}}};
+  std::vector<DrawnMesh> drawn;
+  for (const auto& placed : stones)
+    drawn.push_back({catalogue.stones[static_cast<std::size_t>(placed.stone)].scan, placed.T_W_O,
+                     kColours[static_cast<std::size_t>(placed.stone) % kColours.size()]});
+  return drawn;
+}
+
+View view_of_site(const Eigen::Vector2d& site, double top_height) {
+  View view;
+  view.p_W_target = {site.x(), site.y() - 0.05, 0.45 * std::max(top_height, 0.15)};
+  const double distance = 0.75 + 1.1 * top_height;
+  view.p_W_eye = view.p_W_target + distance * Eigen::Vector3d(0.62, -0.70, 0.42).normalized();
+  return view;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,181 @@
+#include "stacking/believe.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "geometry/pose_json.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/physics/settle.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kAboveTable = 0.012;     // m: lower than this, a stone lies on the table
+constexpr double kSettleFrom = 0.002;     // m above the measured pose
+constexpr double kConsistent = 0.006;     // m: a rest pose nearer than this to the measurement is believed
+constexpr double kConsistentTurn = 0.09;  // rad
+constexpr double kBaseAtSite = 0.12;      // m: the first stone lies no further from the site
+
+double lowest(const ContactShape& shape, const Pose& T_W_O) {
+  double z = 1e9;
+  for (const auto& sample : shape.samples) z = std::min(z, (T_W_O * sample.point).z());
+  return z;
+}
+
+const ContactShape& shape_of(const ShapeList& shapes, int stone) {
+  return *shapes[static_cast<std::size_t>(stone)];
+}
+
+/// Does a stone at that pose rest over `below`, by geometry alone: clear of the table, its centre over the
+/// other's extent?
+bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedStone& below) {
+  const auto& shape = shape_of(shapes, upper.stone);
+  const auto& base = shape_of(shapes, below.stone);
+  const Eigen::Vector3d com = upper.T_W_O * shape.mass.p_O_M;
+  const Eigen::Vector3d com_below = below.T_W_O * base.mass.p_O_M;
+  return lowest(shape, upper.T_W_O) > kAboveTable && com.z() > com_below.z() &&
+         (com - com_below).head<2>().norm() < base.radius;
+}
+
+std::vector<Sighting>::iterator find(std::vector<Sighting>& sightings, int stone) {
+  return std::find_if(sightings.begin(), sightings.end(),
+                      [&](const Sighting& s) { return s.stone == stone; });
+}
+
+bool in_place(const Sighting& seen, const PlacedStone& expected) {
+  const auto error = difference(seen.T_W_O, expected.T_W_O);
+  return error.translation < kConsistent && error.angle < kConsistentTurn;
+}
+
+bool any_in_place(std::vector<Sighting>& sightings, const std::vector<PlacedStone>& expected,
+                  std::size_t from) {
+  for (std::size_t i = from; i < expected.size(); ++i) {
+    const auto found = find(sightings, expected[i].stone);
+    if (found != sightings.end() && in_place(*found, expected[i])) return true;
+  }
+  return false;
+}
+
+/// The measured pose, seated on the stack below where that agrees with the measurement.
+Pose seated(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
+  SettleOptions options;
+  options.world.friction =
+      0.5;  // it is seen to rest, so let it: the low planning friction would make it slide
+  const Pose lifted = Eigen::Translation3d(0, 0, kSettleFrom) * measured.T_W_O;
+  const SettleResult settled = settle(shapes, below, measured.stone, lifted, options);
+  const auto error = difference(settled.T_W_O, measured.T_W_O);
+  const bool agrees = settled.rests && error.translation < kConsistent && error.angle < kConsistentTurn;
+  return agrees ? settled.T_W_O : measured.T_W_O;
+}
+
+}  // namespace
+
+Belief believe(const ShapeList& shapes, const CellLayout& layout, const std::vector<PlacedStone>& expected,
+               const std::vector<Sighting>& sightings) {
+  std::vector<Sighting> left = sightings;
+  Belief belief;
+  for (std::size_t i = 0; i < expected.size(); ++i) {  // from the table up
+    const auto found = find(left, expected[i].stone);
+    if (found == left.end()) {
+      // Hidden by what stands on it, or gone: it is there if a stone above it is still where it was.
+      if (!any_in_place(left, expected, i + 1)) break;
+      belief.stack.push_back(expected[i]);
+      continue;
+    }
+    const PlacedStone measured{found->stone, found->T_W_O};
+    const bool first = belief.stack.empty();
+    const bool at_site = (measured.T_W_O.translation().head<2>() - layout.site).norm() < kBaseAtSite;
+    if (first ? !at_site : !rests_over(shapes, measured, belief.stack.back())) break;
+    const bool newest = i + 1 == expected.size();
+    const bool unmoved =
+        !newest && in_place(*found, expected[i]);  // averaging by keeping: no random walk of the base
+    belief.stack.push_back(
+        {measured.stone, unmoved ? expected[i].T_W_O : seated(shapes, Stack{belief.stack}, measured)});
+    left.erase(found);
+  }
+  for (const auto& sighting : left) belief.loose.push_back({sighting.stone, sighting.T_W_O});
+  std::sort(belief.loose.begin(), belief.loose.end(),
+            [](const auto& a, const auto& b) { return a.stone < b.stone; });
+  return belief;
+}
+
+Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
+                    const std::vector<PlacedStone>& stones) {
+  Belief belief{{}, stones};
+  std::sort(belief.loose.begin(), belief.loose.end(), [&](const PlacedStone& a, const PlacedStone& b) {
+    const double za = (a.T_W_O * shape_of(shapes, a.stone).mass.p_O_M).z();
+    const double zb = (b.T_W_O * shape_of(shapes, b.stone).mass.p_O_M).z();
+    return za != zb ? za < zb : a.stone < b.stone;
+  });
+  for (auto it = belief.loose.begin(); it != belief.loose.end();) {
+    const bool near = (it->T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
+    const bool stacked = belief.stack.empty() ? near : rests_over(shapes, *it, belief.stack.back());
+    if (stacked) belief.stack.push_back(*it);
+    it = stacked ? belief.loose.erase(it) : it + 1;
+  }
+  std::sort(belief.loose.begin(), belief.loose.end(),
+            [](const auto& a, const auto& b) { return a.stone < b.stone; });
+  return belief;
+}
+
+SceneObject unseen_field(const CellLayout& layout) {
+  constexpr double kHeight = 0.25;  // m: the highest a stone of the field may reach
+  const Eigen::Vector3d size(layout.field_size.x() + 0.2, layout.field_size.y() + 0.2, kHeight);
+  return {"unseen field",
+          {make_box(size)},
+          make_pose({layout.field_centre.x(), layout.field_centre.y(), kHeight / 2})};
+}
+
+double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {
+  double top = 0.0;
+  for (const auto& placed : stones)
+    for (const auto& sample : shape_of(shapes, placed.stone).samples)
+      top = std::max(top, (placed.T_W_O * sample.point).z());
+  return top;
+}
+
+PickAndPlaceTask make_task(const Catalogue& catalogue, const Belief& belief, int stone, const Pose& T_W_O,
+                           const Joints& q_start) {
+  PickAndPlaceTask task;
+  task.stone = &catalogue.stones[static_cast<std::size_t>(stone)];
+  task.T_W_O_place = T_W_O;
+  task.q_start = q_start;
+  task.support = static_cast<int>(belief.stack.size()) - 1;
+  for (std::size_t i = 0; i < belief.loose.size(); ++i) {
+    if (belief.loose[i].stone != stone) continue;
+    task.object = static_cast<int>(belief.stack.size() + i);
+    task.T_W_O_pick = belief.loose[i].T_W_O;
+    return task;
+  }
+  throw InvalidArgument(concat(task.stone->name, " is not among the loose stones"));
+}
+
+std::string describe(const Catalogue& catalogue, const Belief& belief) {
+  const auto names = [&](const std::vector<PlacedStone>& stones) {
+    std::string text;
+    for (const auto& placed : stones)
+      text += (text.empty() ? "" : ", ") + catalogue.stones[static_cast<std::size_t>(placed.stone)].name;
+    return text.empty() ? std::string("none") : text;
+  };
+  return concat("stack: ", names(belief.stack), "; loose: ", names(belief.loose));
+}
+
+std::string belief_json(const Catalogue& catalogue, const Belief& belief) {
+  const auto list = [&](const std::vector<PlacedStone>& stones) {
+    nlohmann::json array = nlohmann::json::array();
+    for (const auto& placed : stones)
+      array.push_back({{"stone", catalogue.stones[static_cast<std::size_t>(placed.stone)].name},
+                       {"T_W_O", pose_json(placed.T_W_O)}});
+    return array;
+  };
+  return nlohmann::json{{"stack", list(belief.stack)}, {"loose", list(belief.loose)}}.dump();
+}
+
+std::string placement_json(const Catalogue& catalogue, const Placement& placement) {
+  return nlohmann::json{{"stone", catalogue.stones[static_cast<std::size_t>(placement.stone)].name},
+                        {"T_W_O", pose_json(placement.T_W_O)},
+                        {"cost", placement.cost}}
+      .dump();
+}
+
+}  // namespace stonestack

@@ -1,0 +1,33 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/observe.hpp"
+
+/// Private to stacking/: from sightings to a belief, and the belief in words.
+namespace stonestack {
+
+/// Which sightings are the stack and which lie loose. A stone belongs to the stack if it was expected there
+/// (or not) and rests on the stone below: its lowest part is above the table and over the stone below. Poses
+/// in the stack are made consistent: a measured pose floats or sinks by the camera's error, so the stone is
+/// let settle from it onto the stack below, and the rest pose is taken if it is within a few millimetres of
+/// what was measured.
+[[nodiscard]] Belief believe(const ShapeList& shapes, const CellLayout& layout,
+                             const std::vector<PlacedStone>& expected,
+                             const std::vector<Sighting>& sightings);
+
+/// A box over the field where stones of unknown place may lie, before the first look.
+[[nodiscard]] SceneObject unseen_field(const CellLayout& layout);
+
+/// Highest point of the stones, m in W; 0 for none.
+[[nodiscard]] double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones);
+
+/// "stack: limestone_2, limestone_5; loose: limestone_1".
+[[nodiscard]] std::string describe(const Catalogue& catalogue, const Belief& belief);
+/// For the journal.
+[[nodiscard]] std::string belief_json(const Catalogue& catalogue, const Belief& belief);
+[[nodiscard]] std::string placement_json(const Catalogue& catalogue, const Placement& placement);
+
+}  // namespace stonestack

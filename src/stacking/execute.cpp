@@ -1,0 +1,147 @@
+#include "stonestack/stacking/execute.hpp"
+
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/timing.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the stone
+constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
+constexpr double kFingerForce = 60.0;   // N, when the plan names none
+constexpr double kGravity = 9.81;       // m/s^2
+
+using Status = ExecutionResult::Status;
+
+/// Carries one plan through.
+struct Hands {
+  const PickAndPlacePlan& plan;
+  const Stone& stone;
+  const PlanningScene& scene;
+  Cell& cell;
+  const MotionOptions& options;
+  Journal* journal;
+
+  void intend(const PlanStep& step) const {
+    if (journal != nullptr) journal->record("step", concat("{\"name\": \"", step.name, "\"}"));
+  }
+
+  [[nodiscard]] Eigen::Vector3d p_F(const Eigen::Vector3d& p_T) const { return cell.layout.T_F_T * p_T; }
+
+  /// Mass and centre of mass of the hand alone, or with the stone in it.
+  void set_payload(bool holding) const {
+    const double hand = scene.gripper.mass;
+    const Eigen::Vector3d p_F_hand = p_F({0, 0, -0.14});  // middle of palm and fingers
+    if (!holding) return cell.arm.set_payload(hand, p_F_hand);
+    const Eigen::Vector3d p_F_stone = p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
+    const double total = hand + stone.mass.mass;
+    cell.arm.set_payload(total, (hand * p_F_hand + stone.mass.mass * p_F_stone) / total);
+  }
+
+  [[nodiscard]] ExecutionResult follow(const PlanStep& step) const {
+    const MotionResult moved = cell.arm.follow(step.trajectory);
+    if (moved.status == MotionResult::Status::kDone) return {};
+    return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+  }
+
+  [[nodiscard]] ExecutionResult grasp(const PlanStep& step) const {
+    const double speed = step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed;
+    const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
+    if (!held.object) return give_up(step);
+    set_payload(true);
+    return {};
+  }
+
+  /// Opens and goes back out, so that the next look starts free.
+  [[nodiscard]] ExecutionResult give_up(const PlanStep& step) const {
+    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+    const ExecutionResult back = retreat(step);
+    if (back.status == Status::kStopped) return back;
+    return {Status::kNotPicked, 0.0, "the fingers closed on nothing"};
+  }
+
+  /// Down until the wrist feels the stack (paper §4.1: impact on the force-torque sensor).
+  [[nodiscard]] ExecutionResult descend(const PlanStep& step) const {
+    cell.force_torque.zero();
+    GuardedMotion motion;
+    motion.trajectory = step.trajectory;
+    motion.threshold = step.threshold;
+    const MotionResult moved = cell.arm.follow_guarded(motion);
+    if (moved.status == MotionResult::Status::kContact) return {Status::kReleased, moved.force, ""};
+    if (moved.status == MotionResult::Status::kNoContact)
+      return {Status::kNoContact, moved.force, "no contact " + step.name};
+    return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+  }
+
+  void open(const PlanStep& step) const {
+    cell.gripper.move(step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed, kFingerForce);
+  }
+
+  /// Out of the hand's own direction, from where the arm really stands.
+  [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const {
+    const Joints q = cell.arm.state().q;
+    const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
+    const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -options.approach);
+    const auto path = straight_path(scene.robot, scene.T_F_T, q, T_R_T_goal);
+    if (!path) return {Status::kStopped, 0.0, step.name + ": no straight way back"};
+    TimingLimits limits = timing_limits(scene.robot, options);
+    limits.tool_speed = kRetreatSpeed;
+    PlanStep actual = step;
+    actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+    return follow(actual);
+  }
+};
+
+/// True if the fingers still hold something heavy: the wrist should read the empty tool after release.
+bool still_holds(Cell& cell, const Stone& stone) {
+  const GripperState state = cell.gripper.state();
+  return state.object && stone.mass.mass * kGravity > 1.0;
+}
+
+}  // namespace
+
+ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
+                        Cell& cell, const MotionOptions& options, Journal* journal) {
+  const Hands hands{plan, stone, scene, cell, options, journal};
+  ExecutionResult result;
+  bool after_contact = false;
+  for (const PlanStep& step : plan.steps) {
+    throw_if_interrupted();
+    hands.intend(step);
+    ExecutionResult now;
+    switch (step.kind) {
+      case PlanStep::Kind::kOpen:
+        hands.open(step);
+        break;
+      case PlanStep::Kind::kGrasp:
+        now = hands.grasp(step);
+        break;
+      case PlanStep::Kind::kDescent:
+        now = hands.descend(step);
+        after_contact = true;
+        result.contact_force = now.contact_force;
+        break;
+      case PlanStep::Kind::kRelease:
+        hands.open(step);
+        if (still_holds(cell, stone)) now = {Status::kStopped, 0.0, "the hand is not empty after release"};
+        hands.set_payload(false);
+        break;
+      case PlanStep::Kind::kRetreat:
+        now = after_contact ? hands.retreat(step) : hands.follow(step);
+        break;
+      case PlanStep::Kind::kTransit:
+      case PlanStep::Kind::kApproach:
+      case PlanStep::Kind::kLift:
+        now = hands.follow(step);
+        break;
+    }
+    if (now.status != Status::kReleased) return now;
+  }
+  return result;
+}
+
+}  // namespace stonestack

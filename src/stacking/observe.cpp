@@ -1,0 +1,118 @@
+#include "stonestack/stacking/observe.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+/// Camera at `p_W_eye` looking at `p_W_target`, image "up" away from the ground, turned by `roll` about the
+/// optical axis.
+Pose look_at(const Eigen::Vector3d& p_W_eye, const Eigen::Vector3d& p_W_target, double roll) {
+  const Eigen::Vector3d z = (p_W_target - p_W_eye).normalized();
+  Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ());
+  if (x.norm() < 1e-6) x = Eigen::Vector3d::UnitX();
+  x.normalize();
+  Pose T_W_C = Pose::Identity();
+  T_W_C.linear() << x, z.cross(x), z;
+  T_W_C.translation() = p_W_eye;
+  return T_W_C * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
+}
+
+void keep_better(std::vector<Sighting>& sightings, const Sighting& seen) {
+  const auto known = std::find_if(sightings.begin(), sightings.end(),
+                                  [&](const Sighting& s) { return s.stone == seen.stone; });
+  if (known == sightings.end()) {
+    sightings.push_back(seen);
+  } else if (seen.score > known->score) {
+    *known = seen;
+  }
+}
+
+bool seen(const std::vector<Sighting>& sightings, int stone) {
+  return std::any_of(sightings.begin(), sightings.end(), [&](const Sighting& s) { return s.stone == stone; });
+}
+
+}  // namespace
+
+Pose camera_pose(const CellLayout& layout, const RobotModel& robot, const Joints& q) {
+  return layout.T_W_R * forward(robot, q) * layout.T_F_T * layout.T_T_C;
+}
+
+Joints home_joints() {
+  return (Joints() << 0.0, -1.75, 1.85, -1.67, -1.5708, 0.0).finished();
+}
+
+PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
+                                  const Catalogue& catalogue, const Belief& belief) {
+  PlanningScene scene;
+  scene.robot = robot;
+  scene.T_W_R = layout.T_W_R;
+  scene.T_F_T = layout.T_F_T;
+  for (const auto* group : {&belief.stack, &belief.loose})
+    for (const auto& placed : *group) {
+      const Stone& stone = catalogue.stones[static_cast<std::size_t>(placed.stone)];
+      scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
+    }
+  return scene;
+}
+
+std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target, double distance) {
+  const Eigen::Vector3d to_base = layout.T_W_R.translation() - p_W_target;
+  const double towards_base = std::atan2(to_base.y(), to_base.x());
+  std::vector<Pose> poses;
+  for (const double elevation : {72.0, 60.0, 84.0, 48.0})
+    for (const double aside : {0.0, 40.0, -40.0, 80.0, -80.0, 130.0, -130.0})
+      for (const double roll : {180.0, 0.0, 90.0, -90.0}) {
+        const double azimuth = towards_base + aside * kDegree;
+        const double level = std::cos(elevation * kDegree);
+        const Eigen::Vector3d direction(level * std::cos(azimuth), level * std::sin(azimuth),
+                                        std::sin(elevation * kDegree));
+        poses.push_back(look_at(p_W_target + distance * direction, p_W_target, roll * kDegree));
+      }
+  return poses;
+}
+
+Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
+               const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options) {
+  const Pose T_C_F = (cell.layout.T_F_T * cell.layout.T_T_C).inverse();
+  const Joints q_start = cell.arm.state().q;
+  for (const Pose& T_W_C : T_W_C_candidates) {
+    const auto trajectory = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options);
+    if (!trajectory) continue;
+    const MotionResult moved = cell.arm.follow(*trajectory);
+    if (moved.status != MotionResult::Status::kDone)
+      throw DeviceError("arm", "stopped on the way to a look: " + moved.reason,
+                        "clear the cell and start again");
+    const DepthFrame frame = cell.camera.capture();
+    return {frame.image, camera_pose(cell.layout, robot, cell.arm.state().q)};
+  }
+  throw DeviceError("arm", concat("none of ", T_W_C_candidates.size(), " camera poses can be reached"),
+                    "check the cell's layout: site, field and robot base");
+}
+
+std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const DetectionModels& models,
+                                    const std::vector<int>& wanted, const std::vector<PlacedStone>& expected,
+                                    const DetectionOptions& options) {
+  std::vector<Sighting> sightings;
+  for (const auto& look : looks)
+    for (const auto& placed : expected)
+      if (const auto found =
+              track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
+        keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
+  std::vector<int> missing;
+  for (const int stone : wanted)
+    if (!seen(sightings, stone)) missing.push_back(stone);
+  if (missing.empty()) return sightings;
+  for (const auto& look : looks)
+    for (const auto& found : detect_stones(look.image, models, missing, options).detections)
+      keep_better(sightings, {found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
+  return sightings;
+}
+
+}  // namespace stonestack
