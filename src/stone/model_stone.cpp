@@ -32,6 +32,12 @@ void check(const Mesh& scan, const std::string& source) {
                       "export the mesh again");
 }
 
+/// Every option in its range, whoever set it; throws InvalidArgument.
+void check(ModelOptions options) {
+  const FieldList list = fields(options);
+  for (const Field& one : list) set_field(list, one.name + "=" + field_text(one));
+}
+
 /// Points that no face uses may lie anywhere: they must not count for the size.
 double longest_extent(const Mesh& scan) {
   Eigen::AlignedBox3d box;
@@ -117,6 +123,7 @@ FieldList fields(ModelOptions& o) {
 
 ModelResult model_stone(const Mesh& scan, const std::string& name, const std::string& source,
                         const ModelOptions& options) {
+  check(options);
   check(scan, source);
   FileScale size = file_scale(longest_extent(scan), options.units, options.scale, source);
   ModelResult result;

@@ -27,11 +27,11 @@ void collapse(cgal::SurfaceMesh& surface, std::size_t edges) {
 }  // namespace
 
 Mesh reduce_mesh(const Mesh& mesh, int faces) {
-  require(faces >= 4 && faces % 2 == 0, "faces must be even and at least 4, got ", faces);
+  require(faces >= 4, "a closed mesh has at least 4 faces, got ", faces);
   if (mesh.faces.size() <= static_cast<std::size_t>(faces)) return mesh;
   cgal::SurfaceMesh surface = cgal::to_surface_mesh(mesh);
-  // A closed mesh has three edges for two faces; the predicate stops below its number.
-  collapse(surface, static_cast<std::size_t>(faces) * 3 / 2 + 1);
+  // A closed mesh has an even number of faces and three edges for two; the predicate stops below its number.
+  collapse(surface, static_cast<std::size_t>(faces / 2) * 3 + 1);
   Mesh result = cgal::from_surface_mesh(surface);
   return result.faces.size() <= static_cast<std::size_t>(faces) ? result : Mesh{};
 }

@@ -45,7 +45,9 @@ RepairedMesh wrapped(const Mesh& mesh, const std::string& why) {
   const double diagonal = bounds(mesh).diagonal().norm();
   RepairedMesh result;
   result.mesh = wrap(mesh, diagonal * kWrapAlpha, diagonal * kWrapOffset);
-  if (result.mesh.faces.empty()) return result;
+  // A sheet wrapped is a skin around nothing: most of its volume is the offset.
+  const double skin = diagonal * kWrapOffset * surface_area(result.mesh);
+  if (volume(result.mesh) < 2.0 * skin) return {};
   const Deviation off = deviation(mesh, result.mesh, diagonal / 100.0);
   result.warnings.push_back(concat(why, ", so it was wrapped in a new surface, which lies ",
                                    std::round(off.median * 1e5) / 100.0, " mm (median) to ",

@@ -17,7 +17,7 @@ struct ModelOptions {
   double density = 2600.0;  ///< kg/m^3, limestone
   double mass = 0.0;        ///< kg; 0: from density
   double friction = 0.1;    ///< paper §4.1
-  int faces = 500;          ///< of the reduced mesh, even, paper §4.1
+  int faces = 500;          ///< at most, of the reduced mesh, paper §4.1
   int convex_pieces = 5;    ///< at most
   double contact_cell =
       0.0015;  ///< m, grid that the contact deviation is measured with: physics' ShapeOptions
