@@ -1,0 +1,98 @@
+#include "stonestack/stone/limestone.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/geometry/convex_pieces.hpp"
+#include "stonestack/geometry/mesh_file.hpp"
+
+namespace stonestack {
+namespace {
+
+double fullness(const Mesh& mesh) {
+  return volume(mesh) / volume(convex_hull(mesh));
+}
+
+/// Every face is seen from the origin from its inside, so that no two rays cross and no two faces do.
+bool is_star_shaped(const Mesh& mesh) {
+  return std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](const Eigen::Vector3i& face) {
+    const auto v = [&](int k) { return mesh.vertices[static_cast<std::size_t>(face[k])]; };
+    return v(0).dot(v(1).cross(v(2))) > 0.0;
+  });
+}
+
+TEST(Limestone, IsRubbleForFiftySeeds) {
+  double least = 1.0, most = 0.0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const Mesh stone = make_limestone(seed);
+    EXPECT_TRUE(is_closed(stone)) << "seed " << seed;
+    EXPECT_EQ(stone.vertices.size(), stone.faces.size() / 2 + 2) << "one surface without handles";
+    EXPECT_TRUE(is_star_shaped(stone)) << "seed " << seed;
+    const Eigen::Vector3d extents = bounds(stone).sizes();
+    EXPECT_GE(extents.x(), 0.088) << "seed " << seed;
+    EXPECT_LE(extents.x(), 0.202) << "seed " << seed;
+    EXPECT_LE(extents.y(), 0.125) << "seed " << seed;
+    EXPECT_LE(extents.z(), 0.9 * extents.y()) << "flat, seed " << seed;
+    const double full = fullness(stone);
+    EXPECT_GE(full, 0.80) << "seed " << seed;
+    EXPECT_LE(full, 0.90) << "seed " << seed;
+    least = std::min(least, full);
+    most = std::max(most, full);
+  }
+  EXPECT_GT(most - least, 0.03) << "stones differ";
+}
+
+TEST(Limestone, SameSeedSameStone) {
+  const Mesh a = make_limestone(5), b = make_limestone(5), c = make_limestone(6);
+  ASSERT_EQ(a.vertices.size(), b.vertices.size());
+  for (std::size_t v = 0; v < a.vertices.size(); ++v) ASSERT_EQ(a.vertices[v], b.vertices[v]);
+  EXPECT_NE(a.vertices[0], c.vertices[0]);
+}
+
+TEST(Limestone, KeepsToItsOptions) {
+  LimestoneOptions options;
+  options.faces = 1000;
+  options.smallest = options.largest = 0.10;
+  options.least_full = 0.84;
+  options.most_full = 0.87;
+  const Mesh stone = make_limestone(3, options);
+  EXPECT_LE(stone.faces.size(), 1000U);
+  EXPECT_NEAR(bounds(stone).sizes().x(), 0.10, 0.002);
+  EXPECT_GE(fullness(stone), 0.84);
+  EXPECT_LE(fullness(stone), 0.87);
+  options.smallest = 0.5;
+  EXPECT_THROW((void)make_limestone(3, options), InvalidArgument);
+}
+
+/// Real rocks of this size, where they lie beside the checkout: the generated ones are as full, as compact
+/// and as jagged on average, within the spread of the real ones.
+TEST(Limestone, ResemblesScannedRocks) {
+  const std::string folder = STONESTACK_SOURCE_DIR "/../shared/stones/scans/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const auto jaggedness = [](const Mesh& mesh) {
+    return surface_area(mesh) / std::pow(volume(mesh), 2.0 / 3.0);
+  };
+  double full = 0.0, jagged = 0.0, real_jagged = 0.0;
+  constexpr int kStones = 16;
+  for (std::uint64_t seed = 1; seed <= kStones; ++seed) {
+    const Mesh stone = make_limestone(seed);
+    full += fullness(stone) / kStones;
+    jagged += jaggedness(stone) / kStones;
+  }
+  const std::vector<int> scans = {150, 151, 153, 154, 156, 158, 159, 160,
+                                  161, 163, 166, 174, 175, 176, 177, 178};
+  double real_full = 0.0;
+  for (const int number : scans) {
+    const Mesh rock = read_mesh(folder + "stone_" + std::to_string(number) + ".obj");
+    real_full += fullness(rock) / kStones;
+    real_jagged += jaggedness(rock) / kStones;
+  }
+  EXPECT_NEAR(full, real_full, 0.03);
+  EXPECT_NEAR(jagged / real_jagged, 1.0, 0.12);
+}
+
+}  // namespace
+}  // namespace stonestack
