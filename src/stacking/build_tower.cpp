@@ -93,6 +93,9 @@ class Builder {
   [[nodiscard]] std::optional<Target> find_target();
   [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem) const;
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
+  /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
+  /// the same way each time, and the camera tells by how much.
+  [[nodiscard]] Eigen::Vector3d placing_bias() const;
   /// False when the run is over.
   [[nodiscard]] bool place(const Target& target);
   void judge(PlacementRecord& record, const Placement& planned, bool released);
@@ -107,7 +110,8 @@ class Builder {
   Belief belief_;
   std::vector<PlacedStone> expected_;  ///< where the stack's stones should be seen
   RunResult result_;
-  int failures_ = 0;  ///< placements that did not hold
+  std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
+  int failures_ = 0;                        ///< placements that did not hold
 };
 
 Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool field_unknown) {
@@ -199,12 +203,28 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   throw_if_interrupted();
   const Stopwatch watch;
   Target target{placement, {}, make_planning_scene(cell_.layout, robot_, catalogue_, belief_)};
-  const auto task = make_task(catalogue_, belief_, placement.stone, placement.T_W_O, cell_.arm.state().q);
+  const Pose T_W_O_aim = Eigen::Translation3d(-placing_bias()) * placement.T_W_O;
+  const auto task = make_task(catalogue_, belief_, placement.stone, T_W_O_aim, cell_.arm.state().q);
   target.plan = plan_pick_and_place(target.scene, task, options_.motion);
   result_.seconds.planning += watch.seconds();
   if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;
   *refusal = target.plan.reason;
   return std::nullopt;
+}
+
+Eigen::Vector3d Builder::placing_bias() const {
+  constexpr double kLargest = 0.008;  // m: a stone seen further off has slid
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const auto& entry : result_.placements) {
+    if (entry.outcome != PlacementRecord::Outcome::kPlaced || !entry.T_W_O_measured) continue;
+    const Eigen::Vector3d offset = entry.T_W_O_measured->translation() - entry.planned.T_W_O.translation();
+    if (offset.head<2>().norm() > kLargest) continue;
+    sum += Eigen::Vector3d(offset.x(), offset.y(), 0.0) +
+           aimed_off_[static_cast<std::size_t>(&entry - result_.placements.data())];
+    ++count;
+  }
+  return count == 0 ? sum : Eigen::Vector3d(sum / count);
 }
 
 bool Builder::place(const Target& target) {
@@ -218,6 +238,7 @@ bool Builder::place(const Target& target) {
               options_.motion, hooks_.journal);
   result_.seconds.motion += cell_.clock.now() - start;
 
+  aimed_off_.push_back(placing_bias());
   PlacementRecord entry{name(placement.stone), placement, std::nullopt, PlacementRecord::Outcome::kPlaced,
                         done.reason};
   if (done.status == ExecutionResult::Status::kStopped) {

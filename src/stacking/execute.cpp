@@ -50,18 +50,22 @@ struct Hands {
 
   [[nodiscard]] ExecutionResult grasp(const PlanStep& step) const {
     const double speed = step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed;
-    const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
-    if (!held.object) return give_up(step);
+    try {
+      const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
+      if (!held.object) return give_up(step, "the fingers closed on nothing");
+    } catch (const DeviceError& problem) {  // jammed: the arm has not moved, so opening is safe
+      return give_up(step, problem.what());
+    }
     set_payload(true);
     return {};
   }
 
   /// Opens and goes back out, so that the next look starts free.
-  [[nodiscard]] ExecutionResult give_up(const PlanStep& step) const {
+  [[nodiscard]] ExecutionResult give_up(const PlanStep& step, const std::string& why) const {
     cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
     const ExecutionResult back = retreat(step);
     if (back.status == Status::kStopped) return back;
-    return {Status::kNotPicked, 0.0, "the fingers closed on nothing"};
+    return {Status::kNotPicked, 0.0, why};
   }
 
   /// Down until the wrist feels the stack (paper §4.1: impact on the force-torque sensor).

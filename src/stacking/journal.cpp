@@ -29,13 +29,15 @@ Journal::Journal(const std::string& path) : path_(path) {
   std::error_code ignored;
   if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), ignored);
   std::size_t whole = 0;
-  if (std::filesystem::exists(target)) {
+  bool torn = false;
+  if (std::filesystem::is_regular_file(target)) {
     const std::string content = read_file(path, kLargestJournal);
     whole = content.rfind('\n') == std::string::npos ? 0 : content.rfind('\n') + 1;
+    torn = whole < content.size();
     next_ = std::count(content.begin(), content.begin() + static_cast<std::ptrdiff_t>(whole), '\n');
   }
   descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
-  if (descriptor_ < 0 || ::ftruncate(descriptor_, static_cast<off_t>(whole)) != 0) fail(path);
+  if (descriptor_ < 0 || (torn && ::ftruncate(descriptor_, static_cast<off_t>(whole)) != 0)) fail(path);
 }
 
 Journal::~Journal() {
