@@ -1,0 +1,166 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/geometry/pose.hpp"
+
+namespace stonestack {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+  [[nodiscard]] json data() const { return json::parse(out, nullptr, false); }
+};
+
+Pose pose_of(const json& t) {
+  const auto number = [&](const char* key) { return t.at(key).get<double>(); };
+  return make_pose(Eigen::Vector3d(number("x"), number("y"), number("z")),
+                   Eigen::Quaterniond(number("qw"), number("qx"), number("qy"), number("qz")));
+}
+
+/// `stonestack` as a user runs it, in a folder of its own.
+class Commands : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + concat("commands_test_", ::getpid(), "_",
+                                          testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Outcome run(const std::string& arguments) const {
+    const std::string command = concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err");
+    Outcome outcome;
+    FILE* pipe = ::popen(command.c_str(), "r");
+    if (pipe == nullptr) return outcome;
+    std::array<char, 4096> piece{};
+    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe))
+      outcome.out.append(piece.data(), got);
+    const int status = ::pclose(pipe);
+    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    outcome.err = read_file(folder_ + "/err", 1 << 20);
+    return outcome;
+  }
+  void write(const std::string& name, const std::string& text) const {
+    write_file(folder_ + "/" + name, text);
+  }
+  /// The command fails with that code and one line that holds all of `parts`.
+  void expect_refusal(const std::string& arguments, int code, const std::vector<std::string>& parts) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
+    for (const auto& part : parts) EXPECT_THAT(outcome.err, HasSubstr(part)) << arguments;
+    EXPECT_LE(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 3) << outcome.err;
+  }
+
+  std::string folder_;
+};
+
+TEST_F(Commands, RenderedStonesAreDetectedWhereTheyLie) {
+  const Outcome rendered =
+      run("render --out scene --seed 3 --stones limestone_1,limestone_4,limestone_6 --json");
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const Outcome detected = run("detect scene/scene.yaml --json");
+  ASSERT_EQ(detected.code, 0) << detected.err;
+  EXPECT_EQ(detected.data()["schema"], "stonestack.detect/1");
+  std::map<std::string, Pose> truth;
+  const json scene = rendered.data();
+  const json seen = detected.data();
+  for (const auto& stone : scene["stones"]) truth[stone["stone"]] = pose_of(stone["T_C_O"]);
+  int found = 0;
+  for (const auto& detection : seen["detections"]) {
+    ASSERT_TRUE(truth.count(detection["stone"])) << "absent stone reported: " << detection["stone"];
+    const auto error = difference(pose_of(detection["T_C_O"]), truth[detection["stone"]]);
+    found += error.translation < 0.005 && error.angle < 0.0873 ? 1 : 0;
+  }
+  EXPECT_EQ(found, 3);
+}
+
+TEST_F(Commands, SearchesAndPlansFromFiles) {
+  ASSERT_EQ(run("render --out scene --seed 5 --stones limestone_1,limestone_2,limestone_3").code, 0);
+  const Outcome searched =
+      run("search scene/cloud.ply --camera-pose scene/scene.yaml --json --set search.largest_tilt=0.9");
+  ASSERT_EQ(searched.code, 0) << searched.err;
+  const json found = searched.data();
+  EXPECT_EQ(found["schema"], "stonestack.search/1");
+  ASSERT_EQ(found["placements"].size(), 1u);
+  for (const char* term : {"area", "kinetic_energy", "distance", "normal"})
+    EXPECT_TRUE(found["placements"][0]["terms"].contains(term)) << term;
+  EXPECT_NEAR(found["placements"][0]["T_W_O"]["x"], 0.70, 0.06);
+  write("next.json", searched.out);
+  const Outcome planned = run("plan scene/scene.yaml --search next.json --json --csv motion.csv");
+  EXPECT_TRUE(planned.code == 0 || planned.code == 6) << planned.err;  // not every pose can be reached
+  EXPECT_EQ(fs::exists(folder_ + "/motion.csv"), planned.code == 0);
+}
+
+TEST_F(Commands, SameSeedSameTowerForAnyThreads) {
+  const std::string arguments =
+      "search --stones limestone_1,limestone_2 --json --seed 4 --set search.threads=";
+  const Outcome one = run(arguments + "1");
+  const Outcome two = run(arguments + "2");
+  ASSERT_EQ(one.code, 0) << one.err;
+  EXPECT_EQ(one.out, two.out);
+}
+
+TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
+  const std::string arguments = "run --robot ur10 --seed 1 --per-run 3 --height 2 --json --out run";
+  const Outcome first = run(arguments);
+  ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
+  json result = first.data();
+  EXPECT_EQ(result["schema"], "stonestack.run/1");
+  EXPECT_GE(result["height"], 1);
+  EXPECT_GE(result["truth"]["height"], result["height"]) << "the run reports a tower that does not stand";
+  for (const char* file : {"tower.png", "report.html", "result.json", "options.yaml", "journal.jsonl"})
+    EXPECT_TRUE(fs::exists(folder_ + "/run/" + file)) << file;
+  json again = run(arguments + " --set search.threads=1").data();
+  result.erase("seconds");
+  again.erase("seconds");
+  EXPECT_EQ(result, again) << "same seed, other tower";
+}
+
+TEST_F(Commands, RefuseBadInputWithOneLine) {
+  expect_refusal("frobnicate", 2, {"unknown command 'frobnicate'", "search"});
+  expect_refusal("run --robot kuka", 3, {"kuka", "ur10"});
+  expect_refusal("run --catalogue nowhere", 3, {"nowhere"});
+  fs::create_directories(folder_ + "/empty");
+  expect_refusal("run --catalogue empty", 3, {"empty"});
+  expect_refusal("search missing.ply", 3, {"missing.ply"});
+  expect_refusal("search --stones limestone_1,no_stone", 2, {"no_stone"});
+  write("empty.yaml", "schema: stonestack.scene/1\n");
+  expect_refusal("search empty.yaml", 3, {"empty.yaml", "no stones"});
+  write("options.yaml", "search:\n  fricton: 0.3\n");
+  expect_refusal("run --config options.yaml", 3, {"options.yaml", "search.fricton", "search.friction"});
+  expect_refusal("run --set search.friction=7", 2, {"search.friction", "2], got 7"});
+  write("nan.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+        "z\nend_header\nnan 0 0\n");
+  expect_refusal("detect nan.ply", 3, {"nan.ply"});
+  EXPECT_FALSE(fs::exists(folder_ + "/runs")) << "a refused run left something behind";
+}
+
+TEST_F(Commands, ConfigShowsWhatWon) {
+  write("stonestack.yaml", "search:\n  friction: 0.3\n");
+  const Outcome shown = run("config show --origin --set search.beam=5");
+  ASSERT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("search.friction: 0.3  # project file stonestack.yaml"));
+  EXPECT_THAT(shown.out, HasSubstr("search.beam: 5  # flag --set"));
+  EXPECT_THAT(shown.out, HasSubstr("search.seed: 1  # default"));
+}
+
+}  // namespace
+}  // namespace stonestack
