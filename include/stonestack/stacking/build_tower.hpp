@@ -30,9 +30,9 @@ struct BuildOptions {
   double placed_shift = 0.030;  ///< m: measured nearer than this to the planned pose counts as placed
   double placed_turn = 0.35;    ///< rad
   double moved_shift = 0.012;   ///< m: a stone of the stack that moved further is reported
-  double most_friction =
-      0.475;  ///< the search starts at search.friction and goes up to this, step by step, while it finds no
-              ///< while it finds no sure pose; dry limestone on limestone slides at more (ours)
+  /// The search starts at search.friction and climbs to this while it finds no sure pose: dry limestone on
+  /// limestone slides at more (ours).
+  double most_friction = 0.475;
   double friction_step = 0.125;
   double sure_success = 0.9;  ///< a pose predicted to hold as often ends the climb in friction
   int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
