@@ -97,8 +97,9 @@ std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
   std::vector<Candidate> candidates;
   for (const auto& pose : coarse_poses(model, hypotheses, scene, options)) {
     auto candidate = judge_pose(model, stone, pose.T_C_O, scene, options, kHiddenWeight);
-    if (candidate && candidate->detection.score > 0.5 * options.accept_score)
-      candidates.push_back(std::move(*candidate));
+    const bool kept =
+        options.method == "paper" || (candidate && candidate->detection.score > 0.5 * options.accept_score);
+    if (candidate && kept) candidates.push_back(std::move(*candidate));
   }
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.detection.score > b.detection.score;

@@ -2,6 +2,7 @@
 #include <span>
 
 #include "detection/models.hpp"
+#include "detection/triangulate.hpp"
 
 namespace stonestack {
 
@@ -14,6 +15,10 @@ namespace stonestack {
 
 /// Fast point feature histograms (Rusu 2009, PCL): 33 numbers.
 [[nodiscard]] Features fpfh_features(const SurfacePoints& surface, std::span<const int> keypoints,
+                                     double radius);
+
+/// Rotational projection statistics (Guo 2013, PCL), the paper's choice: 135 numbers. Needs triangles.
+[[nodiscard]] Features rops_features(const TriangulatedSurface& mesh, std::span<const int> keypoints,
                                      double radius);
 
 /// Keeps the keypoints whose rows are finite.

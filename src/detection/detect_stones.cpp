@@ -46,17 +46,23 @@ void add_swept(std::vector<Hypothesis>& hypotheses, const DetectionModel& model,
   }
 }
 
-/// Candidates of every missing model, by descriptors (if given) and by the sweep over the scene's clusters.
+/// What a look at a scene tries.
+struct Look {
+  const Features* seen = nullptr;  ///< hypotheses from descriptors, if given
+  bool sweep = false;              ///< and from all orientations on each cluster
+};
+
+/// Candidates of every missing model.
 std::vector<Candidate> search(const DetectionModels::Data& data, std::span<const int> missing,
-                              const DetectionScene& scene, const Features* seen,
+                              const DetectionScene& scene, const Look& look,
                               const DetectionOptions& options) {
   const auto clusters = members(scene);
   std::vector<std::vector<Candidate>> found(missing.size());
   tbb::parallel_for(std::size_t{0}, missing.size(), [&](std::size_t k) {
     const DetectionModel& model = data.models[static_cast<std::size_t>(missing[k])];
     std::vector<Hypothesis> hypotheses;
-    if (seen != nullptr) hypotheses = feature_hypotheses(model, *seen, options);
-    if (options.sweep) add_swept(hypotheses, model, scene, clusters);
+    if (look.seen != nullptr) hypotheses = feature_hypotheses(model, *look.seen, options);
+    if (look.sweep) add_swept(hypotheses, model, scene, clusters);
     found[k] = judge_hypotheses(model, missing[k], hypotheses, scene, options);
   });
   std::vector<Candidate> all;
@@ -65,22 +71,29 @@ std::vector<Candidate> search(const DetectionModels::Data& data, std::span<const
   return all;
 }
 
-/// Score first, but a large surface that fits is worth more than a small one.
-double worth(const Candidate& c) {
+/// Score first, but a large surface that fits is worth more than a small one. The paper has the inlier ratio.
+double worth(const Candidate& c, const DetectionOptions& options) {
+  if (options.method == "paper") return c.detection.inlier_ratio;
   return c.detection.score * std::cbrt(static_cast<double>(c.pixels.size()));
+}
+
+bool acceptable(const Detection& d, const DetectionOptions& options) {
+  if (options.method == "paper") return d.inlier_ratio >= options.accept_inlier_ratio;
+  return d.score >= options.accept_score && d.visible >= kLeastVisible;
 }
 
 /// Takes candidates in order of worth, at most one a model, each only if what it explains is mostly still
 /// free.
 std::vector<Candidate> without_conflicts(std::vector<Candidate> candidates, const CameraIntrinsics& camera,
                                          const DetectionOptions& options) {
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return worth(a) > worth(b); });
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+    return worth(a, options) > worth(b, options);
+  });
   std::vector<char> claimed(static_cast<std::size_t>(camera.width * camera.height), 0);
   std::vector<Candidate> taken;
   for (auto& c : candidates) {
     const Detection& d = c.detection;
-    if (d.score < options.accept_score || d.visible < kLeastVisible) continue;
+    if (!acceptable(d, options)) continue;
     const auto overlap = std::count_if(c.pixels.begin(), c.pixels.end(),
                                        [&](int i) { return claimed[static_cast<std::size_t>(i)] != 0; });
     if (static_cast<double>(overlap) > kLargestOverlap * static_cast<double>(c.pixels.size())) continue;
@@ -116,20 +129,34 @@ std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge
   return all;
 }
 
-/// A second look for what is missing, at what the first one left unexplained.
-void search_the_rest(std::vector<Candidate>& taken, std::vector<int> missing, const DepthImage& image,
-                     const DetectionModels::Data& data, const SceneKnowledge& known,
-                     const DetectionOptions& options) {
-  SceneKnowledge more_known = known;
-  for (const auto& t : taken) {
-    more_known.stones.push_back({t.detection.stone, t.detection.T_C_O});
-    std::erase(missing, t.detection.stone);
+/// Looks again and again at what is still unexplained, for what is still missing: the cheap sweep first,
+/// which finds stones that stand alone, then descriptors on the rest, then the sweep on what these have set
+/// apart.
+std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<int> missing,
+                                       DetectionScene scene, const DetectionOptions& options) {
+  std::vector<Candidate> taken;
+  bool changed = true, described = false;
+  while (!missing.empty() && scene.clusters > 0) {
+    throw_if_interrupted();
+    const bool sweep = options.sweep && changed;
+    if (!sweep && described && !changed) break;
+    const bool describe = !sweep;
+    Features seen;
+    if (describe) seen = describe_scene(scene, data.options);
+    auto found = without_conflicts(search(data, missing, scene, {describe ? &seen : nullptr, sweep}, options),
+                                   scene.depth.camera, options);
+    described = describe;
+    changed = !found.empty();
+    std::vector<KnownStone> stones;
+    for (auto& f : found) {
+      stones.push_back({f.detection.stone, f.detection.T_C_O});
+      std::erase(missing, f.detection.stone);
+      taken.push_back(std::move(f));
+    }
+    if (changed) scene = without_stones(std::move(scene), data, stones, options);
+    if (!options.sweep) break;
   }
-  if (missing.empty() || taken.empty()) return;
-  const DetectionScene rest = see_scene(image, data, more_known, true, options);
-  if (rest.clusters == 0) return;
-  for (auto& more : without_conflicts(search(data, missing, rest, nullptr, options), image.camera, options))
-    taken.push_back(std::move(more));
+  return taken;
 }
 
 }  // namespace
@@ -139,15 +166,13 @@ DetectionResult detect_stones(const DepthImage& image, const DetectionModels& mo
                               const SceneKnowledge& known) {
   const auto& data = models.data();
   const std::vector<int> missing = wanted_models(wanted, known, static_cast<int>(data.models.size()));
-  const DetectionScene scene = see_scene(image, data, known, true, options);
+  DetectionScene scene = see_scene(image, data, known, true, options);
   DetectionResult result;
   result.table_C = scene.table_C;
   result.note = scene.note;
   if (scene.clusters == 0 || missing.empty()) return result;
-  const Features seen = describe(scene.surface, data.options);
-  auto taken = without_conflicts(search(data, missing, scene, &seen, options), image.camera, options);
-  if (options.sweep) search_the_rest(taken, missing, image, data, known, options);
-  for (auto& t : taken) result.detections.push_back(t.detection);
+  const auto taken = search_in_turns(data, missing, std::move(scene), options);
+  for (const auto& t : taken) result.detections.push_back(t.detection);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   if (result.detections.empty()) result.note = "no wanted stone fits what stands on the table";

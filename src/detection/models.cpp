@@ -67,7 +67,7 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
                        box.center(), 0.0,        std::move(surface),       std::move(field),
                        {},           {}};
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
-  model.features = describe(as_seen(model.surface, model.field, options), options);
+  model.features = describe_model(stone.mesh, as_seen(model.surface, model.field, options), options);
   model.sides = make_sides(model.surface);
   return model;
 }
@@ -85,23 +85,45 @@ bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vecto
 
 DetectionScene see_scene(const DepthImage& image, const DetectionModels::Data& data,
                          const SceneKnowledge& known, bool find_table, const DetectionOptions& options) {
-  SceneContext context{known.table_C, find_table, nullptr};
-  if (!known.stones.empty())
-    context.explained = [&](const Eigen::Vector3f& p) {
-      return std::any_of(known.stones.begin(), known.stones.end(), [&](const KnownStone& k) {
-        return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, options.explained_margin);
-      });
-    };
-  return preprocess(image, context, options);
+  DetectionScene scene = preprocess(image, known.table_C, find_table, options);
+  if (scene.clusters == 0 || known.stones.empty()) return scene;
+  return without_stones(std::move(scene), data, known.stones, options);
+}
+
+DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
+                              std::span<const KnownStone> stones, const DetectionOptions& options) {
+  const auto explained = [&](const Eigen::Vector3f& p) {
+    return std::any_of(stones.begin(), stones.end(), [&](const KnownStone& k) {
+      return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, options.explained_margin);
+    });
+  };
+  const CameraIntrinsics& camera = scene.depth.camera;
+  scene.explained.resize(scene.depth.z.size(), 0);
+  tbb::parallel_for(0, camera.height, [&](int v) {
+    for (int u = 0; u < camera.width; ++u)
+      if (const float z = scene.depth.at(u, v);
+          z > 0 && explained((z * deproject(camera, u, v)).cast<float>()))
+        scene.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
+  });
+  SurfacePoints rest;
+  for (std::size_t i = 0; i < scene.surface.points.size(); ++i) {
+    if (explained(scene.surface.points[i])) continue;
+    rest.points.push_back(scene.surface.points[i]);
+    rest.normals.push_back(scene.surface.normals[i]);
+    rest.areas.push_back(scene.surface.areas[i]);
+  }
+  scene.surface = std::move(rest);
+  find_clusters(scene, options);
+  return scene;
 }
 
 DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionOptions& options)
     : data_(std::make_unique<Data>()) {
+  data_->options = resolved(options);
   std::vector<std::unique_ptr<DetectionModel>> made(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
-    made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], options));
+    made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));
   });
-  data_->options = options;
   for (auto& m : made) data_->models.push_back(std::move(*m));
 }
 DetectionModels::~DetectionModels() = default;

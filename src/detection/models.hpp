@@ -53,4 +53,9 @@ struct DetectionModels::Data {
                                        const SceneKnowledge& known, bool find_table,
                                        const DetectionOptions& options);
 
+/// A scene without the points and pixels of some stones: what is left to explain.
+[[nodiscard]] DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
+                                            std::span<const KnownStone> stones,
+                                            const DetectionOptions& options);
+
 }  // namespace stonestack

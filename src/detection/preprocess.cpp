@@ -245,8 +245,17 @@ std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& opti
 
 }  // namespace
 
-DetectionScene preprocess(const DepthImage& image, const SceneContext& context,
-                          const DetectionOptions& options) {
+void find_clusters(DetectionScene& scene, const DetectionOptions& options) {
+  scene.cluster =
+      cluster_points(scene.surface.points, static_cast<float>(options.cluster_gap), options.cluster_points);
+  scene.clusters = 0;
+  for (const int c : scene.cluster) scene.clusters = std::max(scene.clusters, c + 1);
+  if (scene.clusters == 0)
+    scene.note = scene.table_C ? "nothing unknown stands on the table" : "nothing but specks is in view";
+}
+
+DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
+                          bool look_for_table, const DetectionOptions& options) {
   DetectionScene scene;
   if (scene.note = unusable(image); !scene.note.empty()) return scene;
   scene.depth = smooth_depth(image, options);
@@ -255,8 +264,7 @@ DetectionScene preprocess(const DepthImage& image, const SceneContext& context,
     scene.note = nothing_in_range(image, options);
     return scene;
   }
-  if (context.table_C || context.find_table)
-    scene.table_C = find_table(scene.depth, context.table_C, options);
+  if (expected_table || look_for_table) scene.table_C = find_table(scene.depth, expected_table, options);
   if (scene.table_C) scene.noise = noise_about(*scene.table_C, scene.depth, options.table_tolerance);
   std::vector<Eigen::Vector3f> points;
   std::vector<float> areas;
@@ -268,21 +276,12 @@ DetectionScene preprocess(const DepthImage& image, const SceneContext& context,
       const Eigen::Vector3d p = z * deproject(image.camera, u, v);
       const double height = scene.table_C ? scene.table_C->distance(p) : options.height_low;
       if (height < options.height_low || height > options.height_high) continue;
-      if (context.explained && context.explained(p.cast<float>())) {
-        scene.explained.resize(image.z.size(), 0);
-        scene.explained[static_cast<std::size_t>(v * image.camera.width + u)] = 1;
-        continue;
-      }
       points.emplace_back(p.cast<float>());
       areas.push_back(static_cast<float>(z * z * pixel));
     }
   scene.surface = surface_points(points, areas, static_cast<float>(options.voxel),
                                  static_cast<float>(options.normal_radius));
-  scene.cluster =
-      cluster_points(scene.surface.points, static_cast<float>(options.cluster_gap), options.cluster_points);
-  for (const int c : scene.cluster) scene.clusters = std::max(scene.clusters, c + 1);
-  if (scene.clusters == 0)
-    scene.note = scene.table_C ? "nothing stands on the table" : "nothing but specks is in view";
+  find_clusters(scene, options);
   return scene;
 }
 

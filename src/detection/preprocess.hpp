@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,16 +50,11 @@ struct DetectionScene {
 [[nodiscard]] std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, float gap,
                                               int fewest);
 
-/// What an image is read with.
-struct SceneContext {
-  std::optional<Plane> table_C;  ///< expected
-  bool find_table = true;        ///< without an expected table, look for one
-  std::function<bool(const Eigen::Vector3f&)>
-      explained;  ///< true for points (C) of stones whose poses are known
-};
+/// Sets the clusters of the scene's surface.
+void find_clusters(DetectionScene& scene, const DetectionOptions& options);
 
-/// All of it.
-[[nodiscard]] DetectionScene preprocess(const DepthImage& image, const SceneContext& context,
-                                        const DetectionOptions& options);
+/// All of it. `find_table` without an expected table looks for one.
+[[nodiscard]] DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
+                                        bool find_table, const DetectionOptions& options);
 
 }  // namespace stonestack

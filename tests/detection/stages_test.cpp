@@ -34,7 +34,7 @@ TEST(Preprocess, FindsTheTableAndOneClusterAStone) {
                                       {&b, test::on_table(b, Eigen::Quaterniond::Identity(), 0.12, 0.05)}},
                                      T_W_C),
                        0.0008, 1);
-  const DetectionScene scene = preprocess(image, {}, {});
+  const DetectionScene scene = preprocess(image, {}, true, {});
   ASSERT_TRUE(scene.table_C.has_value());
   const Eigen::Vector3d up_C = T_W_C.linear().transpose() * Eigen::Vector3d::UnitZ();
   EXPECT_LT(std::acos(scene.table_C->normal.dot(up_C)), 0.2 * kDegree);
@@ -112,7 +112,7 @@ class OneStone : public ::testing::Test {
   Pose T_W_O = test::on_table(stone, Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())),
                               0.02, -0.01);
   Pose T_C_O = T_W_C.inverse() * T_W_O;
-  DetectionScene scene = preprocess(test::look_at({{&stone, T_W_O}}, T_W_C), {}, options);
+  DetectionScene scene = preprocess(test::look_at({{&stone, T_W_O}}, T_W_C), {}, true, options);
 };
 
 TEST_F(OneStone, RefinementConvergesFrom8MillimetresAnd8Degrees) {

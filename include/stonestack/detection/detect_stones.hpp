@@ -56,7 +56,7 @@ struct DetectionOptions {
   double icp_gate = 0.015;           ///< m, furthest correspondence at first
   double verify_tolerance = 0.005;   ///< m, from seen to expected surface
   double accept_score = 0.85;        ///< measured: right poses 0.92 and up, wrong ones up to 0.82
-  double accept_inlier_ratio = 0.30;  ///< with paper
+  double accept_inlier_ratio = 0.75;  ///< with paper
   double explained_margin = 0.008;    ///< m, points this near to a stone whose pose is known are its own
   double noise_scale = 0.0048;  ///< m, of a surface point as ICP's Hessian sees it: calibrates covariance
   int seed = 1;

@@ -1,0 +1,155 @@
+#include "bench_detection_scenes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace stonestack::bench {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kApart = 0.001;  // m, between stones that "touch"
+
+double lowest(const Stone& stone, const Eigen::Quaterniond& R) {
+  double z = 1e9;
+  for (const auto& p : stone.mesh.vertices) z = std::min(z, (R * p).z());
+  return z;
+}
+
+/// A camera 0.6 to 0.8 m from the middle of the scene, `tilt` off the vertical.
+Pose camera_pose(double tilt, Random& random) {
+  const double azimuth = random.uniform(0, 2 * kPi), distance = random.uniform(0.62, 0.78);
+  const Eigen::Vector3d out(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
+                            std::cos(tilt));
+  Eigen::Matrix3d R;
+  R.col(2) = -out;
+  R.col(0) = R.col(2).cross(Eigen::Vector3d(-std::sin(azimuth), std::cos(azimuth), 0.2)).normalized();
+  R.col(1) = R.col(2).cross(R.col(0));
+  const Eigen::Vector3d target(random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), 0.05);
+  return make_pose(target + distance * out, Eigen::Quaterniond(R));
+}
+
+std::size_t pixels_of(const RenderedView& view, int instance) {
+  return static_cast<std::size_t>(std::count(view.instance.begin(), view.instance.end(), instance));
+}
+
+}  // namespace
+
+std::vector<SceneKind> scene_kinds() {
+  return {{"isolated", 4, "apart"},
+          {"touching", 4, "touching"},
+          {"stacked", 4, "stacked"},
+          {"few", 1, "apart"},
+          {"d435", 4, "apart", "d435"}};
+}
+
+SceneMaker::SceneMaker(const std::vector<Stone>& stones) : stones_(stones) {
+  for (const auto& s : stones) distance_.emplace_back(s.mesh, 0.004, 0.03);
+}
+
+double SceneMaker::gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const {
+  const auto one_way = [&](int from, const Pose& T_from, int to, const Pose& T_to) {
+    const auto& field = distance_[static_cast<std::size_t>(to)];
+    const Pose T = T_to.inverse() * T_from;
+    double nearest = field.band();
+    for (const auto& p : stones_[static_cast<std::size_t>(from)].mesh.vertices)
+      nearest = std::min(nearest, field.distance(T * p));
+    return nearest;
+  };
+  return std::min(one_way(a, T_W_A, b, T_W_B), one_way(b, T_W_B, a, T_W_A));
+}
+
+double SceneMaker::gap(const std::vector<PlacedStone>& placed, int stone, const Pose& T_W_O) const {
+  double nearest = 0.03;
+  for (const auto& p : placed) nearest = std::min(nearest, gap(p.stone, p.T_W_O, stone, T_W_O));
+  return nearest;
+}
+
+Eigen::Quaterniond SceneMaker::rest(int stone, Random& random) const {
+  const Stone& s = stones_[static_cast<std::size_t>(stone)];
+  Eigen::Quaterniond R = random.rotation();
+  double height = -lowest(s, R);  // of the origin above the table: falls until the stone rests
+  for (double step = 0.3; step > 0.004; step *= 0.97) {
+    const Eigen::Quaterniond turned(Eigen::AngleAxisd(step * random.uniform(), random.unit_vector()) * R);
+    if (const double h = -lowest(s, turned); h < height) height = h, R = turned;
+  }
+  return R;
+}
+
+Pose SceneMaker::push(const std::vector<PlacedStone>& placed, int stone, Pose T_W_O,
+                      const Eigen::Vector3d& towards) const {
+  for (double step = 0.016; step > 0.0005; step *= 0.5)
+    for (int k = 0; k < 40; ++k) {
+      const Pose next = make_pose(step * towards) * T_W_O;
+      if (gap(placed, stone, next) < kApart) break;
+      T_W_O = next;
+    }
+  return T_W_O;
+}
+
+std::vector<PlacedStone> SceneMaker::arrange(const SceneKind& kind, Random& random) const {
+  std::vector<int> order(stones_.size());
+  std::iota(order.begin(), order.end(), 0);
+  random.shuffle(order.begin(), order.end());
+  std::vector<PlacedStone> placed;
+  const int count = std::min<int>(kind.present, static_cast<int>(stones_.size()));
+  const double start = random.uniform(0, 2 * kPi);
+  for (int i = 0; i < count; ++i) {
+    const int stone = order[static_cast<std::size_t>(i)];
+    const Eigen::Quaterniond R = rest(stone, random);
+    const double angle = start + 2 * kPi * i / count + random.uniform(-0.2, 0.2);
+    const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
+    const double z = -lowest(stones_[static_cast<std::size_t>(stone)], R);
+    if (kind.arrangement == "stacked" && i > 0 && i < 3) {
+      const Eigen::Vector3d above(random.uniform(-0.015, 0.015), random.uniform(-0.015, 0.015), 0.5);
+      placed.push_back({stone, push(placed, stone, make_pose(above, R), -Eigen::Vector3d::UnitZ())});
+    } else if (kind.arrangement == "stacked" && i == 0) {
+      placed.push_back({stone, make_pose({0, 0, z}, R)});
+    } else if (kind.arrangement == "touching" && i == 0) {
+      placed.push_back({stone, make_pose(0.04 * out + z * Eigen::Vector3d::UnitZ(), R)});
+    } else if (kind.arrangement == "touching") {
+      const Pose far = make_pose(0.35 * out + z * Eigen::Vector3d::UnitZ(), R);
+      placed.push_back({stone, push(placed, stone, far, -out)});
+    } else {
+      const double away = count == 1 ? 0.05 : kind.arrangement == "stacked" ? 0.17 : 0.14;
+      placed.push_back({stone, make_pose(away * out + z * Eigen::Vector3d::UnitZ(), R)});
+    }
+  }
+  return placed;
+}
+
+BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed) const {
+  Random random = Random::stream(seed, "bench detection " + kind.arrangement);
+  std::vector<PlacedStone> placed = arrange(kind, random);
+  while (kind.arrangement == "apart" && placed.size() > 1) {  // large stones may meet: try again
+    double nearest = 1;
+    for (std::size_t i = 1; i < placed.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        nearest = std::min(nearest, gap(placed[i].stone, placed[i].T_W_O, placed[j].stone, placed[j].T_W_O));
+    if (nearest > 0.015) break;
+    placed = arrange(kind, random);
+  }
+  const double most_tilt = kind.arrangement == "stacked" ? 1.1 : 0.78;
+  const double least_tilt = kind.arrangement == "stacked" ? 0.5 : 0.0;
+  BenchScene scene;
+  scene.T_W_C = camera_pose(random.uniform(least_tilt, most_tilt), random);
+  const SensorModel sensor = make_sensor(kind.sensor);
+  RayScene world;
+  world.add(make_box({1.6, 1.6, 0.02}), make_pose({0, 0, -0.01}));
+  for (const auto& p : placed) world.add(stones_[static_cast<std::size_t>(p.stone)].scan, p.T_W_O);
+  world.commit();
+  const RenderedView view = render(world, sensor.camera, scene.T_W_C);
+  scene.image = add_noise(view, scene.T_W_C, sensor, random);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    RayScene alone;
+    alone.add(stones_[static_cast<std::size_t>(placed[i].stone)].scan, placed[i].T_W_O);
+    alone.commit();
+    const auto whole = pixels_of(render(alone, sensor.camera, scene.T_W_C), 0);
+    const auto seen = pixels_of(view, static_cast<int>(i) + 1);
+    scene.truth.push_back({placed[i].stone, scene.T_W_C.inverse() * placed[i].T_W_O,
+                           whole > 0 ? static_cast<double>(seen) / static_cast<double>(whole) : 0.0});
+  }
+  return scene;
+}
+
+}  // namespace stonestack::bench

@@ -1,0 +1,22 @@
+#pragma once
+#include <vector>
+
+#include "detection/preprocess.hpp"
+
+namespace stonestack {
+
+/// Points with triangles over them: what rotational projection statistics describe.
+struct TriangulatedSurface {
+  SurfacePoints surface;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
+/// What stands on the table, on every n-th pixel so that points are about `spacing` apart; neighbouring
+/// pixels are linked unless depth jumps between them.
+[[nodiscard]] TriangulatedSurface triangulate(const DetectionScene& scene, double spacing, double height_low,
+                                              double height_high);
+
+/// The mesh with every edge longer than `spacing` split, again and again.
+[[nodiscard]] TriangulatedSurface subdivide(const Mesh& mesh, double spacing);
+
+}  // namespace stonestack
