@@ -47,12 +47,15 @@ bool in_place(const Sighting& seen, const PlacedStone& expected) {
   return error.translation < kConsistent && error.angle < kConsistentTurn;
 }
 
-bool any_in_place(std::vector<Sighting>& sightings, const std::vector<PlacedStone>& expected,
-                  std::size_t from) {
-  for (std::size_t i = from; i < expected.size(); ++i) {
-    const auto found = find(sightings, expected[i].stone);
-    if (found != sightings.end() && in_place(*found, expected[i])) return true;
-  }
+/// Is a stone that was expected higher still up there: in place, or moved but resting over the hidden one?
+bool something_stands_on(const ShapeList& shapes, const std::vector<Sighting>& sightings,
+                         const std::vector<PlacedStone>& expected, std::size_t hidden) {
+  for (std::size_t i = hidden + 1; i < expected.size(); ++i)
+    for (const auto& seen : sightings) {
+      if (seen.stone != expected[i].stone) continue;
+      if (in_place(seen, expected[i]) || rests_over(shapes, {seen.stone, seen.T_W_O}, expected[hidden]))
+        return true;
+    }
   return false;
 }
 
@@ -77,8 +80,8 @@ Belief believe(const ShapeList& shapes, const CellLayout& layout, const std::vec
   for (std::size_t i = 0; i < expected.size(); ++i) {  // from the table up
     const auto found = find(left, expected[i].stone);
     if (found == left.end()) {
-      // Hidden by what stands on it, or gone: it is there if a stone above it is still where it was.
-      if (!any_in_place(left, expected, i + 1)) break;
+      // Hidden by what stands on it, or gone: it is there if something still stands on it.
+      if (!something_stands_on(shapes, left, expected, i)) break;
       belief.stack.push_back(expected[i]);
       continue;
     }
