@@ -13,5 +13,6 @@ void add_search(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_run(CLI::App& app);
 void add_config(CLI::App& app);
+void add_bench(CLI::App& app);
 
 }  // namespace stonestack::apps

@@ -8,16 +8,20 @@
 
 namespace stonestack::apps {
 
-void CommonOptions::register_on(CLI::App& command) {
+void CommonOptions::register_bench(CLI::App& command) {
   command
       .add_option("--catalogue", catalogue, "Folder of stones (default: the six that come with stonestack)")
       ->type_name("DIR");
   command.add_option("--seed", seed, "Same seed, same result")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  settings.register_on(command);
+}
+
+void CommonOptions::register_on(CLI::App& command) {
+  register_bench(command);
   command.add_flag("--json", json, "Result as JSON on stdout");
   command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
-  settings.register_on(command);
 }
 
 void CommonOptions::begin() const {

@@ -18,6 +18,8 @@ struct CommonOptions {
 
   /// --catalogue, --seed, --json, --quiet, --set, --config.
   void register_on(CLI::App& command);
+  /// The same for a benchmark, which prints a table: no --json, no --quiet.
+  void register_bench(CLI::App& command);
   /// Applies --quiet; call first in a callback.
   void begin() const;
   [[nodiscard]] Catalogue read() const;

@@ -46,7 +46,7 @@ int run(int argc, char** argv) {
       // in the order of the help
       stonestack::apps::add_scan,   stonestack::apps::add_render, stonestack::apps::add_detect,
       stonestack::apps::add_search, stonestack::apps::add_plan,   stonestack::apps::add_run,
-      stonestack::apps::add_config,
+      stonestack::apps::add_config, stonestack::apps::add_bench,
   };
   for (const auto add : commands) add(app);
   check_command(app, argc, argv);

@@ -230,8 +230,8 @@ void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
 }  // namespace
 
 FieldList fields(GraspOptions& o) {
-  return {field("directions", o.directions, {8, 5000}, "", "measured: bench_grasp"),
-          field("yaws", o.yaws, {2, 360}, "", "measured: bench_grasp"),
+  return {field("directions", o.directions, {8, 5000}, "", "measured: stonestack bench grasp"),
+          field("yaws", o.yaws, {2, 360}, "", "measured: stonestack bench grasp"),
           field("spacing", o.spacing, {0.0005, 0.05}, "m", "ours"),
           field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "ours"),
           field("deepest", o.deepest, {-0.05, 0.1}, "m", "ours"),

@@ -1,19 +1,18 @@
 // Prints, for every robot: inverse solutions recovered, worst residual, processor time a call.
-//   bench_kinematics [poses, default 100000] [seed, default 1]
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
+#include <memory>
 #include <vector>
 
+#include "bench.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
+namespace stonestack::apps {
 namespace {
-
-using namespace stonestack;
 
 /// Processor time of this process, s: other work on the machine does not count.
 double processor_seconds() {
@@ -35,7 +34,7 @@ std::vector<Problem> random_problems(const RobotModel& robot, std::size_t count,
   return problems;
 }
 
-void bench(const std::string& name, std::size_t count, std::uint64_t seed) {
+void measure(const std::string& name, std::size_t count, std::uint64_t seed) {
   const RobotModel robot = read_robot(name);
   const auto problems = random_problems(robot, count, seed);
   std::size_t recovered = 0, solutions = 0;
@@ -75,16 +74,24 @@ void bench(const std::string& name, std::size_t count, std::uint64_t seed) {
 
 }  // namespace
 
-int main(int count, char** arguments) {
-  try {
-    const long poses = count > 1 ? std::atol(arguments[1]) : 100000;
-    const long seed = count > 2 ? std::atol(arguments[2]) : 1;
-    require(poses > 0, "the number of poses must be positive, got ", poses);
+void add_bench_kinematics(CLI::App& bench) {
+  struct Command {
+    int poses = 100000;
+    int seed = 1;
+  };
+  auto command = std::make_shared<Command>();
+  CLI::App* sub =
+      bench.add_subcommand("kinematics", "Inverse kinematics: recovered poses, residual, time a call");
+  sub->add_option("--poses", command->poses, "Random joint positions a robot")
+      ->check(CLI::Range(1, 100000000))
+      ->capture_default_str();
+  sub->add_option("--seed", command->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub->footer("Example:\n  stonestack bench kinematics --poses 1000000");
+  sub->callback([command] {
+    std::printf("%d poses a robot, seed %d\n", command->poses, command->seed);
     for (const auto& name : robot_names())
-      bench(name, static_cast<std::size_t>(poses), static_cast<std::uint64_t>(seed));
-    return 0;
-  } catch (const Error& problem) {
-    std::fprintf(stderr, "%s\n", problem.what());
-    return static_cast<int>(problem.exit_code());
-  }
+      measure(name, static_cast<std::size_t>(command->poses), static_cast<std::uint64_t>(command->seed));
+  });
 }
+
+}  // namespace stonestack::apps

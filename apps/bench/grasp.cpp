@@ -1,14 +1,15 @@
 // Prints how often a stone can be grasped where it lies and set on a tower, and what planning it costs.
-//   bench_grasp CATALOGUE [tasks, default 40] [seed, default 1]
 // Loose stones lie in the field in poses of rest; the tower is another stone at the site with, on top, the
 // target: the stone as it lies, turned about the vertical ("turned"), or in another pose of rest ("tipped").
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <vector>
 
+#include "bench.hpp"
+#include "common_options.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -16,9 +17,8 @@
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+namespace stonestack::apps {
 namespace {
-
-using namespace stonestack;
 
 /// Height of the centre of mass over the lowest point, m.
 double standing_height(const Stone& stone, const Eigen::Quaterniond& R_W_O) {
@@ -149,7 +149,7 @@ void run_task(const Problem& problem, std::size_t i, const Stone& stone, const P
   }
 }
 
-void bench(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
+void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
   const Stopwatch sampling;
   int grasps = 0;
   for (const Stone& stone : stones) {
@@ -179,13 +179,23 @@ void bench(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    stonestack::require(argc >= 2, "usage: bench_grasp CATALOGUE [tasks] [seed]");
-    bench(stonestack::read_catalogue(argv[1]).stones, argc > 2 ? std::atoi(argv[2]) : 40,
-          argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
-  } catch (const stonestack::Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.exit_code());
-  }
+void add_bench_grasp(CLI::App& bench) {
+  struct Command {
+    CommonOptions common;
+    int tasks = 40;
+  };
+  auto command = std::make_shared<Command>();
+  CLI::App* sub =
+      bench.add_subcommand("grasp", "How often a stone can be grasped and set on a tower, and the time");
+  sub->add_option("--tasks", command->tasks, "Stone and target pairs a kind")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->common.register_bench(*sub);
+  sub->footer("Example:\n  stonestack bench grasp --catalogue rocks --tasks 200");
+  sub->callback([command] {
+    std::printf("%d tasks a kind, seed %d\n", command->tasks, command->common.seed);
+    measure(command->common.read().stones, command->tasks, static_cast<std::uint64_t>(command->common.seed));
+  });
 }
+
+}  // namespace stonestack::apps

@@ -1,34 +1,30 @@
 // Recall, false accepts, errors, calibration and time of detection on seeded synthetic scenes.
-//   bench_detection [--catalogue data/stones] [--scenes 20] [--seed 1] [--kinds isolated,...] [--methods
-//   default,...]
-//                   [--set name=value ...] [--list]
 // A stone counts when a quarter or more of what faces the camera is not hidden. Right: within 5 deg and 5 mm.
-#include <CLI/CLI.hpp>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <memory>
 
-#include "bench_detection_scenes.hpp"
+#include "bench.hpp"
+#include "common_options.hpp"
+#include "detection_scenes.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/stone/catalogue.hpp"
 
+namespace stonestack::apps {
 namespace {
-
-using namespace stonestack;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kChi2Of95 = 12.592;  // six degrees of freedom
 
 /// What the user asks for.
-struct Settings {
-  std::string catalogue = "data/stones";
+struct DetectionBench {
+  CommonOptions common;
   int scenes = 20;
-  int seed = 1;
-  std::vector<std::string> kinds, methods{"default"}, overrides;
+  std::vector<std::string> kinds, methods{"default"};
   bool list = false;
 };
 
@@ -53,7 +49,7 @@ double mahalanobis2(const Detection& d, const Pose& truth) {
 }
 
 void judge(const DetectionResult& result, const bench::BenchScene& scene, int models,
-           const Settings& settings, Tally& tally) {
+           const DetectionBench& settings, Tally& tally) {
   for (int stone = 0; stone < models; ++stone) {
     const auto truth = std::find_if(scene.truth.begin(), scene.truth.end(),
                                     [&](const bench::TrueStone& t) { return t.stone == stone; });
@@ -100,16 +96,17 @@ void print(const std::string& method, const std::string& kind, int scenes, const
   std::fflush(stdout);
 }
 
-void run(const Settings& settings, const std::vector<Stone>& stones) {
+void measure(DetectionBench& settings, const std::vector<Stone>& stones) {
   const bench::SceneMaker maker(stones);
-  std::printf("seed %d, %d scenes a kind, %zu models, 5 deg / 5 mm\n", settings.seed, settings.scenes,
+  std::printf("seed %d, %d scenes a kind, %zu models, 5 deg / 5 mm\n", settings.common.seed, settings.scenes,
               stones.size());
   std::printf("%-8s %-9s %7s %9s %3s %10s %11s %11s %6s %6s %6s %6s %6s\n", "method", "kind", "recall", "",
               "bad", "false", "deg 50/95", "mm 50/95", "in 95%", "chi2", "score5", "wall s", "cpu s");
   for (const auto& method : settings.methods) {
     DetectionOptions options;
     options.method = method;
-    for (const auto& o : settings.overrides) set_field(fields(options), o);
+    settings.common.settings.apply(nest("detection", fields(options)));
+    options.method = method;
     const DetectionModels models(stones, options);
     for (const auto& kind : bench::scene_kinds()) {
       if (!settings.kinds.empty() &&
@@ -119,7 +116,7 @@ void run(const Settings& settings, const std::vector<Stone>& stones) {
       for (int i = 0; i < settings.scenes; ++i) {
         throw_if_interrupted();
         const auto scene = maker.make(
-            kind, static_cast<std::uint64_t>(settings.seed) * 100000 + static_cast<std::uint64_t>(i));
+            kind, static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(i));
         if (settings.list) std::printf("  scene %d\n", i);
         const Stopwatch watch;
         const std::clock_t start = std::clock();
@@ -135,23 +132,23 @@ void run(const Settings& settings, const std::vector<Stone>& stones) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  Settings settings;
-  CLI::App app("bench_detection: recall, false accepts, errors and time on seeded scenes.");
-  app.add_option("--catalogue", settings.catalogue, "folder of stones")->capture_default_str();
-  app.add_option("--scenes", settings.scenes, "a kind")->capture_default_str();
-  app.add_option("--seed", settings.seed)->capture_default_str();
-  app.add_option("--kinds", settings.kinds, "isolated,touching,stacked,few,d435; all if empty")
+void add_bench_detection(CLI::App& bench) {
+  auto command = std::make_shared<DetectionBench>();
+  CLI::App* sub = bench.add_subcommand(
+      "detection", "Recall, false accepts, errors, calibration and time on seeded scenes");
+  sub->add_option("--scenes", command->scenes, "Scenes a kind")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--kinds", command->kinds, "isolated,touching,stacked,few,d435; all if empty")
       ->delimiter(',');
-  app.add_option("--methods", settings.methods, "default,paper")->delimiter(',')->capture_default_str();
-  app.add_option("--set", settings.overrides, "name=value of an option of detection");
-  app.add_flag("--list", settings.list, "every miss and every false accept");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    run(settings, read_catalogue(settings.catalogue).stones);
-    return 0;
-  } catch (const Error& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.exit_code());
-  }
+  sub->add_option("--methods", command->methods, "default,paper")->delimiter(',')->capture_default_str();
+  sub->add_flag("--list", command->list, "Every miss and every false accept");
+  command->common.register_bench(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack bench detection --scenes 100 --methods default,paper\n"
+      "  stonestack bench detection --kinds touching --scenes 10 --list");
+  sub->callback([command] { measure(*command, command->common.read().stones); });
 }
+
+}  // namespace stonestack::apps

@@ -1,20 +1,19 @@
 // Prints the speed of collision checks and transits. Times are processor time; seeds are fixed.
-//   bench_motion [transit problems, default 100] [seed, default 1]
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
+#include <memory>
 #include <vector>
 
+#include "bench.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/transit.hpp"
 
+namespace stonestack::apps {
 namespace {
-
-using namespace stonestack;
 
 constexpr double kPi = 3.14159265358979323846;
 
@@ -137,16 +136,23 @@ void bench_transit(int problems, std::uint64_t seed) {
 
 }  // namespace
 
-int main(int count, char** arguments) {
-  try {
-    const long problems = count > 1 ? std::atol(arguments[1]) : 100;
-    const long seed = count > 2 ? std::atol(arguments[2]) : 1;
-    require(problems > 0 && problems < 100000, "the number of problems must be positive, got ", problems);
-    bench_collision(static_cast<std::uint64_t>(seed));
-    bench_transit(static_cast<int>(problems), static_cast<std::uint64_t>(seed));
-    return 0;
-  } catch (const Error& problem) {
-    std::fprintf(stderr, "%s\n", problem.what());
-    return static_cast<int>(problem.exit_code());
-  }
+void add_bench_motion(CLI::App& bench) {
+  struct Command {
+    int problems = 100;
+    int seed = 1;
+  };
+  auto command = std::make_shared<Command>();
+  CLI::App* sub = bench.add_subcommand("motion", "Collision checks a second; transits on a hard set");
+  sub->add_option("--problems", command->problems, "Transit problems")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--seed", command->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub->footer("Example:\n  stonestack bench motion --problems 500");
+  sub->callback([command] {
+    std::printf("%d problems, seed %d\n", command->problems, command->seed);
+    bench_collision(static_cast<std::uint64_t>(command->seed));
+    bench_transit(command->problems, static_cast<std::uint64_t>(command->seed));
+  });
 }
+
+}  // namespace stonestack::apps

@@ -1,49 +1,31 @@
 // How high does the search build, at what cost? Draws sets of stones from generated limestones (and a
 // catalogue, if given), plans a tower with the default search and with the paper's at the same CPU time, and
 // lets every tower stand 60 simulated seconds on finer shapes than the search used.
-//   bench_search [--draws 8] [--stones 4] [--friction 0.1] [--seed 1] [--catalogue DIR] [--paper 0|1]
 #include <ctime>
 #include <iomanip>
 #include <iostream>
 #include <map>
+#include <memory>
 
+#include "bench.hpp"
+#include "settings.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/limestone.hpp"
 
-using namespace stonestack;
-
+namespace stonestack::apps {
 namespace {
 
 struct BenchOptions {
-  int draws = 8, stones = 4, seed = 1, generated = 12, paper = 1;
-  double friction = 0.1, witness_seconds = 60.0;
+  int draws = 8, stones = 4, seed = 1, generated = 12;
+  bool paper = true;
+  double witness_seconds = 60.0;
   std::string catalogue;
   SearchOptions search;
+  Settings settings;
 };
-
-BenchOptions parse(int argc, char** argv) {
-  BenchOptions options;
-  FieldList list = {field("draws", options.draws, {1, 10000}, "", ""),
-                    field("stones", options.stones, {1, 100}, "", ""),
-                    field("seed", options.seed, {0, 1e9}, "", ""),
-                    field("generated", options.generated, {0, 1000}, "", ""),
-                    field("paper", options.paper, {0, 1}, "", ""),
-                    field("friction", options.friction, {1e-3, 2.0}, "", ""),
-                    field("witness_seconds", options.witness_seconds, {0.1, 600.0}, "s", ""),
-                    field("catalogue", options.catalogue, "")};
-  list = join({list, nest("search", fields(options.search))});
-  for (int k = 1; k + 1 < argc; k += 2) {
-    const std::string name = argv[k];
-    require(name.starts_with("--"), "expected --name value, got ", name);
-    set_field(list, name.substr(2) + "=" + argv[k + 1]);
-  }
-  require(argc % 2 == 1, "expected pairs --name value");
-  options.search.friction = options.friction;
-  return options;
-}
 
 std::vector<Stone> pool_of(const BenchOptions& options) {
   std::vector<Stone> pool;
@@ -96,10 +78,10 @@ Outcome witness(const BenchOptions& options, const ShapeList& fine, const std::v
   outcome.reason = reason;
   if (tower.empty()) return outcome;
   StandOptions stand;
-  stand.friction = options.friction;
+  stand.friction = options.search.friction;
   stand.seconds = options.witness_seconds;
   outcome.clean = judge_stack(fine, stack, stand).standing;
-  outcome.margin = stack_equilibrium(fine, stack, options.friction).margin;
+  outcome.margin = stack_equilibrium(fine, stack, options.search.friction).margin;
   return outcome;
 }
 
@@ -153,7 +135,7 @@ void describe(const char* method, int k, const Outcome& outcome) {
             << (outcome.reason.empty() ? "" : "; ") << outcome.reason << '\n';
 }
 
-void run(const BenchOptions& options) {
+void measure(const BenchOptions& options) {
   const std::vector<Stone> pool = pool_of(options);
   const ShapeList shapes = make_contact_shapes(pool);
   ShapeOptions finer;
@@ -161,29 +143,52 @@ void run(const BenchOptions& options) {
   finer.spacing = 0.002;
   const ShapeList fine = make_contact_shapes(pool, finer);
   std::cout << "draws " << options.draws << " of " << options.stones << " from " << pool.size()
-            << " stones, friction " << options.friction << ", seed " << options.seed << ", beam "
+            << " stones, friction " << options.search.friction << ", seed " << options.seed << ", beam "
             << options.search.beam << ", verdict after " << options.witness_seconds << " s\n";
   std::vector<Outcome> of_default, of_paper;
   for (int k = 0; k < options.draws; ++k) {
     const SearchProblem problem = draw(options, k, shapes);
     of_default.push_back(run_default(options, problem, fine));
     describe("default", k, of_default.back());
-    if (options.paper == 0) continue;
+    if (!options.paper) continue;
     of_paper.push_back(run_paper(options, problem, fine, of_default.back().cpu));
     describe("paper", k, of_paper.back());
   }
   print("default", of_default);
-  if (options.paper != 0) print("paper", of_paper);
+  if (options.paper) print("paper", of_paper);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  try {
-    run(parse(argc, argv));
-    return 0;
-  } catch (const Error& error) {
-    std::cerr << "bench_search: " << error.what() << '\n';
-    return static_cast<int>(error.exit_code());
-  }
+void add_bench_search(CLI::App& bench) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* sub =
+      bench.add_subcommand("search", "Heights, time and margins of planned towers; default beside paper");
+  sub->add_option("--draws", options->draws, "Sets of stones")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--stones", options->stones, "Stones a set")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--catalogue", options->catalogue, "Draw from these stones too")->type_name("DIR");
+  sub->add_option("--generated", options->generated, "Draw from so many generated limestones")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  sub->add_option("--paper", options->paper, "Beside it the paper's search at the same processor time")
+      ->capture_default_str();
+  sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  sub->add_option("--seed", options->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  options->settings.register_on(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack bench search --draws 40\n"
+      "  stonestack bench search --draws 40 --catalogue rocks --generated 0 --set search.friction=0.5");
+  sub->callback([options] {
+    options->settings.apply(nest("search", fields(options->search)));
+    measure(*options);
+  });
 }
+
+}  // namespace stonestack::apps

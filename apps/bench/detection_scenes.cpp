@@ -1,4 +1,4 @@
-#include "bench_detection_scenes.hpp"
+#include "detection_scenes.hpp"
 
 #include <algorithm>
 #include <cmath>

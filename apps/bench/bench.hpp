@@ -1,0 +1,14 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+/// `stonestack bench NAME`: one function a benchmark, each in a file of its own. Every benchmark prints its
+/// seed and settings and compares in one run.
+namespace stonestack::apps {
+
+void add_bench_kinematics(CLI::App& bench);
+void add_bench_motion(CLI::App& bench);
+void add_bench_grasp(CLI::App& bench);
+void add_bench_search(CLI::App& bench);
+void add_bench_detection(CLI::App& bench);
+
+}  // namespace stonestack::apps
