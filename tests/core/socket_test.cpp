@@ -1,0 +1,229 @@
+#include "stonestack/core/socket.hpp"
+
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr double kSoon = 0.02, kLong = 10.0;  // s
+
+/// Two connected sockets over loopback.
+struct Pair {
+  TcpListener listener{ListenOptions{}};
+  TcpStream client = TcpStream::connect(listener.endpoint(), Deadline::in(kLong));
+  TcpStream server = listener.accept(Deadline::in(kLong)).value();
+};
+
+TEST(Deadline, IsBoundedAndRefusesNonsense) {
+  EXPECT_TRUE(Deadline::in(0).over());
+  EXPECT_GT(Deadline::in(5).left(), 4.0);
+  EXPECT_LE(Deadline::in(5).or_in(1).left(), 1.0);
+  EXPECT_LE(Deadline::in(1).or_in(5).left(), 1.0);
+  EXPECT_THROW((void)Deadline::in(-1), InvalidArgument);
+  EXPECT_THROW((void)Deadline::in(std::nan("")), InvalidArgument);
+}
+
+TEST(Socket, CarriesBytesBothWays) {
+  Pair pair;
+  ASSERT_TRUE(pair.client.write_all("hello", Deadline::in(kLong)));
+  Bytes got(5);
+  const IoResult result = pair.server.read_exact(got, Deadline::in(kLong));
+  EXPECT_TRUE(result);
+  EXPECT_EQ(std::string(got.begin(), got.end()), "hello");
+  ASSERT_TRUE(pair.server.write_all("back", Deadline::in(kLong)));
+  Bytes some(100);
+  const IoResult part = pair.client.read_some(some, Deadline::in(kLong));
+  EXPECT_TRUE(part);
+  EXPECT_GE(part.bytes, 1U);
+  EXPECT_EQ(pair.client.name(), to_text(pair.listener.endpoint()));
+}
+
+TEST(Socket, AMegabyteInFragmentsArrivesWhole) {
+  Pair pair;
+  Bytes sent(1U << 20U);
+  std::iota(sent.begin(), sent.end(), std::uint8_t{7});
+  std::thread writer([&] {
+    for (std::size_t at = 0; at < sent.size(); at += 4093)
+      if (!pair.client.write_all(std::span(sent).subspan(at, std::min<std::size_t>(4093, sent.size() - at)),
+                                 Deadline::in(kLong)))
+        return;
+  });
+  Bytes got(sent.size());
+  const IoResult result = pair.server.read_exact(got, Deadline::in(kLong));
+  writer.join();
+  EXPECT_TRUE(result);
+  EXPECT_EQ(got, sent);
+}
+
+TEST(Socket, TellsTimeOutFromClosedPeer) {
+  Pair pair;
+  Bytes got(4);
+  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
+  ASSERT_TRUE(pair.server.write_all("ab", Deadline::in(kLong)));
+  const IoResult part = pair.client.read_exact(got, Deadline::in(kSoon));
+  EXPECT_EQ(part.status, IoStatus::kTimeOut);
+  EXPECT_EQ(part.bytes, 2U);
+  { const TcpStream gone = std::move(pair.server); }
+  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kLong)).status, IoStatus::kClosed);
+}
+
+TEST(Socket, AResetAndAWriteToAClosedPeerAreClosedNotASignal) {
+  Pair pair;
+  const linger at_once{1, 0};
+  ASSERT_EQ(::setsockopt(pair.server.descriptor(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once), 0);
+  { const TcpStream gone = std::move(pair.server); }
+  Bytes got(4);
+  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kLong)).status, IoStatus::kClosed);
+  EXPECT_EQ(pair.client.write_all("x", Deadline::in(kLong)).status, IoStatus::kClosed);
+}
+
+TEST(Socket, WritingToAPeerThatDoesNotReadTimesOut) {
+  Pair pair;
+  const Bytes much(64U << 20U);
+  const IoResult result = pair.client.write_all(much, Deadline::in(0.1));
+  EXPECT_EQ(result.status, IoStatus::kTimeOut);
+  EXPECT_LT(result.bytes, much.size());
+}
+
+TEST(Socket, ReadsLinesWhateverThePacketsAre) {
+  Pair pair;
+  ASSERT_TRUE(pair.server.write_all("one\r\ntwo\n\nthr", Deadline::in(kLong)));
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "one");
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "two");
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "");
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
+  ASSERT_TRUE(pair.server.write_all("ee\nrest", Deadline::in(kLong)));
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "three") << "the first half was lost";
+  Bytes rest(4);
+  ASSERT_TRUE(pair.client.read_exact(rest, Deadline::in(kLong)));
+  EXPECT_EQ(std::string(rest.begin(), rest.end()), "rest");
+}
+
+TEST(Socket, RefusesALineThatNeverEnds) {
+  Pair pair;
+  ASSERT_TRUE(pair.server.write_all(std::string(2000, 'x'), Deadline::in(kLong)));
+  EXPECT_THROW((void)pair.client.read_line(1024, Deadline::in(kLong)), DeviceError);
+}
+
+TEST(Socket, DropsWhatHasArrived) {
+  Pair pair;
+  ASSERT_TRUE(pair.server.write_all("old\nolder", Deadline::in(kLong)));
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "old");
+  std::size_t dropped = 0;
+  for (const Deadline limit = Deadline::in(kLong); dropped < 5 && !limit.over();)
+    dropped += pair.client.discard_input();
+  EXPECT_EQ(dropped, 5U);
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
+}
+
+TEST(Socket, ShutWakesAWaitingReader) {
+  Pair pair;
+  IoResult result;
+  std::thread reader([&] {
+    Bytes got(1);
+    result = pair.client.read_some(got, Deadline::in(60));
+  });
+  pair.client.shut();
+  reader.join();
+  EXPECT_EQ(result.status, IoStatus::kClosed);
+  EXPECT_TRUE(pair.client.is_shut());
+  EXPECT_EQ(pair.client.write_all("x", Deadline::in(kLong)).status, IoStatus::kClosed);
+}
+
+TEST(Socket, ARefusedConnectionNamesAddressAndPort) {
+  Endpoint nobody;
+  {
+    const TcpListener listener{ListenOptions{}};
+    nobody = listener.endpoint();
+  }
+  EXPECT_THAT([&] { (void)TcpStream::connect(nobody, Deadline::in(kLong)); },
+              ThrowsMessage<DeviceError>(HasSubstr(to_text(nobody) + ": connection refused")));
+}
+
+TEST(Socket, AServerThatDoesNotAcceptEndsAtTheDeadline) {
+  // A full queue: the kernel answers no further handshake.
+  ListenOptions options;
+  options.waiting = 0;
+  const TcpListener listener(options);
+  std::vector<TcpStream> held;
+  EXPECT_THAT(
+      [&] {
+        for (int i = 0; i < 20; ++i)
+          held.push_back(TcpStream::connect(listener.endpoint(), Deadline::in(0.05)));
+      },
+      ThrowsMessage<DeviceError>(HasSubstr("did not answer before the deadline")));
+}
+
+TEST(Socket, RefusesBadAddresses) {
+  const auto connect = [](const char* address, int port) {
+    (void)TcpStream::connect({address, port}, Deadline::in(kSoon));
+  };
+  EXPECT_THROW(connect("robot.local", 502), InvalidArgument);
+  EXPECT_THROW(connect("", 502), InvalidArgument);
+  EXPECT_THROW(connect("127.0.0.1", 0), InvalidArgument);
+  EXPECT_THROW(connect("127.0.0.1", 65536), InvalidArgument);
+}
+
+TEST(Listener, TakesAnyLoopbackAddressAndSaysWhichPort) {
+  ListenOptions options;
+  options.address = "127.77.0.3";
+  TcpListener listener(options);
+  EXPECT_GT(listener.endpoint().port, 0);
+  TcpStream client = TcpStream::connect(listener.endpoint(), Deadline::in(kLong));
+  EXPECT_TRUE(listener.accept(Deadline::in(kLong)).has_value());
+  EXPECT_FALSE(listener.accept(Deadline::in(kSoon)).has_value());
+}
+
+TEST(Listener, RefusesOtherAddressesUnlessTold) {
+  ListenOptions options;
+  options.address = "0.0.0.0";
+  EXPECT_THROW(TcpListener{options}, InvalidArgument);
+  options.allow_remote = true;
+  EXPECT_NO_THROW(TcpListener{options});
+  EXPECT_TRUE(is_loopback("127.255.0.1"));
+  EXPECT_TRUE(is_loopback("localhost"));
+  EXPECT_FALSE(is_loopback("128.0.0.1"));
+}
+
+TEST(Listener, ATakenPortIsNamed) {
+  const TcpListener first{ListenOptions{}};
+  ListenOptions options;
+  options.port = first.endpoint().port;
+  EXPECT_THAT([&] { TcpListener{options}; },
+              ThrowsMessage<DeviceError>(HasSubstr(to_text(first.endpoint()) + ": cannot listen")));
+}
+
+TEST(Listener, CloseWakesAccept) {
+  TcpListener listener{ListenOptions{}};
+  bool accepted = true;
+  std::thread acceptor([&] { accepted = listener.accept(Deadline::in(60)).has_value(); });
+  listener.close();
+  acceptor.join();
+  EXPECT_FALSE(accepted);
+  EXPECT_TRUE(listener.is_closed());
+}
+
+TEST(Listener, APortIsFreeAgainAfterUse) {
+  ListenOptions options;
+  {
+    Pair pair;
+    options.port = pair.listener.endpoint().port;
+    ASSERT_TRUE(pair.server.write_all("x", Deadline::in(kLong)));
+  }
+  EXPECT_NO_THROW(TcpListener{options});
+}
+
+}  // namespace
+}  // namespace stonestack
