@@ -1,0 +1,80 @@
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/hardware/ur/script_writer.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kLimitSlack = 1e-6;  // rad, of rounding
+
+std::string find_bad_knot(const JointTrajectory& trajectory) {
+  const std::size_t knots = trajectory.time.size();
+  if (knots == 0 || trajectory.q.size() != knots || trajectory.qd.size() != knots)
+    return concat("a trajectory needs as many times as positions and velocities, got ", knots, ", ",
+                  trajectory.q.size(), ", ", trajectory.qd.size());
+  for (std::size_t k = 0; k < knots; ++k) {
+    if (!std::isfinite(trajectory.time[k]) || !trajectory.q[k].allFinite() || !trajectory.qd[k].allFinite())
+      return concat("knot ", k, " of the trajectory is not finite");
+    if (k == 0 ? trajectory.time[k] != 0 : trajectory.time[k] <= trajectory.time[k - 1])
+      return concat("times must start at 0 and rise, knot ", k, " is at ", trajectory.time[k], " s");
+  }
+  return {};
+}
+
+std::string find_bad_step(const Joints& before, const Joints& now, double t, double dt,
+                          const RobotModel& robot, double margin) {
+  for (int j = 0; j < 6; ++j) {
+    if (now[j] > robot.upper[j] + kLimitSlack || now[j] < robot.lower[j] - kLimitSlack)
+      return concat("joint ", j + 1, " at ", now[j], " rad, limits ", robot.lower[j], " to ", robot.upper[j],
+                    " rad, at ", t, " s");
+    const double speed = std::abs(now[j] - before[j]) / dt;
+    if (speed > margin * robot.velocity[j])
+      return concat("joint ", j + 1, " at ", speed, " rad/s, limit ", robot.velocity[j], " rad/s, at ", t,
+                    " s");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string find_fault(const JointTrajectory& trajectory, const Joints& q, const RobotModel& robot,
+                       const ScriptContext& context) {
+  if (auto fault = find_bad_knot(trajectory); !fault.empty()) return fault;
+  const double gap = (trajectory.q.front() - q).cwiseAbs().maxCoeff();
+  if (!(gap <= context.options.start_tolerance))
+    return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ",
+                  context.options.start_tolerance, ")");
+  const double dt = 1.0 / context.version.control_rate();
+  Joints before = trajectory.q.front();
+  const auto steps = static_cast<long>(std::ceil(trajectory.duration() / dt));
+  for (long i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) * dt;
+    const Joints now = sample(trajectory, t).q;
+    auto fault = find_bad_step(before, now, t, dt, robot, context.options.speed_margin);
+    if (!fault.empty()) return fault;
+    before = now;
+  }
+  return {};
+}
+
+FieldList fields(ScriptOptions& o) {
+  return {
+      field("lookahead", o.lookahead, {0.03, 0.2}, "s", "UR script manual: servoj"),
+      field("gain", o.gain, {100, 2000}, "", "UR script manual: servoj"),
+      field("stop_acceleration", o.stop_acceleration, {0.1, 20}, "rad/s^2", "ours"),
+      field("hold_lag", o.hold_lag, {0.001, 0.5}, "rad", "ours"),
+      field("arrived", o.arrived, {1e-5, 0.01}, "rad", "ours"),
+      field("heartbeat_rate", o.heartbeat_rate, {1, 50}, "Hz", "ours"),
+      field("force_stale", o.force_stale, {0.02, 1}, "s", "ours"),
+      field("force_samples", o.force_samples, {1, 1000}, "", "ours"),
+      field("contact_samples", o.contact_samples, {1, 100}, "", "hardware/arm.hpp"),
+      field("comply_time", o.comply_time, {0, 5}, "s", "ours"),
+      field("comply_force", o.comply_force, {0, 60}, "N", "ours"),
+      field("comply_speed", o.comply_speed, {0.001, 0.1}, "m/s", "ours"),
+      field("start_tolerance", o.start_tolerance, {0, 0.05}, "rad", "hardware/arm.hpp"),
+      field("speed_margin", o.speed_margin, {1, 1.1}, "", "ours"),
+  };
+}
+
+}  // namespace stonestack

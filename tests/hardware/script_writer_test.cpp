@@ -1,0 +1,179 @@
+#include "stonestack/hardware/ur/script_writer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+JointTrajectory small_move() {
+  JointTrajectory move;
+  move.time = {0.0, 0.5, 1.0};
+  move.q = {Joints::Zero(), Joints::Constant(0.1), Joints::Constant(0.2)};
+  move.qd = {Joints::Zero(), Joints::Constant(0.3), Joints::Zero()};
+  return move;
+}
+
+ScriptContext context_of(UrVersion version) {
+  ScriptContext context;
+  context.version = version;
+  context.run = 17;
+  context.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
+  context.payload = 2.5;
+  context.p_F_com = {0, 0, 0.1};
+  return context;
+}
+
+const UrVersion kCb3{3, 15, 8, 106339}, kOldCb3{3, 8, 0, 0}, kESeries{5, 11, 0, 0};
+
+RobotModel ur10() {
+  static const RobotModel robot = read_robot(STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf");
+  return robot;
+}
+
+TEST(ScriptWriter, Settings) {
+  EXPECT_EQ(write_settings(context_of(kCb3)),
+            "def stonestack_17():\n"
+            "  write_output_integer_register(26, 0)\n"
+            "  write_output_integer_register(25, 0)\n"
+            "  write_output_integer_register(24, 17)\n"
+            "  set_tcp(p[0.000000000, 0.000000000, 0.264000000, 0.000000000, 0.000000000, 0.000000000])\n"
+            "  set_payload(2.500000000, [0.000000000, 0.000000000, 0.100000000])\n"
+            "  sync()\n"
+            "  global stk_force = 0.0\n"
+            "  stk_pose = get_actual_tcp_pose()\n"
+            "  write_output_float_register(24, stk_pose[0])\n"
+            "  write_output_float_register(25, stk_pose[1])\n"
+            "  write_output_float_register(26, stk_pose[2])\n"
+            "  write_output_float_register(27, stk_pose[3])\n"
+            "  write_output_float_register(28, stk_pose[4])\n"
+            "  write_output_float_register(29, stk_pose[5])\n"
+            "  write_output_float_register(30, stk_force)\n"
+            "  write_output_integer_register(26, 1)\n"
+            "end\n");
+}
+
+TEST(ScriptWriter, TrajectoryIsWatchedAndTimedOnTheController) {
+  const std::string script = write_trajectory(small_move(), context_of(kCb3));
+  EXPECT_THAT(script, HasSubstr("  rtde_set_watchdog(\"input_int_register_24\", 10.000000000, \"stop\")\n"));
+  EXPECT_THAT(script, HasSubstr("  global stk_dt = 0.008000000\n"));
+  EXPECT_THAT(script,
+              HasSubstr("  stk_to(1, 0.500000000, [0.100000000, 0.100000000, 0.100000000, 0.100000000, "
+                        "0.100000000, 0.100000000], [0.300000000, 0.300000000, 0.300000000, "
+                        "0.300000000, 0.300000000, 0.300000000])\n"));
+  EXPECT_THAT(script, HasSubstr("stk_to(2, 0.5"));
+  EXPECT_THAT(script, HasSubstr("stopj(2.000000000)"));
+  EXPECT_THAT(script, Not(HasSubstr("stk_guard")));
+  EXPECT_LT(script.find("register(26, 0)"), script.find("register(24, 17)"))
+      << "the run id must not appear before the old end state is gone";
+  EXPECT_THAT(script.substr(script.size() - 50), HasSubstr("write_output_integer_register(26, 1)\nend\n"));
+}
+
+TEST(ScriptWriter, VersionGates) {
+  EXPECT_THAT(write_trajectory(small_move(), context_of(kESeries)), HasSubstr("stk_dt = get_steptime()"));
+  EXPECT_THAT(write_trajectory(small_move(), context_of({5, 3, 0, 0})), HasSubstr("stk_dt = 0.002000000"));
+  const std::string old = write_guarded(small_move(), {}, context_of(kOldCb3));
+  EXPECT_THAT(old, HasSubstr("# Before 3.9 (5.3): registers 0..23"));
+  EXPECT_THAT(old, HasSubstr("write_output_integer_register(0, 17)"));
+  EXPECT_THAT(old, HasSubstr("rtde_set_watchdog(\"input_int_register_0\""));
+  EXPECT_THAT(old, HasSubstr("read_input_integer_register(1)"));
+  EXPECT_EQ(first_register({3, 9, 0, 0}), 24);
+  EXPECT_EQ(first_register({5, 2, 9, 0}), 0);
+  ScriptContext comply = context_of({3, 4, 0, 0});
+  comply.options.comply_time = 0.3;
+  EXPECT_THAT(write_guarded(small_move(), {}, comply), Not(HasSubstr("force_mode_set_damping")));
+  comply.version = kCb3;
+  const std::string script = write_guarded(small_move(), {}, comply);
+  EXPECT_THAT(script, HasSubstr("force_mode_set_damping(0.1"));
+  EXPECT_THAT(script, HasSubstr("end_force_mode()"));
+}
+
+TEST(ScriptWriter, GuardReadsTheStreamedForce) {
+  const std::string script = write_guarded(small_move(), {{0, 0, -1}, 6.0}, context_of(kCb3));
+  EXPECT_THAT(script, HasSubstr("read_input_integer_register(25)"));
+  EXPECT_THAT(script, HasSubstr("+ -1.000000000 * read_input_float_register(26)) - stk_zero"));
+  EXPECT_THAT(script, HasSubstr("if stk_silent > 0.100000000:"));
+  EXPECT_THAT(script, HasSubstr("if stk_force <= 6.000000000:"));
+  EXPECT_THAT(script, Not(HasSubstr("force_mode"))) << "complying is off by default";
+}
+
+TEST(ScriptWriter, BlocksAreClosed) {
+  for (const auto& script : {write_trajectory(small_move(), context_of(kCb3)),
+                             write_guarded(small_move(), {}, context_of(kESeries)),
+                             write_stop(context_of(kCb3)), write_settings(context_of(kCb3))}) {
+    int depth = 0, line = 0;
+    std::istringstream in(script);
+    for (std::string text; std::getline(in, text);) {
+      const std::string bare = script_line(script, ++line);
+      if (bare == "end") --depth;
+      EXPECT_EQ(text.size() - bare.size(), static_cast<std::size_t>(2 * depth)) << text;
+      if (bare.back() == ':' && bare.front() != '#') ++depth;
+    }
+    EXPECT_EQ(depth, 0);
+  }
+}
+
+TEST(ScriptWriter, NothingThatIsNotANumberPasses) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {nan, inf, -inf, 1e12}) {
+    JointTrajectory move = small_move();
+    move.q[1][3] = bad;
+    EXPECT_THROW(static_cast<void>(write_trajectory(move, context_of(kCb3))), InvalidArgument) << bad;
+    ScriptContext context = context_of(kCb3);
+    context.p_F_com.x() = bad;
+    EXPECT_THROW(static_cast<void>(write_settings(context)), InvalidArgument);
+    context = context_of(kCb3);
+    context.options.stop_acceleration = bad;
+    EXPECT_THROW(static_cast<void>(write_stop(context)), InvalidArgument);
+    EXPECT_THROW(static_cast<void>(
+                     write_guarded(small_move(), {{0, 0, -1}, bad == 1e12 ? nan : bad}, context_of(kCb3))),
+                 InvalidArgument);
+  }
+  EXPECT_THROW(static_cast<void>(write_guarded(small_move(), {{0, 0, -2}, 5}, context_of(kCb3))),
+               InvalidArgument);
+  EXPECT_THROW(static_cast<void>(write_trajectory({}, context_of(kCb3))), InvalidArgument);
+}
+
+TEST(ScriptGate, PassesWhatIsWithinLimits) {
+  EXPECT_EQ(find_fault(small_move(), Joints::Constant(0.009), ur10(), context_of(kCb3)), "");
+}
+
+TEST(ScriptGate, RefusesWithTheJointAndTheValue) {
+  const ScriptContext context = context_of(kCb3);
+  const auto fault = [&](auto change) {
+    JointTrajectory move = small_move();
+    change(move);
+    return find_fault(move, Joints::Zero(), ur10(), context);
+  };
+  EXPECT_THAT(fault([](auto& m) { m.q[1][2] = NAN; }), HasSubstr("knot 1"));
+  EXPECT_THAT(fault([](auto& m) { m.time[2] = 0.5; }), HasSubstr("times must"));
+  EXPECT_THAT(fault([](auto& m) { m.time[0] = 0.1; }), HasSubstr("times must"));
+  EXPECT_THAT(fault([](auto& m) { m.qd.pop_back(); }), HasSubstr("as many times"));
+  EXPECT_THAT(fault([](auto& m) { m.q[0][0] = 0.011; }), HasSubstr("from where the arm is"));
+  EXPECT_THAT(fault([](auto& m) { m.q[1][4] = 3.0; }), HasSubstr("joint 5 at"));
+  EXPECT_THAT(fault([](auto& m) { m.qd[1][5] = 20.0; }), HasSubstr("joint 6 at"));
+  JointTrajectory far = small_move();
+  for (double& t : far.time) t *= 100;
+  far.q[2][1] = 7.0;
+  EXPECT_THAT(find_fault(far, Joints::Zero(), ur10(), context), HasSubstr("limits"));
+  EXPECT_THAT(find_fault(small_move(), Joints::Constant(NAN), ur10(), context), HasSubstr("from where"));
+}
+
+TEST(ScriptWriter, LineForAPerson) {
+  EXPECT_EQ(script_line("a\n  b\n", 2), "b");
+  EXPECT_EQ(script_line("a\n", 5), "");
+  EXPECT_EQ(script_line("a\n", 0), "");
+  EXPECT_LE(script_name(2147483647).size(), 31u);
+}
+
+}  // namespace
+}  // namespace stonestack
