@@ -43,6 +43,25 @@ TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& 
   return mounting;
 }
 
+std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
+                                         const TrueMounting& mounting, const Joints& q) {
+  const auto links = link_poses(robot, q + mounting.joint_error);
+  for (const auto& capsule : robot.capsules) {
+    if (capsule.link < kFirstLink) continue;
+    const Pose T_W_link = mounting.T_W_R * links[static_cast<std::size_t>(capsule.link)];
+    const Eigen::Vector3d a = T_W_link * capsule.a, b = T_W_link * capsule.b;
+    if (std::min(a.z(), b.z()) < capsule.radius) return concat("link ", capsule.link, " hits the table");
+    for (const int i : world.present()) {
+      const auto& shape = *world.shapes()[static_cast<std::size_t>(i)];
+      if (distance_to_segment(world.centre_of_mass(i), a, b) > capsule.radius + shape.radius) continue;
+      for (const auto& sample : shape.samples)
+        if (distance_to_segment(world.pose(i) * sample.point, a, b) < capsule.radius)
+          return concat("link ", capsule.link, " hits stone ", shape.name);
+    }
+  }
+  return std::nullopt;
+}
+
 SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
                            SimulatedForceTorque& force_torque, const SimulationOptions& options,
                            const Joints& q)
@@ -115,24 +134,6 @@ std::string SimulatedArm::overspeed(const Joints& qd, double t) const {
   return {};
 }
 
-std::optional<std::string> SimulatedArm::find_hit() const {
-  const auto links = link_poses(robot_, q_ + mounting_.joint_error);
-  for (const auto& capsule : robot_.capsules) {
-    if (capsule.link < kFirstLink) continue;
-    const Pose T_W_link = mounting_.T_W_R * links[static_cast<std::size_t>(capsule.link)];
-    const Eigen::Vector3d a = T_W_link * capsule.a, b = T_W_link * capsule.b;
-    if (std::min(a.z(), b.z()) < capsule.radius) return concat("link ", capsule.link, " hits the table");
-    for (const int i : world_->present()) {
-      const auto& shape = *world_->shapes()[static_cast<std::size_t>(i)];
-      if (distance_to_segment(world_->centre_of_mass(i), a, b) > capsule.radius + shape.radius) continue;
-      for (const auto& sample : shape.samples)
-        if (distance_to_segment(world_->pose(i) * sample.point, a, b) < capsule.radius)
-          return concat("link ", capsule.link, " hits stone ", shape.name);
-    }
-  }
-  return std::nullopt;
-}
-
 double SimulatedArm::resistance(const GuardedMotion& guard) {
   // As a program would: the reading turned by the pose that the arm believes it has.
   const Eigen::Matrix3d R_W_F = (mounting_.T_W_R * forward(robot_, q_)).rotation();
@@ -168,7 +169,8 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     q_ = reported(t);
     stop_reason_ = progress.stopped;
     if (stop_reason_.empty()) stop_reason_ = overspeed(sample(trajectory, t).qd, t);
-    if (stop_reason_.empty() && tick++ % kTicksPerLook == 0) stop_reason_ = find_hit().value_or("");
+    if (stop_reason_.empty() && tick++ % kTicksPerLook == 0)
+      stop_reason_ = find_link_hit(*world_, robot_, mounting_, q_).value_or("");
     if (guard) force = resistance(*guard) - start_force;
     if (!stop_reason_.empty()) return {Status::kStopped, q_, force, "protective stop: " + stop_reason_};
     if (guard) above = force > guard->threshold ? above + 1 : 0;

@@ -2,6 +2,7 @@
 
 #include "simulation/judge_tower.hpp"
 #include "simulation/scatter.hpp"
+#include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
@@ -58,6 +59,7 @@ struct SimulatedCell::Parts {
   SimulatedArm arm;
   SimulatedGripper gripper;
   SimulatedCamera camera;
+  SharedWorld shared;
 
   Parts(const std::vector<Stone>& all, const std::vector<int>& present, const RobotModel& robot,
         const CellLayout& layout, const SimulationOptions& options)
@@ -69,7 +71,8 @@ struct SimulatedCell::Parts {
         force_torque(world, mounting, options),
         arm(world, robot, mounting, force_torque, options, start_joints(robot, layout)),
         gripper(world),
-        camera(world, stones, mounting, options) {}
+        camera(world, stones, mounting, options),
+        shared(world, mounting, robot, stones, options) {}
 };
 
 SimulatedCell::SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present,
@@ -107,6 +110,10 @@ void SimulatedCell::wait(double seconds) {
     if (!progress.stopped.empty())
       throw DeviceError("simulated cell", progress.stopped, "move the arm away from what it touches");
   }
+}
+
+SharedWorld& SimulatedCell::shared() {
+  return parts_->shared;
 }
 
 void SimulatedCell::place(int stone, const Pose& T_W_O) {

@@ -19,6 +19,12 @@ struct TrueMounting {
 /// Draws the errors that the options ask for.
 [[nodiscard]] TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options);
 
+/// Where the hand's own mass hangs, m in T.
+[[nodiscard]] Eigen::Vector3d hand_centre();
+/// What a link of the arm is in, with the reported joints `q`.
+[[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
+                                                       const TrueMounting& mounting, const Joints& q);
+
 /// The world's time.
 class SimulatedClock final : public Clock {
  public:
@@ -69,7 +75,6 @@ class SimulatedArm final : public Arm {
  private:
   [[nodiscard]] std::string refusal(const JointTrajectory& trajectory) const;
   [[nodiscard]] std::string overspeed(const Joints& qd, double t) const;
-  [[nodiscard]] std::optional<std::string> find_hit() const;
   [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard);
   [[nodiscard]] double resistance(const GuardedMotion& guard);
 

@@ -11,7 +11,6 @@ constexpr double kForceCount = 0.1, kTorqueCount = 0.001;   // N (data sheet), N
 constexpr double kForceOffset = 2.0, kTorqueOffset = 0.05;  // N, Nm: unknown at power-up
 constexpr int kZeroSamples = 20;
 constexpr double kGravity = 9.81;
-const Eigen::Vector3d kHandCentre(0, 0, -0.12);  // m in T, of the gripper's mass
 
 Eigen::Vector3d normals(Random& random, double sigma) {
   const double x = random.normal(0, sigma), y = random.normal(0, sigma);
@@ -23,6 +22,10 @@ Eigen::Vector3d counted(const Eigen::Vector3d& value, double count) {
 }
 
 }  // namespace
+
+Eigen::Vector3d hand_centre() {
+  return {0, 0, -0.12};
+}
 
 SimulatedForceTorque::SimulatedForceTorque(TrueWorld& world, const TrueMounting& mounting,
                                            const SimulationOptions& options)
@@ -40,7 +43,7 @@ Wrench SimulatedForceTorque::sample() {
   last_time_ = world_->time();
   const Pose T_W_F = world_->hand().T_W_T * mounting_.T_F_T.inverse();
   HandLoad load = world_->load();
-  load.add(world_->hand().T_W_T * kHandCentre, {0, 0, -kGravity * world_->hand_model().gripper.mass});
+  load.add(world_->hand().T_W_T * hand_centre(), {0, 0, -kGravity * world_->hand_model().gripper.mass});
   const Eigen::Matrix3d R_F_W = T_W_F.rotation().transpose();
   Wrench wrench;
   wrench.force = R_F_W * load.force + offset_.force;

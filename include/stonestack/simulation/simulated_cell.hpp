@@ -10,6 +10,8 @@
 
 namespace stonestack {
 
+class SharedWorld;
+
 /// How true the simulated cell is. Everything here is hidden from the planner.
 struct SimulationOptions {
   int seed = 1;
@@ -54,6 +56,9 @@ class SimulatedCell {
   [[nodiscard]] Cell cell();
   /// For the judge and the painter.
   [[nodiscard]] Truth truth() const;
+  /// The same world for devices behind sockets, each with a thread of its own. While they run, only they may
+  /// touch the world: `cell`, `wait` and `judge_tower` are for before and after.
+  [[nodiscard]] SharedWorld& shared();
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);
   /// Puts stone `stone` at T_W_O, at rest, at once: for setting up an experiment, never during one.

@@ -1,0 +1,67 @@
+#include "stonestack/simulation/ur/plant.hpp"
+
+#include "simulation/shared_world.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kLookPeriod = 0.050;  // s between two comparisons of links with table and stones
+constexpr double kGravity = 9.81;
+
+class WorldPlant final : public Plant {
+ public:
+  WorldPlant(SharedWorld& world, const Joints& q) : world_(&world) { state_.q = q; }
+
+  [[nodiscard]] PlantState state() override { return state_; }
+
+  PlantState step(const Joints& q_target, double seconds) override {
+    const TrueMounting& mounting = world_->mounting();
+    const Pose T_R_F = forward(world_->robot(), q_target + mounting.joint_error);
+    const Pose T_W_F = mounting.T_W_R * T_R_F;
+    state_.hit = world_->move_arm(T_W_F * mounting.T_F_T, seconds).stopped;
+    state_.qd = (q_target - state_.q) / seconds;
+    state_.q = q_target;
+    auto access = world_->lock();
+    read_wrench(access.world, T_W_F);
+    since_look_ += seconds;
+    if (state_.hit.empty() && since_look_ >= kLookPeriod) {
+      since_look_ = 0.0;
+      state_.hit = find_link_hit(access.world, world_->robot(), mounting, state_.q).value_or("");
+    }
+    return state_;
+  }
+
+ private:
+  // Everything beyond the flange: contact and held stones, and the hand's own weight.
+  void read_wrench(const TrueWorld& world, const Pose& T_W_F) {
+    HandLoad load = world.load();
+    load.add(world.hand().T_W_T * hand_centre(), {0, 0, -kGravity * world.hand_model().gripper.mass});
+    const Eigen::Matrix3d R_R_W = world_->mounting().T_W_R.rotation().transpose();
+    state_.force_R = R_R_W * load.force;
+    state_.torque_R = R_R_W * (load.moment - T_W_F.translation().cross(load.force));
+  }
+
+  SharedWorld* world_;
+  PlantState state_;
+  double since_look_ = 0.0;
+};
+
+}  // namespace
+
+PlantState IdealPlant::step(const Joints& q_target, double seconds) {
+  state_.qd = (q_target - state_.q) / seconds;
+  state_.q = q_target;
+  return state_;
+}
+
+void IdealPlant::set_wrench(const Eigen::Vector3d& force_R, const Eigen::Vector3d& torque_R) {
+  state_.force_R = force_R;
+  state_.torque_R = torque_R;
+}
+
+std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start) {
+  return std::make_unique<WorldPlant>(world, q_start);
+}
+
+}  // namespace stonestack

@@ -1,0 +1,80 @@
+#include "simulation/shared_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "pebble.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/simulation/ur/plant.hpp"
+
+namespace stonestack {
+namespace {
+
+struct Bench {
+  std::vector<Stone> stones{make_pebble("pebble", 1.2)};
+  RobotModel robot = read_robot("ur10");
+  CellLayout layout;
+  SimulatedCell cell{stones, {0}, robot, layout};
+  SharedWorld& world = cell.shared();
+  Joints q = cell.cell().arm.state().q;
+};
+
+TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
+  Bench bench;
+  const double start = bench.world.time();
+  const HandPose before = bench.world.lock().world.hand();
+  int ticks = 0;
+  bench.world.drive_fingers([&](const TrueWorld& world, double seconds) {
+    ++ticks;
+    auto finger = world.hand().finger;
+    for (auto& place : finger) place -= 0.02 * seconds;
+    return finger;
+  });
+  Pose goal = before.T_W_T;
+  goal.translation().z() += 0.001;
+  EXPECT_TRUE(bench.world.move_arm(goal, 0.008).stopped.empty());
+  EXPECT_EQ(ticks, 4) << "the fingers look every 2 ms";
+  const HandPose after = bench.world.lock().world.hand();
+  EXPECT_NEAR(after.T_W_T.translation().z(), goal.translation().z(), 1e-12);
+  EXPECT_NEAR(after.finger[0], before.finger[0] - 0.02 * 0.008, 1e-12);
+  EXPECT_NEAR(bench.world.time(), start + 0.008, 1e-12);
+}
+
+TEST(SharedWorld, OthersWaitForSimulatedTime) {
+  Bench bench;
+  const double start = bench.world.time();
+  EXPECT_FALSE(bench.world.wait_until(start + 0.1, 0.01)) << "nobody lets time pass";
+  std::atomic<bool> arrived = false;
+  std::thread other([&] { arrived = bench.world.wait_until(start + 0.1, 30.0); });
+  for (int k = 0; k < 60; ++k) bench.world.pass(0.002);
+  other.join();
+  EXPECT_TRUE(arrived);
+  bench.world.start(50.0);
+  EXPECT_TRUE(bench.world.wait_until(start + 0.5, 30.0)) << "the loop lets time pass by itself";
+  bench.world.stop();
+  const double end = bench.world.time();
+  EXPECT_FALSE(bench.world.wait_until(end + 0.01, 0.05));
+}
+
+TEST(SharedWorld, PlantFeelsTheHandsWeightAndTheTable) {
+  Bench bench;
+  const auto plant = make_world_plant(bench.world, bench.q);
+  PlantState state = plant->step(bench.q, 0.008);
+  const double weight = 9.81 * bench.world.lock().world.hand_model().gripper.mass;
+  EXPECT_NEAR(state.force_R.z(), -weight, 1e-6);
+  // The hand points down: its mass hangs under the flange, so there is hardly a moment about the flange.
+  EXPECT_LT(state.torque_R.norm(), 0.05 * weight);
+  // Shoulder down until something is met: the table, the stone or the arm itself stops it.
+  Joints q = bench.q;
+  for (int k = 0; k < 2000 && state.hit.empty(); ++k) {
+    q[1] += 0.0005;
+    state = plant->step(q, 0.008);
+  }
+  EXPECT_FALSE(state.hit.empty());
+  EXPECT_NEAR(state.qd[1], 0.0005 / 0.008, 1e-9);
+  EXPECT_LT((state.q - q).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace stonestack
