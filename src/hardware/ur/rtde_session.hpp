@@ -1,0 +1,67 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "stonestack/hardware/ur/rtde_client.hpp"
+
+/// One RTDE connection from V to S: what has to be done again after every loss of the link.
+namespace stonestack {
+
+/// An input is owned by somebody else; worth another attempt.
+class RtdeInUse : public DeviceError {
+ public:
+  using DeviceError::DeviceError;
+};
+
+using RtdeTextSink = std::function<void(const RtdeText&)>;
+
+class RtdeSession {
+ public:
+  /// Connects and does the whole setup. Throws DeviceError, RtdeInUse among them.
+  RtdeSession(const Endpoint& controller, const RtdeRecipeFor& recipe, const RtdeOptions& options,
+              RtdeTextSink text_sink);
+
+  /// The next data of the output recipe; empty at the deadline. Texts go to the sink. Throws DeviceError when
+  /// the link is closed or out of step. `refused` counts packets that were not as set up.
+  [[nodiscard]] std::optional<RtdeData> receive(Deadline deadline, long& refused);
+  void send(std::size_t recipe, const std::vector<RtdeValue>& values);
+  void shut() { socket_.shut(); }
+
+  int protocol = 1;
+  UrVersion version;
+  double frequency = 0.0;
+  std::shared_ptr<const std::vector<std::string>> outputs;
+  std::vector<std::string> missing;
+
+ private:
+  struct Input {
+    std::uint8_t recipe = 0;
+    std::vector<std::string> names;
+    std::vector<RtdeType> types;
+  };
+
+  void agree_on_protocol();
+  void read_version();
+  void set_up_outputs(const RtdeRecipe& recipe);
+  void set_up_inputs(const std::vector<std::string>& names);
+  void start();
+  RtdeSetupReply request_setup(const RtdePacket& request, std::size_t names);
+  /// The reply of that kind; texts and data before it are passed over.
+  RtdePacket request(const RtdePacket& packet);
+  std::optional<RtdePacket> next_packet(Deadline deadline);
+  void write(const RtdePacket& packet);
+  [[noreturn]] void fail(const std::string& problem, const std::string& next_step) const;
+
+  std::string name_;
+  const RtdeOptions options_;
+  RtdeTextSink text_sink_;
+  TcpStream socket_;
+  RtdeStream stream_;
+  std::mutex writing_;
+  std::uint8_t output_recipe_ = 0;
+  std::vector<RtdeType> output_types_;
+  std::vector<Input> inputs_;
+};
+
+}  // namespace stonestack
