@@ -3,8 +3,6 @@
 
 #include "commands.hpp"
 #include "settings.hpp"
-#include "stonestack/simulation/simulated_cell.hpp"
-#include "stonestack/stacking/build_tower.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -15,9 +13,8 @@ struct ConfigCommand {
 };
 
 void show(ConfigCommand& command) {
-  BuildOptions build;
-  SimulationOptions simulation;
-  const FieldList list = join({fields(build), nest("simulation", fields(simulation))});
+  EveryOption every;
+  const FieldList list = every_field(every);
   command.settings.apply(list);
   if (!command.origin) {
     std::cout << write_fields(list);

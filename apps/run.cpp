@@ -30,7 +30,11 @@ FieldList all_fields(RunCommand& command) {
 
 /// runs/20261121-143000-seed1, not yet there.
 std::string run_folder(const RunCommand& command) {
-  if (!command.out.empty()) return command.out;
+  if (!command.out.empty()) {
+    require(!std::filesystem::exists(command.out + "/journal.jsonl"), command.out,
+            " holds a run already; name another folder with --out, or remove it");
+    return command.out;
+  }
   const std::time_t now = std::time(nullptr);
   char stamp[32];
   std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", std::localtime(&now));
@@ -42,17 +46,14 @@ std::string run_folder(const RunCommand& command) {
 
 /// The judge's view: does what the run reports stand in the simulated world's own state, with the arm away?
 TruthReport judge(const SimulatedCell& world, const RunResult& result) {
-  StandOptions options;
-  options.seconds = 60.0;
-  options.largest_shift =
-      0.010;  // it stands: stones may still settle after the last touch, and the shift is reported
-  options.largest_turn = 0.175;  // rad
+  const StandOptions options{.seconds = 60.0, .largest_shift = 0.002};
   const TowerVerdict verdict = world.judge_tower(options);
   TruthReport truth;
   truth.height = verdict.stand.standing;
   truth.stands = verdict.stand.stands && truth.height >= result.height;
   truth.seconds = options.seconds;
   truth.shift = verdict.stand.shift;
+  truth.turn = verdict.stand.turn;
   truth.note = verdict.stand.reason;
   return truth;
 }

@@ -39,9 +39,14 @@ void Settings::register_on(CLI::App& command) {
   command.add_option("--config", config_, "Option file in place of ./stonestack.yaml")->type_name("FILE");
 }
 
+FieldList every_field(EveryOption& every) {
+  return join({fields(every.build), nest("simulation", fields(every.simulation))});
+}
+
 void Settings::apply_file(const FieldList& list, const std::string& path, const std::string& kind) {
   const auto before = values(list);
-  read_fields(list, path);
+  EveryOption others;  // checked, but of no effect on this command
+  read_fields(list, path, every_field(others));
   const auto after = values(list);
   for (std::size_t i = 0; i < list.size(); ++i)
     if (before[i] != after[i]) origins_[list[i].name] = kind + " " + path;

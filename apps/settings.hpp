@@ -5,11 +5,21 @@
 #include <vector>
 
 #include "stonestack/core/options.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
 
 namespace stonestack::apps {
 
+/// The options of all commands, as a file may hold them.
+struct EveryOption {
+  BuildOptions build;
+  SimulationOptions simulation;
+};
+[[nodiscard]] FieldList every_field(EveryOption& every);
+
 /// Where the options of a command come from. Precedence: flag, environment (STONESTACK_*), project file
-/// (./stonestack.yaml), user file (~/.config/stonestack/config.yaml), default.
+/// (./stonestack.yaml), user file (~/.config/stonestack/config.yaml), default. A file may hold options of
+/// other commands as well: they are checked, and have no effect.
 class Settings {
  public:
   /// Adds --set and --config to a subcommand.

@@ -108,11 +108,13 @@ void set_field(const FieldList& list, std::string_view assignment) {
   assign(find(list, assignment.substr(0, equals)), std::string(assignment.substr(equals + 1)));
 }
 
-void read_fields(const FieldList& list, const std::string& path) {
+void read_fields(const FieldList& list, const std::string& path, const FieldList& others) {
   const auto root = yaml::read_file(path);
+  FieldList all = list;  // first: a name in both lists means this one
+  all.insert(all.end(), others.begin(), others.end());
   try {
     yaml::for_each_scalar(
-        root, [&](const std::string& name, const std::string& text) { assign(find(list, name), text); });
+        root, [&](const std::string& name, const std::string& text) { assign(find(all, name), text); });
   } catch (const InvalidArgument& problem) {
     throw FileError(path, problem.what(), "`stonestack config show` lists every option with its range");
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "geometry/pose_json.hpp"
@@ -132,12 +133,10 @@ std::string run_json(const RunReport& report) {
                 {"planning", result.seconds.planning},
                 {"motion", result.seconds.motion}}}};
   if (report.truth)
-    out["truth"] = {{"height", report.truth->height},
-                    {"stands", report.truth->stands},
-                    {"seconds", report.truth->seconds},
-                    {"shift_m", report.truth->shift},
-                    {"note", report.truth->note}};
-  if (!report.picture.empty()) out["picture"] = report.picture;
+    out["truth"] = {{"height", report.truth->height},   {"stands", report.truth->stands},
+                    {"seconds", report.truth->seconds}, {"shift_m", report.truth->shift},
+                    {"turn_rad", report.truth->turn},   {"note", report.truth->note}};
+  if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();
   return out.dump(2) + "\n";
 }
 

@@ -89,6 +89,8 @@ class Builder {
 
   /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site.
   void look_around();
+  /// Tells of stones of the stack that are no longer where they were.
+  void report_moved(const std::vector<PlacedStone>& expected) const;
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
   [[nodiscard]] std::optional<Target> find_target();
   [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem) const;
@@ -108,7 +110,6 @@ class Builder {
   ShapeList shapes_;
   DetectionModels models_;
   Belief belief_;
-  std::vector<PlacedStone> expected_;  ///< where the stack's stones should be seen
   RunResult result_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
@@ -141,6 +142,23 @@ void Builder::look_around() {
   result_.seconds.detection += watch.seconds();
   report(describe(catalogue_, belief_));
   record("observed", belief_json(catalogue_, belief_));
+  report_moved(expected);
+}
+
+void Builder::report_moved(const std::vector<PlacedStone>& expected) const {
+  for (const auto& before : expected) {
+    const auto now = std::find_if(belief_.stack.begin(), belief_.stack.end(),
+                                  [&](const PlacedStone& s) { return s.stone == before.stone; });
+    if (now == belief_.stack.end()) {
+      report(concat(name(before.stone), " is no longer on the stack"));
+      continue;
+    }
+    const double shift = difference(now->T_W_O, before.T_W_O).translation;
+    if (shift <= options_.moved_shift) continue;
+    report(
+        concat(name(before.stone), " of the stack is ", std::lround(1000 * shift), " mm from where it was"));
+    record("moved", concat("{\"stone\": \"", name(before.stone), "\", \"shift_m\": ", shift, "}"));
+  }
 }
 
 std::optional<Target> Builder::find_target() {

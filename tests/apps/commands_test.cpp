@@ -127,7 +127,8 @@ TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
   EXPECT_GE(result["truth"]["height"], result["height"]) << "the run reports a tower that does not stand";
   for (const char* file : {"tower.png", "report.html", "result.json", "options.yaml", "journal.jsonl"})
     EXPECT_TRUE(fs::exists(folder_ + "/run/" + file)) << file;
-  json again = run(arguments + " --set search.threads=1").data();
+  expect_refusal(arguments, 2, {"run", "holds a run already"});
+  json again = run(arguments + "_again --set search.threads=1").data();
   result.erase("seconds");
   again.erase("seconds");
   EXPECT_EQ(result, again) << "same seed, other tower";
@@ -160,6 +161,18 @@ TEST_F(Commands, ConfigShowsWhatWon) {
   EXPECT_THAT(shown.out, HasSubstr("search.friction: 0.3  # project file stonestack.yaml"));
   EXPECT_THAT(shown.out, HasSubstr("search.beam: 5  # flag --set"));
   EXPECT_THAT(shown.out, HasSubstr("search.seed: 1  # default"));
+}
+
+TEST_F(Commands, TheFileThatConfigShowWritesServesEveryCommand) {
+  ASSERT_EQ(run("config show > stonestack.yaml").code, 0);
+  EXPECT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);
+  const Outcome detected = run("detect scene/scene.yaml --json");
+  EXPECT_EQ(detected.code, 0) << detected.err;
+  const Outcome searched = run("search --stones limestone_1 --json");
+  EXPECT_EQ(searched.code, 0) << searched.err;
+  write("other.yaml", "search.friction: 9\n");
+  expect_refusal("detect scene/scene.yaml --config other.yaml", 3,
+                 {"other.yaml", "search.friction", "got 9"});
 }
 
 }  // namespace

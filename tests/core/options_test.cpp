@@ -76,5 +76,21 @@ TEST(Options, FileRoundTripAndUnknownKey) {
   std::filesystem::remove(path);
 }
 
+TEST(Options, FileMayHoldWhatOthersKnow) {
+  const std::string path = testing::TempDir() + "options_others.yaml";
+  Sample mine, other;
+  const auto others = nest("other", fields(other));
+  write_file(path, "friction: 0.3\nother:\n  friction: 0.4\n");
+  read_fields(fields(mine), path, others);
+  EXPECT_DOUBLE_EQ(mine.friction, 0.3);
+  EXPECT_DOUBLE_EQ(other.friction, 0.4);
+  write_file(path, "other.friction: 7\n");
+  EXPECT_THROW(read_fields(fields(mine), path, others), FileError);
+  write_file(path, "other.colour: red\n");
+  EXPECT_THROW(read_fields(fields(mine), path, others), FileError);
+  EXPECT_THROW(read_fields(fields(mine), path), FileError);
+  std::filesystem::remove(path);
+}
+
 }  // namespace
 }  // namespace stonestack

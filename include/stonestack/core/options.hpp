@@ -49,8 +49,10 @@ using FieldList = std::vector<Field>;
 /// Applies "name=value". Throws InvalidArgument that names the field, the value and the range; for an unknown
 /// name it lists the nearest ones.
 void set_field(const FieldList& list, std::string_view assignment);
-/// Reads a YAML file of `name: value` (nested maps become `a.b`). Throws FileError with file, name and value.
-void read_fields(const FieldList& list, const std::string& path);
+/// Reads a YAML file of `name: value` (nested maps become `a.b`). A name that is not in `list` but in
+/// `others` (options of other parts of a program that share the file) is set there. Throws FileError with
+/// file, name and value.
+void read_fields(const FieldList& list, const std::string& path, const FieldList& others = {});
 /// YAML text, a line a field, with unit, range and source as comments.
 [[nodiscard]] std::string write_fields(const FieldList& list);
 /// The value as text.

@@ -14,6 +14,7 @@ struct TruthReport {
   bool stands = false;    ///< the tower that the run reports still stands after `seconds`
   double seconds = 60.0;  ///< simulated, with the arm away
   double shift = 0.0;     ///< m, largest movement of a tower stone in that time
+  double turn = 0.0;      ///< rad, likewise
   std::string note;
 };
 
@@ -26,7 +27,7 @@ struct RunReport {
   std::vector<std::string> present;  ///< names of the stones that were in the field
   std::optional<TruthReport> truth;  ///< simulated cell only
   std::string options_text;          ///< resolved options, YAML
-  std::string picture;               ///< path of the PNG; empty: none
+  std::string picture;               ///< path of the PNG; empty: none. The JSON names it beside result.json
 };
 
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.

@@ -29,7 +29,8 @@ struct BuildOptions {
   double look_distance = 0.62;  ///< m from camera to what it looks at; SR300: 0.2 to 1.5 m
   double placed_shift = 0.030;  ///< m: measured nearer than this to the planned pose counts as placed
   double placed_turn = 0.35;    ///< rad
-  double moved_shift = 0.012;   ///< m: a stone of the stack that moved further is reported
+  double moved_shift =
+      0.012;  ///< m: a stone of the stack seen further from where it was (or was aimed) is reported
   /// The search starts at search.friction and climbs to this while it finds no sure pose: dry limestone on
   /// limestone slides at more (ours).
   double most_friction = 0.475;
