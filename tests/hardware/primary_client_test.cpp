@@ -1,0 +1,176 @@
+#include "stonestack/hardware/ur/primary_client.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <mutex>
+
+#include "hardware/fake_server.hpp"
+#include "hardware/hex.hpp"
+
+namespace stonestack {
+namespace {
+
+using Kind = PrimaryMessage::Kind;
+using testing::HasSubstr;
+
+// Frames written by hand: size, type 20, time stamp, source, kind, and what belongs to it.
+const std::string kVersion =
+    hex("00000033 14 0000000000000001 FE 03 09 'URControl' 03 0F 00000008 00019F63 '05-11-2021,00:00'");
+const std::string kReadOnly =
+    hex("00000026 14 0000000000000002 FD 06 000000D2 00000000 00000003 00000000 00000000 'no!'");
+const std::string kStarted =
+    hex("0000002E 14 0000000000000003 FD 07 00000000 00000000 13 'PROGRAM_XXX_STARTED' 'stk'");
+const std::string kException = hex("00000022 14 0000000000000004 FD 0A 00000007 00000003 'type error!'");
+const std::string kSafety = hex("00000020 14 0000000000000005 FD 05 000000D2 00000001 03 00000000 00000000");
+const std::string kText = hex("00000013 14 0000000000000006 FE 00 'abcd'");
+const std::string kState = hex("00000008 10 01 02 03");
+
+PrimaryMessage message(const std::string& bytes) {
+  PrimaryStream stream;
+  stream.feed(bytes);
+  auto found = stream.next();
+  EXPECT_TRUE(found) << stream.problem();
+  return found.value_or(PrimaryMessage{});
+}
+
+TEST(PrimaryWire, Messages) {
+  const PrimaryMessage version = message(kVersion);
+  EXPECT_EQ(version.kind, Kind::kVersion);
+  EXPECT_EQ(version.version, (UrVersion{3, 15, 8, 106339}));
+  EXPECT_EQ(version.title, "URControl");
+  EXPECT_EQ(version.source, -2);
+  const PrimaryMessage error = message(kReadOnly);
+  EXPECT_TRUE(is_read_only_error(error));
+  EXPECT_EQ(error.level, 3);
+  EXPECT_EQ(error.text, "no!");
+  const PrimaryMessage key = message(kStarted);
+  EXPECT_EQ(key.title, "PROGRAM_XXX_STARTED");
+  EXPECT_EQ(key.text, "stk");
+  EXPECT_FALSE(is_read_only_error(key));
+  const PrimaryMessage exception = message(kException);
+  EXPECT_EQ(exception.kind, Kind::kRuntimeException);
+  EXPECT_EQ(exception.line, 7);
+  EXPECT_EQ(exception.column, 3);
+  EXPECT_EQ(exception.text, "type error!");
+  EXPECT_EQ(exception.timestamp, 4u);
+  EXPECT_EQ(message(kSafety).level, 3);
+  EXPECT_EQ(message(kText).text, "abcd");
+}
+
+TEST(PrimaryWire, EncodesTheSameBytes) {
+  for (const auto& bytes : {kVersion, kReadOnly, kStarted, kException, kSafety, kText})
+    EXPECT_EQ(encode(message(bytes)), bytes);
+}
+
+TEST(PrimaryWire, CutAtEveryByteAndOtherPackagesPassedOver) {
+  const std::string bytes = kVersion + kState + kException + kState;
+  for (std::size_t cut = 0; cut <= bytes.size(); ++cut) {
+    PrimaryStream stream;
+    int count = 0;
+    for (const auto& part : {bytes.substr(0, cut), bytes.substr(cut)}) {
+      stream.feed(part);
+      while (stream.next()) ++count;
+    }
+    EXPECT_EQ(count, 2) << "cut at " << cut;
+    EXPECT_EQ(stream.passed_over(), 2);
+  }
+}
+
+TEST(PrimaryWire, BrokenLengthsAndShortBodies) {
+  for (const char* bytes : {"00000000 14", "00000004 14", "FFFFFFFF 14", "00010001 14", "80000000 10"}) {
+    PrimaryStream stream;
+    stream.feed(hex(bytes));
+    EXPECT_FALSE(stream.next());
+    EXPECT_NE(stream.problem(), "") << bytes;
+  }
+  PrimaryStream stream;
+  stream.feed(hex("00000005 14  00000010 14 0000000000000004 FD 0A 00") + kText);
+  EXPECT_EQ(stream.next().value_or(PrimaryMessage{}).text, "abcd") << "a message cut short is passed over";
+  EXPECT_EQ(stream.passed_over(), 2);
+}
+
+/// Speaks `hello` to every client and keeps what they send.
+struct FakePrimary {
+  explicit FakePrimary(std::string hello, std::function<std::string(const std::string&, int)> answer = {})
+      : server([this, hello = std::move(hello), answer = std::move(answer)](TcpStream& stream, int n) {
+          if (!stream.write_all(hello, Deadline::in(1.0))) return;
+          while (!server.ending()) {
+            std::array<std::uint8_t, 4096> bytes{};
+            const IoResult read = stream.read_some(bytes, Deadline::in(0.02));
+            if (read.status == IoStatus::kClosed) return;
+            const std::string text(reinterpret_cast<const char*>(bytes.data()), read.bytes);
+            {
+              const std::lock_guard lock(mutex);
+              received += text;
+            }
+            if (text.empty() || !answer) continue;
+            if (!stream.write_all(answer(text, n), Deadline::in(1.0))) return;
+          }
+        }) {}
+  ~FakePrimary() { server.stop(); }
+  std::string text() {
+    const std::lock_guard lock(mutex);
+    return received;
+  }
+  std::mutex mutex;
+  std::string received;
+  FakeServer server;
+};
+
+int closed_port() {
+  const TcpListener listener{ListenOptions{}};
+  return listener.endpoint().port;
+}
+
+TEST(PrimaryClient, SendsAndHears) {
+  FakePrimary robot(kVersion, [](const std::string&, int) { return kState + kStarted + kException; });
+  PrimaryClient client("127.0.0.1", {{robot.server.port()}, 0.5, 0.5});
+  client.send("def a():\nend\n");
+  std::vector<PrimaryMessage> heard;
+  ASSERT_TRUE(eventually([&] {
+    for (auto& m : client.take_messages()) heard.push_back(m);
+    return heard.size() >= 3;
+  }));
+  EXPECT_EQ(heard[0].kind, Kind::kVersion);
+  EXPECT_EQ(heard[2].line, 7);
+  EXPECT_EQ(robot.text(), "def a():\nend\n");
+  EXPECT_THROW(client.send("def a():\nend"), InvalidArgument);
+}
+
+TEST(PrimaryClient, FallsBackToTheNextPort) {
+  FakePrimary robot(kVersion);
+  const int closed = closed_port();
+  const PrimaryClient client("127.0.0.1", {{closed, robot.server.port()}, 0.5, 0.5});
+  EXPECT_EQ(client.port(), robot.server.port());
+  try {
+    const PrimaryClient none("127.0.0.1", {{closed, closed}, 0.5, 0.5});
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(std::to_string(closed)));
+    EXPECT_THAT(error.what(), HasSubstr("security settings"));
+  }
+}
+
+TEST(PrimaryClient, ConnectsAgainWhenTheStreamIsLostOrGarbage) {
+  std::atomic<int> scripts{0};
+  FakePrimary robot("", [&scripts](const std::string&, int n) {
+    ++scripts;
+    return n == 0 ? hex("00000000 14") : kText;
+  });
+  PrimaryClient client("127.0.0.1", {{robot.server.port()}, 0.5, 0.5});
+  client.send("a\n");
+  ASSERT_TRUE(eventually([&] { return scripts >= 1; }));
+  ASSERT_TRUE(eventually([&] {
+    client.send("b\n");
+    return robot.server.connections() >= 2;
+  }));
+  EXPECT_TRUE(eventually([&] { return !client.take_messages().empty(); }));
+  client.reconnect();
+  EXPECT_TRUE(eventually([&] { return robot.server.connections() >= 3; }));
+}
+
+}  // namespace
+}  // namespace stonestack
