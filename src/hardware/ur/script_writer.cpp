@@ -49,7 +49,7 @@ int number(ScriptEnd end) {
 void begin(Lines& out) {
   const ScriptContext& c = out.context();
   require(c.run > 0, "a run id must be positive, got ", c.run);
-  require(c.payload >= 0, "a payload cannot be ", c.payload, " kg");
+  require(!c.payload || *c.payload >= 0, "a payload cannot be ", c.payload.value_or(0), " kg");
   out.add(0, "def ", script_name(c.run), "():");
   if (out.reg(0) == 0) out.add(1, "# Before 3.9 (5.3): registers 0..23, shared with fieldbuses.");
   out.add(1, "write_output_integer_register(", out.reg(2), ", ", number(ScriptEnd::kRunning), ")");
@@ -64,7 +64,8 @@ void watch_heartbeat(Lines& out) {
 
 void set_tool(Lines& out) {
   out.add(1, "set_tcp(", to_script(out.context().T_F_T), ")");
-  out.add(1, "set_payload(", to_script(out.context().payload), ", ", to_script(out.context().p_F_com), ")");
+  if (const auto& payload = out.context().payload)
+    out.add(1, "set_payload(", to_script(*payload), ", ", to_script(out.context().p_F_com), ")");
 }
 
 /// Where and how a motion ended; the end state comes last.

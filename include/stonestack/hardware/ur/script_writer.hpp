@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "stonestack/core/options.hpp"
@@ -52,7 +53,7 @@ struct ScriptContext {
   UrVersion version;
   int run = 1;  ///< positive, another one for each program
   Pose T_F_T = Pose::Identity();
-  double payload = 0.0;                               ///< kg
+  std::optional<double> payload;                      ///< kg; empty: the controller keeps its own
   Eigen::Vector3d p_F_com = Eigen::Vector3d::Zero();  ///< m
   ScriptOptions options;
 };

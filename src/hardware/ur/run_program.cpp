@@ -1,0 +1,211 @@
+#include "hardware/ur/run_program.hpp"
+
+#include <utility>
+
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+
+namespace stonestack {
+namespace {
+
+using Status = MotionResult::Status;
+
+constexpr double kStragglers = 0.1;  // s for errors that follow the end of a program
+
+/// Keeps what the controller says about the program.
+class Hearing {
+ public:
+  Hearing(UrLink& link, const std::string& script) : link_(link), script_(script) {
+    static_cast<void>(link.primary.take_messages());  // about older programs
+  }
+  void listen() {
+    for (const PrimaryMessage& message : link_.primary.take_messages()) {
+      read_only_ = read_only_ || is_read_only_error(message);
+      if (message.kind == PrimaryMessage::Kind::kRuntimeException)
+        note(concat("line ", message.line, ": ", message.text, ": '", script_line(script_, message.line),
+                    "'"));
+      else if (message.kind == PrimaryMessage::Kind::kError && !is_read_only_error(message))
+        note(concat("C", message.code, "A", message.argument, " ", message.text));
+    }
+  }
+  /// After a short wait for what comes late.
+  [[nodiscard]] std::string last_words() {
+    std::this_thread::sleep_for(std::chrono::duration<double>(kStragglers));
+    listen();
+    return said_;
+  }
+  [[nodiscard]] const std::string& said() const { return said_; }
+  [[nodiscard]] bool died() const { return !said_.empty(); }
+  /// True once after each C210.
+  [[nodiscard]] bool take_read_only() { return std::exchange(read_only_, false); }
+
+ private:
+  void note(const std::string& text) { said_ += (said_.empty() ? "" : "; ") + text; }
+  UrLink& link_;
+  const std::string& script_;
+  std::string said_;
+  bool read_only_ = false;
+};
+
+/// One program from its sending to its end.
+class Run {
+ public:
+  Run(UrLink& link, const ProgramOrder& order)
+      : link_(link), order_(order), hearing_(link, order.script), sessions_(link.rtde.counts().sessions) {}
+
+  MotionResult carry_through() {
+    if (auto failed = start()) return *failed;
+    for (;;) {
+      const UrStatus now = turn();
+      if (auto ended = look(now)) return *ended;
+    }
+  }
+
+ private:
+  [[nodiscard]] MotionResult result(Status status, const std::string& reason) const {
+    return {status, last_.q, last_.force, reason};
+  }
+
+  MotionResult stop_because(const std::string& reason) {
+    send_stop(link_);
+    return result(Status::kStopped, reason);
+  }
+
+  UrStatus turn() {
+    throw_if_interrupted();
+    last_ = link_.next_status();
+    if (order_.each_turn) order_.each_turn(last_);
+    hearing_.listen();
+    return last_;
+  }
+
+  /// Empty once the program has written its run id.
+  std::optional<MotionResult> start() {
+    link_.primary.send(order_.script);
+    Deadline deadline = Deadline::in(link_.options.start_timeout);
+    bool resent = false;
+    while (!deadline.over()) {
+      const UrStatus now = turn();
+      if (now.run == order_.run) return std::nullopt;
+      if (auto stopped = find_stop(now)) return stopped;
+      if (hearing_.died())
+        return result(Status::kRefused, "the program did not start: " + hearing_.last_words());
+      if (!hearing_.take_read_only()) continue;
+      if (resent) break;  // C210 twice
+      resent = true;
+      link_.primary.reconnect();
+      link_.primary.send(order_.script);
+      deadline = Deadline::in(link_.options.start_timeout);
+    }
+    send_stop(link_);  // it must not start when nobody waits for it any more
+    return result(Status::kRefused, concat("the program did not start within ", link_.options.start_timeout,
+                                           " s; ", link_.explain_silence()));
+  }
+
+  /// Safety stop, a stop that was asked for, a link that was lost in between.
+  std::optional<MotionResult> find_stop(const UrStatus& now) {
+    if (const auto safety = find_safety_stop(now); !safety.empty()) {
+      link_.disarm(safety);
+      return stop_because(safety);
+    }
+    if (order_.stop_asked != nullptr && *order_.stop_asked)
+      return result(Status::kStopped, "stopped by command");
+    if (link_.rtde.counts().sessions == sessions_) return std::nullopt;
+    send_stop(link_);
+    return result(Status::kLost,
+                  "the RTDE link was lost on the way; the controller's watchdog has stopped it");
+  }
+
+  std::optional<MotionResult> look(const UrStatus& now) {
+    if (auto stopped = find_stop(now)) return stopped;
+    if (now.run != order_.run)
+      return result(Status::kStopped, "another program has taken the controller; end the other client");
+    if (!now.program_running) return now.end != 0 ? finish(now) : look_for_death();
+    ended_for_.reset();
+    return keep_time(now);
+  }
+
+  std::optional<MotionResult> finish(const UrStatus& now) {
+    switch (static_cast<ScriptEnd>(now.end)) {
+      case ScriptEnd::kDone:
+        return result(Status::kDone, {});
+      case ScriptEnd::kContact:
+        return result(Status::kContact, concat("contact at ", now.force, " N"));
+      case ScriptEnd::kNoContact:
+        return result(Status::kNoContact, "no contact up to the end of the motion");
+      case ScriptEnd::kStaleForce:
+        return result(Status::kStopped,
+                      "the force readings stopped coming through; the arm stopped by itself");
+      case ScriptEnd::kRunning:
+        break;
+    }
+    return result(Status::kStopped, concat("unknown end state ", now.end));
+  }
+
+  /// The program is over and has not said how.
+  std::optional<MotionResult> look_for_death() {
+    if (!ended_for_) ended_for_.emplace();
+    if (!hearing_.died() && ended_for_->seconds() < link_.options.end_grace) return std::nullopt;
+    const std::string words = hearing_.last_words();
+    const UrStatus late = turn();
+    if (late.end != 0 && late.run == order_.run && words.empty()) return finish(late);
+    if (auto stopped = find_stop(late)) return stopped;
+    return result(Status::kStopped,
+                  words.empty()
+                      ? "the program was killed: on the pendant, by another client, or by the heartbeat "
+                        "watchdog"
+                      : "the program died at " + words);
+  }
+
+  /// The limit runs at the speed of the arm; a pause is the user's.
+  std::optional<MotionResult> keep_time(const UrStatus& now) {
+    const double dt = std::max(0.0, now.device_time - before_.value_or(now.device_time));
+    before_ = now.device_time;
+    if (now.is_paused()) {
+      paused_ += dt;
+      if (paused_ < link_.options.pause_limit) return std::nullopt;
+      return stop_because(
+          concat("paused by the user (program paused or speed slider at 0) for ", paused_, " s"));
+    }
+    used_ += dt * std::min(1.0, now.speed);
+    const double allowed = link_.options.time_factor * order_.duration + link_.options.time_slack;
+    if (used_ < allowed) return std::nullopt;
+    return stop_because(
+        concat("not done after ", used_, " s, expected ", order_.duration, " s; at knot ", now.progress));
+  }
+
+  UrLink& link_;
+  const ProgramOrder& order_;
+  Hearing hearing_;
+  const int sessions_;
+  UrStatus last_;
+  std::optional<Stopwatch> ended_for_;
+  std::optional<double> before_;
+  double used_ = 0.0, paused_ = 0.0;
+};
+
+}  // namespace
+
+void send_stop(UrLink& link) noexcept {
+  try {
+    ScriptContext context;
+    context.version = link.version;
+    context.run = link.next_run();
+    context.options = link.options.script;
+    link.primary.send(write_stop(context));
+  } catch (const std::exception& error) {
+    log_warning(std::string("could not send a stop: ") + error.what());
+  }
+}
+
+MotionResult run_program(UrLink& link, const ProgramOrder& order) {
+  try {
+    return Run(link, order).carry_through();
+  } catch (...) {
+    send_stop(link);
+    throw;
+  }
+}
+
+}  // namespace stonestack

@@ -1,0 +1,24 @@
+#pragma once
+#include <functional>
+
+#include "hardware/ur/ur_link.hpp"
+
+/// Sends one program and waits for its end: run id, program not running, and an end state, all three.
+namespace stonestack {
+
+struct ProgramOrder {
+  std::string script;
+  int run = 0;
+  double duration = 0.0;                           ///< s that it takes at full speed
+  std::function<void(const UrStatus&)> each_turn;  ///< called on every status, e.g. to stream a force
+  const std::atomic<bool>* stop_asked = nullptr;
+};
+
+/// kDone, kContact and kNoContact are the program's own ends; otherwise `reason` says why. Whatever the end,
+/// the program does not run any more, or the link is lost and the controller's watchdog ends it. Rethrows
+/// what `each_turn` throws and Interrupted, after stopping.
+[[nodiscard]] MotionResult run_program(UrLink& link, const ProgramOrder& order);
+/// Sends a stop program and forgets about it; for ends where nobody may wait. Never throws.
+void send_stop(UrLink& link) noexcept;
+
+}  // namespace stonestack

@@ -1,0 +1,215 @@
+#include "stonestack/hardware/ur/ur_arm.hpp"
+
+#include <cmath>
+
+#include "hardware/ur/run_program.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+using Status = MotionResult::Status;
+
+constexpr double kPayloadSlack = 0.01;  // kg
+constexpr double kOffsetSlack = 1e-4;   // m
+constexpr double kSettingsTime = 0.5;   // s that a program of settings takes
+
+}  // namespace
+
+struct UrArm::Device {
+  Device(const RobotModel& model, const UrArmOptions& options, const Pose& world, const Pose& tool,
+         ForceTorqueSensor* sensor)
+      : robot(model), T_W_R(world), T_F_T(tool), force_torque(sensor), link(options) {}
+
+  [[nodiscard]] ScriptContext context() {
+    ScriptContext c;
+    c.version = link.version;
+    c.run = link.next_run();
+    c.T_F_T = T_F_T;
+    c.payload = payload;
+    c.p_F_com = p_F_com;
+    c.options = link.options.script;
+    return c;
+  }
+
+  [[nodiscard]] std::string name() const { return "UR arm at " + link.options.address; }
+
+  /// Why a motion may not start; `now` is where the arm is.
+  [[nodiscard]] std::string find_refusal(const UrStatus& now) const {
+    if (auto hindrance = find_hindrance(now); !hindrance.empty()) return hindrance;
+    if (auto reason = link.stop_reason(); !reason.empty())
+      return "there was a stop, and nobody has looked and re-armed: " + reason;
+    if (now.program_running) return "another program runs on the controller; stop it first";
+    return {};
+  }
+
+  /// Link trouble on the way is an end, not an error: the arm has moved.
+  MotionResult run(const ProgramOrder& order) {
+    try {
+      return run_program(link, order);
+    } catch (const DeviceError& error) {
+      return {Status::kLost, last_q, 0.0, error.what()};
+    }
+  }
+
+  MotionResult follow(const JointTrajectory& trajectory, const GuardedMotion* guard) {
+    const std::unique_lock moving(motion, std::try_to_lock);
+    if (!moving) return {Status::kRefused, last_q, 0.0, "another motion is under way"};
+    stop_asked = false;
+    const UrStatus now = link.next_status();
+    last_q = now.q;
+    ScriptContext c = context();
+    auto refusal = find_refusal(now);
+    if (refusal.empty()) refusal = find_fault(trajectory, now.q, robot, c);
+    if (refusal.empty() && guard != nullptr && force_torque == nullptr)
+      refusal = "a guarded motion needs a force-torque sensor";
+    if (!refusal.empty()) return {Status::kRefused, now.q, 0.0, refusal};
+    ProgramOrder order{{}, c.run, trajectory.duration(), {}, &stop_asked};
+    if (guard == nullptr) {
+      order.script = write_trajectory(trajectory, c);
+      return run(order);
+    }
+    order.script =
+        write_guarded(trajectory, {T_W_R.rotation().transpose() * guard->n_W_direction, guard->threshold}, c);
+    double last_reading = -1.0;
+    order.each_turn = [&](const UrStatus& status) { stream_force(status, last_reading); };
+    return run(order);
+  }
+
+  /// A reading is passed on once, so that the controller's counter shows a sensor that has gone silent.
+  void stream_force(const UrStatus& status, double& last_reading) {
+    last_q = status.q;
+    const Wrench wrench = force_torque->read();
+    if (wrench.device_time == last_reading) return;
+    last_reading = wrench.device_time;
+    if (!wrench.force.allFinite())
+      throw DeviceError("force-torque sensor", "reads a force that is not finite", "look at the sensor");
+    link.send_force(forward(robot, status.q).rotation() * wrench.force);
+  }
+
+  void check_settings() {
+    const RtdeSample sample = link.rtde.wait_for_next(Deadline::in(0.5)).value_or(link.rtde.sample());
+    if (sample.has("payload") && std::abs(sample.get<double>("payload") - *payload) > kPayloadSlack)
+      throw DeviceError(
+          name(), concat("reads back a payload of ", sample.get<double>("payload"), " kg, not ", *payload),
+          "look at the installation on the pendant");
+    if (!sample.has("tcp_offset")) return;
+    const auto& offset = sample.get<std::array<double, 6>>("tcp_offset");
+    const Eigen::Vector3d read = Eigen::Map<const Eigen::Vector3d>(offset.data());
+    if ((read - T_F_T.translation()).norm() > kOffsetSlack)
+      throw DeviceError(
+          name(),
+          concat("reads back a tool at ", read.transpose(), " m, not ", T_F_T.translation().transpose()),
+          "look at the installation on the pendant");
+  }
+
+  RobotModel robot;
+  Pose T_W_R, T_F_T;
+  ForceTorqueSensor* force_torque;
+  std::mutex motion;  // one motion at a time; guards payload and centre
+  std::optional<double> payload;
+  Eigen::Vector3d p_F_com = Eigen::Vector3d::Zero();
+  Joints last_q = Joints::Zero();
+  std::atomic<bool> stop_asked{false};
+  UrLink link;
+};
+
+UrArm::UrArm(const RobotModel& robot, const UrArmOptions& options, const Pose& T_W_R, const Pose& T_F_T,
+             ForceTorqueSensor* force_torque)
+    : device_(std::make_unique<Device>(robot, options, T_W_R, T_F_T, force_torque)) {}
+
+UrArm::~UrArm() = default;
+
+ArmState UrArm::state() {
+  const UrStatus now = device_->link.status();
+  ArmState state;
+  state.q = now.q;
+  state.qd = now.qd;
+  state.device_time = now.device_time;
+  state.host_time = now.host_time;
+  state.speed_scaling = now.speed;
+  state.stop_reason = find_hindrance(now);
+  if (state.stop_reason.empty()) state.stop_reason = device_->link.stop_reason();
+  state.can_move = state.stop_reason.empty();
+  return state;
+}
+
+MotionResult UrArm::follow(const JointTrajectory& trajectory) {
+  return device_->follow(trajectory, nullptr);
+}
+
+MotionResult UrArm::follow_guarded(const GuardedMotion& motion) {
+  require(motion.threshold > 0 && std::abs(motion.n_W_direction.norm() - 1) < 1e-6,
+          "a guard needs a positive threshold and a unit direction, got ", motion.threshold, " N and length ",
+          motion.n_W_direction.norm());
+  return device_->follow(motion.trajectory, &motion);
+}
+
+void UrArm::stop() {
+  device_->stop_asked = true;
+  send_stop(device_->link);
+  const Deadline deadline = Deadline::in(device_->link.options.stop_timeout);
+  while (!deadline.over()) {
+    const UrStatus now = device_->link.next_status();
+    if (!now.program_running && now.qd.cwiseAbs().maxCoeff() < device_->link.options.standstill) return;
+    if (!find_safety_stop(now).empty()) return;  // the safety system has stopped it
+  }
+  throw DeviceError(device_->name(),
+                    concat("does not stand ", device_->link.options.stop_timeout, " s after a stop"),
+                    "press the emergency stop");
+}
+
+void UrArm::set_payload(double mass, const Eigen::Vector3d& p_F_com) {
+  require(std::isfinite(mass) && mass >= 0 && p_F_com.allFinite(),
+          "a payload needs a mass and a finite centre, got ", mass, " kg");
+  require(mass <= device_->robot.payload, "the arm carries ", device_->robot.payload, " kg, not ", mass,
+          " kg");
+  const std::unique_lock moving(device_->motion, std::try_to_lock);
+  if (!moving) throw DeviceError(device_->name(), "is moving", "set the payload at rest");
+  if (auto refusal = device_->find_refusal(device_->link.next_status()); !refusal.empty())
+    throw DeviceError(device_->name(), "takes no payload: " + refusal, "look at the pendant");
+  device_->payload = mass;
+  device_->p_F_com = p_F_com;
+  device_->stop_asked = false;
+  const ScriptContext context = device_->context();
+  const MotionResult set = run_program(
+      device_->link, {write_settings(context), context.run, kSettingsTime, {}, &device_->stop_asked});
+  if (set.status != Status::kDone)
+    throw DeviceError(device_->name(), "takes no payload: " + set.reason, "look at the pendant");
+  device_->check_settings();
+}
+
+void UrArm::rearm() {
+  device_->link.rearm();
+}
+
+UrVersion UrArm::version() const {
+  return device_->link.version;
+}
+
+std::vector<std::string> UrArm::missing_outputs() const {
+  return device_->link.rtde.missing();
+}
+
+FieldList fields(UrArmOptions& o) {
+  constexpr FieldRange kPort{0, 65535};
+  return join(
+      {{field("address", o.address, "of the controller"), field("rtde_port", o.rtde_port, kPort, "", "UR"),
+        field("primary_port", o.primary_port, kPort, "", "UR"),
+        field("secondary_port", o.secondary_port, kPort, "", "UR"),
+        field("realtime_port", o.realtime_port, kPort, "", "UR"),
+        field("dashboard_port", o.dashboard_port, kPort, "", "UR"),
+        field("start_timeout", o.start_timeout, {0.1, 60}, "s", "ours"),
+        field("end_grace", o.end_grace, {0.05, 10}, "s", "ours"),
+        field("time_factor", o.time_factor, {1, 100}, "", "ours"),
+        field("time_slack", o.time_slack, {0.1, 600}, "s", "ours"),
+        field("pause_limit", o.pause_limit, {0, 86400}, "s", "ours"),
+        field("heartbeat_period", o.heartbeat_period, {0.002, 0.05}, "s", "ours"),
+        field("stop_timeout", o.stop_timeout, {0.1, 60}, "s", "ours"),
+        field("standstill", o.standstill, {1e-4, 0.1}, "rad/s", "ours")},
+       nest("rtde", fields(o.rtde)),
+       nest("script", fields(o.script))});
+}
+
+}  // namespace stonestack

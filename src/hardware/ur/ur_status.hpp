@@ -1,0 +1,32 @@
+#pragma once
+#include "stonestack/hardware/ur/rtde_client.hpp"
+#include "stonestack/hardware/ur/script_writer.hpp"
+
+/// What one RTDE sample says about arm and program.
+namespace stonestack {
+
+struct UrStatus {
+  Joints q, qd;
+  double device_time = 0.0, host_time = 0.0;  ///< s
+  int robot_mode = 0;                         ///< 7: running
+  int safety = 0;                             ///< safety_status, or safety_mode on older controllers
+  std::uint32_t safety_bits = 0;
+  std::uint32_t runtime_state = 0;
+  bool program_running = false;
+  double speed = 0.0;  ///< of the arm as a fraction: slider times what the safety system leaves
+  int run = 0, progress = 0, end = 0;
+  double force = 0.0;  ///< N, of the last program
+
+  /// A person (or a pendant) holds the program: paused, or the slider at zero.
+  [[nodiscard]] bool is_paused() const;
+};
+
+/// Outputs and inputs that the arm needs; `first_register` is 24 or 0.
+[[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
+[[nodiscard]] UrStatus read_status(const RtdeSample& sample, int first_register);
+/// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".
+[[nodiscard]] std::string find_safety_stop(const UrStatus& status);
+/// The same, or that the arm is not powered with its brakes off.
+[[nodiscard]] std::string find_hindrance(const UrStatus& status);
+
+}  // namespace stonestack

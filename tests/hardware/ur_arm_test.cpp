@@ -1,0 +1,438 @@
+#include "stonestack/hardware/ur/ur_arm.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "hardware/fake_ur.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+using Status = MotionResult::Status;
+using State = FakeUr::State;
+using testing::HasSubstr;
+
+const RobotModel& ur10() {
+  static const RobotModel robot = read_robot(STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf");
+  return robot;
+}
+
+JointTrajectory small_move() {
+  JointTrajectory move;
+  move.time = {0.0, 0.5};
+  move.q = {Joints::Zero(), Joints::Constant(0.1)};
+  move.qd = {Joints::Zero(), Joints::Zero()};
+  return move;
+}
+
+bool is_stop(const std::string& script) {
+  return script.find("servoj") == std::string::npos;
+}
+
+/// Runs a program for some states and ends it; stops end at once.
+void obey(State& state, const std::string& script, int run, ScriptEnd end = ScriptEnd::kDone,
+          long states = 30) {
+  state.later.clear();
+  state.set_run(run);
+  state.set_end(ScriptEnd::kRunning);
+  state.set_running(true);
+  if (is_stop(script)) end = ScriptEnd::kDone;
+  state.after(is_stop(script) ? 2 : states, [end, script](State& later) {
+    later.set_running(false);
+    later.set_end(end);
+    if (!is_stop(script)) later.set("actual_q", std::array<double, 6>{0.1, 0.1, 0.1, 0.1, 0.1, 0.1});
+  });
+}
+
+std::string key_exception(int line, const std::string& text) {
+  PrimaryMessage message;
+  message.kind = PrimaryMessage::Kind::kRuntimeException;
+  message.line = line;
+  message.text = text;
+  return encode(message);
+}
+
+std::string read_only() {
+  PrimaryMessage message;
+  message.kind = PrimaryMessage::Kind::kError;
+  message.code = 210;
+  return encode(message);
+}
+
+/// The arm, its controller, and what the controller does with scripts.
+struct Bench {
+  explicit Bench(FakeUr::OnScript on_script, UrVersion version = {3, 15, 8, 106339})
+      : robot(std::move(on_script), version), arm(ur10(), robot.options(), Pose::Identity(), tool()) {}
+  static Pose tool() { return Pose(Eigen::Translation3d(0, 0, 0.264)); }
+  FakeUr robot;
+  UrArm arm;
+};
+
+TEST(UrArm, FollowsToTheEnd) {
+  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  const ArmState before = bench.arm.state();
+  EXPECT_TRUE(before.can_move);
+  EXPECT_EQ(before.speed_scaling, 1.0);
+  EXPECT_GT(before.device_time, 100.0);
+  const MotionResult moved = bench.arm.follow(small_move());
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+  EXPECT_NEAR(moved.q[5], 0.1, 1e-12);
+  EXPECT_THAT(bench.robot.scripts(), HasSubstr("stk_to(1, 0.5"));
+  EXPECT_EQ(bench.robot.count("def stonestack_1()"), 1);
+  EXPECT_EQ(bench.robot.count("set_payload"), 0) << "nobody has said what hangs on the flange";
+}
+
+TEST(UrArm, EndsOnlyWithRunIdAndNoProgramAndEndState) {
+  std::atomic<bool> ended{false};
+  Bench bench([&ended](State& s, const std::string&, int run) {
+    s.set_run(run);
+    s.set_end(ScriptEnd::kDone);  // written, but the program still runs
+    s.set_running(true);
+    s.after(60, [](State& later) {
+      later.set_end(ScriptEnd::kRunning);
+      later.set_running(false);  // over, but no end state
+    });
+    s.after(70, [&ended](State& later) {
+      later.set_end(ScriptEnd::kDone);
+      ended = true;
+    });
+  });
+  const MotionResult moved = bench.arm.follow(small_move());
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+  EXPECT_TRUE(ended);
+}
+
+TEST(UrArm, RefusesWhatDoesNotStartHereAndSendsNothing) {
+  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  JointTrajectory far = small_move();
+  for (Joints& q : far.q) q[2] += 0.5;
+  const MotionResult refused = bench.arm.follow(far);
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_THAT(refused.reason, HasSubstr("from where the arm is"));
+  JointTrajectory nan = small_move();
+  nan.qd[0][0] = NAN;
+  EXPECT_EQ(bench.arm.follow(nan).status, Status::kRefused);
+  EXPECT_EQ(bench.robot.scripts(), "");
+}
+
+TEST(UrArm, SilentControllerIsInLocalControl) {
+  Bench bench([](State&, const std::string&, int) {}, {5, 11, 0, 108249});
+  bench.robot.set_remote(false);
+  const MotionResult moved = bench.arm.follow(small_move());
+  EXPECT_EQ(moved.status, Status::kRefused);
+  EXPECT_THAT(moved.reason, HasSubstr("switch to Remote"));
+}
+
+TEST(UrArm, ReconnectsOnceOnC210) {
+  int scripts = 0;
+  Bench bench([&scripts](State& s, const std::string& script, int run) {
+    if (scripts++ == 0)
+      s.say = read_only();
+    else
+      obey(s, script, run);
+  });
+  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
+  EXPECT_EQ(bench.robot.script_connections(), 2);
+  Bench never([](State& s, const std::string&, int) { s.say = read_only(); });
+  EXPECT_EQ(never.arm.follow(small_move()).status, Status::kRefused);
+  EXPECT_EQ(never.robot.count("servoj(q"), 2) << "sent twice, not more";
+}
+
+TEST(UrArm, AProgramThatDiesSaysWhere) {
+  Bench early([](State& s, const std::string&, int) { s.say = key_exception(5, "not found"); });
+  const MotionResult refused = early.arm.follow(small_move());
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_THAT(refused.reason, HasSubstr("line 5: not found: 'rtde_set_watchdog("));
+  Bench late([](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    if (is_stop(script)) return;
+    s.later.clear();
+    s.say = key_exception(6, "no inverse kinematics");
+    s.after(20, [](State& later) { later.set_running(false); });
+  });
+  const MotionResult died = late.arm.follow(small_move());
+  EXPECT_EQ(died.status, Status::kStopped);
+  EXPECT_THAT(died.reason, HasSubstr("line 6: no inverse kinematics: 'set_tcp("));
+  Bench killed([](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    s.later.clear();
+    s.after(20, [](State& later) { later.set_running(false); });
+  });
+  EXPECT_THAT(killed.arm.follow(small_move()).reason, HasSubstr("was killed"));
+}
+
+TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
+  Bench bench([](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    if (is_stop(script)) return;
+    s.after(10, [](State& later) {
+      later.set("safety_status", std::int32_t{3});
+      later.set("safety_status_bits", std::uint32_t{0x404});
+      later.set_running(false);
+      later.later.clear();
+    });
+  });
+  const MotionResult stopped = bench.arm.follow(small_move());
+  EXPECT_EQ(stopped.status, Status::kStopped);
+  EXPECT_THAT(stopped.reason, HasSubstr("protective stop (safety 3, bits 0x404)"));
+  EXPECT_FALSE(bench.arm.state().can_move);
+  EXPECT_THROW(bench.arm.rearm(), DeviceError);
+  bench.robot.change([](State& s) {
+    s.set("safety_status", std::int32_t{1});
+    s.set("safety_status_bits", std::uint32_t{1});
+    s.set_running(false);
+  });
+  ASSERT_TRUE(
+      eventually([&] { return bench.arm.state().stop_reason.find("bits 0x404") != std::string::npos; }));
+  const MotionResult refused = bench.arm.follow(small_move());
+  EXPECT_EQ(refused.status, Status::kRefused);
+  EXPECT_THAT(refused.reason, HasSubstr("re-armed"));
+  EXPECT_EQ(bench.robot.count("servoj(q"), 1);
+  EXPECT_NO_THROW(bench.arm.rearm());
+  EXPECT_TRUE(bench.arm.state().can_move);
+}
+
+TEST(UrArm, NotesAStopWhileNothingMoves) {
+  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  bench.robot.change([](State& s) {
+    s.set("safety_status", std::int32_t{7});
+    s.set("safety_status_bits", std::uint32_t{0xC0});
+  });
+  ASSERT_TRUE(eventually([&] { return !bench.arm.state().can_move; }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  bench.robot.change([](State& s) {
+    s.set("safety_status", std::int32_t{1});
+    s.set("safety_status_bits", std::uint32_t{1});
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  EXPECT_THAT(bench.arm.state().stop_reason, HasSubstr("emergency stop of the robot"));
+}
+
+TEST(UrArm, SliderAtZeroIsAPauseNotATimeOut) {
+  const auto paused_for = [](long states) {
+    return [states](State& s, const std::string& script, int run) {
+      obey(s, script, run);
+      if (is_stop(script)) return;
+      s.later.clear();
+      s.set("target_speed_fraction", 0.0);
+      s.after(states, [script, run](State& later) {
+        later.set("target_speed_fraction", 0.5);
+        obey(later, script, run);
+      });
+    };
+  };
+  Bench bench(paused_for(600));  // 4.8 s of the controller's clock, allowed are 1.75 s
+  const MotionResult moved = bench.arm.follow(small_move());
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+  Bench for_ever(paused_for(1000000));
+  const MotionResult given_up = for_ever.arm.follow(small_move());
+  EXPECT_EQ(given_up.status, Status::kStopped);
+  EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
+  EXPECT_TRUE(eventually([&] {
+    return for_ever.robot.count("servoj(q") == 1 && for_ever.robot.count("def stonestack") == 2;
+  })) << "the program is not left running";
+}
+
+TEST(UrArm, AMotionThatNeverEndsIsStopped) {
+  Bench bench([](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    if (!is_stop(script)) s.later.clear();
+  });
+  const MotionResult moved = bench.arm.follow(small_move());
+  EXPECT_EQ(moved.status, Status::kStopped);
+  EXPECT_THAT(moved.reason, HasSubstr("not done after"));
+  EXPECT_TRUE(eventually([&] { return bench.robot.count("def stonestack") == 2; }));
+}
+
+TEST(UrArm, StopFromAnotherThread) {
+  Bench bench([](State& s, const std::string& script, int run) {
+    obey(s, script, run, ScriptEnd::kDone, is_stop(script) ? 2 : 150);
+  });
+  std::thread stopper([&] {
+    EXPECT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
+    bench.arm.stop();
+  });
+  const MotionResult moved = bench.arm.follow(small_move());
+  stopper.join();
+  EXPECT_EQ(moved.status, Status::kStopped);
+  EXPECT_THAT(moved.reason, HasSubstr("by command"));
+  EXPECT_EQ(bench.robot.count("def stonestack"), 2);
+  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone) << "a new command moves again";
+}
+
+TEST(UrArm, AStopThatIsNotObeyedIsAnError) {
+  Bench bench([](State&, const std::string&, int) {});
+  bench.robot.change([](State& s) { s.set("actual_qd", std::array<double, 6>{0.5, 0, 0, 0, 0, 0}); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(30));
+  EXPECT_THROW(bench.arm.stop(), DeviceError);
+}
+
+TEST(UrArm, AnotherClientsProgram) {
+  Bench taken([](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    if (is_stop(script)) return;
+    s.later.clear();
+    s.after(10, [](State& later) { later.set_run(4711); });
+  });
+  EXPECT_THAT(taken.arm.follow(small_move()).reason, HasSubstr("another program"));
+  Bench busy([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  busy.robot.change([](State& s) { s.set_running(true); });
+  ASSERT_TRUE(eventually([&] { return busy.arm.follow(small_move()).status == Status::kRefused; }));
+}
+
+TEST(UrArm, LosingTheLinkLosesTheMotion) {
+  Bench bench(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 2000); });
+  std::thread cutter([&] {
+    EXPECT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    bench.robot.drop_rtde();
+  });
+  const MotionResult moved = bench.arm.follow(small_move());
+  cutter.join();
+  EXPECT_EQ(moved.status, Status::kLost) << moved.reason;
+  EXPECT_TRUE(eventually([&] { return bench.robot.count("def stonestack") == 2; })) << "a stop was sent";
+}
+
+TEST(UrArm, HeartbeatRises) {
+  Bench bench([](State&, const std::string&, int) {});
+  ASSERT_TRUE(eventually([&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size() > 5; }));
+  const std::vector<RtdeType> types = {RtdeType::kInt32, RtdeType::kInt32, RtdeType::kDouble,
+                                       RtdeType::kDouble, RtdeType::kDouble};
+  std::int32_t before = 0;
+  for (const RtdePacket& packet : bench.robot.rtde().requests(RtdeKind::kDataPackage)) {
+    const auto data = decode_data(packet, types, 2, false);
+    ASSERT_TRUE(data);
+    EXPECT_EQ(std::get<std::int32_t>(data->values[0]), before + 1);
+    before = std::get<std::int32_t>(data->values[0]);
+  }
+}
+
+/// Reads (1, 2, 3) N in F, a new sample every call until told otherwise.
+struct FakeSensor : ForceTorqueSensor {
+  [[nodiscard]] Wrench read() override {
+    if (broken) throw DeviceError("sensor", "reading is old", "look at the cable");
+    if (!frozen) time += 0.01;
+    return {{1, 2, 3}, Eigen::Vector3d::Zero(), time};
+  }
+  void zero() override {}
+  double time = 0.0;
+  bool frozen = false, broken = false;
+};
+
+GuardedMotion guarded() {
+  GuardedMotion motion;
+  motion.trajectory = small_move();
+  return motion;
+}
+
+TEST(UrArm, GuardedMotionStreamsTheForceInTheBaseFrame) {
+  FakeUr robot([](State& s, const std::string& script, int run) {
+    s.set("output_double_register_30", 6.5);
+    obey(s, script, run, ScriptEnd::kContact);
+  });
+  FakeSensor sensor;
+  Pose T_W_R = Pose::Identity();
+  T_W_R.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  UrArm arm(ur10(), robot.options(), T_W_R, Bench::tool(), &sensor);
+  const MotionResult moved = arm.follow_guarded(guarded());
+  EXPECT_EQ(moved.status, Status::kContact) << moved.reason;
+  EXPECT_EQ(moved.force, 6.5);
+  // -z of W is -y of R here.
+  EXPECT_THAT(robot.scripts(), HasSubstr("-1.000000000 * read_input_float_register(25)"));
+  const Eigen::Vector3d expected = forward(ur10(), Joints::Zero()).rotation() * Eigen::Vector3d(1, 2, 3);
+  const std::vector<RtdeType> types = {RtdeType::kInt32, RtdeType::kInt32, RtdeType::kDouble,
+                                       RtdeType::kDouble, RtdeType::kDouble};
+  int fresh = 0, count = 0;
+  for (const RtdePacket& packet : robot.rtde().requests(RtdeKind::kDataPackage)) {
+    const auto data = decode_data(packet, types, 2, false);
+    const int now = std::get<std::int32_t>(data->values[1]);
+    if (now == count) continue;
+    EXPECT_EQ(now, count + 1);
+    count = now;
+    if (++fresh > 5) continue;
+    const Eigen::Vector3d force(std::get<double>(data->values[2]), std::get<double>(data->values[3]),
+                                std::get<double>(data->values[4]));
+    EXPECT_LT((force - expected).norm(), 1e-9);
+  }
+  EXPECT_GE(fresh, 5);
+}
+
+TEST(UrArm, GuardedEnds) {
+  for (const auto& [end, status] : {std::pair{ScriptEnd::kNoContact, Status::kNoContact},
+                                    std::pair{ScriptEnd::kStaleForce, Status::kStopped}}) {
+    FakeUr robot([end = end](State& s, const std::string& script, int run) { obey(s, script, run, end); });
+    FakeSensor sensor;
+    UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool(), &sensor);
+    EXPECT_EQ(arm.follow_guarded(guarded()).status, status);
+  }
+}
+
+TEST(UrArm, SilentOrBrokenSensor) {
+  FakeUr robot(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kStaleForce); });
+  FakeSensor sensor;
+  sensor.frozen = true;
+  sensor.time = 1.0;
+  UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool(), &sensor);
+  EXPECT_EQ(arm.follow_guarded(guarded()).status, Status::kStopped);
+  const auto last = robot.rtde().requests(RtdeKind::kDataPackage).back();
+  EXPECT_EQ(last.payload.substr(5, 4), hex("00 00 00 01")) << "one reading, one count";
+  sensor.broken = true;
+  robot.change([](State& s) { s.set("actual_q", std::array<double, 6>{}); });
+  ASSERT_TRUE(eventually([&] { return arm.state().q.norm() == 0; }));
+  const MotionResult lost = arm.follow_guarded(guarded());
+  EXPECT_EQ(lost.status, Status::kLost);
+  EXPECT_THAT(lost.reason, HasSubstr("reading is old"));
+  Bench without([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  EXPECT_THAT(without.arm.follow_guarded(guarded()).reason, HasSubstr("needs a force-torque sensor"));
+}
+
+TEST(UrArm, PayloadIsSetAndReadBack) {
+  Bench bench([](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    s.set("payload", 2.5);
+    s.set("tcp_offset", std::array<double, 6>{0, 0, 0.264, 0, 0, 0});
+  });
+  bench.arm.set_payload(2.5, {0, 0, 0.1});
+  EXPECT_EQ(bench.robot.count("set_payload(2.500000000, [0.000000000, 0.000000000, 0.100000000])"), 1);
+  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
+  EXPECT_EQ(bench.robot.count("set_payload(2.500000000"), 2) << "every program sets it";
+  EXPECT_THROW(bench.arm.set_payload(11.0, {0, 0, 0}), InvalidArgument);
+  EXPECT_THROW(bench.arm.set_payload(NAN, {0, 0, 0}), InvalidArgument);
+  try {
+    bench.arm.set_payload(3.0, {0, 0, 0.1});
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("reads back a payload of 2.5 kg, not 3"));
+  }
+}
+
+TEST(UrArm, OldControllersUseTheLowerRegisters) {
+  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); }, {3, 8, 0, 0});
+  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
+  EXPECT_THAT(bench.robot.scripts(), HasSubstr("rtde_set_watchdog(\"input_int_register_0\""));
+}
+
+TEST(UrArm, PolyScopeXIsRefused) {
+  FakeUr robot([](State&, const std::string&, int) {}, {10, 7, 0, 0});
+  try {
+    const UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool());
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("PolyScope X 10.7.0.0"));
+  }
+}
+
+TEST(UrArm, NoPowerNoMotion) {
+  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  bench.robot.change([](State& s) { s.set("robot_mode", std::int32_t{3}); });
+  ASSERT_TRUE(eventually([&] { return !bench.arm.state().can_move; }));
+  EXPECT_THAT(bench.arm.follow(small_move()).reason, HasSubstr("powered off (mode 3)"));
+}
+
+}  // namespace
+}  // namespace stonestack
