@@ -12,6 +12,7 @@ void add_detect(CLI::App& app);
 void add_search(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_run(CLI::App& app);
+void add_experiment(CLI::App& app);
 void add_config(CLI::App& app);
 void add_bench(CLI::App& app);
 

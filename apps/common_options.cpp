@@ -12,9 +12,10 @@ void CommonOptions::register_bench(CLI::App& command) {
   command
       .add_option("--catalogue", catalogue, "Folder of stones (default: the six that come with stonestack)")
       ->type_name("DIR");
-  command.add_option("--seed", seed, "Same seed, same result")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+  settings.bind(command.add_option("--seed", seed, "Same seed, same result")
+                    ->capture_default_str()
+                    ->check(CLI::NonNegativeNumber),
+                "*.seed");
   settings.register_on(command);
 }
 

@@ -93,9 +93,10 @@ void add_detect(CLI::App& app) {
                   "T_W_C: x,y,z,qx,qy,qz,qw or a scene file; adds T_W_O to the result");
   sub->add_flag("--world", command->world, "The cloud is in the world frame (z up, table at z = 0)");
   sub->add_option("--stones", command->stones, "Only these, by name, comma-separated");
-  sub->add_option("--method", command->options.method, "default or paper")
-      ->check(CLI::IsMember({"default", "paper"}))
-      ->capture_default_str();
+  command->common.settings.bind(sub->add_option("--method", command->options.method, "default or paper")
+                                    ->check(CLI::IsMember({"default", "paper"}))
+                                    ->capture_default_str(),
+                                "detection.method");
   command->common.register_on(*sub);
   sub->footer(
       "Examples:\n"

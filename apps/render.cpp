@@ -23,7 +23,7 @@ struct RenderCommand {
   std::vector<std::string> stones;
   bool json = false;
   bool quiet = false;
-  double tilt_degrees = 10.0;
+  double tilt_degrees = -1.0;  ///< negative: not given
   bool no_noise = false;
   SceneOptions options;
   Settings settings;
@@ -53,9 +53,10 @@ void print_json(const SimulatedScene& scene, const Catalogue& catalogue, const R
 
 void render(RenderCommand& command) {
   if (command.quiet) set_log_level(LogLevel::kWarning);
-  command.options.tilt = command.tilt_degrees * kDegree;
-  command.options.simulation.sensor_noise = !command.no_noise;
-  command.settings.apply(nest("scene", fields(command.options)));
+  command.settings.apply(
+      join({nest("scene", fields(command.options)), nest("simulation", fields(command.options.simulation))}));
+  if (command.tilt_degrees >= 0) command.options.tilt = command.tilt_degrees * kDegree;
+  if (command.no_noise) command.options.simulation.sensor_noise = false;
   const Catalogue catalogue =
       read_catalogue(command.catalogue.empty() ? data_path("stones") : command.catalogue);
   const SimulatedScene scene =
@@ -82,21 +83,25 @@ void add_render(CLI::App& app) {
   sub->add_option("--out", command->out, "Folder to write to; made if missing")->required()->type_name("DIR");
   sub->add_option("--stones", command->stones, "Stones to scatter, by name, comma-separated (default: all)")
       ->delimiter(',');
-  sub->add_option("--distance", command->options.distance, "Camera to table along its axis, m")
-      ->check(CLI::Range(0.2, 3.0))
-      ->capture_default_str();
-  sub->add_option("--tilt", command->tilt_degrees, "Camera off the vertical, degrees")
-      ->check(CLI::Range(0.0, 80.0))
-      ->capture_default_str();
-  sub->add_option("--sensor", command->options.simulation.sensor, "Depth camera to imitate")
-      ->check(CLI::IsMember({"sr300", "d435", "ideal"}))
-      ->capture_default_str();
+  command->settings.bind(
+      sub->add_option("--distance", command->options.distance, "Camera to table along its axis, m")
+          ->check(CLI::Range(0.2, 3.0))
+          ->capture_default_str(),
+      "scene.distance");
+  sub->add_option("--tilt", command->tilt_degrees, "Camera off the vertical, degrees (default: 10)")
+      ->check(CLI::Range(0.0, 80.0));
+  command->settings.bind(
+      sub->add_option("--sensor", command->options.simulation.sensor, "Depth camera to imitate")
+          ->check(CLI::IsMember({"sr300", "d435", "ideal"}))
+          ->capture_default_str(),
+      "simulation.sensor");
   sub->add_flag("--no-noise", command->no_noise, "A perfect sensor of that kind");
   sub->add_option("--catalogue", command->catalogue, "Folder of stones (default: those that come with it)")
       ->type_name("DIR");
-  sub->add_option("--seed", command->options.simulation.seed, "Same seed, same scene")
-      ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+  command->settings.bind(sub->add_option("--seed", command->options.simulation.seed, "Same seed, same scene")
+                             ->capture_default_str()
+                             ->check(CLI::NonNegativeNumber),
+                         "*.seed");
   sub->add_flag("--json", command->json, "Result as JSON on stdout");
   sub->add_flag("--quiet,-q", command->quiet, "Warnings and errors only on stderr");
   command->settings.register_on(*sub);

@@ -165,12 +165,15 @@ void add_search(CLI::App& app) {
   sub->add_option("--levels", command->levels, "Plan on as if each placement had succeeded")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
-  sub->add_option("--method", command->options.method, "default or paper")
-      ->check(CLI::IsMember({"default", "paper"}))
-      ->capture_default_str();
-  sub->add_option("--friction", command->options.friction, "Assumed friction, stone on stone")
-      ->check(CLI::Range(0.0, 2.0))
-      ->capture_default_str();
+  command->common.settings.bind(sub->add_option("--method", command->options.method, "default or paper")
+                                    ->check(CLI::IsMember({"default", "paper"}))
+                                    ->capture_default_str(),
+                                "search.method");
+  command->common.settings.bind(
+      sub->add_option("--friction", command->options.friction, "Assumed friction, stone on stone")
+          ->check(CLI::Range(0.0, 2.0))
+          ->capture_default_str(),
+      "search.friction");
   sub->add_option("--out", command->out, "Write the planned tower as a scene file");
   sub->add_option("--picture", command->picture, "Draw the planned tower (PNG)");
   command->common.register_on(*sub);

@@ -40,7 +40,8 @@ void Settings::register_on(CLI::App& command) {
 }
 
 FieldList every_field(EveryOption& every) {
-  return join({fields(every.build), nest("simulation", fields(every.simulation))});
+  return join({fields(every.build), nest("simulation", fields(every.simulation)),
+               nest("scene", fields(every.scene))});
 }
 
 void Settings::apply_file(const FieldList& list, const std::string& path, const std::string& kind) {
@@ -50,6 +51,22 @@ void Settings::apply_file(const FieldList& list, const std::string& path, const 
   const auto after = values(list);
   for (std::size_t i = 0; i < list.size(); ++i)
     if (before[i] != after[i]) origins_[list[i].name] = kind + " " + path;
+}
+
+void Settings::bind(CLI::Option* flag, const std::string& name) {
+  bound_.emplace_back(flag, name);
+}
+
+void Settings::apply_bound(const FieldList& list) {
+  for (const auto& [flag, name] : bound_) {
+    if (flag->count() == 0) continue;
+    for (const auto& field : list) {
+      const bool seed = name == "*.seed" && (field.name == "seed" || field.name.ends_with(".seed"));
+      if (field.name != name && !seed) continue;
+      set_field(list, field.name + "=" + flag->results().back());
+      origins_[field.name] = "flag " + flag->get_name();
+    }
+  }
 }
 
 void Settings::apply(const FieldList& list) {
@@ -71,6 +88,7 @@ void Settings::apply(const FieldList& list) {
     }
     origins_[field.name] = "environment " + name;
   }
+  apply_bound(list);
   for (const auto& assignment : assignments_) {
     set_field(list, assignment);
     origins_[assignment.substr(0, assignment.find('='))] = "flag --set";

@@ -2,10 +2,11 @@
 #include <CLI/CLI.hpp>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stonestack/core/options.hpp"
-#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
 namespace stonestack::apps {
@@ -14,6 +15,7 @@ namespace stonestack::apps {
 struct EveryOption {
   BuildOptions build;
   SimulationOptions simulation;
+  SceneOptions scene;
 };
 [[nodiscard]] FieldList every_field(EveryOption& every);
 
@@ -24,7 +26,11 @@ class Settings {
  public:
   /// Adds --set and --config to a subcommand.
   void register_on(CLI::App& command);
-  /// Applies files, environment and --set to `list`, in that order; remembers the origin of each value.
+  /// A flag of its own for the option `name`, e.g. --method for search.method: when given, it beats files and
+  /// environment like any flag. "*.seed" means the seed of every part.
+  void bind(CLI::Option* flag, const std::string& name);
+  /// Applies files, environment, bound flags and --set to `list`, in that order; remembers the origin of each
+  /// value.
   /// Throws FileError or InvalidArgument naming file, value and range.
   void apply(const FieldList& list);
   /// "default", "user file PATH", "project file PATH", "environment NAME", "flag --set".
@@ -33,8 +39,10 @@ class Settings {
  private:
   std::vector<std::string> assignments_;
   std::string config_;
+  std::vector<std::pair<CLI::Option*, std::string>> bound_;
   std::map<std::string, std::string> origins_;
 
+  void apply_bound(const FieldList& list);
   void apply_file(const FieldList& list, const std::string& path, const std::string& kind);
 };
 

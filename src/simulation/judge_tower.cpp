@@ -1,113 +1,52 @@
 #include "simulation/judge_tower.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <set>
+#include <cmath>
+#include <numbers>
 
+#include "simulation/tower_chain.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr double kSiteRadius = 0.12;  // m: further off, a stone on the table is no base of a tower
+constexpr double kRest = 0.5;  // s after a shake
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-// Who touches whom, by catalogue index; the table is a neighbour like any other.
-class Neighbours {
- public:
-  Neighbours(const TrueWorld& world, const std::vector<Pose>& T_W_O, double touch_gap) {
-    for (const int i : world.present()) {
-      const auto& shape = *world.shapes()[at(i)];
-      for (const auto& sample : shape.samples) {
-        const Eigen::Vector3d p_W = T_W_O[at(i)] * sample.point;
-        if (p_W.z() < touch_gap) pairs_.insert({kTable, i});
-        for (const int j : world.present()) {
-          if (j == i) continue;
-          const auto& other = *world.shapes()[at(j)];
-          if ((p_W - T_W_O[at(j)] * other.mass.p_O_M).norm() > other.radius + touch_gap) continue;
-          if (other.distance.distance(T_W_O[at(j)].inverse() * p_W) < touch_gap)
-            pairs_.insert({std::min(i, j), std::max(i, j)});
-        }
-      }
-    }
+void let_stand(World& judge, double seconds) {
+  constexpr double kLook = 0.5;  // s between two looks for an interrupt
+  for (double t = 0; t < seconds; t += kLook) {
+    throw_if_interrupted();
+    judge.run(std::min(kLook, seconds - t));
   }
-  [[nodiscard]] std::vector<int> of(int body) const {
-    std::vector<int> found;
-    for (const auto& [a, b] : pairs_)
-      if (a == body || b == body) found.push_back(a == body ? b : a);
-    return found;
-  }
-
- private:
-  std::set<std::pair<int, int>> pairs_;
-};
-
-int find_base(const TrueWorld& world, const Neighbours& neighbours, const Eigen::Vector2d& site) {
-  int base = -1;
-  double nearest = kSiteRadius;
-  for (const int i : neighbours.of(kTable)) {
-    const double distance = (world.centre_of_mass(i).head<2>() - site).norm();
-    if (distance < nearest) {
-      nearest = distance;
-      base = i;
-    }
-  }
-  return base;
 }
 
-// From the table up, as long as one stone, and only one, rests on the last and touches nothing below but it.
-std::vector<int> find_chain(const TrueWorld& world, const Neighbours& neighbours, const Eigen::Vector2d& site,
-                            std::string* unclean) {
-  std::vector<int> chain;
-  for (int top = find_base(world, neighbours, site), below = kTable; top >= 0;) {
-    std::vector<int> above;
-    for (const int other : neighbours.of(top)) {
-      if (other == below) continue;
-      if (other != kTable && world.centre_of_mass(other).z() > world.centre_of_mass(top).z()) {
-        above.push_back(other);
-      } else {
-        *unclean = concat("stone ", world.shapes()[at(top)]->name, " touches ",
-                          other == kTable ? "the table" : "stone " + world.shapes()[at(other)]->name,
-                          " beside the stone below it");
-        return chain;
-      }
-    }
-    chain.push_back(top);
-    if (above.size() > 1)
-      *unclean = concat(above.size(), " stones lie on stone ", world.shapes()[at(top)]->name);
-    if (above.size() != 1) return chain;
-    below = top;
-    top = above.front();
+// In the frame of a shaken table the shaking is a gravity that swings.
+void shake(World& judge, const SurvivalOptions& options, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d g(0, 0, -judge.options().gravity);
+  const double step = judge.options().step;
+  for (double t = 0; t < options.shake_seconds; t += step) {
+    const double swing = std::sin(2 * std::numbers::pi * options.shake_frequency * t);
+    judge.set_gravity(g - options.shake_acceleration * swing * direction);
+    judge.step();
   }
-  return chain;
+  judge.set_gravity(g);
+  judge.run(kRest);
 }
 
-// The chain after the wait: what has come to lean on a neighbour by then is no clean tower either. How many
-// stones of `chain`, from the table up, touch nothing that they did not touch before.
-int still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
-                const std::vector<int>& chain, std::string* unclean) {
-  for (std::size_t level = 0; level < chain.size(); ++level) {
-    const auto known = before.of(chain[level]);
-    for (const int other : after.of(chain[level])) {
-      if (std::find(known.begin(), known.end(), other) != known.end()) continue;
-      *unclean = concat("stone ", world.shapes()[at(chain[level])]->name, " has come to touch ",
-                        other == kTable ? "the table" : "stone " + world.shapes()[at(other)]->name);
-      return static_cast<int>(level);
-    }
+// Stones of the chain, from the table up, that lie where they lay.
+int count_still(const std::vector<Pose>& before, const std::vector<Pose>& after,
+                const std::vector<int>& chain, const StandOptions& bounds) {
+  int count = 0;
+  for (const int stone : chain) {
+    const auto moved = difference(after[at(stone)], before[at(stone)]);
+    if (moved.translation > bounds.largest_shift || moved.angle > bounds.largest_turn) return count;
+    ++count;
   }
-  return static_cast<int>(chain.size());
-}
-
-// Poses by stone index, identity for absent stones.
-template <class PoseOf>
-std::vector<Pose> poses_of(const TrueWorld& world, const PoseOf& pose) {
-  std::vector<Pose> T_W_O(world.shapes().size(), Pose::Identity());
-  for (std::size_t body = 0; body < world.present().size(); ++body)
-    T_W_O[at(world.present()[body])] = pose(static_cast<int>(body));
-  return T_W_O;
+  return count;
 }
 
 }  // namespace
@@ -116,17 +55,13 @@ TowerVerdict judge_true_tower(const TrueWorld& world, const Eigen::Vector2d& sit
                               const StandOptions& options) {
   TowerVerdict verdict;
   auto& stand = verdict.stand;
-  const auto before = poses_of(world, [&](int body) { return world.pose(world.present()[at(body)]); });
+  const auto before = true_poses(world);
   const Neighbours touching(world, before, options.touch_gap);
-  verdict.stones = find_chain(world, touching, site, &stand.reason);
+  verdict.stones = find_chain(world, before, touching, site, &stand.reason);
   stand.clean = stand.reason.empty();
   World judge = world.judge_world(options.step, options.iterations);
-  constexpr double kLook = 0.5;
-  for (double t = 0; t < options.seconds; t += kLook) {
-    throw_if_interrupted();
-    judge.run(std::min(kLook, options.seconds - t));
-  }
-  const auto after = poses_of(world, [&](int body) { return judge.pose(body); });
+  let_stand(judge, options.seconds);
+  const auto after = judged_poses(world, judge);
   const Neighbours touching_after(world, after, options.touch_gap);
   const int clean = still_clean(world, touching, touching_after, verdict.stones, &stand.reason);
   stand.clean = stand.clean && clean == static_cast<int>(verdict.stones.size());
@@ -146,6 +81,32 @@ TowerVerdict judge_true_tower(const TrueWorld& world, const Eigen::Vector2d& sit
   stand.stands = intact && !verdict.stones.empty();
   if (verdict.stones.empty() && stand.reason.empty()) stand.reason = "no stone lies at the site";
   return verdict;
+}
+
+Survival try_true_tower(const TrueWorld& world, const Eigen::Vector2d& site, const SurvivalOptions& options,
+                        const StandOptions& bounds) {
+  std::string unclean;
+  const auto before = true_poses(world);
+  const auto chain = find_chain(world, before, Neighbours(world, before, bounds.touch_gap), site, &unclean);
+  Survival survival;
+  World judge = world.judge_world(bounds.step, bounds.iterations);
+  double t = 0.0;
+  for (const double seconds : options.seconds) {
+    let_stand(judge, seconds - t);
+    t = seconds;
+    survival.standing.push_back(count_still(before, judged_poses(world, judge), chain, bounds));
+  }
+  survival.shaken = static_cast<int>(chain.size());
+  for (const Eigen::Index axis : {0, 1}) {
+    World shaken = world.judge_world(bounds.step, bounds.iterations);
+    shake(shaken, options, Eigen::Vector3d::Unit(axis));
+    const auto after = judged_poses(world, shaken);
+    const auto left = find_chain(world, after, Neighbours(world, after, bounds.touch_gap), site, &unclean);
+    const auto same =
+        std::mismatch(chain.begin(), chain.end(), left.begin(), left.end()).first - chain.begin();
+    survival.shaken = std::min(survival.shaken, static_cast<int>(same));
+  }
+  return survival;
 }
 
 }  // namespace stonestack

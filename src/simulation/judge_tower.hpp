@@ -8,4 +8,8 @@ namespace stonestack {
 [[nodiscard]] TowerVerdict judge_true_tower(const TrueWorld& world, const Eigen::Vector2d& site,
                                             const StandOptions& options);
 
+/// Waiting and shaking, each in a world of its own that starts from the true one.
+[[nodiscard]] Survival try_true_tower(const TrueWorld& world, const Eigen::Vector2d& site,
+                                      const SurvivalOptions& options, const StandOptions& bounds);
+
 }  // namespace stonestack

@@ -28,10 +28,9 @@ Pose look_at(const Eigen::Vector2d& target, double distance, double tilt, double
 }  // namespace
 
 FieldList fields(SceneOptions& o) {
-  return join({fields(o.simulation),
-               {field("distance", o.distance, {0.2, 3.0}, "m", "facts: SR300 range"),
-                field("tilt", o.tilt, {0.0, 1.4}, "rad", "ours"),
-                field("azimuth", o.azimuth, {-1.0, 7.0}, "rad", "ours: negative draws from the seed")}});
+  return {field("distance", o.distance, {0.2, 3.0}, "m", "SR300: 0.2 to 1.5 m"),
+          field("tilt", o.tilt, {0.0, 1.4}, "rad", "ours"),
+          field("azimuth", o.azimuth, {-1.0, 7.0}, "rad", "ours: negative draws from the seed")};
 }
 
 SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<int>& present,

@@ -49,6 +49,10 @@ FieldList fields(SimulationOptions& o) {
   };
 }
 
+StandOptions tower_bounds() {
+  return {.seconds = 60.0, .largest_shift = 0.005, .largest_turn = 0.0523599};  // 3 deg
+}
+
 struct SimulatedCell::Parts {
   std::vector<Stone> stones;
   CellLayout believed;
@@ -126,6 +130,10 @@ void SimulatedCell::unlock() {
 
 TowerVerdict SimulatedCell::judge_tower(const StandOptions& options) const {
   return judge_true_tower(parts_->world, parts_->believed.site, options);
+}
+
+Survival SimulatedCell::try_tower(const SurvivalOptions& options, const StandOptions& bounds) const {
+  return try_true_tower(parts_->world, parts_->believed.site, options, bounds);
 }
 
 }  // namespace stonestack

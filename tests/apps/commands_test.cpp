@@ -134,6 +134,25 @@ TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
   EXPECT_EQ(result, again) << "same seed, other tower";
 }
 
+TEST_F(Commands, ExperimentKeepsTheRecordOfThePaper) {
+  const std::string arguments =
+      "experiment --runs 3 --per-run 2 --seed 2 --json --survival false --set search.perturbations=2 --out ";
+  const Outcome done = run(arguments + "record");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json result = done.data();
+  EXPECT_EQ(result["schema"], "stonestack.experiment/1");
+  ASSERT_EQ(result["runs"].size(), 3u);
+  for (const auto& one : result["runs"]) {
+    EXPECT_GE(one["height"], 1) << one["reason"];
+    EXPECT_EQ(one["judged_height"], one["height"]) << "a tower is reported that does not stand";
+  }
+  for (const char* file : {"figure5.svg", "figure5.csv", "runs.csv", "summary.txt", "run-3/tower.png"})
+    EXPECT_TRUE(fs::exists(folder_ + "/record/" + file)) << file;
+  expect_refusal(arguments + "record", 2, {"record", "is there already"});
+  // A run of the experiment is an ordinary run with the seed that its line tells.
+  EXPECT_EQ(result["runs"][0]["seed"], 2001);
+}
+
 TEST_F(Commands, RefuseBadInputWithOneLine) {
   expect_refusal("frobnicate", 2, {"unknown command 'frobnicate'", "search"});
   expect_refusal("run --robot kuka", 3, {"kuka", "ur10"});
@@ -170,6 +189,12 @@ TEST_F(Commands, TheFileThatConfigShowWritesServesEveryCommand) {
   EXPECT_EQ(detected.code, 0) << detected.err;
   const Outcome searched = run("search --stones limestone_1 --json");
   EXPECT_EQ(searched.code, 0) << searched.err;
+  const Outcome flags = run("config show --origin --set search.seed=9");
+  EXPECT_THAT(flags.out, HasSubstr("search.seed: 9"));
+  const Outcome paper = run("run --per-run 1 --method paper --seed 7 --out run");
+  const std::string used = read_file(folder_ + "/run/options.yaml", 1 << 20);
+  EXPECT_THAT(used, HasSubstr("search.method: paper")) << "the file beat the flag";
+  EXPECT_THAT(used, HasSubstr("simulation.seed: 7")) << "the file beat the flag";
   write("other.yaml", "search.friction: 9\n");
   expect_refusal("detect scene/scene.yaml --config other.yaml", 3,
                  {"other.yaml", "search.friction", "got 9"});

@@ -181,8 +181,7 @@ TEST(SimulatedCell, TooManyStonesAreRefusedWithAReason) {
   EXPECT_THROW(SimulatedCell(stones, {0, 1, 2}, read_robot("ur10"), tight), InvalidArgument);
 }
 
-TEST(SimulatedCell, JudgesATrueTower) {
-  // Boxes: two on each other stand; a third half over the edge falls.
+std::vector<Stone> three_boxes() {
   std::vector<Stone> stones;
   for (const char* name : {"base", "middle", "top"}) {
     Stone stone;
@@ -191,7 +190,12 @@ TEST(SimulatedCell, JudgesATrueTower) {
     stone.mass = mass_properties(stone.scan, 2600);
     stones.push_back(stone);
   }
-  Bench bench(stones);
+  return stones;
+}
+
+TEST(SimulatedCell, JudgesATrueTower) {
+  // Boxes: two on each other stand; a third half over the edge falls.
+  Bench bench(three_boxes());
   const auto site = bench.layout.site;
   const auto put = [&](int stone, double dx, double z) {
     bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
@@ -213,6 +217,24 @@ TEST(SimulatedCell, JudgesATrueTower) {
   verdict = bench.simulated.judge_tower();
   EXPECT_FALSE(verdict.stand.clean);
   EXPECT_LE(verdict.stand.standing, 1);
+}
+
+TEST(SimulatedCell, TriesATowerByWaitingAndShaking) {
+  Bench bench(three_boxes());
+  const auto site = bench.layout.site;
+  bench.simulated.place(0, make_pose(Eigen::Vector3d(site.x(), site.y(), 0.0250)));
+  bench.simulated.place(1, make_pose(Eigen::Vector3d(site.x() + 0.01, site.y(), 0.0751)));
+  SurvivalOptions options{.seconds = {0.5, 1.0, 2.0}};
+  auto left = bench.simulated.try_tower(options);
+  EXPECT_EQ(left.standing, (std::vector<int>{2, 2, 2}));
+  EXPECT_EQ(left.shaken, 2) << "0.2 g neither tips nor slides a flat box";
+  options.shake_acceleration = 15.0;  // far above what friction of at most 0.65 carries
+  options.shake_frequency = 1.0;
+  options.shake_seconds = 1.5;
+  EXPECT_LT(bench.simulated.try_tower(options).shaken, 2);
+  bench.simulated.place(2, make_pose(Eigen::Vector3d(site.x() + 0.09, site.y(), 0.1252)));
+  left = bench.simulated.try_tower(options);
+  EXPECT_EQ(left.standing, (std::vector<int>{2, 2, 2})) << "a box over the edge falls";
 }
 
 TEST(SimulatedCell, SameSeedSameStonesSameImage) {

@@ -15,6 +15,7 @@ struct SceneOptions {
   double tilt = 0.174533;  ///< rad off the vertical (10 deg)
   double azimuth = -1.0;   ///< rad, from which side; negative: drawn from the seed
 };
+/// Without those of `simulation`, which have a list of their own.
 [[nodiscard]] FieldList fields(SceneOptions& options);
 
 /// A view of stones on a table, with the truth about it.

@@ -37,20 +37,22 @@ struct BuildOptions {
   double friction_step = 0.125;
   double sure_success = 0.9;  ///< a pose predicted to hold as often ends the climb in friction
   int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
+  bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
+  int most_taken_off = 2;     ///< stones put back into the field to try another way; the paper never does
   int pick_attempts = 2;      ///< of one stone that the gripper misses
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
 /// One attempted placement.
 struct PlacementRecord {
-  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kLost };
+  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kLost, kTakenOff };
   std::string stone;
   Placement planned;
   std::optional<Pose> T_W_O_measured;
   Outcome outcome = Outcome::kPlaced;
   std::string note;
 };
-/// "placed", "moved", "fallen", "not picked", "lost".
+/// "placed", "moved", "fallen", "not picked", "lost", "taken off".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
 /// Host seconds (detection, search, planning) and arm seconds (motion, by the cell's clock).

@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/report/run_report.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stone/catalogue.hpp"
+
+/// One run of the loop in the simulated cell, with its record: what `run` does once and `experiment` often.
+namespace stonestack::apps {
+
+struct SimulatedRun {
+  int seed = 1;  ///< of the cell, detection, search and motion
+  BuildOptions build;
+  SimulationOptions simulation;
+};
+/// Gives `run.seed` to every part.
+void spread_seed(SimulatedRun& run);
+/// The options of a run: build, simulation.*
+[[nodiscard]] FieldList fields(SimulatedRun& run);
+
+/// The report, and how the tower fares when it is tried further (`survival` null: not tried).
+struct FinishedRun {
+  RunReport report;
+  Survival survival;
+};
+
+/// Builds a tower of the stones `present` (indices into the catalogue) and writes journal, options, picture,
+/// result.json and report.html into `folder`. Throws InvalidArgument when the folder holds a run already.
+[[nodiscard]] FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
+                                  const RobotModel& robot, const std::vector<int>& present,
+                                  const std::string& folder, const SurvivalOptions* survival = nullptr);
+
+}  // namespace stonestack::apps

@@ -1,0 +1,129 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "stacking/believe.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+/// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_target.cpp the
+/// search for what comes next, builder_place.cpp what is done and how it is judged, builder_take_off.cpp the
+/// way back.
+namespace stonestack {
+
+/// What is to be done next, with the plan that does it.
+struct Target {
+  Placement placement;
+  PickAndPlacePlan plan;
+  PlanningScene scene;
+};
+
+/// One run: the belief, what it was made from, and the record.
+class Builder {
+ public:
+  Builder(Cell& cell, const Catalogue& catalogue, const RobotModel& robot, const BuildOptions& options,
+          const BuildHooks& hooks)
+      : cell_(cell),
+        catalogue_(catalogue),
+        robot_(robot),
+        options_(options),
+        hooks_(hooks),
+        shapes_(make_contact_shapes(catalogue.stones)),
+        models_(catalogue.stones, options.detection) {}
+
+  RunResult run() {
+    look_around();
+    if (belief_.loose.empty()) return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
+    while (!high_enough()) {
+      throw_if_interrupted();
+      const auto target = find_target();
+      if (!target && take_off()) continue;
+      if (!target || !place(*target)) break;
+    }
+    return std::move(result_);
+  }
+
+  [[nodiscard]] RunResult stopped(RunResult::End how, const std::string& why) {
+    cell_.arm.stop();
+    return end(how, why);
+  }
+
+ private:
+  [[nodiscard]] RunResult end(RunResult::End how, const std::string& why) {
+    result_.end = how;
+    result_.ended = why;
+    update_height();
+    return std::move(result_);
+  }
+
+  void report(const std::string& line) const {
+    if (hooks_.report) hooks_.report(line);
+  }
+  void record(const std::string& kind, const std::string& json) const {
+    if (hooks_.journal != nullptr) hooks_.journal->record(kind, json);
+  }
+  [[nodiscard]] const std::string& name(int stone) const {
+    return catalogue_.stones[static_cast<std::size_t>(stone)].name;
+  }
+
+  void update_height() {
+    result_.height = static_cast<int>(belief_.stack.size());
+    result_.belief = belief_;
+  }
+
+  [[nodiscard]] bool high_enough() {
+    update_height();
+    if (belief_.loose.empty()) {
+      result_.end = RunResult::End::kAllPlaced;
+      result_.ended = "all stones are placed";
+      return true;
+    }
+    if (options_.most_stones > 0 && result_.height >= options_.most_stones) {
+      result_.end = RunResult::End::kHeightReached;
+      result_.ended = concat("the tower has the ", options_.most_stones, " stones that were asked for");
+      return true;
+    }
+    return false;
+  }
+
+  /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site.
+  void look_around();
+  /// Tells of stones of the stack that are no longer where they were.
+  void report_moved(const std::vector<PlacedStone>& expected) const;
+  [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
+  [[nodiscard]] std::optional<Target> find_target();
+  /// What the search is told: the stack, and the loose stones that have not been given up on top of it.
+  [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
+  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem) const;
+  [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
+  /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
+  /// the same way each time, and the camera tells by how much.
+  [[nodiscard]] Eigen::Vector3d placing_bias() const;
+  /// False when the run is over.
+  [[nodiscard]] bool place(const Target& target);
+  void judge(PlacementRecord& record, const Placement& planned, bool released);
+  /// When nothing fits on the stack: puts its top stone back into the field, if the search then promises a
+  /// higher tower another way. False when that is not so, or the arm cannot do it.
+  [[nodiscard]] bool take_off();
+  [[nodiscard]] bool promises_more(const Belief& without_top) const;
+  [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
+
+  Cell& cell_;
+  const Catalogue& catalogue_;
+  const RobotModel& robot_;
+  const BuildOptions& options_;
+  const BuildHooks& hooks_;
+  ShapeList shapes_;
+  DetectionModels models_;
+  Belief belief_;
+  RunResult result_;
+  std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
+  int failures_ = 0;                        ///< placements that did not hold
+  int taken_off_ = 0;
+  std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit
+};
+
+}  // namespace stonestack

@@ -1,0 +1,130 @@
+#include <algorithm>
+
+#include "stacking/builder.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/physics/settle.hpp"
+#include "stonestack/stacking/execute.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kRaster = 0.05;  // m between places that are looked at
+constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
+constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
+constexpr std::size_t kMostPlaces = 8;
+
+double radius(const ShapeList& shapes, int stone) {
+  return kExtent * shapes[static_cast<std::size_t>(stone)]->radius;
+}
+
+/// How the stone would come to rest on the table from the way it is held: rotation, and height of O.
+Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
+  const ContactShape& shape = *shapes[static_cast<std::size_t>(held.stone)];
+  double lowest = 1e9;
+  for (const auto& sample : shape.samples) lowest = std::min(lowest, (held.T_W_O * sample.point).z());
+  SettleOptions options;
+  options.world.friction = 0.5;   // it shall roll to rest, not slide about
+  options.largest_travel = 0.20;  // m
+  options.seconds = 2.0;
+  const Pose lifted = Eigen::Translation3d(0, 0, 0.002 - lowest) * held.T_W_O;
+  return settle(shapes, Stack{}, held.stone, lifted, options).T_W_O;
+}
+
+/// Poses in the field where the stone would lie free of the others, the roomiest first.
+std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Belief& belief,
+                              const PlacedStone& top) {
+  const Pose rest = rest_on_table(shapes, top);
+  const Eigen::Vector3d com = rest * shapes[static_cast<std::size_t>(top.stone)]->mass.p_O_M;
+  std::vector<std::pair<double, Pose>> places;
+  const Eigen::Vector2d half = 0.5 * layout.field_size;
+  for (double x = -half.x(); x <= half.x(); x += kRaster)
+    for (double y = -half.y(); y <= half.y(); y += kRaster) {
+      const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
+      double room = 1.0;
+      for (const auto& other : belief.loose) {
+        const auto& shape = *shapes[static_cast<std::size_t>(other.stone)];
+        const double distance = ((other.T_W_O * shape.mass.p_O_M).head<2>() - at).norm();
+        room = std::min(room, distance - radius(shapes, other.stone) - radius(shapes, top.stone));
+      }
+      if (room < kRoom) continue;
+      const Eigen::Vector2d shift = at - com.head<2>();
+      places.emplace_back(room, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * rest);
+    }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<Pose> poses;
+  for (std::size_t i = 0; i < std::min(kMostPlaces, places.size()); ++i) poses.push_back(places[i].second);
+  return poses;
+}
+
+}  // namespace
+
+bool Builder::take_off() {
+  if (taken_off_ >= options_.most_taken_off || belief_.stack.empty()) return false;
+  throw_if_interrupted();
+  std::vector<int> order;
+  for (const auto& placed : belief_.stack) order.push_back(placed.stone);
+  given_up_.insert(order);
+  const PlacedStone top = belief_.stack.back();
+  const auto places = free_places(shapes_, cell_.layout, belief_, top);
+  if (places.empty()) return false;
+  Belief without = belief_;
+  without.stack.pop_back();
+  without.loose.push_back({top.stone, places.front()});
+  if (!promises_more(without)) return false;
+  report(concat("nothing fits on ", name(top.stone), ": taking it off to try another way"));
+  ++taken_off_;
+  return std::any_of(places.begin(), places.end(),
+                     [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
+}
+
+bool Builder::promises_more(const Belief& without_top) const {
+  const SearchProblem problem = make_problem(without_top);
+  if (problem.available.empty()) return false;
+  SearchOptions search = options_.search;
+  for (;;) {
+    std::string reason;
+    const auto tower = plan_tower(problem, static_cast<int>(without_top.loose.size()), search, &reason);
+    if (without_top.stack.size() + tower.size() > belief_.stack.size()) return true;
+    if (search.friction >= options_.most_friction) return false;
+    search.friction = std::min(options_.most_friction, search.friction + options_.friction_step);
+  }
+}
+
+/// False when no motion was found; a motion that went wrong is seen by the next look.
+bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down) {
+  const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
+  const Stone& stone = catalogue_.stones[static_cast<std::size_t>(top.stone)];
+  PickAndPlaceTask task;
+  task.stone = &stone;
+  task.object = static_cast<int>(belief_.stack.size()) - 1;
+  task.T_W_O_pick = top.T_W_O;
+  task.T_W_O_place = T_W_O_down;
+  task.q_start = cell_.arm.state().q;
+  const Stopwatch watch;
+  const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);
+  result_.seconds.planning += watch.seconds();
+  if (plan.status != PickAndPlacePlan::Status::kPlanned) return false;
+
+  Placement down;
+  down.stone = top.stone;
+  down.T_W_O = T_W_O_down;
+  record("take_off", placement_json(catalogue_, down));
+  const double start = cell_.clock.now();
+  const ExecutionResult done = execute(plan, stone, scene, cell_, options_.motion, hooks_.journal);
+  result_.seconds.motion += cell_.clock.now() - start;
+  if (done.status == ExecutionResult::Status::kStopped)
+    throw DeviceError("arm", "stopped while taking off " + stone.name + ": " + done.reason,
+                      "look at the cell; the stone may be in the hand");
+  belief_.stack.pop_back();
+  look_around();
+  PlacementRecord entry{stone.name, down, std::nullopt, PlacementRecord::Outcome::kTakenOff, done.reason};
+  for (const auto& loose : belief_.loose)
+    if (loose.stone == top.stone) entry.T_W_O_measured = loose.T_W_O;
+  result_.placements.push_back(entry);
+  aimed_off_.push_back(Eigen::Vector3d::Zero());
+  update_height();
+  return true;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <memory>
+
+#include "stacking/builder.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+
+namespace stonestack {
+namespace {
+
+/// What the search asks the arm: the pick side of each stone is worked out once.
+struct Reach {
+  Belief belief;
+  PlanningScene scene;
+  Joints q;
+  std::map<int, GraspFinder> finders;
+};
+
+}  // namespace
+
+SearchProblem Builder::make_problem(const Belief& belief) const {
+  SearchProblem problem;
+  problem.shapes = &shapes_;
+  problem.stack.stones = belief.stack;
+  problem.site = cell_.layout.site;
+  std::vector<int> order;
+  for (const auto& placed : belief.stack) order.push_back(placed.stone);
+  for (const auto& loose : belief.loose) {
+    order.push_back(loose.stone);
+    if (!given_up_.contains(order)) problem.available.push_back(loose);
+    order.pop_back();
+  }
+  auto reach = std::make_shared<Reach>(
+      Reach{belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief), cell_.arm.state().q, {}});
+  problem.reachable = [this, reach](int stone, const Pose& T_W_O) {
+    auto finder = reach->finders.find(stone);
+    if (finder == reach->finders.end()) {
+      const auto task = make_task(catalogue_, reach->belief, stone, T_W_O, reach->q);
+      GraspFinder made(reach->scene, *task.stone, task.object, task.T_W_O_pick, options_.motion);
+      finder = reach->finders.emplace(stone, std::move(made)).first;
+    }
+    return finder->second.serves(T_W_O);
+  };
+  return problem;
+}
+
+std::optional<Target> Builder::find_target() {
+  const SearchProblem problem = make_problem(belief_);
+  if (problem.available.empty()) {
+    result_.end = RunResult::End::kNoPose;
+    result_.ended = "no feasible pose: each stone that is left was tried on this stack";
+    return std::nullopt;
+  }
+  const Stopwatch watch;
+  const SearchResult found = search_by_friction(problem);
+  result_.seconds.search += watch.seconds();
+  if (found.best.empty()) {
+    result_.end = RunResult::End::kNoPose;
+    result_.ended = "no feasible pose: " + found.reason;
+    return std::nullopt;
+  }
+  std::string refusals;
+  for (const auto& placement : found.best) {
+    std::string refusal;
+    if (auto target = plan(placement, &refusal)) return target;
+    refusals += concat(refusals.empty() ? "" : "; ", name(placement.stone), ": ", refusal);
+  }
+  result_.end = RunResult::End::kNoPlan;
+  result_.ended = concat("none of ", found.best.size(), " poses can be reached: ", refusals);
+  return std::nullopt;
+}
+
+/// Poses that hold with little friction first; those that need more only when there is nothing as sure.
+SearchResult Builder::search_by_friction(const SearchProblem& problem) const {
+  SearchOptions search = options_.search;
+  SearchResult best;
+  for (;;) {
+    SearchResult found = find_next_pose(problem, search, hooks_.report);
+    const double sure = found.best.empty() ? 0.0 : found.best.front().predicted_success;
+    const bool better = best.best.empty() || sure > best.best.front().predicted_success;
+    if (better) best = std::move(found);
+    if (sure >= options_.sure_success || search.friction >= options_.most_friction) return best;
+    report(concat("friction ", search.friction, ": ",
+                  better && best.best.empty() ? best.reason : concat("best predicted success ", sure)));
+    search.friction = std::min(options_.most_friction, search.friction + options_.friction_step);
+  }
+}
+
+std::optional<Target> Builder::plan(const Placement& placement, std::string* refusal) {
+  throw_if_interrupted();
+  const Stopwatch watch;
+  Target target{placement, {}, make_planning_scene(cell_.layout, robot_, catalogue_, belief_)};
+  const Pose T_W_O_aim = Eigen::Translation3d(-placing_bias()) * placement.T_W_O;
+  const auto task = make_task(catalogue_, belief_, placement.stone, T_W_O_aim, cell_.arm.state().q);
+  target.plan = plan_pick_and_place(target.scene, task, options_.motion);
+  result_.seconds.planning += watch.seconds();
+  if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;
+  *refusal = target.plan.reason;
+  return std::nullopt;
+}
+
+Eigen::Vector3d Builder::placing_bias() const {
+  constexpr double kLargest = 0.008;  // m: a stone seen further off has slid
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  if (!options_.correct_aim) return sum;
+  int count = 0;
+  for (const auto& entry : result_.placements) {
+    if (entry.outcome != PlacementRecord::Outcome::kPlaced || !entry.T_W_O_measured) continue;
+    const Eigen::Vector3d offset = entry.T_W_O_measured->translation() - entry.planned.T_W_O.translation();
+    if (offset.head<2>().norm() > kLargest) continue;
+    sum += Eigen::Vector3d(offset.x(), offset.y(), 0.0) +
+           aimed_off_[static_cast<std::size_t>(&entry - result_.placements.data())];
+    ++count;
+  }
+  return count == 0 ? sum : Eigen::Vector3d(sum / count);
+}
+
+}  // namespace stonestack

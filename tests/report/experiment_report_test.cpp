@@ -1,0 +1,94 @@
+#include "stonestack/report/experiment_report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+namespace stonestack {
+namespace {
+
+using ::testing::HasSubstr;
+using Outcome = PlacementRecord::Outcome;
+
+PlacementRecord placement(double cost, double predicted, Outcome outcome) {
+  PlacementRecord record;
+  record.stone = "stone";
+  record.planned.cost = cost;
+  record.planned.predicted_success = predicted;
+  record.outcome = outcome;
+  return record;
+}
+
+ExperimentRun run_of(int reported, int true_height, std::vector<PlacementRecord> placements) {
+  ExperimentRun run;
+  run.report.seed = 1001;
+  run.report.present = {"a", "b"};
+  run.report.result.height = reported;
+  run.report.result.placements = std::move(placements);
+  run.report.result.ended = "it ended";
+  run.report.truth = TruthReport{true_height, true_height >= reported, 60.0, 0.0, 0.0, ""};
+  run.survival = {{reported, reported, reported - 1}, reported};
+  return run;
+}
+
+Experiment sample() {
+  Experiment experiment;
+  experiment.title = "a test";
+  experiment.runs.push_back(
+      run_of(2, 2,
+             {placement(0.2, 0.95, Outcome::kPlaced), placement(0.5, 0.9, Outcome::kPlaced),
+              placement(0.9, 0.3, Outcome::kFallen)}));
+  experiment.runs.push_back(
+      run_of(3, 1, {placement(0.1, 1.0, Outcome::kPlaced), placement(0.1, 1.0, Outcome::kNotPicked)}));
+  return experiment;
+}
+
+TEST(ExperimentReport, CountsTheHeightThatTheTrueWorldHolds) {
+  EXPECT_THAT(heights(sample()), testing::ElementsAre(0, 1, 1, 0, 0));
+  EXPECT_EQ(reached(sample(), 2).hits, 1);
+  EXPECT_THAT(experiment_table(sample()), HasSubstr("reported 3!"));
+}
+
+TEST(ExperimentReport, IntervalIsWilsons) {
+  const Rate rate{8, 10};  // by hand: Wilson 95 % of 8/10 is 0.4902 to 0.9433
+  EXPECT_NEAR(rate.low(), 0.4902, 1e-4);
+  EXPECT_NEAR(rate.high(), 0.9433, 1e-4);
+  const Rate all{11, 11};
+  EXPECT_DOUBLE_EQ(all.high(), 1.0);
+  EXPECT_NEAR(all.low(), 0.7412, 1e-4);
+}
+
+TEST(ExperimentReport, ComparesPredictionsWithWhatWasSeen) {
+  const auto bins = calibration(sample());
+  ASSERT_EQ(bins.size(), 5u);
+  EXPECT_EQ(bins[4].observed.trials, 3);  // not picked is no placement
+  EXPECT_EQ(bins[4].observed.hits, 3);
+  EXPECT_EQ(bins[1].observed.trials, 1);
+  EXPECT_EQ(bins[1].observed.hits, 0);
+  EXPECT_NEAR(bins[4].mean_prediction, 0.95, 1e-12);
+}
+
+TEST(ExperimentReport, FigureHasAMarkForEachSelectedPose) {
+  const std::string csv = figure5_csv(sample());
+  EXPECT_EQ(csv,
+            "run,seed,level,stone,cost,held\n"
+            "1,1001,1,stone,0.2,1\n1,1001,2,stone,0.5,1\n1,1001,3,stone,0.9,0\n2,1001,1,stone,0.1,1\n");
+  const std::string svg = figure5_svg(sample());
+  EXPECT_THAT(svg, testing::StartsWith("<svg"));
+  std::size_t rings = 0;
+  for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1))
+    ++rings;
+  EXPECT_EQ(rings, 3u + 1u);  // and one in the legend
+}
+
+TEST(ExperimentReport, JsonHoldsEveryRun) {
+  const auto json = nlohmann::json::parse(experiment_json(sample()));
+  EXPECT_EQ(json["schema"], "stonestack.experiment/1");
+  ASSERT_EQ(json["runs"].size(), 2u);
+  EXPECT_EQ(json["runs"][1]["judged_height"], 1);
+  EXPECT_EQ(json["runs"][0]["survival"]["standing"][2], 1);
+}
+
+}  // namespace
+}  // namespace stonestack
