@@ -1,0 +1,86 @@
+#include <algorithm>
+
+#include "simulation/ur/builtins.hpp"
+
+namespace stonestack::urscript {
+namespace {
+
+const ArmGeometry& geometry(const BuiltinCall& call) {
+  return call.host.motion.geometry();
+}
+
+Outcome joints_before(BuiltinCall& call) {
+  const auto& history = call.host.history();
+  const long long steps = call.has(0) ? integer(arg(call, 0)) : 0;
+  if (steps < 0 || history.empty()) return Value(to_list(call.host.plant().q));
+  return Value(to_list(history[std::min(static_cast<std::size_t>(steps), history.size() - 1)]));
+}
+
+Outcome feel(BuiltinCall& call) {  // what the tool meets in the direction that it moves
+  const Six felt = call.host.wrench();
+  Eigen::Vector3d direction = geometry(call).twist(call.host.motion.q(), call.host.motion.qd()).head<3>();
+  if (call.has(0)) direction = six(arg(call, 0)).head<3>();
+  constexpr double kContact = 5.0;  // N
+  if (direction.norm() < 1e-9) return Value(0);
+  return Value(-felt.head<3>().dot(direction.normalized()) > kContact ? 1 : 0);
+}
+
+Outcome within_limits(BuiltinCall& call) {
+  Joints q;
+  if (is_pose(arg(call, 0))) {
+    if (!geometry(call).inverse(to_pose(six(arg(call, 0))), call.host.plant().q, false, q))
+      return Value(false);
+  } else {
+    q = joints(arg(call, 0));
+  }
+  const auto& robot = geometry(call).robot();
+  return Value((q.array() <= robot.upper.array()).all() && (q.array() >= robot.lower.array()).all());
+}
+
+template <class Read>
+void add(std::vector<Builtin>& list, const char* name, Read) {
+  list.push_back({name, {}, 0, [](BuiltinCall& call) { return Outcome(Value(Read()(call))); }});
+}
+
+}  // namespace
+
+void add_state(std::vector<Builtin>& list) {
+  const auto actual_q = [](BuiltinCall& c) { return to_list(c.host.plant().q); };
+  const auto target_q = [](BuiltinCall& c) { return to_list(c.host.motion.q()); };
+  add(list, "get_actual_joint_positions", actual_q);
+  add(list, "get_joint_positions", actual_q);
+  add(list, "get_target_joint_positions", target_q);
+  add(list, "get_actual_joint_speeds", [](BuiltinCall& c) { return to_list(c.host.plant().qd); });
+  add(list, "get_joint_speeds", [](BuiltinCall& c) { return to_list(c.host.plant().qd); });
+  add(list, "get_target_joint_speeds",
+      [](BuiltinCall& c) { return to_list(Joints(c.host.motion.qd() * c.host.scaling())); });
+  add(list, "get_target_joint_accelerations", [](BuiltinCall& c) { return to_list(c.host.motion.qdd()); });
+  add(list, "get_actual_tcp_pose",
+      [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(c.host.plant().q)); });
+  add(list, "get_tcp_pose", [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(c.host.plant().q)); });
+  add(list, "get_target_tcp_pose",
+      [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(c.host.motion.q())); });
+  add(list, "get_target_waypoint",
+      [](BuiltinCall& c) { return to_vector(geometry(c).T_B_P(c.host.motion.q())); });
+  add(list, "get_actual_tool_flange_pose",
+      [](BuiltinCall& c) { return to_vector(geometry(c).T_B_F(c.host.plant().q)); });
+  add(list, "get_actual_tcp_speed",
+      [](BuiltinCall& c) { return to_list(geometry(c).twist(c.host.plant().q, c.host.plant().qd)); });
+  add(list, "get_target_tcp_speed",
+      [](BuiltinCall& c) { return to_list(geometry(c).twist(c.host.motion.q(), c.host.motion.qd())); });
+  add(list, "get_tcp_force", [](BuiltinCall& c) { return to_list(c.host.wrench()); });
+  add(list, "force", [](BuiltinCall& c) { return c.host.wrench().head<3>().norm(); });
+  add(list, "get_tcp_offset", [](BuiltinCall& c) { return to_vector(geometry(c).T_F_P); });
+  add(list, "get_joint_torques", [](BuiltinCall&) { return to_list(Joints(Joints::Zero())); });
+  add(list, "get_steptime", [](BuiltinCall& c) { return c.host.period(); });
+  add(list, "get_controller_temp", [](BuiltinCall&) { return 25.0; });
+  add(list, "is_steady", [](BuiltinCall& c) { return !c.host.motion.moving(); });
+  add(list, "get_target_payload", [](BuiltinCall& c) { return c.host.payload; });
+  add(list, "get_target_payload_cog", [](BuiltinCall& c) { return to_list(c.host.payload_cog); });
+  list.push_back({"get_actual_joint_positions_history", {"steps"}, 0, joints_before});
+  list.push_back({"tool_contact", {"direction"}, 0, feel});
+  list.push_back({"is_within_safety_limits", {"q"}, 1, within_limits});
+  list.push_back({"get_joint_temp", {"j"}, 1, [](BuiltinCall&) { return Outcome(Value(25.0)); }});
+}
+
+}  // namespace stonestack::urscript

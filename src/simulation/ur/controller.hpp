@@ -1,0 +1,166 @@
+#pragma once
+#include <array>
+#include <deque>
+#include <map>
+#include <memory>
+
+#include "simulation/ur/machine.hpp"
+#include "simulation/ur/motion.hpp"
+#include "stonestack/simulation/ur/ur_controller_server.hpp"
+
+namespace stonestack {
+
+enum class RobotMode { kPowerOff = 3, kPowerOn = 4, kIdle = 5, kBackdrive = 6, kRunning = 7 };
+enum class SafetyMode { kNormal = 1, kProtectiveStop = 3, kRobotEmergencyStop = 7, kFault = 9 };
+enum class RuntimeState {
+  kStopping = 0,
+  kStopped = 1,
+  kPlaying = 2,
+  kPausing = 3,
+  kPaused = 4,
+  kResuming = 5
+};
+
+/// The general purpose registers, as RTDE and scripts share them.
+struct Registers {
+  std::array<std::int32_t, 48> in_int{}, out_int{};
+  std::array<double, 48> in_double{}, out_double{};
+  std::array<bool, 128> in_bit{}, out_bit{};
+};
+
+struct ControllerIo {
+  std::uint64_t digital_in = 0, digital_out = 0;  ///< 0-7 standard, 8-15 configurable, 16-17 tool
+  std::array<double, 2> analog_out{};
+  std::uint32_t analog_out_types = 3;  ///< volts
+  int tool_voltage = 0;
+};
+
+/// What primary clients are told.
+struct ControllerEvent {
+  enum class Kind { kKey, kText, kRuntimeException, kErrorCode, kSafetyMode, kPopup };
+  Kind kind = Kind::kText;
+  std::string title, text;
+  int code = 0, argument = 0, level = 0;
+  int line = 0, column = 0;
+  bool warning = false, error = false, blocking = false;
+};
+
+/// rtde_set_watchdog.
+struct Watchdog {
+  std::string variable;
+  double period = 0.0;  ///< s; 0: off
+  std::string action;
+  double fed = 0.0;  ///< s
+};
+
+/// The controller without its sockets: state, programs, motion. Not thread-safe.
+class UrController {
+ public:
+  UrController(const UrServerOptions& options, const RobotModel& robot, Plant& plant);
+
+  /// One control step.
+  void step();
+  [[nodiscard]] double period() const { return period_; }
+  /// Seconds since the controller was switched on, on the control step.
+  [[nodiscard]] double timestamp() const { return start_ + static_cast<double>(steps_) * period_; }
+  /// Seconds since it was made.
+  [[nodiscard]] double uptime() const { return static_cast<double>(steps_) * period_; }
+  [[nodiscard]] std::uint64_t steps() const { return steps_; }
+
+  /// One program or statement as a script port takes it. The running program goes on when it cannot be
+  /// compiled.
+  void run_script(const std::string& source);
+  void stop_program();
+  /// False when there is nothing to pause or resume.
+  bool pause_program();
+  bool resume_program();
+
+  void power_on();
+  void power_off();
+  void release_brakes();
+  /// False while it is too early (5 s) or something else is wrong.
+  bool unlock_protective_stop();
+  void protective_stop(int code, const std::string& reason);
+  void emergency_stop();
+  void restart_safety();
+  void close_popup();
+
+  /// An RTDE client wrote this input: feeds watchdogs.
+  void input_written(const std::string& name);
+  void say(ControllerEvent event) { events_.push_back(std::move(event)); }
+  [[nodiscard]] std::vector<ControllerEvent> take_events();
+
+  [[nodiscard]] bool program_running() const { return runtime_ == RuntimeState::kPlaying; }
+  [[nodiscard]] RuntimeState runtime() const { return runtime_; }
+  [[nodiscard]] const std::string& program_name() const { return program_name_; }
+  [[nodiscard]] int program_line() const { return program_ ? program_->line() : 0; }
+  [[nodiscard]] bool can_move() const;
+  [[nodiscard]] bool has_function(const std::string& name) const;
+  [[nodiscard]] std::uint32_t robot_status_bits() const;
+  [[nodiscard]] std::uint32_t safety_status_bits() const;
+
+  /// For the motion functions: only one thread of one program may move the arm at a time.
+  void claim_motion(const urscript::Machine& machine, int thread);
+  [[nodiscard]] bool is_secondary(const urscript::Machine& machine) const;
+  void set_payload(double mass, const Eigen::Vector3d& p_F_cog);
+  void zero_wrench() { wrench_zero_ = raw_wrench_; }
+
+  [[nodiscard]] const UrServerOptions& options() const { return options_; }
+  [[nodiscard]] const UrVersion& version() const { return version_; }
+  [[nodiscard]] const PlantState& plant() const { return measured_; }
+  /// What presses on the tool at the tool centre point, base axes, weight of the payload taken off.
+  [[nodiscard]] Six wrench() const { return raw_wrench_ - wrench_zero_; }
+  [[nodiscard]] const Six& raw_wrench() const { return raw_wrench_; }
+  [[nodiscard]] const std::deque<Joints>& history() const { return history_; }
+  [[nodiscard]] double scaling() const { return scaling_; }
+
+  ControllerFaults faults;
+  Motion motion;
+  Registers registers;
+  ControllerIo io;
+  Watchdog watchdog;
+  RobotMode robot_mode = RobotMode::kRunning;
+  SafetyMode safety_mode = SafetyMode::kNormal;
+  double speed_slider = 1.0;
+  double payload = 0.0;
+  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
+  Six external_wrench = Six::Zero();  ///< RTDE's external_force_torque
+  Six force_feedback_zero = Six::Zero();
+  bool popup_open = false;
+
+ private:
+  void trigger_faults();
+  void change_power();
+  void watch();
+  void run_programs();
+  void end_program(const char* key);
+  void report(const urscript::CompileError& error, const urscript::Program* secondary);
+  void move();
+  void measure();
+
+  UrServerOptions options_;
+  UrVersion version_;
+  Plant* plant_;
+  double period_;
+  double start_;
+  std::uint64_t steps_ = 0;
+  PlantState measured_;
+  Six raw_wrench_ = Six::Zero(), wrench_zero_ = Six::Zero();
+  std::deque<Joints> history_;
+  std::unique_ptr<urscript::Machine> program_;
+  std::vector<std::unique_ptr<urscript::Machine>> secondaries_;
+  std::string program_name_;
+  RuntimeState runtime_ = RuntimeState::kStopped;
+  double program_started_ = 0.0;
+  double scaling_ = 1.0;
+  double stopped_at_ = -1.0;       // protective stop
+  double power_change_at_ = -1.0;  // when robot_mode goes on to
+  RobotMode power_goal_ = RobotMode::kRunning;
+  int motion_owner_ = 0;
+  std::vector<ControllerEvent> events_;
+};
+
+/// "3.15.8.106339". Throws InvalidArgument.
+[[nodiscard]] UrVersion parse_ur_version(const std::string& text);
+
+}  // namespace stonestack

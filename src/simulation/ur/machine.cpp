@@ -1,0 +1,229 @@
+#include "simulation/ur/machine.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::urscript {
+namespace {
+
+Value* find_in(std::vector<std::pair<int, Value>>& variables, int name) {
+  for (auto& [id, value] : variables)
+    if (id == name) return &value;
+  return nullptr;
+}
+
+Value make_pose_value(const std::vector<Value>& six_numbers) {
+  PoseVector pose;
+  for (int i = 0; i < 6; ++i) pose[i] = number(six_numbers[at(i)]);
+  return pose;
+}
+
+}  // namespace
+
+Machine::Machine(Program program, UrController& host, const MachineLimits& limits)
+    : program_(std::move(program)), host_(&host), limits_(limits) {
+  Thread thread;
+  thread.frames.push_back({0, 0, std::make_shared<Scope>()});
+  for (const auto& parameter : program_.functions[0].parameters)
+    thread.frames.back().scope->variables.emplace_back(parameter.name, parameter.preset.value_or(Value()));
+  threads_.emplace(main_, std::move(thread));
+}
+
+Machine::State Machine::step() {
+  std::vector<int> ids;
+  for (const auto& [id, thread] : threads_) ids.push_back(id);
+  for (const int id : ids) {
+    if (state_ != State::kRunning) break;
+    const auto it = threads_.find(id);
+    if (it == threads_.end()) continue;  // killed by another one in this step
+    run(id, it->second);
+  }
+  if (state_ != State::kRunning) threads_.clear();
+  return state_;
+}
+
+int Machine::line() const {
+  const auto it = threads_.find(main_);
+  if (it == threads_.end() || it->second.frames.empty()) return 0;
+  const auto& frame = it->second.frames.front();
+  const auto& code = program_.functions[at(frame.function)].code;
+  return code.empty() ? 0 : code[std::min(frame.at, code.size() - 1)].line;
+}
+
+void Machine::kill(int id) {
+  const auto it = threads_.find(id);
+  if (it == threads_.end()) return;
+  if (id == main_) {
+    state_ = State::kEnded;
+    return;
+  }
+  if (critical_owner_ == id) critical_owner_ = 0;
+  threads_.erase(it);
+}
+
+void Machine::fail(const Thread& thread, const std::string& text) {
+  state_ = State::kFailed;
+  const auto& frame = thread.frames.back();
+  const auto& code = program_.functions[at(frame.function)].code;
+  const auto& it = code[frame.at > 0 ? frame.at - 1 : 0];
+  error_ = {it.line, it.column, text};
+}
+
+void Machine::run(int id, Thread& thread) {
+  try {
+    if (thread.wait) {
+      auto value = thread.wait();
+      if (!value) return;
+      thread.wait = nullptr;
+      thread.busy_steps = 0;
+      thread.stack.push_back(std::move(*value));
+    }
+    for (int count = 0; count < limits_.quota; ++count) {
+      Frame& frame = thread.frames.back();
+      const Instruction it = program_.functions[at(frame.function)].code[frame.at++];
+      if (!execute(id, thread, it)) return;
+    }
+    if (++thread.busy_steps >= limits_.patience) fail(thread, "Infinite loop detected");
+  } catch (const ScriptError& error) {
+    fail(thread, error.text);
+  } catch (const std::exception& error) {
+    fail(thread, concat("Internal error: ", error.what()));
+  }
+}
+
+Value Machine::pop(Thread& thread) {
+  Value value = std::move(thread.stack.back());
+  thread.stack.pop_back();
+  return value;
+}
+
+Value* Machine::find(Frame& frame, int name) {
+  for (Scope* scope = frame.scope.get(); scope; scope = scope->parent.get())
+    if (Value* value = find_in(scope->variables, name)) return value;
+  return find_in(globals_, name);
+}
+
+void Machine::store(Frame& frame, const Instruction& it, Value value) {
+  check_size(value);
+  auto& own = frame.scope->variables;
+  Value* place = it.op == Op::kStore        ? find(frame, it.a)
+                 : it.op == Op::kStoreLocal ? find_in(own, it.a)
+                                            : find_in(globals_, it.a);
+  if (place) {
+    *place = std::move(value);
+  } else {
+    (it.op == Op::kStoreGlobal ? globals_ : own).emplace_back(it.a, std::move(value));
+  }
+}
+
+void Machine::store_element(Thread& thread, const Instruction& it) {
+  Value value = pop(thread);
+  std::vector<long long> index(at(it.b));
+  for (auto i = index.rbegin(); i != index.rend(); ++i) *i = integer(pop(thread));
+  Value* place = find(thread.frames.back(), it.a);
+  if (!place) throw ScriptError{"Variable '" + program_.names[at(it.a)] + "' has no value"};
+  for (std::size_t k = 0; k + 1 < index.size(); ++k) {
+    auto* list = std::get_if<List>(&place->is);
+    if (!list || index[k] < 0 || static_cast<std::size_t>(index[k]) >= list->size())
+      throw ScriptError{concat("Index out of bounds: ", index[k])};
+    place = &(*list)[static_cast<std::size_t>(index[k])];
+  }
+  set_element(*place, index.back(), std::move(value));
+}
+
+bool Machine::execute(int id, Thread& thread, const Instruction& it) {
+  auto& stack = thread.stack;
+  Frame& frame = thread.frames.back();
+  switch (it.op) {
+    case Op::kConstant:
+      stack.push_back(program_.constants[at(it.a)]);
+      return true;
+    case Op::kLoad: {
+      const Value* value = find(frame, it.a);
+      if (!value) throw ScriptError{"Variable '" + program_.names[at(it.a)] + "' has no value"};
+      stack.push_back(*value);
+      return true;
+    }
+    case Op::kStore:
+    case Op::kStoreLocal:
+    case Op::kStoreGlobal:
+      store(frame, it, pop(thread));
+      return true;
+    case Op::kStoreElement:
+      store_element(thread, it);
+      return true;
+    case Op::kIndex: {
+      const long long index = integer(pop(thread));
+      stack.back() = element(stack.back(), index);
+      return true;
+    }
+    case Op::kPop:
+      stack.pop_back();
+      return true;
+    case Op::kJump:
+      frame.at = at(it.a);
+      return true;
+    case Op::kJumpIfFalse:
+      if (!truth(pop(thread))) frame.at = at(it.a);
+      return true;
+    case Op::kJumpAnd:
+    case Op::kJumpOr:
+      stack.back() = truth(stack.back());
+      if (truth(stack.back()) == (it.op == Op::kJumpOr))
+        frame.at = at(it.a);
+      else
+        stack.pop_back();
+      return true;
+    case Op::kNot:
+      stack.back() = !truth(stack.back());
+      return true;
+    case Op::kNegate:
+      stack.back() = negate(stack.back());
+      return true;
+    case Op::kBinary: {
+      const Value b = pop(thread);
+      stack.back() = apply(static_cast<Operator>(it.a), stack.back(), b);
+      return true;
+    }
+    case Op::kMakeList: {
+      List list(std::make_move_iterator(stack.end() - it.a), std::make_move_iterator(stack.end()));
+      stack.resize(stack.size() - at(it.a));
+      stack.emplace_back(std::move(list));
+      check_size(stack.back());
+      return true;
+    }
+    case Op::kMakePose: {
+      const std::vector<Value> numbers(stack.end() - 6, stack.end());
+      stack.resize(stack.size() - 6);
+      stack.push_back(make_pose_value(numbers));
+      return true;
+    }
+    case Op::kCall:
+    case Op::kRun:
+      return call(id, thread, program_.calls[at(it.a)], it.op == Op::kRun);
+    case Op::kReturn:
+      return leave(id, thread);
+    case Op::kKill:
+    case Op::kJoin: {
+      const Value value = pop(thread);
+      const auto* handle = std::get_if<ThreadHandle>(&value.is);
+      const int other = handle ? handle->id : 0;  // programs initialise their handles with 0
+      if (it.op == Op::kKill) {
+        kill(other);
+        return threads_.count(id) > 0 && state_ == State::kRunning;
+      }
+      return join(id, thread, other);
+    }
+    case Op::kHalt:
+      state_ = State::kEnded;
+      return false;
+    case Op::kEnterCritical:
+    case Op::kExitCritical:
+      return critical(id, thread, it.op == Op::kEnterCritical);
+  }
+  return true;
+}
+
+}  // namespace stonestack::urscript

@@ -1,0 +1,130 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "simulation/ur/program.hpp"
+
+namespace stonestack {
+class UrController;
+}  // namespace stonestack
+
+namespace stonestack::urscript {
+
+class Machine;
+
+inline std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Looked at once a control step; the value with which the script goes on, or nothing yet. Throws
+/// ScriptError.
+using Wait = std::function<std::optional<Value>()>;
+
+/// What a built-in function gives: a value at once, or something to wait for.
+struct Outcome {
+  Value value;
+  Wait wait;
+  Outcome(Value at_once) : value(std::move(at_once)) {}  // NOLINT: so that functions return values
+  Outcome(Wait until) : wait(std::move(until)) {}        // NOLINT
+};
+
+/// One call of a built-in function: arguments in the order of its parameters, absent ones monostate.
+struct BuiltinCall {
+  UrController& host;
+  Machine& machine;
+  int thread = 0;
+  std::vector<Value>& arguments;
+
+  [[nodiscard]] bool has(std::size_t i) const {
+    return i < arguments.size() && !std::holds_alternative<std::monostate>(arguments[i].is);
+  }
+  [[nodiscard]] double number_or(std::size_t i, double preset) const {
+    return has(i) ? number(arguments[i]) : preset;
+  }
+};
+
+struct Builtin {
+  const char* name;
+  std::vector<const char*> parameters;
+  std::size_t required;
+  Outcome (*call)(BuiltinCall& call);
+};
+/// Every built-in function, sorted by name.
+[[nodiscard]] const std::vector<Builtin>& builtins();
+/// Index into `builtins` or -1.
+[[nodiscard]] int builtin_index(const std::string& name);
+
+struct MachineLimits {
+  int quota = 10000;       ///< instructions of a thread a control step
+  int patience = 50;       ///< control steps at full quota until a loop counts as endless
+  int deepest_call = 100;  ///< calls within calls
+  int threads = 64;
+};
+
+/// Runs one program, a control step at a time. Threads take turns; each runs until it waits, ends or has used
+/// up its quota.
+class Machine {
+ public:
+  enum class State { kRunning, kEnded, kFailed };
+
+  Machine(Program program, UrController& host, const MachineLimits& limits = {});
+
+  /// One control step. Never throws; a run-time error ends the program.
+  State step();
+  [[nodiscard]] State state() const { return state_; }
+  /// Line, column and text of what made it fail.
+  [[nodiscard]] const CompileError& error() const { return error_; }
+  [[nodiscard]] const Program& program() const { return program_; }
+  /// Line that the main thread is at.
+  [[nodiscard]] int line() const;
+  [[nodiscard]] bool is_alive(int thread) const { return threads_.count(thread) > 0; }
+  void kill(int thread);
+
+ private:
+  struct Scope {
+    int function = 0;
+    std::vector<std::pair<int, Value>> variables;
+    std::shared_ptr<Scope> parent;
+  };
+  struct Frame {
+    int function = 0;
+    std::size_t at = 0;
+    std::shared_ptr<Scope> scope;
+  };
+  struct Thread {
+    std::vector<Frame> frames;
+    std::vector<Value> stack;
+    Wait wait;
+    int busy_steps = 0;
+  };
+
+  void run(int id, Thread& thread);
+  /// False when the thread waits or has ended.
+  bool execute(int id, Thread& thread, const Instruction& it);
+  bool call(int id, Thread& thread, const CallSite& site, bool as_thread);
+  bool call_builtin(int id, Thread& thread, const CallSite& site);
+  [[nodiscard]] Frame enter(Thread& caller, const CallSite& site);
+  bool leave(int id, Thread& thread);
+  bool critical(int id, Thread& thread, bool enter);
+  bool join(int id, Thread& thread, int other);
+  [[nodiscard]] Value* find(Frame& frame, int name);
+  void store(Frame& frame, const Instruction& it, Value value);
+  void store_element(Thread& thread, const Instruction& it);
+  [[nodiscard]] Value pop(Thread& thread);
+  void fail(const Thread& thread, const std::string& text);
+
+  Program program_;
+  UrController* host_;
+  MachineLimits limits_;
+  State state_ = State::kRunning;
+  CompileError error_;
+  std::vector<std::pair<int, Value>> globals_;
+  std::map<int, Thread> threads_;
+  int main_ = 1;
+  int next_id_ = 2;
+  int critical_owner_ = 0;
+};
+
+}  // namespace stonestack::urscript
