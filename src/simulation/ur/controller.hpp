@@ -6,6 +6,7 @@
 
 #include "simulation/ur/machine.hpp"
 #include "simulation/ur/motion.hpp"
+#include "stonestack/hardware/ur/rtde_fields.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
 namespace stonestack {
@@ -124,8 +125,8 @@ class UrController {
   double speed_slider = 1.0;
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
-  Six external_wrench = Six::Zero();  ///< RTDE's external_force_torque
-  Six force_feedback_zero = Six::Zero();
+  Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque
+  std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written
   bool popup_open = false;
 
  private:

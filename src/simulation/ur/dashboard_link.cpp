@@ -1,0 +1,30 @@
+#include "simulation/ur/dashboard_session.hpp"
+#include "simulation/ur/server_links.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr std::size_t kLongestLine = 4096;
+
+}  // namespace
+
+DashboardLink::DashboardLink(TcpStream stream, UrController& controller)
+    : ServerLink(std::move(stream), controller) {
+  send(std::string(kDashboardGreeting) + "\n");
+}
+
+void DashboardLink::receive(std::string_view bytes) {
+  for (const char c : bytes) {
+    if (c != '\n') {
+      if (line_.size() >= kLongestLine) return close();
+      if (c != '\r') line_ += c;
+      continue;
+    }
+    const DashboardAnswer answer = answer_dashboard(controller(), line_);
+    line_.clear();
+    send(answer.line + "\n");
+    if (answer.closes) return close();
+  }
+}
+
+}  // namespace stonestack

@@ -1,0 +1,19 @@
+#pragma once
+#include <functional>
+#include <string>
+
+#include "simulation/ur/controller.hpp"
+#include "stonestack/hardware/ur/rtde_fields.hpp"
+
+namespace stonestack {
+
+using RtdeReader = std::function<RtdeValue(const UrController&)>;
+using RtdeWriter = std::function<void(UrController&, const RtdeValue&)>;
+
+/// Where an output field comes from. What a simulated robot does not have (voltages of a tool) reads zero.
+[[nodiscard]] RtdeReader rtde_reader(const RtdeField& field);
+/// Where an input field goes. Masked ones take effect when `apply_masked_inputs` is called after a package.
+[[nodiscard]] RtdeWriter rtde_writer(const RtdeField& field);
+void apply_masked_inputs(UrController& controller);
+
+}  // namespace stonestack

@@ -1,0 +1,25 @@
+#include "simulation/ur/server_links.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kOutOfStepAfter = 10;  // data packages
+
+}  // namespace
+
+RtdeLink::RtdeLink(TcpStream stream, UrController& controller, InputOwners& owners, int number)
+    : ServerLink(std::move(stream), controller), session_(number, controller, owners) {}
+
+void RtdeLink::receive(std::string_view bytes) {
+  for (const auto& reply : session_.feed(bytes)) send(reply);
+  if (session_.broken()) close();
+}
+
+void RtdeLink::after_step() {
+  auto sample = session_.sample();
+  if (!sample) return;
+  if (controller().faults.out_of_step && ++packages_ == kOutOfStepAfter) (*sample)[1] = '\2';
+  offer(*sample);
+}
+
+}  // namespace stonestack

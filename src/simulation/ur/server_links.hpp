@@ -1,0 +1,57 @@
+#pragma once
+#include "simulation/ur/rtde_session.hpp"
+#include "simulation/ur/script_collector.hpp"
+#include "simulation/ur/server_link.hpp"
+
+namespace stonestack {
+
+/// Port 30004.
+class RtdeLink final : public ServerLink {
+ public:
+  RtdeLink(TcpStream stream, UrController& controller, InputOwners& owners, int number);
+  void after_step() override;
+
+ protected:
+  void receive(std::string_view bytes) override;
+
+ private:
+  RtdeSession session_;
+  int packages_ = 0;
+};
+
+/// Ports 30001 to 30003 and, read-only, 30011 to 30013.
+class ScriptLink final : public ServerLink {
+ public:
+  enum class Kind { kPrimary, kSecondary, kRealtime };
+  ScriptLink(TcpStream stream, UrController& controller, Kind kind, bool read_only);
+  void after_step() override;
+  /// Messages go to primary clients only.
+  void tell(const ControllerEvent& event);
+
+ protected:
+  void receive(std::string_view bytes) override;
+
+ private:
+  void take(const std::string& script);
+  bool take_command(const std::string& line);
+
+  Kind kind_;
+  bool read_only_;
+  ScriptCollector collector_;
+  double heard_ = 0.0;
+  std::uint64_t next_state_;
+};
+
+/// Port 29999.
+class DashboardLink final : public ServerLink {
+ public:
+  DashboardLink(TcpStream stream, UrController& controller);
+
+ protected:
+  void receive(std::string_view bytes) override;
+
+ private:
+  std::string line_;
+};
+
+}  // namespace stonestack
