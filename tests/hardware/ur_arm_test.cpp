@@ -341,9 +341,10 @@ TEST(UrArm, GuardedMotionStreamsTheForceInTheBaseFrame) {
   const MotionResult moved = arm.follow_guarded(guarded());
   EXPECT_EQ(moved.status, Status::kContact) << moved.reason;
   EXPECT_EQ(moved.force, 6.5);
-  // -z of W is -y of R here.
-  EXPECT_THAT(robot.scripts(), HasSubstr("-1.000000000 * read_input_float_register(25)"));
-  const Eigen::Vector3d expected = forward(ur10(), Joints::Zero()).rotation() * Eigen::Vector3d(1, 2, 3);
+  // -z of W is -y of R here, and the controller's base is half a turn about z from R.
+  EXPECT_THAT(robot.scripts(), HasSubstr("+ 1.000000000 * read_input_float_register(25)"));
+  const Eigen::Vector3d expected = Eigen::Vector3d(-1, -1, 1).cwiseProduct(
+      forward(ur10(), Joints::Zero()).rotation() * Eigen::Vector3d(1, 2, 3));
   const std::vector<RtdeType> types = {RtdeType::kInt32, RtdeType::kInt32, RtdeType::kDouble,
                                        RtdeType::kDouble, RtdeType::kDouble};
   int fresh = 0, count = 0;

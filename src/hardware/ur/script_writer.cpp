@@ -109,7 +109,7 @@ void define_lag(Lines& out) {
 /// Reads the streamed force once a step; `stk_fresh` tells whether it was a new sample.
 void define_guard(Lines& out, const ScriptGuard& guard) {
   const ScriptOptions& o = out.options();
-  const Eigen::Vector3d& n = guard.n_R_direction;
+  const Eigen::Vector3d& n = guard.n_B_direction;
   out.add(1, "global stk_count = read_input_integer_register(", out.reg(1), ")");
   out.add(1, "global stk_silent = 0.0");
   out.add(1, "global stk_fresh = False");
@@ -208,15 +208,15 @@ void follow_pieces(Lines& out, const JointTrajectory& trajectory, bool guarded) 
 void comply(Lines& out, const ScriptGuard& guard) {
   const ScriptOptions& o = out.options();
   if (o.comply_time <= 0) return;
-  Pose T_R_task = Pose::Identity();
-  T_R_task.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), guard.n_R_direction).toRotationMatrix();
+  Pose T_B_task = Pose::Identity();
+  T_B_task.linear() =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), guard.n_B_direction).toRotationMatrix();
   const std::string side = to_script(kSideways);
   out.add(1, "if stk_end == ", number(ScriptEnd::kContact), ":");
   out.add(2, "sleep(", to_script(kStandstill), ")");
   if (out.context().version.has(kDamping3, kDamping5))
     out.add(2, "force_mode_set_damping(", to_script(kDamping), ")");
-  out.add(2, "force_mode(", to_script(T_R_task), ", [0, 0, 1, 0, 0, 0], [0.0, 0.0, ",
+  out.add(2, "force_mode(", to_script(T_B_task), ", [0, 0, 1, 0, 0, 0], [0.0, 0.0, ",
           to_script(o.comply_force), ", 0.0, 0.0, 0.0], 2, [", side, ", ", side, ", ",
           to_script(o.comply_speed), ", ", side, ", ", side, ", ", side, "])");
   out.add(2, "local left = ", to_script(o.comply_time));
@@ -263,9 +263,9 @@ std::string write_trajectory(const JointTrajectory& trajectory, const ScriptCont
 std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& guard,
                           const ScriptContext& context) {
   require_knots(trajectory);
-  require(guard.threshold > 0 && std::abs(guard.n_R_direction.norm() - 1) < 1e-6,
+  require(guard.threshold > 0 && std::abs(guard.n_B_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", guard.threshold, " N and length ",
-          guard.n_R_direction.norm());
+          guard.n_B_direction.norm());
   Lines out(context);
   begin(out);
   watch_heartbeat(out);

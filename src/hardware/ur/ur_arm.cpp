@@ -70,8 +70,9 @@ struct UrArm::Device {
       order.script = write_trajectory(trajectory, c);
       return run(order);
     }
+    const Pose T_W_B = T_W_R * robot.T_R_D;
     order.script =
-        write_guarded(trajectory, {T_W_R.rotation().transpose() * guard->n_W_direction, guard->threshold}, c);
+        write_guarded(trajectory, {T_W_B.rotation().transpose() * guard->n_W_direction, guard->threshold}, c);
     double last_reading = -1.0;
     order.each_turn = [&](const UrStatus& status) { stream_force(status, last_reading); };
     return run(order);
@@ -85,7 +86,8 @@ struct UrArm::Device {
     last_reading = wrench.device_time;
     if (!wrench.force.allFinite())
       throw DeviceError("force-torque sensor", "reads a force that is not finite", "look at the sensor");
-    link.send_force(forward(robot, status.q).rotation() * wrench.force);
+    const Pose T_B_F = robot.T_R_D.inverse() * forward(robot, status.q);
+    link.send_force(T_B_F.rotation() * wrench.force);
   }
 
   void check_settings() {

@@ -22,7 +22,7 @@ class UrLink {
   [[nodiscard]] UrStatus status() const;
   /// The first status that comes in within a few control steps, else the newest; throws if that is stale.
   [[nodiscard]] UrStatus next_status() const;
-  /// Streams a force (N, axes of R) under a new counter.
+  /// Streams a force (N, axes of the controller's base) under a new counter.
   void send_force(const Eigen::Vector3d& force);
   /// Why motions are refused; empty: they are not.
   [[nodiscard]] std::string stop_reason() const;

@@ -1,5 +1,5 @@
 #pragma once
-#include "simulation/ur/rtde_server_session.hpp"
+#include "simulation/ur/rtde_session.hpp"
 #include "simulation/ur/script_collector.hpp"
 #include "simulation/ur/server_link.hpp"
 
@@ -15,7 +15,7 @@ class RtdeLink final : public ServerLink {
   void receive(std::string_view bytes) override;
 
  private:
-  RtdeServerSession session_;
+  RtdeSession session_;
   int packages_ = 0;
 };
 

@@ -12,10 +12,11 @@
 /// registers, so that its end can be told from the end of any other program:
 ///
 ///   output int    24 run id   25 progress (knots passed)   26 end state (ScriptEnd)
-///   output double 24..29 pose of the tool at the end, p[x, y, z, rx, ry, rz] in R   30 force at the end, N
+///   output double 24..29 pose of the tool at the end, p[x, y, z, rx, ry, rz] in B   30 force at the end, N
 ///   input int     24 heartbeat (watched at 10 Hz)   25 counter of the streamed force
-///   input double  24..26 force on the tool, N, axes of R
+///   input double  24..26 force on the tool, N, axes of B
 ///
+/// B is the base frame as the controller has it, RobotModel::T_R_D: half a turn about z from R.
 /// Controllers before 3.9 (5.3) have only registers 0..23, which fieldbuses share; there the numbers are 24
 /// lower and the program says so.
 namespace stonestack {
@@ -30,7 +31,7 @@ enum class ScriptEnd {
 };
 
 struct ScriptOptions {
-  double lookahead = 0.1;          ///< s, servoj
+  double lookahead = 0.04;         ///< s, servoj; 0.1 cuts corners by 3e-3 rad, this by less than 1e-3
   double gain = 300;               ///< servoj
   double stop_acceleration = 2.0;  ///< rad/s^2, stopj
   double hold_lag = 0.02;          ///< rad beyond the normal tracking delay; the path waits for a slower arm
@@ -58,10 +59,10 @@ struct ScriptContext {
   ScriptOptions options;
 };
 
-/// When a guarded program ends: the force against `n_R_direction` exceeds the force at the start by
+/// When a guarded program ends: the force against `n_B_direction` exceeds the force at the start by
 /// `threshold` N.
 struct ScriptGuard {
-  Eigen::Vector3d n_R_direction = -Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d n_B_direction = -Eigen::Vector3d::UnitZ();
   double threshold = 5.0;
 };
 

@@ -11,14 +11,14 @@ namespace stonestack {
 using InputOwners = std::map<std::string, int>;
 
 /// The server's side of one RTDE connection, without the socket.
-class RtdeServerSession {
+class RtdeSession {
  public:
   /// Both must outlive the session.
-  RtdeServerSession(int number, UrController& controller, InputOwners& owners);
+  RtdeSession(int number, UrController& controller, InputOwners& owners);
   /// Frees its inputs.
-  ~RtdeServerSession();
-  RtdeServerSession(const RtdeServerSession&) = delete;
-  RtdeServerSession& operator=(const RtdeServerSession&) = delete;
+  ~RtdeSession();
+  RtdeSession(const RtdeSession&) = delete;
+  RtdeSession& operator=(const RtdeSession&) = delete;
 
   /// Takes what the client sent; the answers, one string a packet.
   [[nodiscard]] std::vector<std::string> feed(std::string_view bytes);

@@ -1,4 +1,4 @@
-#include "simulation/ur/rtde_server_session.hpp"
+#include "simulation/ur/rtde_session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,22 +27,22 @@ bool is_fieldbus_register(const std::string& name) {
 
 }  // namespace
 
-RtdeServerSession::RtdeServerSession(int number, UrController& controller, InputOwners& owners)
+RtdeSession::RtdeSession(int number, UrController& controller, InputOwners& owners)
     : number_(number), controller_(&controller), owners_(&owners) {}
 
-RtdeServerSession::~RtdeServerSession() {
+RtdeSession::~RtdeSession() {
   for (auto it = owners_->begin(); it != owners_->end();)
     it = it->second == number_ ? owners_->erase(it) : std::next(it);
 }
 
-std::vector<std::string> RtdeServerSession::feed(std::string_view bytes) {
+std::vector<std::string> RtdeSession::feed(std::string_view bytes) {
   std::vector<std::string> replies;
   stream_.feed(bytes);
   while (const auto packet = stream_.next()) answer(*packet, replies);
   return replies;
 }
 
-void RtdeServerSession::answer(const RtdePacket& packet, std::vector<std::string>& replies) {
+void RtdeSession::answer(const RtdePacket& packet, std::vector<std::string>& replies) {
   const auto reply = [&](const RtdePacket& made) { replies.push_back(encode(made)); };
   const auto before_setup = [&] {
     if (controller_->faults.message_before_reply)
@@ -83,7 +83,7 @@ void RtdeServerSession::answer(const RtdePacket& packet, std::vector<std::string
   }
 }
 
-RtdeSetupReply RtdeServerSession::set_up_outputs(const RtdeSetup& setup) {
+RtdeSetupReply RtdeSession::set_up_outputs(const RtdeSetup& setup) {
   RtdeSetupReply reply;
   outputs_.clear();
   started_ = false;
@@ -103,7 +103,7 @@ RtdeSetupReply RtdeServerSession::set_up_outputs(const RtdeSetup& setup) {
   return reply;
 }
 
-std::string RtdeServerSession::input_state(const std::string& name) const {
+std::string RtdeSession::input_state(const std::string& name) const {
   const RtdeField* field = find_rtde_input(name);
   if (!field || !field->in(controller_->version())) return kNotFound;
   const auto owner = owners_->find(name);
@@ -112,7 +112,7 @@ std::string RtdeServerSession::input_state(const std::string& name) const {
   return std::string(rtde_type_name(field->type));
 }
 
-RtdeSetupReply RtdeServerSession::set_up_inputs(const RtdeSetup& setup) {
+RtdeSetupReply RtdeSession::set_up_inputs(const RtdeSetup& setup) {
   RtdeSetupReply reply;
   InputRecipe recipe;
   bool whole = !setup.names.empty() && inputs_.size() < kMostRecipes;
@@ -132,7 +132,7 @@ RtdeSetupReply RtdeServerSession::set_up_inputs(const RtdeSetup& setup) {
   return reply;
 }
 
-void RtdeServerSession::take_data(const RtdePacket& packet) {
+void RtdeSession::take_data(const RtdePacket& packet) {
   const auto number = data_recipe(packet);
   if (!number || *number == 0 || *number > inputs_.size()) return;
   const InputRecipe& recipe = inputs_[*number - 1U];
@@ -148,7 +148,7 @@ void RtdeServerSession::take_data(const RtdePacket& packet) {
   if (masked) apply_masked_inputs(*controller_);
 }
 
-std::optional<std::string> RtdeServerSession::sample() {
+std::optional<std::string> RtdeSession::sample() {
   if (!started_) return std::nullopt;
   const double rate = controller_->version().control_rate();
   const auto count = [&](std::uint64_t step) {
