@@ -6,7 +6,7 @@
 #include "script_bench.hpp"
 #include "simulation/ur/dashboard_session.hpp"
 #include "simulation/ur/primary_messages.hpp"
-#include "simulation/ur/rtde_server_session.hpp"
+#include "simulation/ur/rtde_session.hpp"
 #include "simulation/ur/script_collector.hpp"
 
 namespace stonestack {
@@ -47,7 +47,7 @@ struct Rtde {
   }
   ScriptBench bench;
   InputOwners owners;
-  RtdeServerSession session{1, bench.controller, owners};
+  RtdeSession session{1, bench.controller, owners};
 };
 
 TEST(UrWire, RtdeHandshakeByteByByte) {
@@ -113,7 +113,7 @@ TEST(UrWire, RtdeSaysNotFoundAndStartsNothing) {
 
 TEST(UrWire, RtdeInputsHaveOneOwner) {
   Rtde rtde;
-  RtdeServerSession* other = new RtdeServerSession(2, rtde.bench.controller, rtde.owners);
+  RtdeSession* other = new RtdeSession(2, rtde.bench.controller, rtde.owners);
   EXPECT_THAT(other->feed(packet('I', "input_int_register_24")), ElementsAre(packet('I', "\1INT32")));
   EXPECT_EQ(rtde.ask(packet('I', "input_int_register_24,input_int_register_25")),
             packet('I', std::string(1, '\0') + "IN_USE,INT32"));
