@@ -81,7 +81,9 @@ Outcome witness(const BenchOptions& options, const ShapeList& fine, const std::v
   stand.friction = options.search.friction;
   stand.seconds = options.witness_seconds;
   outcome.clean = judge_stack(fine, stack, stand).standing;
-  outcome.margin = stack_equilibrium(fine, stack, options.search.friction).margin;
+  EquilibriumOptions statics;
+  statics.friction = options.search.friction;
+  outcome.margin = stack_equilibrium(fine, stack, statics).margin;
   return outcome;
 }
 

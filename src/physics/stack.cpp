@@ -150,9 +150,10 @@ std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& st
   return out;
 }
 
-Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack, double friction) {
+Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
+                              const EquilibriumOptions& options) {
   WorldOptions settings;
-  settings.friction = friction;
+  settings.friction = options.friction;
   settings.iterations = 200;
   settings.contact_gap = kCarries;
   World world = world_of(shapes, stack, settings);
@@ -168,8 +169,6 @@ Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack, doubl
     const MassProperties& mass = shape_of(shapes, stack.stones[i]).mass;
     bodies.push_back({mass.mass, world.pose(static_cast<int>(i)) * mass.p_O_M});
   }
-  EquilibriumOptions options;
-  options.friction = friction;
   return solve_equilibrium(bodies, contacts, options);
 }
 

@@ -37,8 +37,8 @@ OffsetGrid offset_grid(const StackField& stack, double pitch) {
 }
 
 /// The landing with the best estimate, as a proposal; none if none holds.
-void add_best(const LooseStone& stone, const StackField& stack, const Eigen::Matrix3d& R,
-              const LandingGrid& grid, std::vector<Proposal>* found) {
+void add_best(const LooseStone& stone, const StackField& stack, const LandingGrid& grid,
+              const Eigen::Matrix3d& R, std::vector<Proposal>* found) {
   const OffsetGrid& offsets = grid.offsets;
   const Landing* best = nullptr;
   int best_u = 0, best_v = 0;
@@ -54,20 +54,36 @@ void add_best(const LooseStone& stone, const StackField& stack, const Eigen::Mat
     found->push_back(make_proposal(stone, stack, R, best_u * offsets.step, best_v * offsets.step, *best));
 }
 
-std::vector<Proposal> try_orientation(const LooseStone& stone, const Eigen::Matrix3d& R_W_O,
+/// The underside of an orientation after a turn; from the survey's store where that has it.
+const Underside& underside_of(const LooseStone& stone, std::size_t orientation, const Effort& effort, int yaw,
+                              const StackField& stack, Underside* made) {
+  const UndersideOptions options = underside_options(stack);
+  if (const SurveySides* store = stone.surveyed.get();
+      store != nullptr && store->options.cell == options.cell && store->options.stride == options.stride &&
+      yaw * store->yaws % effort.yaws == 0) {
+    const auto at = static_cast<std::size_t>(yaw * store->yaws / effort.yaws);
+    return store->sides[orientation * static_cast<std::size_t>(store->yaws) + at];
+  }
+  const Eigen::Matrix3d R =
+      yaw_rotation(6.283185307179586 * yaw / effort.yaws) * stone.orientations[orientation];
+  *made = make_underside(stone.geometry->vertices_M, stone.geometry->faces, R, options);
+  return *made;
+}
+
+std::vector<Proposal> try_orientation(const LooseStone& stone, std::size_t orientation,
                                       const StackField& stack, bool on_table, const Effort& effort) {
   std::vector<Proposal> found;
   GapField buffer;
+  Underside made;
   const OffsetGrid offsets = offset_grid(stack, effort.pitch);
   for (int yaw = 0; yaw < (on_table ? 1 : effort.yaws); ++yaw) {
-    const Eigen::Matrix3d R = yaw_rotation(6.283185307179586 * yaw / effort.yaws) * R_W_O;
-    const Underside underside =
-        make_underside(stone.geometry->vertices_M, stone.geometry->faces, R, underside_options(stack));
+    const Underside& underside = underside_of(stone, orientation, effort, yaw, stack, &made);
     if (on_table) {
       const Landing landing = land_on_table(stack, underside, &buffer);
-      if (landing.holds) found.push_back(make_proposal(stone, stack, R, 0, 0, landing));
+      if (landing.holds) found.push_back(make_proposal(stone, stack, underside.R_W_O, 0, 0, landing));
     } else {
-      add_best(stone, stack, R, land(stack, underside, stone.geometry->mass, offsets, &buffer), &found);
+      add_best(stone, stack, land(stack, underside, stone.geometry->mass, offsets, &buffer), underside.R_W_O,
+               &found);
     }
   }
   return found;
@@ -75,7 +91,7 @@ std::vector<Proposal> try_orientation(const LooseStone& stone, const Eigen::Matr
 
 struct Task {
   std::size_t stone;
-  const Eigen::Matrix3d* R_W_O;
+  std::size_t orientation;
 };
 
 std::vector<std::vector<Proposal>> try_all(const std::vector<Task>& tasks, std::span<const LooseStone> stones,
@@ -83,7 +99,7 @@ std::vector<std::vector<Proposal>> try_all(const std::vector<Task>& tasks, std::
                                            const SearchOptions& options, long* evaluated) {
   std::vector<std::vector<Proposal>> found(tasks.size());
   run_tasks(options.threads, tasks.size(), [&](std::size_t k) {
-    found[k] = try_orientation(stones[tasks[k].stone], *tasks[k].R_W_O, stack, on_table, effort);
+    found[k] = try_orientation(stones[tasks[k].stone], tasks[k].orientation, stack, on_table, effort);
   });
   const int width = 2 * offset_grid(stack, effort.pitch).n + 1;
   *evaluated += static_cast<long>(tasks.size()) * (on_table ? 1 : effort.yaws * width * width);
@@ -111,16 +127,39 @@ std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<st
   return kept;
 }
 
+int survey_yaws(const SearchOptions& options) {
+  return std::max(1, options.yaws / 2);
+}
+
 }  // namespace
+
+void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options) {
+  const UndersideOptions of_field =
+      underside_options(stack_field({}, *stones, {0, 0}, options.grid, options));
+  const auto yaws = static_cast<std::size_t>(survey_yaws(options));
+  for (LooseStone& stone : *stones) {
+    SurveySides store{survey_yaws(options), of_field, {}};
+    store.sides.resize(stone.orientations.size() * yaws);
+    run_tasks(options.threads, stone.orientations.size(), [&](std::size_t k) {
+      for (std::size_t yaw = 0; yaw < yaws; ++yaw)
+        store.sides[k * yaws + yaw] = make_underside(
+            stone.geometry->vertices_M, stone.geometry->faces,
+            yaw_rotation(6.283185307179586 * static_cast<double>(yaw) / static_cast<double>(yaws)) *
+                stone.orientations[k],
+            of_field);
+    });
+    stone.surveyed = std::make_shared<const SurveySides>(std::move(store));
+  }
+}
 
 std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
                                        std::span<const LooseStone> stones, std::size_t keep,
                                        const SearchOptions& options, long* evaluated) {
   std::vector<Task> tasks;
   for (std::size_t s = 0; s < stones.size(); ++s)
-    for (const Eigen::Matrix3d& R_W_O : stones[s].orientations) tasks.push_back({s, &R_W_O});
-  auto found = try_all(tasks, stones, stack, on_table, {std::max(1, options.yaws / 2), kSurveyPitch}, options,
-                       evaluated);
+    for (std::size_t k = 0; k < stones[s].orientations.size(); ++k) tasks.push_back({s, k});
+  auto found =
+      try_all(tasks, stones, stack, on_table, {survey_yaws(options), kSurveyPitch}, options, evaluated);
   if (!on_table) {
     std::vector<Task> chosen;
     for (std::size_t s = 0; s < stones.size(); ++s) {

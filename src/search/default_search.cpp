@@ -3,106 +3,120 @@
 #include <algorithm>
 
 #include "search/orientations.hpp"
-#include "search/parallel.hpp"
+#include "search/tower_search.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr int kProposalsPerStone = 6;     ///< measured
-constexpr std::size_t kLookedAhead = 14;  ///< proposals that get the full look-ahead
-constexpr int kTableYaws = 4;             ///< a first stone may be turned freely: variety for the arm
-constexpr int kAskedPerSettled = 6;       ///< reach is asked at most so many times `settled`
+constexpr int kTableYaws = 8;  ///< turns of a first stone that are offered to the arm
 
-/// Fills look-ahead and score, quick for all and in full for the best, and sorts.
-void look_ahead_all(const SearchContext& context, const LookAhead& look_ahead,
-                    std::vector<Proposal>* proposals, long* evaluated) {
-  const std::vector<BodyPose> stack = bodies_of(context, context.stack);
-  std::vector<long> counts(proposals->size(), 0);
-  const auto score = [&](std::size_t count, LookAheadEffort effort) {
-    run_tasks(context.options->threads, count, [&](std::size_t k) {
-      Proposal& p = (*proposals)[k];
-      std::vector<BodyPose> higher = stack;
-      higher.push_back(p.body);
-      const int used[] = {p.stone};
-      p.look_ahead = look_ahead.estimate(higher, used, effort, &counts[k]);
-      // On the table every estimate is the friction: the margin tells the stones apart.
-      const double base = stack.empty() ? std::min(0.3, p.landing.margin / p.landing.lever) / 3.0 : p.robust;
-      p.score = std::min(base, context.options->friction) + p.look_ahead;
-    });
-    std::stable_sort(proposals->begin(), proposals->begin() + static_cast<std::ptrdiff_t>(count),
-                     [](const Proposal& p, const Proposal& q) { return p.score > q.score; });
-  };
-  score(proposals->size(), LookAheadEffort::kQuick);
-  score(std::min(kLookedAhead, proposals->size()), LookAheadEffort::kFull);
-  for (const long count : counts) *evaluated += count;
+/// What the search proposes, neither settled nor judged.
+void propose_only(TowerSearch& search, SearchResult* result) {
+  for (const Trial& trial : search.offers(0)) {
+    Placement placement;
+    placement.stone = trial.stone;
+    placement.T_W_O = trial.T_W_O;
+    placement.terms = {{"a_est", trial.estimate}, {"look_ahead", trial.look_ahead}};
+    result->best.push_back(std::move(placement));
+  }
 }
 
-/// The proposals that the arm can bring about, best first, `settled` at most.
-std::vector<Trial> reachable_trials(const SearchContext& context, const std::vector<Proposal>& proposals,
-                                    SearchResult* result) {
-  const auto wanted = static_cast<std::size_t>(context.options->settled);
-  const int yaws = context.stack.stones.empty() ? kTableYaws : 1;
-  std::vector<Trial> trials;
-  std::size_t asked = 0;
-  for (const Proposal& p : proposals) {
-    bool first = true;
-    for (int yaw = 0; yaw < yaws; ++yaw) {
-      if (trials.size() == wanted || context.out_of_time() || asked > kAskedPerSettled * wanted)
-        return trials;
-      throw_if_interrupted();
-      BodyPose body = p.body;
-      body.R_W_O = yaw_rotation(6.283185307179586 * yaw / yaws) * body.R_W_O;
-      Trial trial;
-      trial.stone = p.stone;
-      trial.T_W_O = stone_pose(body);
-      trial.estimate = p.robust;
-      trial.look_ahead = p.look_ahead;
-      // Without an arm to ask, turning a stone on the table changes nothing.
-      if (!context.problem->reachable && !first) break;
-      ++asked;
-      if (context.problem->reachable && !context.problem->reachable(trial.stone, trial.T_W_O)) {
-        ++result->unreachable;
-        continue;
-      }
-      first = false;
-      trials.push_back(std::move(trial));
+/// First placements, those that lead highest and likeliest first.
+std::vector<int> ranked_firsts(const TowerTree& tree, int levels, double friction) {
+  std::vector<std::pair<std::pair<int, double>, int>> list;
+  for (const int k : tree.children(0))
+    if (tree.node(k).trial.alive) list.push_back({{tree.reach(k), tree.chance(k, levels, friction)}, k});
+  std::stable_sort(list.begin(), list.end(), [](const auto& p, const auto& q) { return p.first > q.first; });
+  std::vector<int> order;
+  for (const auto& entry : list) order.push_back(entry.second);
+  return order;
+}
+
+void collect(const SearchContext& context, TowerSearch& search, int levels, SearchResult* result) {
+  const SearchOptions& o = *context.options;
+  const auto wanted = static_cast<std::size_t>(o.alternatives);
+  // Not all were judged while the towers grew: enough are now, best first.
+  for (std::size_t judged = 0; judged < wanted && !context.out_of_time() && !interrupt_noted();) {
+    const std::vector<int> order = ranked_firsts(search.tree(), levels, o.friction);
+    std::vector<int> next;
+    judged = 0;
+    for (const int k : order) {
+      if (judged + next.size() == wanted) break;
+      if (search.tree().node(k).judged)
+        ++judged;
+      else
+        next.push_back(k);
     }
+    if (next.empty()) break;
+    search.judge(next);
   }
-  return trials;
+  for (const int k : ranked_firsts(search.tree(), levels, o.friction)) {
+    const TowerNode& node = search.tree().node(k);
+    if (!node.judged || result->best.size() == wanted) continue;
+    Placement placement = node.trial.placement;
+    placement.terms["plan_levels"] = search.tree().reach(k);
+    placement.terms["plan_chance"] = search.tree().chance(k, levels, o.friction);
+    result->best.push_back(std::move(placement));
+  }
+}
+
+/// On the table a stone may be turned about the vertical, which changes nothing but what the arm meets: fills
+/// the list up with turned ones.
+void add_turned(const SearchContext& context, SearchResult* result) {
+  if (!context.stack.stones.empty() || !context.problem->reachable) return;
+  const std::vector<Placement> plain = result->best;
+  for (int yaw = 1; yaw < kTableYaws; ++yaw)
+    for (const Placement& first : plain) {
+      if (result->best.size() >= static_cast<std::size_t>(context.options->alternatives)) return;
+      Placement turned = first;
+      const Eigen::Vector3d p_W(context.problem->site.x(), context.problem->site.y(), 0.0);
+      turned.T_W_O = Eigen::Translation3d(p_W) * Pose(yaw_rotation(6.283185307179586 * yaw / kTableYaws)) *
+                     Eigen::Translation3d(-p_W) * first.T_W_O;
+      turned.support = {};
+      if (context.problem->reachable(turned.stone, turned.T_W_O)) result->best.push_back(std::move(turned));
+    }
+}
+
+void trace(const TowerSearch& search, SearchResult* result) {
+  const auto add = [&](const Trial& trial, int level, const std::string& outcome) {
+    CandidateTrace entry;
+    entry.stone = trial.stone;
+    entry.path_W_O = {trial.T_W_O, trial.placement.T_W_O};
+    entry.support = trial.placement.support;
+    entry.cost = trial.placement.cost;
+    entry.terms = trial.placement.terms;
+    entry.terms["level"] = level;
+    entry.outcome = outcome;
+    result->trace.push_back(std::move(entry));
+  };
+  const TowerTree& tree = search.tree();
+  for (int k = 1; k < tree.size(); ++k)
+    if (tree.node(k).trial.alive) add(tree.node(k).trial, tree.node(k).level, "kept");
+  for (const auto& dropped : search.dropped()) add(dropped.trial, dropped.level, dropped.trial.outcome);
 }
 
 }  // namespace
 
-void default_search(const SearchContext& context, const LookAhead& look_ahead, SearchResult* result) {
+void default_search(const SearchContext& context, SearchResult* result) {
   const SearchOptions& o = *context.options;
-  const std::vector<BodyPose> stack = bodies_of(context, context.stack);
-  const std::vector<LooseStone> loose = loose_stones(context);
-  std::vector<Proposal> proposals =
-      propose(stack, loose, context.problem->site, kProposalsPerStone, o, &result->candidates);
-  context.say(concat(proposals.size(), " proposals from ", result->candidates, " landings"));
-  if (proposals.empty()) {
-    result->reason =
-        "no side of any stone fits the top of the stack with its centre of mass over the contacts";
-    return;
-  }
-  look_ahead_all(context, look_ahead, &proposals, &result->candidates);
-  std::vector<Trial> trials = reachable_trials(context, proposals, result);
-  if (trials.empty()) {
-    result->reason = concat("the arm reaches none of ", result->unreachable, " proposed poses");
-    return;
-  }
+  const int levels = std::min(o.horizon, static_cast<int>(context.available.size()));
+  TowerSearch search(context, levels);
   if (!o.verify) {
-    for (const Trial& trial : trials) {
-      Placement placement;
-      placement.stone = trial.stone;
-      placement.T_W_O = trial.T_W_O;
-      placement.terms = {{"a_est", trial.estimate}, {"look_ahead", trial.look_ahead}};
-      result->best.push_back(std::move(placement));
+    propose_only(search, result);
+  } else {
+    try {
+      search.run();
+    } catch (const Interrupted&) {
+      context.say("interrupted; keeping what was found");
     }
-    return;
+    collect(context, search, levels, result);
+    add_turned(context, result);
   }
-  verify(context, std::move(trials), result);
+  result->candidates = search.candidates();
+  result->unreachable = search.unreachable();
+  if (result->best.empty()) result->reason = search.reason();
+  if (o.trace) trace(search, result);
 }
 
 }  // namespace stonestack

@@ -1,11 +1,10 @@
 #pragma once
-#include "search/look_ahead.hpp"
-#include "search/verification.hpp"
+#include "search/search_context.hpp"
 
 namespace stonestack {
 
-/// Gap field proposals, look-ahead, reach, verification. Fills `result` as it goes, so that what was found
-/// when it is interrupted is kept.
-void default_search(const SearchContext& context, const LookAhead& look_ahead, SearchResult* result);
+/// Plans towers of up to `horizon` levels and returns their first placements: those that lead highest, and of
+/// these the likeliest to be finished, first. What was found when it is interrupted is kept.
+void default_search(const SearchContext& context, SearchResult* result);
 
 }  // namespace stonestack

@@ -1,7 +1,5 @@
 #include "stonestack/search/find_next_pose.hpp"
 
-#include <algorithm>
-
 #include "search/default_search.hpp"
 #include "search/paper_search.hpp"
 #include "search/search_on_stack.hpp"
@@ -10,37 +8,13 @@
 namespace stonestack {
 namespace {
 
-bool in_stack(const Stack& stack, int stone) {
-  return std::any_of(stack.stones.begin(), stack.stones.end(),
-                     [&](const PlacedStone& placed) { return placed.stone == stone; });
-}
-
-SearchContext make_context(const SearchProblem& problem, const SearchOptions& options,
-                           const std::function<void(const std::string&)>& report) {
-  SearchContext context;
-  context.problem = &problem;
-  context.options = &options;
-  context.report = report;
-  context.stack = problem.stack;
-  context.geometry.resize(problem.shapes->size());
-  for (const auto* list : {&problem.stack.stones, &problem.available})
-    for (const PlacedStone& placed : *list) {
-      const auto k = static_cast<std::size_t>(placed.stone);
-      if (context.geometry[k].faces.empty()) context.geometry[k] = stone_geometry(*(*problem.shapes)[k]);
-    }
-  for (const PlacedStone& placed : problem.available)
-    if (!in_stack(problem.stack, placed.stone)) context.available.push_back(placed);
-  return context;
-}
-
 /// Searches on a stack that is known to stand; Ctrl-C ends it with what there is.
 void search(const SearchContext& context, SearchResult* result) {
   try {
     if (context.options->method == "paper") {
       paper_search(context, result);
     } else {
-      const std::vector<LooseStone> loose = loose_stones(context);
-      default_search(context, LookAhead(loose, *context.options), result);
+      default_search(context, result);
     }
   } catch (const Interrupted&) {
     if (result->best.empty()) result->reason = "interrupted before a pose was found";

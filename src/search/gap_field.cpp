@@ -6,7 +6,6 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kBlock = 16;
 constexpr float kPadding = -1e9F;
 /// The centre of mass is moved by this fraction of a cell, so that it never lies on a line between two nodes
 /// and the ratio test has no ties.
@@ -15,26 +14,37 @@ constexpr double kViolation = 1e-5;      ///< m
 constexpr double kArtificialRim = 0.12;  ///< m, radius of the three artificial cells
 constexpr int kMostPivots = 60;
 
-/// Index of the cell that lies highest above the plane. Blocks of fixed length, so that the compiler can
-/// vectorise without being told that floats associate.
+/// Highest of the eight, without being told that floats associate, so that the compiler may do it at once.
+float highest_of(const float* values) {
+  float v[kRun / 2];
+  for (int k = 0; k < 4; ++k) v[k] = values[k] < values[k + 4] ? values[k + 4] : values[k];
+  for (int k = 0; k < 2; ++k) v[k] = v[k] < v[k + 2] ? v[k + 2] : v[k];
+  return v[0] < v[1] ? v[1] : v[0];
+}
+
+/// The cell that lies highest above the plane a x + b y. Runs that cannot hold it are passed over.
 std::size_t most_violated(const GapField& field, float a, float b, float* value) {
+  const Underside& side = *field.underside;
+  const float slack = std::abs(a) * static_cast<float>(side.run_reach);
   float best = kPadding;
-  std::size_t best_block = 0;
-  const std::size_t padded = field.d.size();
-  for (std::size_t start = 0; start < padded; start += kBlock) {
-    float over[kBlock];
-    for (std::size_t k = 0; k < kBlock; ++k)
-      over[k] = field.d[start + k] - a * field.x[start + k] - b * field.y[start + k];
-    for (std::size_t half = kBlock / 2; half > 0; half /= 2)
-      for (std::size_t k = 0; k < half; ++k) over[k] = over[k] < over[k + half] ? over[k + half] : over[k];
-    if (over[0] > best) {
-      best = over[0];
-      best_block = start;
+  std::size_t best_run = 0;
+  for (const int r : field.runs) {
+    const auto run = static_cast<std::size_t>(r);
+    const float at_most = field.highest_d[run] - a * side.middle_x[run] - b * side.row_y[run] + slack;
+    if (at_most < best) continue;
+    const std::size_t start = run * kRun;
+    float over[kRun];
+    for (std::size_t k = 0; k < kRun; ++k)
+      over[k] = field.d[start + k] - a * side.x[start + k] - b * side.y[start + k];
+    const float highest = highest_of(over);
+    if (highest > best) {
+      best = highest;
+      best_run = run;
     }
   }
-  std::size_t arg = best_block;
-  for (std::size_t k = best_block; k < best_block + kBlock; ++k)
-    if (field.d[k] - a * field.x[k] - b * field.y[k] == best) {
+  std::size_t arg = best_run * kRun;
+  for (std::size_t k = arg; k < (best_run + 1) * kRun; ++k)
+    if (field.d[k] - a * side.x[k] - b * side.y[k] == best) {
       arg = k;
       break;
     }
@@ -102,6 +112,25 @@ Basis artificial_basis(double highest, double largest_slope) {
   return basis;
 }
 
+/// The nodes of one row that lie below the cut (z is negated), in runs inside the raster.
+void add_row(const HeightRaster& raster, int j, float cut, const UndersideOptions& options, Underside* side) {
+  const float* row = raster.z.data() + raster.index(0, j);
+  const auto off = kOffLine * static_cast<float>(options.cell);
+  for (int i = -raster.half; i <= raster.half; ++i) {
+    if (row[i] < cut) continue;
+    const int first = std::min(i, raster.half - kRun + 1);  // the last run ends at the raster's rim
+    side->step.push_back(j * options.stride + first);
+    side->middle_x.push_back(static_cast<float>((first + 0.5 * (kRun - 1)) * options.cell) + off);
+    side->row_y.push_back(static_cast<float>(j * options.cell) + 0.52F * off);
+    for (int k = first; k < first + kRun; ++k) {
+      side->x.push_back(static_cast<float>(k * options.cell) + off);
+      side->y.push_back(side->row_y.back());
+      side->z.push_back(k >= i && row[k] >= cut ? -row[k] : -kPadding);
+    }
+    i = first + kRun - 1;
+  }
+}
+
 }  // namespace
 
 Underside make_underside(const std::vector<Eigen::Vector3d>& vertices_M,
@@ -126,63 +155,42 @@ Underside make_underside(const std::vector<Eigen::Vector3d>& vertices_M,
     for (const auto* v : {&p, &q, &r}) reach = std::max({reach, std::abs(v->x()), std::abs(v->y())});
   }
   HeightRaster raster(Eigen::Vector2d::Zero(), options.cell,
-                      static_cast<int>(std::ceil(reach / options.cell)));
+                      std::max(kRun / 2, static_cast<int>(std::ceil(reach / options.cell))));
   raise_to(raster, turned, low);
-
   Underside underside;
   underside.R_W_O = R_W_O;
   underside.lowest = -deepest;
-  for (int j = -raster.half; j <= raster.half; ++j) {
-    for (int i = -raster.half; i <= raster.half; ++i) {
-      const float z = raster.z[static_cast<std::size_t>(raster.index(i, j))];
-      if (z < static_cast<float>(cut)) continue;
-      underside.step.push_back(j * options.stride + i);
-      underside.x.push_back(static_cast<float>(i * options.cell));
-      underside.y.push_back(static_cast<float>(j * options.cell));
-      underside.z.push_back(-z);
-    }
-  }
+  underside.run_reach = 0.5 * kRun * options.cell;
+  for (int j = -raster.half; j <= raster.half; ++j)
+    add_row(raster, j, static_cast<float>(cut), options, &underside);
   return underside;
 }
 
 void lay(const TopSurface& top, const Underside& underside, int i, int j, double active, GapField* field) {
-  const std::size_t n = underside.step.size();
-  const int centre = top.heights.index(i, j);
-  const float* z_top = top.heights.z.data();
-  float highest = kPadding;
-  for (std::size_t k = 0; k < n; ++k)
-    highest = std::max(highest, z_top[centre + underside.step[k]] - underside.z[k]);
-  const std::size_t room = (n + kBlock) / kBlock * kBlock;
-  if (field->x.capacity() < room) {
-    field->x.reserve(room), field->y.reserve(room), field->d.reserve(room), field->node.reserve(room);
+  const std::size_t runs = underside.step.size();
+  field->underside = &underside;
+  field->centre = top.heights.index(i, j);
+  field->d.resize(runs * kRun);
+  field->highest_d.resize(runs);
+  field->highest = kPadding;
+  const float* z_top = top.heights.z.data() + field->centre;
+  const float* z_side = underside.z.data();
+  float* d = field->d.data();
+  for (std::size_t run = 0; run < runs; ++run, z_side += kRun, d += kRun) {
+    const float* z = z_top + underside.step[run];
+    for (std::size_t k = 0; k < kRun; ++k) d[k] = z[k] - z_side[k];
+    field->highest_d[run] = highest_of(d);
+    field->highest = std::max(field->highest, field->highest_d[run]);
   }
-  field->x.resize(room), field->y.resize(room), field->d.resize(room), field->node.resize(room);
-  const float least = highest - static_cast<float>(active);
-  const float off = kOffLine * static_cast<float>(top.heights.cell);
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    const int node = centre + underside.step[k];
-    const float d = z_top[node] - underside.z[k];
-    field->x[count] = underside.x[k] + off;
-    field->y[count] = underside.y[k] + 0.52F * off;
-    field->d[count] = d;
-    field->node[count] = node;
-    count += d >= least ? 1 : 0;
-  }
-  const std::size_t padded = (count + kBlock - 1) / kBlock * kBlock;
-  field->x.resize(padded), field->y.resize(padded), field->d.resize(padded), field->node.resize(padded);
-  for (std::size_t k = count; k < padded; ++k) {
-    field->x[k] = field->y[k] = 0.0F;
-    field->d[k] = kPadding;
-    field->node[k] = centre;
-  }
-  field->size = count;
-  field->highest = highest;
+  const float least = field->highest - static_cast<float>(active);
+  field->runs.clear();
+  for (std::size_t run = 0; run < runs; ++run)
+    if (field->highest_d[run] >= least) field->runs.push_back(static_cast<int>(run));
 }
 
 GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope) {
   GapRest rest;
-  if (field.size == 0) return rest;
+  if (field.runs.empty()) return rest;
   Basis basis = artificial_basis(field.highest, largest_slope);
   for (int pivot = 0; pivot < kMostPivots; ++pivot) {
     if (!basis.fit_plane()) return rest;
@@ -190,7 +198,8 @@ GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_
     const std::size_t k =
         most_violated(field, static_cast<float>(basis.a), static_cast<float>(basis.b), &over);
     if (static_cast<double>(over) - basis.c <= kViolation) break;
-    const Eigen::Vector3d q(static_cast<double>(field.x[k]), static_cast<double>(field.y[k]),
+    const Underside& side = *field.underside;
+    const Eigen::Vector3d q(static_cast<double>(side.x[k]), static_cast<double>(side.y[k]),
                             static_cast<double>(field.d[k]));
     if (!basis.enter(q, static_cast<int>(k))) return rest;
   }
@@ -199,9 +208,10 @@ GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_
   rest.b = basis.b;
   rest.cells = basis.cell;
   rest.rests = std::all_of(basis.cell.begin(), basis.cell.end(), [](int cell) { return cell >= 0; });
-  rest.clean = rest.rests && std::all_of(basis.cell.begin(), basis.cell.end(), [&](int cell) {
-                 return top.may_touch[static_cast<std::size_t>(field.node[static_cast<std::size_t>(cell)])];
-               });
+  rest.clean =
+      rest.rests && std::all_of(basis.cell.begin(), basis.cell.end(), [&](int cell) {
+        return top.may_touch[static_cast<std::size_t>(field.node(static_cast<std::size_t>(cell)))] != 0;
+      });
   return rest;
 }
 
@@ -221,12 +231,18 @@ GapContact contact_of(const GapField& field, const GapRest& rest, const TopSurfa
   int count = 0;
   const auto c = static_cast<float>(rest.height - tolerance);
   const auto a = static_cast<float>(rest.a), b = static_cast<float>(rest.b);
-  for (std::size_t k = 0; k < field.size; ++k) {
-    if (field.d[k] < c + a * field.x[k] + b * field.y[k]) continue;
-    for (std::size_t m = 0; m < kDirections; ++m)
-      reach[m] = std::max(reach[m], directions[m].x() * field.x[k] + directions[m].y() * field.y[k]);
-    sum += static_cast<double>(top.heights.z[static_cast<std::size_t>(field.node[k])]);
-    ++count;
+  const Underside& side = *field.underside;
+  const float slack = std::abs(a) * static_cast<float>(side.run_reach);
+  for (const int r : field.runs) {
+    const auto run = static_cast<std::size_t>(r);
+    if (field.highest_d[run] < c + a * side.middle_x[run] + b * side.row_y[run] - slack) continue;
+    for (std::size_t k = run * kRun; k < (run + 1) * kRun; ++k) {
+      if (field.d[k] < c + a * side.x[k] + b * side.y[k]) continue;
+      for (std::size_t m = 0; m < kDirections; ++m)
+        reach[m] = std::max(reach[m], directions[m].x() * side.x[k] + directions[m].y() * side.y[k]);
+      sum += static_cast<double>(top.heights.z[static_cast<std::size_t>(field.node(k))]);
+      ++count;
+    }
   }
   GapContact contact;
   if (count == 0) return contact;

@@ -15,13 +15,18 @@ struct TopSurface {
   std::vector<std::uint8_t> may_touch;  ///< 1: the top stone (or the table for an empty stack)
 };
 
+/// Nodes that are laid over a surface together: so many neighbours of one row.
+inline constexpr int kRun = 8;
+
 /// The underside of a stone in one orientation: nodes on multiples of the cell from its centre of mass, near
-/// its lowest point only.
+/// its lowest point only, in runs of kRun neighbours. Nodes of a run that do not count are infinitely high.
 struct Underside {
   Eigen::Matrix3d R_W_O;
-  double lowest = 0.0;    ///< m, lowest point under the centre of mass (negative)
-  std::vector<int> step;  ///< index from the centre's node in a raster of the given stride
-  std::vector<float> x, y, z;
+  double lowest = 0.0;     ///< m, lowest point under the centre of mass (negative)
+  double run_reach = 0.0;  ///< m, from a run's middle to its ends along x
+  std::vector<int> step;   ///< each run's first node: index from the centre's in a raster of the given stride
+  std::vector<float> middle_x, row_y;  ///< each run's
+  std::vector<float> x, y, z;          ///< each node's
 };
 
 /// Which nodes of the underside count: up to `cut` above the lowest point.
@@ -36,16 +41,23 @@ struct UndersideOptions {
                                        const std::vector<Eigen::Vector3i>& faces,
                                        const Eigen::Matrix3d& R_W_O, const UndersideOptions& options);
 
-/// The gap D(x, y) = top height - underside height, x and y from the centre of mass. Buffers are reused.
+/// The gap D(x, y) = top height - underside height, x and y from the centre of mass. Buffers are reused; the
+/// underside must outlive it.
 struct GapField {
-  std::vector<float> x, y, d;
-  std::vector<int> node;  ///< of the TopSurface
+  const Underside* underside = nullptr;
+  int centre = 0;                ///< node of the TopSurface below the centre of mass
+  std::vector<float> d;          ///< each node's of the underside
+  std::vector<float> highest_d;  ///< each run's
+  std::vector<int> runs;         ///< that may touch
   float highest = kNoSurface;
-  std::size_t size = 0;  ///< entries that count; the rest pads to whole blocks
+
+  [[nodiscard]] int node(std::size_t cell) const {
+    return centre + underside->step[cell / kRun] + static_cast<int>(cell % kRun);
+  }
 };
 /// Lays the underside over the surface with the centre of mass above node (i, j), which must be at least the
-/// underside's extent away from the raster's rim. Keeps cells within `active` of the largest gap: the others
-/// cannot touch while the tilt stays small.
+/// underside's extent (and kRun nodes) away from the raster's rim. Keeps runs within `active` of the largest
+/// gap: the others cannot touch while the tilt stays small.
 void lay(const TopSurface& top, const Underside& underside, int i, int j, double active, GapField* field);
 
 /// The plane c + a x + b y that rests on the gap field: the least height of the centre of mass, with tilt
@@ -55,7 +67,7 @@ struct GapRest {
   bool clean = false;       ///< and all three may be touched
   double height = 0.0;      ///< c, m
   double a = 0.0, b = 0.0;  ///< tilt that is still needed, rise over run
-  std::array<int, 3> cells{};  ///< into the field
+  std::array<int, 3> cells{};  ///< nodes of the underside
 };
 /// min c subject to c + a x + b y >= D everywhere: a linear programme in three variables, by the dual simplex
 /// method. Its basis is the upper hull facet of D above the centre of mass, so the contacts enclose it. Tilts

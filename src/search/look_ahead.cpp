@@ -32,13 +32,10 @@ LookAhead::LookAhead(std::span<const LooseStone> stones, const SearchOptions& op
   run_tasks(options_.threads, tasks.size(), [&](std::size_t k) {
     const StoneGeometry& stone = *stones_[tasks[k].stone].geometry;
     sides[k].stone = tasks[k].stone;
-    GapField buffer;
     for (std::size_t yaw = 0; yaw < kYaws; ++yaw) {
       const double angle = 6.283185307179586 * static_cast<double>(yaw) / kYaws;
       const Eigen::Matrix3d R = yaw_rotation(angle) * *tasks[k].R_W_O;
       Underside side = make_underside(stone.vertices_M, stone.faces, R, underside_options(table));
-      // Only sides on which the stone can lie at all.
-      if (yaw == 0 && !land_on_table(table, side, &buffer).holds) return;
       sides[k].yaws.push_back(std::move(side));
     }
   });

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "search/search_on_stack.hpp"
+#include "search/tower_search.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/search/find_next_pose.hpp"
@@ -8,85 +9,68 @@
 namespace stonestack {
 namespace {
 
-/// A tower as planned so far.
-struct PartialTower {
-  SearchProblem problem;
-  std::vector<Placement> placements;
-  double chance = 1.0;  ///< product of the predicted successes, as far as they are known
-  double worth = 1.0;   ///< chance, and the reserve and prospects of the last placement
-  std::string reason;
-};
-
-double term(const Placement& placement, const char* name) {
-  const auto at = placement.terms.find(name);
-  return at == placement.terms.end() ? 0.0 : at->second;
-}
-
-PartialTower extended(const PartialTower& tower, const Placement& placement, const SearchOptions& options) {
-  PartialTower higher = tower;
-  higher.problem.stack.stones.push_back({placement.stone, placement.T_W_O});
-  std::erase_if(higher.problem.available, [&](const PlacedStone& s) { return s.stone == placement.stone; });
-  higher.placements.push_back(placement);
-  higher.chance *= options.verify ? placement.predicted_success : 1.0;
-  const double prospects =
-      higher.problem.available.empty() ? options.friction : term(placement, "look_ahead");
-  const double reserve = std::min(term(placement, "margin"), options.friction);
-  higher.worth = higher.chance * (1.0 + (reserve + prospects) / options.friction);
-  return higher;
-}
-
-/// The best `keep`, at most half of them (rounded up) on one ground stone and one pose of it, so that one
-/// beginning does not crowd out the rest.
-std::vector<PartialTower> diverse(std::vector<PartialTower> towers, std::size_t keep) {
-  std::stable_sort(towers.begin(), towers.end(),
-                   [](const PartialTower& p, const PartialTower& q) { return p.worth > q.worth; });
-  const auto same_start = [](const PartialTower& p, const PartialTower& q) {
-    const Placement &a = p.placements.front(), &b = q.placements.front();
-    return a.stone == b.stone && difference(a.T_W_O, b.T_W_O).angle < 0.2;
-  };
-  std::vector<PartialTower> kept;
-  for (PartialTower& tower : towers) {
-    if (kept.size() == keep) break;
-    const auto alike = std::count_if(kept.begin(), kept.end(),
-                                     [&](const PartialTower& other) { return same_start(tower, other); });
-    const bool first_level = tower.placements.size() == 1;
-    if (static_cast<std::size_t>(alike) >= (first_level ? 1 : (keep + 1) / 2)) continue;
-    kept.push_back(std::move(tower));
+/// One stone after the other, each the best of its level.
+std::vector<Placement> plan_greedily(SearchProblem problem, int levels, const SearchOptions& options,
+                                     std::string* why) {
+  const Stopwatch watch;
+  SearchOptions of_level = options;
+  of_level.alternatives = 1;
+  of_level.horizon = 1;
+  std::vector<Placement> tower;
+  for (int level = 0; level < levels && !interrupt_noted(); ++level) {
+    if (options.budget > 0.0) of_level.budget = std::max(1e-3, options.budget - watch.seconds());
+    const SearchResult found = search_on_stack(problem, of_level, {});
+    if (found.best.empty()) {
+      *why = found.reason;
+      break;
+    }
+    const Placement& next = found.best.front();
+    problem.stack.stones.push_back({next.stone, next.T_W_O});
+    std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == next.stone; });
+    tower.push_back(next);
   }
-  return kept;
+  return tower;
+}
+
+std::vector<Placement> plan_whole(const SearchProblem& problem, int levels, const SearchOptions& options,
+                                  const std::function<void(const std::string&)>& report, std::string* why) {
+  const SearchContext context = make_context(problem, options, report);
+  TowerSearch search(context, levels);
+  try {
+    search.run();
+  } catch (const Interrupted&) {
+    *why = "interrupted";
+  }
+  std::vector<Placement> tower;
+  for (const int k : search.tree().way_to(search.best()))
+    tower.push_back(search.tree().node(k).trial.placement);
+  if (why->empty() && tower.size() < static_cast<std::size_t>(levels)) *why = search.reason();
+  return tower;
 }
 
 }  // namespace
 
 std::vector<Placement> plan_tower(SearchProblem problem, int levels, const SearchOptions& options,
-                                  std::string* reason) {
+                                  std::string* reason,
+                                  const std::function<void(const std::string&)>& report) {
   require(levels >= 0, "levels must not be negative, got ", levels);
-  const Stopwatch watch;
-  SearchOptions of_level = options;
-  std::vector<PartialTower> beam(1);
-  beam[0].problem = std::move(problem);
-  std::vector<Placement> best;
+  check_problem(problem, options);
   std::string why;
-  for (int level = 0; level < levels; ++level) {
-    std::vector<PartialTower> next;
-    const bool greedy = options.method == "paper" || options.beam == 1;
-    for (const PartialTower& tower : beam) {
-      of_level.alternatives = greedy ? 1 : options.beam;
-      if (options.budget > 0.0) of_level.budget = std::max(1e-3, options.budget - watch.seconds());
-      // What is planned here was judged on the way; only the given stack needs the check.
-      const SearchResult found =
-          level == 0 ? find_next_pose(tower.problem, of_level) : search_on_stack(tower.problem, of_level, {});
-      if (found.best.empty() && why.empty()) why = found.reason;
-      for (const Placement& placement : found.best) next.push_back(extended(tower, placement, options));
-      if (interrupt_noted()) break;
+  std::vector<Placement> tower;
+  try {
+    if (const auto stack = standing_stack(*problem.shapes, problem.stack, options, &why)) {
+      problem.stack = *stack;
+      const bool greedy = options.method == "paper" || options.horizon == 1;
+      why.clear();
+      if (levels > 0)
+        tower = greedy ? plan_greedily(std::move(problem), levels, options, &why)
+                       : plan_whole(problem, levels, options, report, &why);
     }
-    if (next.empty()) break;
-    beam = diverse(std::move(next), greedy ? 1 : static_cast<std::size_t>(options.beam));
-    best = beam.front().placements;
-    why.clear();
+  } catch (const Interrupted&) {
+    why = "interrupted before a pose was found";
   }
   if (reason != nullptr) *reason = why;
-  return best;
+  return tower;
 }
 
 }  // namespace stonestack

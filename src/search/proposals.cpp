@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kRefined = 24;        ///< a stone (measured)
 constexpr double kDistinctAngle = 0.14;     ///< rad
 constexpr double kDistinctShift = 0.010;    ///< m
+constexpr double kSideCell = 0.005;         ///< m
 constexpr double kInterfaceTouch = 0.0008;  ///< m
 
 }  // namespace
@@ -40,6 +41,22 @@ std::vector<Proposal> best_distinct(std::vector<Proposal> list, std::size_t keep
   return kept;
 }
 
+std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones, double largest_slope,
+                                         const SearchOptions& options) {
+  const StackField table = stack_field({}, stones, {0, 0}, kSideCell, options);
+  std::vector<LooseStone> kept(stones.begin(), stones.end());
+  run_tasks(options.threads, kept.size(), [&](std::size_t s) {
+    GapField buffer;
+    const StoneGeometry& stone = *kept[s].geometry;
+    std::erase_if(kept[s].orientations, [&](const Eigen::Matrix3d& R_W_O) {
+      const Underside side = make_underside(stone.vertices_M, stone.faces, R_W_O, underside_options(table));
+      lay(table.surface, side, 0, 0, underside_options(table).cut, &buffer);
+      return !solve_rest(buffer, table.surface, largest_slope).rests;
+    });
+  });
+  return kept;
+}
+
 UndersideOptions underside_options(const StackField& stack) {
   UndersideOptions options;
   options.cell = stack.surface.heights.cell;
@@ -50,7 +67,8 @@ UndersideOptions underside_options(const StackField& stack) {
 StackField stack_field(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
                        const Eigen::Vector2d& site, double cell, const SearchOptions& options) {
   double radius = 0.0;
-  for (const LooseStone& stone : stones) radius = std::max(radius, stone.geometry->radius);
+  for (const LooseStone& stone : stones)
+    radius = std::max({radius, stone.geometry->radius, stone.raster_radius});
   SurfaceGrid grid;
   grid.centre = stack.empty() ? site : Eigen::Vector2d(stack.back().p_W_M.head<2>());
   grid.cell = cell;

@@ -14,12 +14,24 @@ struct Proposal {
   double score = 0.0;
 };
 
+/// Undersides of a stone in each of its orientations and a few turns: what every survey of a top begins with.
+struct SurveySides {
+  int yaws = 0;
+  UndersideOptions options;
+  std::vector<Underside> sides;  ///< orientation by orientation
+};
+
 /// A loose stone and the orientations that it may take.
 struct LooseStone {
   int stone = -1;
   const StoneGeometry* geometry = nullptr;
   std::vector<Eigen::Matrix3d> orientations;  ///< R_W_O, each stands for all yaws
+  double raster_radius = 0.0;  ///< m, at least the stone's own: how wide the rasters of tops are
+  std::shared_ptr<const SurveySides> surveyed;  ///< may be empty
 };
+/// Gives each stone the raster radius of the largest, and its survey sides, so that a search over many tops
+/// makes them once (some 5 kB a side).
+void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options);
 
 inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of the top that are tried
 
@@ -27,6 +39,11 @@ inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of
 [[nodiscard]] StackField stack_field(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
                                      const Eigen::Vector2d& site, double cell, const SearchOptions& options);
 [[nodiscard]] UndersideOptions underside_options(const StackField& stack);
+
+/// The stones with those of their orientations alone in which they would come to lie on a table by a tilt of
+/// at most `largest_slope` (rise over run): most of what fits a top is among them.
+[[nodiscard]] std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones,
+                                                       double largest_slope, const SearchOptions& options);
 
 /// Turns a body by the tilt that its landing still asks for.
 [[nodiscard]] Eigen::Matrix3d levelled(const Eigen::Matrix3d& R_W_O, const Landing& landing);

@@ -9,7 +9,7 @@ double resting_height(std::span<const BodyPose> stack, const BodyPose& body) {
   SurfaceGrid grid;
   grid.centre = body.p_W_M.head<2>();
   grid.cell = kCell;
-  grid.half = static_cast<int>(std::ceil(body.stone->radius / kCell)) + 2;
+  grid.half = static_cast<int>(std::ceil(body.stone->radius / kCell)) + kRun;
   const TopSurface surface = top_surface(stack, grid, 0.0);
   UndersideOptions options;
   options.cell = kCell;

@@ -82,7 +82,30 @@ std::string overlap_reason(const ShapeList& shapes, const Stack& stack) {
   return {};
 }
 
+bool in_stack(const Stack& stack, int stone) {
+  return std::any_of(stack.stones.begin(), stack.stones.end(),
+                     [&](const PlacedStone& placed) { return placed.stone == stone; });
+}
+
 }  // namespace
+
+SearchContext make_context(const SearchProblem& problem, const SearchOptions& options,
+                           const std::function<void(const std::string&)>& report) {
+  SearchContext context;
+  context.problem = &problem;
+  context.options = &options;
+  context.report = report;
+  context.stack = problem.stack;
+  context.geometry.resize(problem.shapes->size());
+  for (const auto* list : {&problem.stack.stones, &problem.available})
+    for (const PlacedStone& placed : *list) {
+      const auto k = static_cast<std::size_t>(placed.stone);
+      if (context.geometry[k].faces.empty()) context.geometry[k] = stone_geometry(*(*problem.shapes)[k]);
+    }
+  for (const PlacedStone& placed : problem.available)
+    if (!in_stack(problem.stack, placed.stone)) context.available.push_back(placed);
+  return context;
+}
 
 std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack) {
   std::vector<BodyPose> bodies;
@@ -98,9 +121,15 @@ std::vector<LooseStone> loose_stones(const SearchContext& context) {
     which.directions = context.options->directions;
     which.largest_tilt = context.options->largest_tilt;
     which.up_O = placed.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ();
-    list.push_back(
-        {placed.stone, &context.geometry[static_cast<std::size_t>(placed.stone)], orientations(which)});
+    LooseStone stone;
+    stone.stone = placed.stone;
+    stone.geometry = &context.geometry[static_cast<std::size_t>(placed.stone)];
+    stone.orientations = orientations(which);
+    list.push_back(std::move(stone));
   }
+  double radius = 0.0;
+  for (const LooseStone& stone : list) radius = std::max(radius, stone.geometry->radius);
+  for (LooseStone& stone : list) stone.raster_radius = radius;
   return list;
 }
 

@@ -22,6 +22,9 @@ struct SearchContext {
     if (report) report(line);
   }
 };
+/// For a problem that was checked; it and the options must outlive the context.
+[[nodiscard]] SearchContext make_context(const SearchProblem& problem, const SearchOptions& options,
+                                         const std::function<void(const std::string&)>& report);
 /// The stack's bodies, bottom first.
 [[nodiscard]] std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack);
 /// The loose stones with every orientation that the tilt limit allows.

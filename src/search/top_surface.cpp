@@ -20,7 +20,7 @@ constexpr double kInterfaceCell = 0.003;  ///< m
 
 /// Contacts of a stone with the one below (or the table) at the poses that they have.
 Interface interface_of(const BodyPose* below, const BodyPose& above, double tolerance) {
-  const int half = static_cast<int>(std::ceil(above.stone->radius / kInterfaceCell)) + 1;
+  const int half = static_cast<int>(std::ceil(above.stone->radius / kInterfaceCell)) + kRun;
   const SurfaceGrid grid{above.p_W_M.head<2>(), kInterfaceCell, half};
   TopSurface surface = top_surface({}, grid, 0.0);
   if (below != nullptr) {
@@ -38,8 +38,9 @@ Interface interface_of(const BodyPose* below, const BodyPose& above, double tole
   Interface result;
   std::vector<Eigen::Vector2d> points;
   double sum = 0.0;
-  for (std::size_t k = 0; k < field.size; ++k) {
-    const int node = field.node[k];
+  for (std::size_t k = 0; k < field.d.size(); ++k) {
+    if (field.d[k] < field.highest - static_cast<float>(tolerance)) continue;
+    const int node = field.node(k);
     const auto z = static_cast<double>(surface.heights.z[static_cast<std::size_t>(node)]);
     if (z <= static_cast<double>(kNoSurface) + 1.0) continue;
     points.push_back(surface.heights.node(node));

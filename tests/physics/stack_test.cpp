@@ -123,7 +123,9 @@ TEST(Settle, SaysWhyItDoesNotRest) {
 TEST(StackEquilibrium, AgreesWithTheGeometryOfCubes) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
   const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.01, 0, 0.09)}}};
-  const Equilibrium result = stack_equilibrium(shapes, stack, 0.5);
+  EquilibriumOptions options;
+  options.friction = 0.5;
+  const Equilibrium result = stack_equilibrium(shapes, stack, options);
   EXPECT_TRUE(result.stands);
   // Both tip about the lower face's edge: the common centre lies 25 mm from it and 60 mm up.
   EXPECT_NEAR(result.margin, 0.025 / 0.06, 2e-3);

@@ -42,7 +42,8 @@ TEST(HeightRaster, FollowsATiltedTriangle) {
 TEST(GapField, BoxLiesFlatOnATable) {
   const TopSurface table = surface_of([](double, double) { return 0.5; });
   GapField field;
-  lay(table, underside_of(make_box({0.1, 0.08, 0.06})), 3, -2, 0.022, &field);
+  const Underside box = underside_of(make_box({0.1, 0.08, 0.06}));
+  lay(table, box, 3, -2, 0.022, &field);
   const GapRest rest = solve_rest(field, table, 0.2);
   ASSERT_TRUE(rest.rests);
   EXPECT_TRUE(rest.clean);
@@ -57,7 +58,8 @@ TEST(GapField, BoxLiesFlatOnATable) {
 TEST(GapField, BoxTakesTheTiltOfAPlane) {
   const TopSurface slope = surface_of([](double x, double y) { return 0.1 + 0.10 * x - 0.05 * y; });
   GapField field;
-  lay(slope, underside_of(make_box({0.1, 0.08, 0.06})), 0, 0, 0.022, &field);
+  const Underside box = underside_of(make_box({0.1, 0.08, 0.06}));
+  lay(slope, box, 0, 0, 0.022, &field);
   const GapRest rest = solve_rest(field, slope, 0.2);
   ASSERT_TRUE(rest.rests);
   EXPECT_NEAR(rest.a, 0.10, 1e-3);
@@ -79,7 +81,8 @@ TEST(GapField, SphereSitsOnThreeSpheres) {
     return z;
   });
   GapField field;
-  lay(cradle, underside_of(make_sphere(r, 5)), 0, 0, 0.022, &field);
+  const Underside sphere = underside_of(make_sphere(r, 5));
+  lay(cradle, sphere, 0, 0, 0.022, &field);
   const GapRest rest = solve_rest(field, cradle, 0.2);
   ASSERT_TRUE(rest.rests);
   EXPECT_NEAR(rest.height, 2.0 * r * std::sqrt(2.0 / 3.0), 0.0005);
@@ -106,18 +109,22 @@ TEST(GapField, RestingPlaneLiesAboveEveryCellAndEnclosesTheCentre) {
     const TopSurface top = surface_of(
         [&](double x, double y) { return rough * (std::sin(p * x + s) + std::cos(q * y + p * x * y * 20)); });
     GapField field;
-    lay(top, underside_of(make_sphere(0.3, 3)), 0, 0, 0.022, &field);
+    const Underside side = underside_of(make_sphere(0.3, 3));
+    lay(top, side, 0, 0, 0.022, &field);
     const GapRest rest = solve_rest(field, top, 0.2);
     if (!rest.rests) continue;
     ++rested;
-    for (std::size_t k = 0; k < field.size; ++k)
-      ASSERT_LE(
-          static_cast<double>(field.d[k]) - 2e-5,
-          rest.height + rest.a * static_cast<double>(field.x[k]) + rest.b * static_cast<double>(field.y[k]));
+    for (const int run : field.runs)
+      for (int n = run * kRun; n < (run + 1) * kRun; ++n) {
+        const auto k = static_cast<std::size_t>(n);
+        ASSERT_LE(
+            static_cast<double>(field.d[k]) - 2e-5,
+            rest.height + rest.a * static_cast<double>(side.x[k]) + rest.b * static_cast<double>(side.y[k]));
+      }
     Polygon2 corners;
     for (const int cell : rest.cells)
-      corners.emplace_back(static_cast<double>(field.x[static_cast<std::size_t>(cell)]),
-                           static_cast<double>(field.y[static_cast<std::size_t>(cell)]));
+      corners.emplace_back(static_cast<double>(side.x[static_cast<std::size_t>(cell)]),
+                           static_cast<double>(side.y[static_cast<std::size_t>(cell)]));
     ASSERT_GE(margin(convex_hull(corners), Eigen::Vector2d(0, 0)), -1e-9);
   }
   EXPECT_GT(rested, 100);

@@ -46,7 +46,7 @@ std::vector<Proposal> proposals_with(int threads) {
   options.grid = 0.004;
   OrientationOptions which;
   which.directions = options.directions;
-  const std::vector<LooseStone> loose = {{1, &upper, orientations(which)}};
+  const std::vector<LooseStone> loose = {{1, &upper, orientations(which), 0.0, nullptr}};
   long evaluated = 0;
   auto list = propose(stack, loose, {0, 0}, 6, options, &evaluated);
   EXPECT_GT(evaluated, 1000);
@@ -80,7 +80,7 @@ TEST(Proposals, SameForAnyNumberOfThreads) {
 TEST(Proposals, FirstStoneGoesToTheSite) {
   const StoneGeometry stone = geometry_of(rough_stone(3, {0.10, 0.08, 0.05}), 1.0);
   OrientationOptions which;
-  const std::vector<LooseStone> loose = {{0, &stone, orientations(which)}};
+  const std::vector<LooseStone> loose = {{0, &stone, orientations(which), 0.0, nullptr}};
   long evaluated = 0;
   const auto list = propose({}, loose, {0.3, -0.2}, 6, {}, &evaluated);
   ASSERT_FALSE(list.empty());

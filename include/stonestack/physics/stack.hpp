@@ -49,6 +49,7 @@ struct StandVerdict {
 [[nodiscard]] std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& stack,
                                                       double gap);
 /// Equilibrium of a stack from contacts collected over a short settle.
-[[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack, double friction);
+[[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
+                                            const EquilibriumOptions& options = {});
 
 }  // namespace stonestack

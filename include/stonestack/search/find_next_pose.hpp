@@ -39,8 +39,10 @@ struct SearchOptions {
   int directions = 160;              ///< which side of a stone points down: directions over the sphere
   int yaws = 12;                     ///< turns about the vertical, each direction
   double clean_height = 0.006;       ///< m: room kept between a new stone and all but the top stone
-  int settled = 16;                  ///< proposals that are let fall in simulation, at most
-  int beam = 3;                      ///< states kept a level in plan_tower
+  int settled = 12;                  ///< proposals for each tower that are let fall in simulation, at most
+  int horizon = 4;                   ///< levels that find_next_pose plans ahead; 1: greedy
+  int beam = 4;                      ///< towers that get their next stones, each level and round
+  int rounds = 6;                    ///< at most; the first that finishes a tower ends the search
   double largest_tilt = 3.14159266;  ///< rad, between the world's up axis seen from the stone as it lies
                                      ///< now and as it will lie; yaw is free (one grasp serves both)
 
@@ -110,8 +112,11 @@ struct SearchResult {
 [[nodiscard]] SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options = {},
                                           const std::function<void(const std::string&)>& report = {});
 
-/// Plans up to `levels` placements as if each had succeeded.
+/// Plans a tower of `levels` more stones as if each placement succeeded, and returns the highest that it
+/// found to stand, from the bottom up; `reason` tells what stood in the way of more. Throws as find_next_pose
+/// does; Ctrl-C and the budget end it with the best so far.
 [[nodiscard]] std::vector<Placement> plan_tower(SearchProblem problem, int levels,
-                                                const SearchOptions& options, std::string* reason);
+                                                const SearchOptions& options, std::string* reason,
+                                                const std::function<void(const std::string&)>& report = {});
 
 }  // namespace stonestack

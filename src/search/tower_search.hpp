@@ -1,0 +1,57 @@
+#pragma once
+#include "search/look_ahead.hpp"
+#include "search/tower_tree.hpp"
+
+namespace stonestack {
+
+/// Grows towers on the given stack: in every round and on every level the `beam` most promising towers get
+/// their next stones (gap field proposals, look-ahead, settling, equilibrium, judgement), then the round
+/// begins again with what was left aside. The first round that finishes a tower of all `levels` ends the
+/// search; so do the rounds, the budget and Ctrl-C.
+class TowerSearch {
+ public:
+  TowerSearch(const SearchContext& context, int levels);
+
+  void run();
+  [[nodiscard]] const TowerTree& tree() const { return tree_; }
+  /// The judged node whose tower is highest and, of those, most likely to stand; 0 for none.
+  [[nodiscard]] int best() const { return best_; }
+  /// Judges nodes (all at once) that are not judged yet; some die.
+  void judge(std::span<const int> nodes);
+
+  [[nodiscard]] long candidates() const { return candidates_; }
+  [[nodiscard]] int unreachable() const { return unreachable_; }
+  /// Why no stone could be put on the given stack, or what ended the tower.
+  [[nodiscard]] std::string reason() const;
+  /// Trials that died, for the trace.
+  struct Dropped {
+    int level = 0;
+    Trial trial;
+  };
+  [[nodiscard]] const std::vector<Dropped>& dropped() const { return dropped_; }
+  /// Proposals for the next stone on a node's tower, best first, not settled: what the arm reaches.
+  [[nodiscard]] std::vector<Trial> offers(int node);
+
+ private:
+  struct Offer {
+    int node;
+    Trial trial;
+  };
+  void grow(std::span<const int> nodes);
+  [[nodiscard]] std::vector<Trial> reachable_trials(const std::vector<Proposal>& proposals, bool on_table);
+  [[nodiscard]] bool accepts(const Proposal& proposal, bool on_table, Trial* trial);
+  void round(std::size_t width);
+  void note_best(std::span<const int> nodes);
+
+  const SearchContext& context_;
+  int levels_;
+  std::vector<LooseStone> loose_;
+  LookAhead look_ahead_;
+  TowerTree tree_;
+  int best_ = 0;
+  long candidates_ = 0;
+  int unreachable_ = 0;
+  std::vector<Dropped> dropped_;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,121 @@
+#include "search/tower_tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stonestack {
+namespace {
+
+/// A plan is not the tower: a placement errs, and what was to come next may not fit any more.
+constexpr double kPlanHolds = 0.5;
+
+/// Steps that a tower loses each time it is grown: what was tried of it was the best.
+constexpr double kAgain = 3.0;
+
+/// Lowest new stone and top stone: what towers are told apart by.
+struct Ends {
+  int first = 0;  ///< node
+  int top = -1;   ///< stone
+  bool operator==(const Ends& o) const { return first == o.first && top == o.top; }
+};
+
+}  // namespace
+
+TowerTree::TowerTree(const Stack& stack, std::vector<PlacedStone> available) {
+  TowerNode root;
+  root.stack = stack;
+  root.left = std::move(available);
+  root.judged = true;
+  nodes_.push_back(std::move(root));
+}
+
+int TowerTree::add(int parent, Trial trial, double promise) {
+  TowerNode child;
+  child.parent = parent;
+  child.level = node(parent).level + 1;
+  child.stack = node(parent).stack;
+  child.stack.stones.push_back({trial.stone, trial.placement.T_W_O});
+  for (const PlacedStone& stone : node(parent).left)
+    if (stone.stone != trial.stone) child.left.push_back(stone);
+  child.trial = std::move(trial);
+  child.promise = promise;
+  nodes_.push_back(std::move(child));
+  return size() - 1;
+}
+
+void TowerTree::set_grown(int k) {
+  if (++node(k).grown == 1 && node(k).parent >= 0) ++node(node(k).parent).grown_children;
+}
+
+std::vector<int> TowerTree::choose(int level, std::size_t count, double step) const {
+  const auto ends = [&](int k) { return Ends{way_to(k).front(), node(k).trial.stone}; };
+  std::vector<int> open, chosen;
+  std::vector<Ends> grown;
+  for (int k = 1; k < size(); ++k) {
+    if (node(k).level != level || !node(k).trial.alive) continue;
+    if (node(k).grown > 0) grown.push_back(ends(k));
+    if (node(k).grown == 0 || !node(k).spare.empty()) open.push_back(k);
+  }
+  const auto value = [&](int k) {
+    const int parent = node(k).parent;
+    auto sisters = static_cast<double>(node(parent).grown_children);
+    for (const int other : chosen) sisters += node(other).parent == parent ? 1.0 : 0.0;
+    const auto alike = static_cast<double>(std::count(grown.begin(), grown.end(), ends(k)));
+    return node(k).promise - step * (parent == 0 ? 0.0 : sisters) - 0.5 * step * alike -
+           kAgain * step * node(k).grown;
+  };
+  while (chosen.size() < count && !open.empty()) {
+    auto best = open.begin();
+    double most = value(*best);
+    for (auto at = open.begin() + 1; at != open.end(); ++at)
+      if (const double v = value(*at); v > most) {
+        most = v;
+        best = at;
+      }
+    chosen.push_back(*best);
+    grown.push_back(ends(*best));
+    open.erase(best);
+  }
+  return chosen;
+}
+
+std::vector<int> TowerTree::children(int k) const {
+  std::vector<int> list;
+  for (int c = k + 1; c < size(); ++c)
+    if (node(c).parent == k) list.push_back(c);
+  return list;
+}
+
+std::vector<int> TowerTree::way_to(int k) const {
+  std::vector<int> way;
+  for (; k > 0; k = node(k).parent) way.push_back(k);
+  std::reverse(way.begin(), way.end());
+  return way;
+}
+
+double TowerTree::chance(int k, int levels, double friction) const {
+  const TowerNode& at = node(k);
+  if (!at.trial.alive) return 0.0;
+  double own = 1.0;
+  if (k > 0) {
+    own = 0.5 + 0.5 * std::clamp(at.trial.margin / friction, 0.0, 1.0);
+    if (at.judged) own *= at.trial.placement.predicted_success;
+  }
+  if (at.level >= levels) return own;
+  if (at.grown == 0) {
+    const double prospects = std::clamp((at.trial.look_ahead / friction + 0.5) / 1.5, 0.02, 1.0);
+    return own * std::pow(0.5 * prospects, levels - at.level);
+  }
+  double none = 1.0;
+  for (const int c : children(k)) none *= 1.0 - kPlanHolds * chance(c, levels, friction);
+  return own * (1.0 - none);
+}
+
+int TowerTree::reach(int k) const {
+  int most = node(k).trial.alive ? node(k).level : 0;
+  for (const int c : children(k))
+    if (node(c).trial.alive) most = std::max(most, reach(c));
+  return most;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,52 @@
+#pragma once
+#include "search/trial.hpp"
+
+namespace stonestack {
+
+/// A tower under construction: one more stone than its parent's, settled and in balance.
+struct TowerNode {
+  int parent = -1;  ///< -1: the root, which is the given stack
+  int level = 0;    ///< stones put on the given stack
+  Trial trial;      ///< of the last stone
+  Stack stack;      ///< with that stone
+  std::vector<PlacedStone> left;
+  double promise = 0.0;  ///< g: reserve and prospects
+  bool judged = false;   ///< by simulation of the whole stack and of displaced placements
+  int grown = 0;         ///< times that it got children
+  int grown_children = 0;
+  std::vector<Trial> spare;  ///< proposals for the next stone that were not tried yet
+};
+
+/// Towers grown stone by stone. Keeps every node, so that a search may come back to what it left aside.
+class TowerTree {
+ public:
+  TowerTree(const Stack& stack, std::vector<PlacedStone> available);
+
+  [[nodiscard]] TowerNode& node(int k) { return nodes_[static_cast<std::size_t>(k)]; }
+  [[nodiscard]] const TowerNode& node(int k) const { return nodes_[static_cast<std::size_t>(k)]; }
+  [[nodiscard]] int size() const { return static_cast<int>(nodes_.size()); }
+  /// Adds the child that `trial` (settled, alive) makes of a node.
+  int add(int parent, Trial trial, double promise);
+  /// Notes that a node is about to get children.
+  void set_grown(int k);
+
+  /// Up to `count` nodes of a level, alive and with something left to try, most promise first. A node loses
+  /// promise for every sister that was grown or is chosen before it, for every time it was grown itself, and
+  /// a little for every tower with the same two end stones, so that one beginning does not crowd out the
+  /// rest. `step` is that loss, g.
+  [[nodiscard]] std::vector<int> choose(int level, std::size_t count, double step) const;
+  /// Children of a node, in the order of their making.
+  [[nodiscard]] std::vector<int> children(int k) const;
+  /// From the first stone put to this node's.
+  [[nodiscard]] std::vector<int> way_to(int k) const;
+  /// Chance that a node's tower can be finished at `levels`, as far as the tree tells: its own success times
+  /// the chance that one of its children can. `friction` is what a reserve is measured against.
+  [[nodiscard]] double chance(int k, int levels, double friction) const;
+  /// Levels that the highest tower through a node reaches.
+  [[nodiscard]] int reach(int k) const;
+
+ private:
+  std::vector<TowerNode> nodes_;
+};
+
+}  // namespace stonestack

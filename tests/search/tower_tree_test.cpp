@@ -1,0 +1,76 @@
+#include "search/tower_tree.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stonestack {
+namespace {
+
+Trial trial_of(int stone, double margin = 0.1, double success = 1.0) {
+  Trial trial;
+  trial.stone = stone;
+  trial.margin = margin;
+  trial.placement.stone = stone;
+  trial.placement.predicted_success = success;
+  return trial;
+}
+
+TowerTree four_stones() {
+  return TowerTree(
+      Stack{}, {{0, Pose::Identity()}, {1, Pose::Identity()}, {2, Pose::Identity()}, {3, Pose::Identity()}});
+}
+
+TEST(TowerTree, ChildrenStandOnTheirParents) {
+  TowerTree tree = four_stones();
+  const int first = tree.add(0, trial_of(2), 0.1);
+  const int second = tree.add(first, trial_of(0), 0.1);
+  EXPECT_EQ(tree.node(second).level, 2);
+  ASSERT_EQ(tree.node(second).stack.stones.size(), 2U);
+  EXPECT_EQ(tree.node(second).stack.stones[0].stone, 2);
+  EXPECT_EQ(tree.node(second).stack.stones[1].stone, 0);
+  EXPECT_EQ(tree.node(second).left.size(), 2U);
+  EXPECT_EQ(tree.way_to(second), (std::vector<int>{first, second}));
+  EXPECT_EQ(tree.children(0), std::vector<int>{first});
+  EXPECT_EQ(tree.reach(0), 2);
+}
+
+TEST(TowerTree, SistersGiveWay) {
+  TowerTree tree = four_stones();
+  const int a = tree.add(0, trial_of(0), 0.2), b = tree.add(0, trial_of(1), 0.2);
+  const int a1 = tree.add(a, trial_of(2), 0.100), a2 = tree.add(a, trial_of(3), 0.099);
+  const int b1 = tree.add(b, trial_of(2), 0.095);
+  EXPECT_EQ(tree.choose(2, 3, 0.0), (std::vector<int>{a1, a2, b1}));
+  EXPECT_EQ(tree.choose(2, 3, 0.01), (std::vector<int>{a1, b1, a2}));
+  EXPECT_EQ(tree.choose(2, 1, 0.01), std::vector<int>{a1});
+}
+
+TEST(TowerTree, TheDeadAndTheDoneAreNotChosen) {
+  TowerTree tree = four_stones();
+  const int a = tree.add(0, trial_of(0), 0.2), b = tree.add(0, trial_of(1), 0.1);
+  tree.node(a).trial.alive = false;
+  EXPECT_EQ(tree.choose(1, 4, 0.01), std::vector<int>{b});
+  tree.set_grown(b);
+  EXPECT_TRUE(tree.choose(1, 4, 0.01).empty());
+  tree.node(b).spare.push_back(trial_of(3));
+  EXPECT_EQ(tree.choose(1, 4, 0.01), std::vector<int>{b});
+}
+
+TEST(TowerTree, ChanceGrowsWithWaysToFinishAndFallsWithRisk) {
+  TowerTree tree = four_stones();
+  const int a = tree.add(0, trial_of(0), 0.1), b = tree.add(0, trial_of(1), 0.1);
+  for (const int k : {a, b}) {
+    tree.node(k).judged = true;
+    tree.set_grown(k);
+  }
+  EXPECT_EQ(tree.chance(a, 2, 0.1), 0.0);  // grown, and nothing came of it
+  tree.add(a, trial_of(2), 0.1);
+  tree.add(b, trial_of(2), 0.1);
+  const double one_way = tree.chance(a, 2, 0.1);
+  EXPECT_GT(one_way, 0.0);
+  tree.add(b, trial_of(3), 0.1);
+  EXPECT_GT(tree.chance(b, 2, 0.1), one_way);
+  tree.node(b).trial.placement.predicted_success = 0.5;
+  EXPECT_LT(tree.chance(b, 2, 0.1), one_way);
+}
+
+}  // namespace
+}  // namespace stonestack
