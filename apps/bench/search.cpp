@@ -1,163 +1,247 @@
-// How high does the search build, at what cost? Draws sets of stones from generated limestones (and a
-// catalogue, if given), plans a tower with the default search and with the paper's at the same CPU time, and
-// lets every tower stand 60 simulated seconds on finer shapes than the search used.
-#include <ctime>
-#include <iomanip>
+// How high does the search build, at what cost? Draws sets of stones, plans a tower with the default search
+// and with the paper's at the same CPU time, and lets every tower stand 60 simulated seconds on finer shapes
+// than the search used. With placement noise every stone is put down beside its target, and the rest of the
+// tower is planned anew from what stands.
+#include <cstdio>
 #include <iostream>
 #include <map>
 #include <memory>
 
 #include "bench.hpp"
 #include "settings.hpp"
+#include "stone_draws.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/search/find_next_pose.hpp"
-#include "stonestack/stone/catalogue.hpp"
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::apps {
 namespace {
 
+using bench::StonePool;
+
+constexpr double kNoiseStands = 5.0;  // s simulated after each noisy placement, before the next is planned
+
 struct BenchOptions {
-  int draws = 8, stones = 4, seed = 1, generated = 12;
+  int draws = 10, stones = 4, seed = 1;
   bool paper = true;
   double witness_seconds = 60.0;
-  std::string catalogue;
+  double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
+  bench::PoolOptions pools;
   SearchOptions search;
   Settings settings;
 };
 
-std::vector<Stone> pool_of(const BenchOptions& options) {
-  std::vector<Stone> pool;
-  if (!options.catalogue.empty()) pool = read_catalogue(options.catalogue).stones;
-  for (int k = 0; k < options.generated; ++k) {
-    Stone stone;
-    stone.name = concat("limestone_", k);
-    LimestoneOptions shape;
-    shape.faces = 2000;
-    stone.scan = make_limestone(static_cast<std::uint64_t>(1000 + k), shape);
-    stone.mass = mass_properties(stone.scan, stone.density);
-    pool.push_back(std::move(stone));
-  }
-  return pool;
-}
-
-/// One draw: which stones, and how they lie before they are picked up.
-SearchProblem draw(const BenchOptions& options, int k, const ShapeList& shapes) {
-  Random random = Random::stream(static_cast<std::uint64_t>(options.seed), static_cast<std::uint64_t>(k));
-  std::vector<int> order(shapes.size());
-  for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<int>(s);
-  random.shuffle(order.begin(), order.end());
-  order.resize(std::min(order.size(), static_cast<std::size_t>(options.stones)));
-  SearchProblem problem;
-  problem.shapes = &shapes;
-  for (const int stone : order)
-    problem.available.push_back({stone, make_pose(Eigen::Vector3d(0.5, 0, 0.1), random.rotation())});
-  return problem;
-}
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 struct Outcome {
   int planned = 0;
   int clean = 0;
-  double cpu = 0.0;
+  double cpu = 0.0, wall = 0.0;
   double margin = 0.0;
   std::string reason;
 };
 
-Outcome witness(const BenchOptions& options, const ShapeList& fine, const std::vector<Placement>& tower,
-                double cpu, const std::string& reason) {
-  Stack stack;
-  for (const Placement& placement : tower) stack.stones.push_back({placement.stone, placement.T_W_O});
+/// What a tower is worth: how many of its stones stay, clean, and how far it is from falling.
+Outcome witness(const BenchOptions& options, const StonePool& pool, const Stack& tower) {
   Outcome outcome;
-  outcome.planned = static_cast<int>(tower.size());
-  outcome.cpu = cpu;
-  outcome.reason = reason;
-  if (tower.empty()) return outcome;
+  outcome.planned = static_cast<int>(tower.stones.size());
+  if (tower.stones.empty()) return outcome;
   StandOptions stand;
   stand.friction = options.search.friction;
   stand.seconds = options.witness_seconds;
-  outcome.clean = judge_stack(fine, stack, stand).standing;
+  const StandVerdict verdict = judge_stack(pool.fine, tower, stand);
+  outcome.clean = verdict.standing;
+  outcome.reason = verdict.reason;
   EquilibriumOptions statics;
   statics.friction = options.search.friction;
-  outcome.margin = stack_equilibrium(fine, stack, statics).margin;
+  outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
   return outcome;
 }
 
-Outcome run_default(const BenchOptions& options, const SearchProblem& problem, const ShapeList& fine) {
-  const double start = cpu_seconds();
-  std::string reason;
-  const auto tower = plan_tower(problem, options.stones, options.search, &reason);
-  return witness(options, fine, tower, cpu_seconds() - start, reason);
+Stack stack_of(const std::vector<Placement>& placements) {
+  Stack stack;
+  for (const Placement& placement : placements) stack.stones.push_back({placement.stone, placement.T_W_O});
+  return stack;
 }
 
-/// The paper's search, restarted with new seeds until the CPU time is used; its highest tower counts.
-Outcome run_paper(const BenchOptions& options, const SearchProblem& problem, const ShapeList& fine,
-                  double cpu) {
+/// A stone put down beside its target, and the stack after it came to rest; empty if something fell.
+std::optional<Stack> put_down(const BenchOptions& options, const SearchProblem& problem,
+                              const Placement& target, Random& random) {
+  const ShapeList& shapes = *problem.shapes;
+  const MassProperties& mass = shapes[static_cast<std::size_t>(target.stone)]->mass;
+  Eigen::Vector3d shift, turn;
+  for (int axis = 0; axis < 3; ++axis) {
+    shift[axis] = random.normal(0.0, 1e-3 * options.noise);
+    turn[axis] = random.normal(0.0, options.noise_turn * M_PI / 180.0);
+  }
+  Pose T_W_O = target.T_W_O;
+  if (turn.norm() > 1e-12) {
+    const Eigen::Vector3d p_W_M = T_W_O * mass.p_O_M;
+    T_W_O = Eigen::Translation3d(p_W_M) * Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
+            Eigen::Translation3d(-p_W_M) * T_W_O;
+  }
+  T_W_O.pretranslate(shift);
+  // Let go where it first touches: raised from its place until it is free, in steps of half a millimetre.
+  Stack higher = problem.stack;
+  higher.stones.push_back({target.stone, T_W_O});
+  PlacedStone& top = higher.stones.back();
+  const auto penetrates = [&] {
+    for (const Contact& c : geometric_contacts(shapes, higher, 0.0))
+      if (c.above == static_cast<int>(higher.stones.size()) - 1 && c.gap < 0.0) return true;
+    return false;
+  };
+  top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, 1e-3));
+  for (int k = 0; k < 40 && penetrates(); ++k) top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, 5e-4));
+  SettleOptions settling;
+  settling.world.friction = options.search.friction;
+  const SettleResult at_rest = settle(shapes, problem.stack, target.stone, top.T_W_O, settling);
+  if (!at_rest.rests) return std::nullopt;
+  top.T_W_O = at_rest.T_W_O;
+  StandOptions stand;
+  stand.friction = options.search.friction;
+  stand.seconds = kNoiseStands;
+  const StandVerdict verdict = judge_stack(shapes, higher, stand);
+  if (!verdict.stands || !verdict.clean) return std::nullopt;
+  for (std::size_t k = 0; k < higher.stones.size(); ++k) higher.stones[k].T_W_O = verdict.T_W_O[k];
+  return higher;
+}
+
+/// Builds with noisy placements: plans, puts down, plans anew. The first stone that falls ends it.
+Stack build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search, int k,
+                    std::string* reason) {
+  Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
+  while (!problem.available.empty()) {
+    const SearchResult found = find_next_pose(problem, search);
+    *reason = found.reason;
+    if (found.best.empty()) break;
+    const Placement& target = found.best.front();
+    const auto higher = put_down(options, problem, target, random);
+    if (!higher) {
+      *reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
+                       target.predicted_success);
+      break;
+    }
+    problem.stack = *higher;
+    std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == target.stone; });
+  }
+  return problem.stack;
+}
+
+Stack build(const BenchOptions& options, const SearchProblem& problem, const SearchOptions& search, int k,
+            std::string* reason) {
+  if (options.noise > 0.0 || options.noise_turn > 0.0)
+    return build_noisily(options, problem, search, k, reason);
+  return stack_of(plan_tower(problem, options.stones, search, reason));
+}
+
+Outcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
+  const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
+  const double start = bench::cpu_seconds();
+  const Stopwatch watch;
+  std::string reason;
+  const Stack tower = build(options, problem, options.search, k, &reason);
+  const double cpu = bench::cpu_seconds() - start, wall = watch.seconds();
+  Outcome outcome = witness(options, pool, tower);
+  outcome.cpu = cpu;
+  outcome.wall = wall;
+  if (!reason.empty()) outcome.reason = reason;
+  return outcome;
+}
+
+/// The paper's search; with exact placement restarted with new seeds until the CPU time is used, of which the
+/// highest tower counts.
+Outcome run_paper(const BenchOptions& options, const StonePool& pool, int k, double cpu) {
+  const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
   SearchOptions search = options.search;
   search.method = "paper";
-  const double start = cpu_seconds();
-  std::vector<Placement> best;
-  std::string reason, why;
-  for (int pass = 0; pass == 0 || cpu_seconds() - start < cpu; ++pass) {
+  const bool noisy = options.noise > 0.0 || options.noise_turn > 0.0;
+  const double start = bench::cpu_seconds();
+  const Stopwatch watch;
+  Stack best;
+  std::string reason;
+  for (int pass = 0; pass == 0 || (!noisy && bench::cpu_seconds() - start < cpu); ++pass) {
     search.seed = options.search.seed + 1000 * pass;
-    auto tower = plan_tower(problem, options.stones, search, &why);
-    if (pass == 0 || tower.size() > best.size()) {
-      best = std::move(tower);
-      reason = why;
-    }
-    if (best.size() == problem.available.size()) break;
+    const Stack tower = build(options, problem, search, k, &reason);
+    if (tower.stones.size() > best.stones.size()) best = tower;
+    if (best.stones.size() == problem.available.size()) break;
   }
-  return witness(options, fine, best, cpu_seconds() - start, reason);
+  const double used = bench::cpu_seconds() - start, wall = watch.seconds();
+  Outcome outcome = witness(options, pool, best);
+  outcome.cpu = used;
+  outcome.wall = wall;
+  return outcome;
 }
 
-void print(const char* method, const std::vector<Outcome>& outcomes) {
+void print_row(const BenchOptions& options, const std::string& pool, const char* method,
+               const std::vector<Outcome>& outcomes) {
   std::map<int, int> clean;
-  double sum = 0.0, cpu = 0.0;
-  int firm = 0;
+  double sum = 0.0, cpu = 0.0, wall = 0.0;
+  int whole = 0, firm = 0;
   for (const Outcome& outcome : outcomes) {
     ++clean[outcome.clean];
     sum += outcome.clean;
     cpu += outcome.cpu;
-    firm += outcome.clean == outcome.planned && outcome.margin >= 0.02 ? 1 : 0;
+    wall += outcome.wall;
+    whole += outcome.clean == options.stones ? 1 : 0;
+    firm += outcome.clean == options.stones && outcome.margin >= options.search.least_margin ? 1 : 0;
   }
   const auto n = static_cast<double>(outcomes.size());
-  std::cout << std::left << std::setw(8) << method << " mean clean " << sum / n << ", heights";
-  for (const auto& [height, count] : clean) std::cout << ' ' << height << ':' << count;
-  std::cout << ", CPU s a tower " << cpu / n << ", whole and margin >= 0.02 g " << firm << '/'
-            << outcomes.size() << '\n';
+  std::string heights;
+  for (const auto& [height, count] : clean) heights += concat(heights.empty() ? "" : " ", height, ":", count);
+  std::printf("%-10s %-8s %6d %10.2f %6.0f %% %12.0f %% %11.1f %9.1f   %s\n", pool.c_str(), method,
+              static_cast<int>(outcomes.size()), sum / n, 100 * whole / n, 100 * firm / n, cpu / n, wall / n,
+              heights.c_str());
+  std::fflush(stdout);
 }
 
 void describe(const char* method, int k, const Outcome& outcome) {
-  std::cerr << method << " draw " << k << ": planned " << outcome.planned << ", clean " << outcome.clean
-            << ", margin " << outcome.margin << " g, CPU " << outcome.cpu << " s"
-            << (outcome.reason.empty() ? "" : "; ") << outcome.reason << '\n';
+  std::fprintf(stderr, "%s draw %d: planned %d, clean %d, margin %.3f g, CPU %.1f s%s%s\n", method, k,
+               outcome.planned, outcome.clean, outcome.margin, outcome.cpu,
+               outcome.reason.empty() ? "" : "; ", outcome.reason.c_str());
+}
+
+/// Candidates a CPU second of one thread, both methods, on the second level of the first draw.
+void print_speed(const BenchOptions& options, const StonePool& pool) {
+  SearchOptions search = options.search;
+  search.threads = 1;
+  search.horizon = 1;
+  SearchProblem problem = bench::draw_problem(pool, options.seed, 0, options.stones);
+  const SearchResult first = find_next_pose(problem, search);
+  if (first.best.empty()) return;
+  problem.stack.stones.push_back({first.best.front().stone, first.best.front().T_W_O});
+  for (const char* method : {"default", "paper"}) {
+    search.method = method;
+    const double start = bench::cpu_seconds();
+    const SearchResult found = find_next_pose(problem, search);
+    const double cpu = bench::cpu_seconds() - start;
+    std::printf("%s, %s: %ld candidates in %.2f CPU s of one thread, %.0f a second\n", pool.name.c_str(),
+                method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu);
+  }
 }
 
 void measure(const BenchOptions& options) {
-  const std::vector<Stone> pool = pool_of(options);
-  const ShapeList shapes = make_contact_shapes(pool);
-  ShapeOptions finer;
-  finer.cell = 0.001;
-  finer.spacing = 0.002;
-  const ShapeList fine = make_contact_shapes(pool, finer);
-  std::cout << "draws " << options.draws << " of " << options.stones << " from " << pool.size()
-            << " stones, friction " << options.search.friction << ", seed " << options.seed << ", beam "
-            << options.search.beam << ", verdict after " << options.witness_seconds << " s\n";
-  std::vector<Outcome> of_default, of_paper;
-  for (int k = 0; k < options.draws; ++k) {
-    const SearchProblem problem = draw(options, k, shapes);
-    of_default.push_back(run_default(options, problem, fine));
-    describe("default", k, of_default.back());
-    if (!options.paper) continue;
-    of_paper.push_back(run_paper(options, problem, fine, of_default.back().cpu));
-    describe("paper", k, of_paper.back());
+  const SearchOptions& s = options.search;
+  std::printf(
+      "draws of %d stones, friction %g, noise %g mm %g deg, seed %d; beam %d, rounds %d, horizon %d, "
+      "planned for %g mm %.2g deg; towers stand %g s on finer shapes\n",
+      options.stones, s.friction, options.noise, options.noise_turn, options.seed, s.beam, s.rounds,
+      s.horizon, 1e3 * s.placement_sigma_translation, s.placement_sigma_rotation * 180 / M_PI,
+      options.witness_seconds);
+  std::printf("%-10s %-8s %6s %10s %8s %14s %11s %9s   %s\n", "stones", "method", "draws", "mean clean",
+              "whole", "whole, margin", "CPU s each", "wall s", "heights");
+  const std::vector<StonePool> pools = bench::read_pools(options.pools);
+  for (const StonePool& pool : pools) {
+    std::vector<Outcome> of_default, of_paper;
+    for (int k = 0; k < options.draws; ++k) {
+      of_default.push_back(run_default(options, pool, k));
+      describe("default", k, of_default.back());
+      if (!options.paper) continue;
+      of_paper.push_back(run_paper(options, pool, k, of_default.back().cpu));
+      describe("paper", k, of_paper.back());
+    }
+    print_row(options, pool.name, "default", of_default);
+    if (options.paper) print_row(options, pool.name, "paper", of_paper);
   }
-  print("default", of_default);
-  if (options.paper) print("paper", of_paper);
+  for (const StonePool& pool : pools) print_speed(options, pool);
 }
 
 }  // namespace
@@ -166,16 +250,22 @@ void add_bench_search(CLI::App& bench) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* sub =
       bench.add_subcommand("search", "Heights, time and margins of planned towers; default beside paper");
-  sub->add_option("--draws", options->draws, "Sets of stones")
+  sub->add_option("--draws", options->draws, "Sets of stones from each pool")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   sub->add_option("--stones", options->stones, "Stones a set")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  sub->add_option("--catalogue", options->catalogue, "Draw from these stones too")->type_name("DIR");
-  sub->add_option("--generated", options->generated, "Draw from so many generated limestones")
-      ->check(CLI::Range(0, 1000))
+  sub->add_option("--friction", options->search.friction, "Of the planner and of the world that judges")
+      ->check(CLI::Range(1e-3, 2.0))
       ->capture_default_str();
+  sub->add_option("--noise", options->noise, "Placement noise, mm, one sigma along each axis; plans anew")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  sub->add_option("--noise-turn", options->noise_turn, "Placement noise, deg, one sigma about each axis")
+      ->check(CLI::Range(0.0, 30.0))
+      ->capture_default_str();
+  options->pools.register_on(*sub);
   sub->add_option("--paper", options->paper, "Beside it the paper's search at the same processor time")
       ->capture_default_str();
   sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
@@ -186,7 +276,8 @@ void add_bench_search(CLI::App& bench) {
   sub->footer(
       "Examples:\n"
       "  stonestack bench search --draws 40\n"
-      "  stonestack bench search --draws 40 --catalogue rocks --generated 0 --set search.friction=0.5");
+      "  stonestack bench search --draws 40 --generated 0 --friction 0.5 --stones 6\n"
+      "  stonestack bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
   sub->callback([options] {
     options->settings.apply(nest("search", fields(options->search)));
     measure(*options);

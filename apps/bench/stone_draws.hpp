@@ -1,0 +1,37 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stone/stone.hpp"
+
+/// Stones that benchmarks draw from, and the draws.
+namespace stonestack::bench {
+
+/// Where stones come from.
+struct PoolOptions {
+  int generated = 12;                            ///< limestones made on the spot
+  std::string scans = "../shared/stones/scans";  ///< folder of OBJ files; skipped when it is not there
+  std::string catalogue;                         ///< one more pool
+
+  /// --generated, --scans, --catalogue.
+  void register_on(CLI::App& command);
+};
+
+/// Stones that are drawn from together, with shapes for the search and finer ones for the verdict.
+struct StonePool {
+  std::string name;
+  std::vector<Stone> stones;
+  ShapeList shapes, fine;
+};
+/// Throws FileError for a catalogue that cannot be read, InvalidArgument if nothing is left to draw from.
+[[nodiscard]] std::vector<StonePool> read_pools(const PoolOptions& options);
+
+/// Draw k: `count` different stones, and how they lie before they are picked up.
+[[nodiscard]] SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count);
+
+/// s, of all threads of this process.
+[[nodiscard]] double cpu_seconds();
+
+}  // namespace stonestack::bench
