@@ -14,5 +14,6 @@ find_package(CGAL 5.5 REQUIRED QUIET)  # header only; its targets bring GMP and 
 find_package(Threads REQUIRED)
 if(STONESTACK_TESTS)
   find_package(GTest REQUIRED)
+  pkg_check_modules(MODBUS REQUIRED IMPORTED_TARGET libmodbus)
   include(GoogleTest)
 endif()

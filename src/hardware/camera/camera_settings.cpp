@@ -1,0 +1,107 @@
+#include "stonestack/hardware/camera/camera_settings.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "geometry/camera_check.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+
+FieldList fields(CameraSettings& o) {
+  const FieldRange pixels{1, 16384}, length{0.0, 1e5}, centre{-1e5, 1e5}, lens{-100.0, 100.0};
+  return {
+      field("depth_scale", o.depth_scale, {0.0, 1e6}, "1/m", "TUM 5000, Open3D and D4xx 1000, SR300 8000"),
+      field("width", o.width, pixels, "", "calibration"),
+      field("height", o.height, pixels, "", "calibration"),
+      field("fx", o.fx, length, "pixel", "calibration"),
+      field("fy", o.fy, length, "pixel", "calibration"),
+      field("cx", o.cx, centre, "pixel", "calibration"),
+      field("cy", o.cy, centre, "pixel", "calibration"),
+      field("distortion", o.distortion, "none, brown_conrady or inverse_brown_conrady"),
+      field("k1", o.k1, lens, "", "calibration"),
+      field("k2", o.k2, lens, "", "calibration"),
+      field("p1", o.p1, lens, "", "calibration"),
+      field("p2", o.p2, lens, "", "calibration"),
+      field("k3", o.k3, lens, "", "calibration"),
+  };
+}
+
+FieldList fields(FrameCheckOptions& o) {
+  return {
+      field("least_valid", o.least_valid, {0.0, 1.0}, "", "ours: share of the pixels"),
+      field("nearest", o.nearest, {0.0, 10.0}, "m", "ours"),
+      field("farthest", o.farthest, {0.1, 1000.0}, "m", "ours"),
+      field("refuse_equal_image", o.refuse_equal_image, "false for a simulated camera without noise"),
+  };
+}
+
+CameraIntrinsics to_intrinsics(const CameraSettings& s) {
+  require(s.fx > 0 && s.fy > 0, "the camera's focal lengths are not given (fx ", s.fx, ", fy ", s.fy,
+          "); V4L2 and PNG do not carry them, take them from the calibration");
+  CameraIntrinsics camera;
+  camera.width = s.width;
+  camera.height = s.height;
+  camera.fx = s.fx;
+  camera.fy = s.fy;
+  camera.cx = s.cx;
+  camera.cy = s.cy;
+  using Distortion = CameraIntrinsics::Distortion;
+  require(
+      s.distortion == "none" || s.distortion == "brown_conrady" || s.distortion == "inverse_brown_conrady",
+      "distortion is none, brown_conrady or inverse_brown_conrady, not '", s.distortion, "'");
+  if (s.distortion == "brown_conrady") camera.distortion = Distortion::kBrownConrady;
+  if (s.distortion == "inverse_brown_conrady") camera.distortion = Distortion::kInverseBrownConrady;
+  const double k[5] = {s.k1, s.k2, s.p1, s.p2, s.k3};
+  std::copy(std::begin(k), std::end(k), std::begin(camera.k));
+  require_usable(camera);
+  return camera;
+}
+
+double depth_unit(const CameraSettings& settings) {
+  require(
+      std::isfinite(settings.depth_scale) && settings.depth_scale > 0,
+      "depth_scale is not given and never guessed; counts a metre: 5000 for TUM recordings, 1000 for Open3D "
+      "and D4xx, 8000 for an SR300");
+  return 1.0 / settings.depth_scale;
+}
+
+DepthFrame FrameCheck::pass(DepthFrame frame) {
+  const auto fail = [this](const std::string& problem, const std::string& remedy) {
+    throw DeviceError(device_, problem, remedy);
+  };
+  if (!std::isfinite(frame.device_time)) fail("frame without a finite time", "start the camera again");
+  if (!first_ && (frame.number <= number_ || frame.device_time <= time_))
+    fail(concat("frame ", frame.number, " at ", frame.device_time, " s after frame ", number_, " at ", time_,
+                " s: the stream is stale"),
+         "start the camera again");
+  std::vector<float> depths;
+  for (const float z : frame.image.z)
+    if (z > 0 && std::isfinite(z)) depths.push_back(z);
+  const auto pixels = static_cast<double>(std::max<std::size_t>(1, frame.image.z.size()));
+  const double share = static_cast<double>(depths.size()) / pixels;
+  if (depths.empty() || share < options_.least_valid)
+    fail(concat("only ", 100.0 * share, " % of the pixels have a depth (least ", 100.0 * options_.least_valid,
+                " %)"),
+         "see what covers the camera or dazzles it");
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  const double median = static_cast<double>(*middle);
+  if (median < options_.nearest || median > options_.farthest)
+    fail(concat("median depth ", median, " m is outside ", options_.nearest, " to ", options_.farthest, " m"),
+         "check depth_scale");
+  const std::string_view bytes(reinterpret_cast<const char*>(frame.image.z.data()),
+                               frame.image.z.size() * sizeof(float));
+  const std::size_t image = std::hash<std::string_view>()(bytes);
+  if (options_.refuse_equal_image && !first_ && image == image_)
+    fail(concat("frame ", frame.number, " equals the one before, pixel by pixel: the image is frozen"),
+         "start the camera again");
+  first_ = false;
+  number_ = frame.number;
+  time_ = frame.device_time;
+  image_ = image;
+  return frame;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/hardware/camera/recorded_camera.hpp"
+
+/// Lists of frames on disk.
+namespace stonestack {
+
+struct RecordedFrame {
+  double time = 0.0;  ///< s
+  std::string path;
+  std::size_t offset = 0;  ///< bytes, of raw frames
+};
+
+enum class RecordingFormat { kTum, kOpen3d, kClouds, kZ16 };
+/// The format asked for, or the one that the path looks like. Throws FileError when it looks like none.
+[[nodiscard]] RecordingFormat find_recording_format(const RecordedCameraOptions& options);
+/// Camera settings: options, over them camera.yaml, over them what the recording tells itself.
+[[nodiscard]] CameraSettings read_camera_settings(RecordingFormat format,
+                                                  const RecordedCameraOptions& options);
+/// Parses "time file" lines; names are relative to `folder` and must stay in it. `path` is for errors.
+[[nodiscard]] std::vector<RecordedFrame> parse_tum_list(const std::string& text, const std::string& folder,
+                                                        const std::string& path);
+/// All frames in order. Throws FileError when there is none.
+[[nodiscard]] std::vector<RecordedFrame> list_frames(RecordingFormat format,
+                                                     const RecordedCameraOptions& options,
+                                                     const CameraIntrinsics& camera);
+
+}  // namespace stonestack

@@ -1,0 +1,234 @@
+#include "stonestack/hardware/robotiq/ft_sensor.hpp"
+
+#include <Eigen/Geometry>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "hardware/robotiq/ft_link.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kTurn = 0.05;       // s between looks at the stop mark
+constexpr double kRateWindow = 1.0;  // s
+
+std::chrono::duration<double> seconds(double value) {
+  return std::chrono::duration<double>(value);
+}
+
+}  // namespace
+
+FieldList fields(FtSensorOptions& o) {
+  return {
+      field("link", o.link, "serial or ur_cap"),
+      field("device", o.device, "serial: path of the line"),
+      field("baud", o.baud, {9600, 921600}, "", "Robotiq manual"),
+      field("unit", o.unit, {1, 247}, "", "Robotiq manual"),
+      field("address", o.address, "ur_cap: numeric IPv4"),
+      field("port", o.port, {1, 65535}, "", "Robotiq's UR cap"),
+      field("start_timeout", o.start_timeout, {0.5, 60.0}, "s", "ours"),
+      field("listen", o.listen, {0.02, 10.0}, "s", "Robotiq's driver"),
+      field("stale", o.stale, {0.01, 1.0}, "s", "ours: five readings"),
+      field("silence", o.silence, {0.1, 10.0}, "s", "ours"),
+      field("zero_samples", o.zero_samples, {1, 1000}, "", "ours"),
+      field("zero_timeout", o.zero_timeout, {0.1, 30.0}, "s", "ours"),
+      field("zero_spread", o.zero_spread, {0.1, 100.0}, "N", "ours"),
+      field("largest_force", o.largest_force, {1.0, 1000.0}, "N", "Robotiq data sheet"),
+      field("largest_torque", o.largest_torque, {0.1, 100.0}, "Nm", "Robotiq data sheet"),
+      field("stuck_samples", o.stuck_samples, {0, 100000}, "", "ours: one second"),
+      field("yaw", o.yaw, {-3.2, 3.2}, "rad", "how the sensor is mounted"),
+  };
+}
+
+struct RobotiqFtSensor::Stream {
+  FtSensorOptions options;
+  std::string name;
+  Stopwatch clock;
+  FtLink link;
+  Wrench zero;
+
+  mutable std::mutex mutex;  // of all below
+  std::condition_variable arrived;
+  FtReading newest{};
+  double newest_time = 0.0;  // s of `clock`
+  long number = 0, returned = 0;
+  int equal = 0;  // readings running that are the same
+  FtStreamHealth health;
+  std::deque<double> times;
+  std::string problem;  // of the last attempt to start anew
+  std::string firmware;
+
+  std::atomic<bool> stop = false;
+  std::thread thread;
+
+  explicit Stream(const FtSensorOptions& o)
+      : options(o),
+        name(ft_name(o)),
+        link(start_ft_link(o, Deadline::in(o.start_timeout))),
+        firmware(link.firmware) {
+    thread = std::thread([this] { drain(); });
+  }
+  ~Stream() {
+    stop = true;
+    thread.join();
+  }
+  void drain();
+  void restart();
+  void keep(const FtReading& reading);
+  [[nodiscard]] Wrench next(double patience);
+  [[noreturn]] void fail_silent(double age) const;
+  void require_plausible(const Wrench& wrench) const;
+};
+
+void RobotiqFtSensor::Stream::drain() {
+  double last_heard = clock.seconds();
+  while (!stop) {
+    bool lost = !link.stream;
+    try {
+      std::array<std::uint8_t, 512> bytes;
+      if (!lost) {
+        const IoResult got = link.stream->read_some(bytes, Deadline::in(kTurn));
+        lost = got.status == IoStatus::kClosed;
+        link.parser.feed(std::span<const std::uint8_t>(bytes).first(got.bytes));
+      }
+      while (!lost) {
+        const auto reading = link.parser.next();
+        if (!reading) break;
+        keep(*reading);
+        last_heard = clock.seconds();
+      }
+      {
+        const std::lock_guard lock(mutex);
+        health.bad_bytes = link.parser.bad_bytes();
+      }
+      if (!lost && clock.seconds() - last_heard < options.silence) continue;
+      restart();
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex);
+      problem = error.what();
+      link.stream.reset();
+    }
+    if (!link.stream) std::this_thread::sleep_for(seconds(kTurn));
+    last_heard = clock.seconds();
+  }
+}
+
+void RobotiqFtSensor::Stream::restart() {
+  {
+    const std::lock_guard lock(mutex);
+    ++health.restarts;
+  }
+  link.stream.reset();
+  link = start_ft_link(options, Deadline::in(std::min(options.start_timeout, 2.0)));
+  const std::lock_guard lock(mutex);
+  problem.clear();
+  firmware = link.firmware;
+}
+
+void RobotiqFtSensor::Stream::keep(const FtReading& reading) {
+  const std::lock_guard lock(mutex);
+  equal = number > 0 && reading == newest ? equal + 1 : 0;
+  if (number > returned) ++health.skipped;
+  newest = reading;
+  newest_time = clock.seconds();
+  ++number;
+  ++health.readings;
+  times.push_back(newest_time);
+  while (times.front() < newest_time - kRateWindow) times.pop_front();
+  const double span = times.back() - times.front();
+  health.rate = span > 0 ? static_cast<double>(times.size() - 1) / span : 0.0;
+  arrived.notify_all();
+}
+
+void RobotiqFtSensor::Stream::fail_silent(double age) const {
+  throw DeviceError(name,
+                    concat("no reading for ", age, " s (allowed ", options.stale, " s)",
+                           problem.empty() ? "" : "; starting it anew failed: " + problem),
+                    "stop the motion; check cable and power of the sensor");
+}
+
+Wrench RobotiqFtSensor::Stream::next(double patience) {
+  std::unique_lock lock(mutex);
+  // What lies here already counts only if it is fresh.
+  if (number > returned && clock.seconds() - newest_time > options.stale) returned = number;
+  if (!arrived.wait_for(lock, seconds(patience), [this] { return number > returned; }))
+    fail_silent(clock.seconds() - newest_time);
+  returned = number;
+  if (options.stuck_samples > 0 && equal >= options.stuck_samples)
+    throw DeviceError(name, concat("repeats one reading, ", equal, " times running"),
+                      "switch the sensor off and on; it no longer measures");
+  Wrench wrench;
+  wrench.force = {newest[0], newest[1], newest[2]};
+  wrench.torque = {newest[3], newest[4], newest[5]};
+  wrench.device_time = newest_time;
+  lock.unlock();
+  require_plausible(wrench);
+  return wrench;
+}
+
+void RobotiqFtSensor::Stream::require_plausible(const Wrench& wrench) const {
+  const double force = wrench.force.cwiseAbs().maxCoeff(), torque = wrench.torque.cwiseAbs().maxCoeff();
+  if (force >= options.largest_force || torque >= options.largest_torque)
+    throw DeviceError(name,
+                      concat("is beyond its range: ", force, " N of ", options.largest_force, " N, ", torque,
+                             " Nm of ", options.largest_torque, " Nm"),
+                      "stop; if nothing touches the tool, the sensor is damaged or the wrong model is set");
+}
+
+RobotiqFtSensor::RobotiqFtSensor(const FtSensorOptions& options)
+    : stream_(std::make_unique<Stream>(options)) {}
+RobotiqFtSensor::~RobotiqFtSensor() = default;
+
+Wrench RobotiqFtSensor::read() {
+  const Wrench raw = stream_->next(stream_->options.stale);
+  const Eigen::AngleAxisd R_F_S(stream_->options.yaw, Eigen::Vector3d::UnitZ());
+  Wrench wrench;
+  wrench.force = R_F_S * (raw.force - stream_->zero.force);
+  wrench.torque = R_F_S * (raw.torque - stream_->zero.torque);
+  wrench.device_time = raw.device_time;
+  return wrench;
+}
+
+void RobotiqFtSensor::zero() {
+  const FtSensorOptions& o = stream_->options;
+  const Deadline deadline = Deadline::in(o.zero_timeout);
+  Wrench mean;
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
+  for (int i = 0; i < o.zero_samples; ++i) {
+    throw_if_interrupted();
+    if (deadline.over())
+      throw DeviceError(
+          stream_->name,
+          concat("gave ", i, " of ", o.zero_samples, " readings for its zero in ", o.zero_timeout, " s"),
+          "check the sensor's rate");
+    const Wrench wrench = stream_->next(o.stale);
+    mean.force += wrench.force / o.zero_samples;
+    mean.torque += wrench.torque / o.zero_samples;
+    low = low.cwiseMin(wrench.force);
+    high = high.cwiseMax(wrench.force);
+  }
+  if ((high - low).maxCoeff() > o.zero_spread)
+    throw DeviceError(stream_->name,
+                      concat("is not at rest: readings spread over ", (high - low).maxCoeff(), " N (allowed ",
+                             o.zero_spread, " N)"),
+                      "let the arm come to rest before zeroing");
+  stream_->zero = mean;
+}
+
+FtStreamHealth RobotiqFtSensor::health() const {
+  const std::lock_guard lock(stream_->mutex);
+  return stream_->health;
+}
+
+std::string RobotiqFtSensor::firmware() const {
+  const std::lock_guard lock(stream_->mutex);
+  return stream_->firmware;
+}
+
+}  // namespace stonestack
