@@ -48,7 +48,7 @@ SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<
   SimulatedScene scene;
   scene.T_W_C = look_at(layout.field_centre, options.distance, options.tilt,
                         options.azimuth < 0 ? drawn : options.azimuth);
-  scene.depth = true_view(world, stones, scene.T_W_C, sensor, random);
+  scene.depth = true_view(what_is_seen(world), stones, scene.T_W_C, sensor, random);
   scene.depth_unit = sensor.unit;
   for (const int i : world.present()) scene.stones.push_back({i, world.pose(i)});
   return scene;

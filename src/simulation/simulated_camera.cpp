@@ -25,7 +25,7 @@ DepthFrame SimulatedCamera::capture() {
     throw DeviceError("simulated camera", progress.stopped, "move the arm away and look at the cell");
   const Pose T_W_C = world_->hand().T_W_T * mounting_.T_T_C;
   DepthFrame frame;
-  frame.image = true_view(*world_, *stones_, T_W_C, sensor_, random_);
+  frame.image = true_view(what_is_seen(*world_), *stones_, T_W_C, sensor_, random_);
   frame.number = ++number_;
   frame.device_time = world_->time();
   return frame;

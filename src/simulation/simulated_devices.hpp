@@ -44,6 +44,8 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
   [[nodiscard]] Wrench read() override;
   /// Mean of 20 samples.
   void zero() override;
+  /// The reading at the world's time, no zero taken off; never waits.
+  [[nodiscard]] Wrench measure();
 
  private:
   [[nodiscard]] Wrench sample();

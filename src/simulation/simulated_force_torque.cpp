@@ -40,6 +40,10 @@ SimulatedForceTorque::SimulatedForceTorque(TrueWorld& world, const TrueMounting&
 
 Wrench SimulatedForceTorque::sample() {
   if (world_->time() < last_time_ + 0.5 * kPeriod) world_->wait(kPeriod);
+  return measure();
+}
+
+Wrench SimulatedForceTorque::measure() {
   last_time_ = world_->time();
   const Pose T_W_F = world_->hand().T_W_T * mounting_.T_F_T.inverse();
   HandLoad load = world_->load();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/finger_drive.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -10,27 +11,9 @@ namespace {
 constexpr double kLeastForce = 15.0, kMostForce = 60.0;    // N a finger (data sheet)
 constexpr double kLeastSpeed = 0.022, kMostSpeed = 0.110;  // m/s, of the opening
 constexpr double kTick = 0.002;                            // s
-constexpr double kCreep = 0.05;       // share of the speed that is left just before the force is reached
-constexpr double kStalled = 0.15;     // s without motion until the drives report rest
-constexpr double kDeadline = 20.0;    // s
+constexpr double kStalled = 0.15;                          // s without motion until the drives report rest
+constexpr double kDeadline = 20.0;                         // s
 constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep towards the force is faster
-
-struct Drive {
-  double target = 0.0;  // m from the middle
-  double speed = 0.0;   // m/s
-  double force = 0.0;   // N
-  bool holding = false;
-};
-
-// Next place of a finger: straight out, or inwards ever slower as its force rises.
-double next_place(Drive& drive, double place, double force) {
-  const double way = drive.target - place;
-  drive.holding = way < 0 && force >= drive.force;
-  if (drive.holding) return place;
-  const double ease = way < 0 ? std::max(kCreep, 1.0 - force / drive.force) : 1.0;
-  const double step = drive.speed * ease * kTick;
-  return std::abs(way) <= step ? drive.target : place + std::copysign(step, way);
-}
 
 }  // namespace
 
@@ -48,7 +31,7 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
           "the gripper opens from 0 to ", largest, " m, asked for ", target, " m");
   force = std::clamp(force, kLeastForce, kMostForce);
   speed = std::clamp(speed, kLeastSpeed, kMostSpeed);
-  std::array<Drive, kFingers> drives;
+  std::array<FingerDriveState, kFingers> drives;
   for (std::size_t f = 0; f < drives.size(); ++f)
     drives[f] = {0.5 * target, 0.5 * speed, f == 0 ? force : 0.5 * force, false};
   object_ = false;
@@ -62,7 +45,7 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
     HandPose to = from;
     double largest_move = 0.0;
     for (std::size_t f = 0; f < drives.size(); ++f) {
-      to.finger[f] = next_place(drives[f], from.finger[f], world_->finger_force()[f]);
+      to.finger[f] = next_finger_place(drives[f], from.finger[f], world_->finger_force()[f], kTick);
       largest_move = std::max(largest_move, std::abs(to.finger[f] - from.finger[f]));
     }
     const auto path = [&](double s) {

@@ -28,12 +28,20 @@ SensorModel choose_sensor(const SimulationOptions& options) {
   return quiet;
 }
 
-DepthImage true_view(const TrueWorld& world, const std::vector<Stone>& stones, const Pose& T_W_C,
+SeenWorld what_is_seen(const TrueWorld& world) {
+  SeenWorld seen;
+  for (const int i : world.present()) seen.stones.emplace_back(i, world.pose(i));
+  for (const auto& box : world.hand_model().boxes)
+    seen.boxes.emplace_back(box.size, box_pose(box, world.hand()));
+  return seen;
+}
+
+DepthImage true_view(const SeenWorld& world, const std::vector<Stone>& stones, const Pose& T_W_C,
                      const SensorModel& sensor, Random& random) {
   RayScene scene;
   scene.add(make_table(), Pose::Identity());
-  for (const int i : world.present()) scene.add(stones[static_cast<std::size_t>(i)].scan, world.pose(i));
-  for (const auto& box : world.hand_model().boxes) scene.add(make_box(box.size), box_pose(box, world.hand()));
+  for (const auto& [i, T_W_O] : world.stones) scene.add(stones[static_cast<std::size_t>(i)].scan, T_W_O);
+  for (const auto& [size, T_W_box] : world.boxes) scene.add(make_box(size), T_W_box);
   scene.commit();
   return add_noise(render(scene, sensor.camera, T_W_C), T_W_C, sensor, random);
 }

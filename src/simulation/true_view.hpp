@@ -7,8 +7,15 @@ namespace stonestack {
 /// The sensor that the options ask for; without noise only its range, counts and intrinsics are left.
 [[nodiscard]] SensorModel choose_sensor(const SimulationOptions& options);
 
+/// Where everything that can be seen stands, so that a picture can be taken while the world goes on.
+struct SeenWorld {
+  std::vector<std::pair<int, Pose>> stones;             ///< index and T_W_O
+  std::vector<std::pair<Eigen::Vector3d, Pose>> boxes;  ///< size and pose
+};
+[[nodiscard]] SeenWorld what_is_seen(const TrueWorld& world);
+
 /// Table, full-resolution stones and hand as the sensor at T_W_C reports them.
-[[nodiscard]] DepthImage true_view(const TrueWorld& world, const std::vector<Stone>& stones,
+[[nodiscard]] DepthImage true_view(const SeenWorld& world, const std::vector<Stone>& stones,
                                    const Pose& T_W_C, const SensorModel& sensor, Random& random);
 
 }  // namespace stonestack

@@ -1,0 +1,20 @@
+#include "simulation/finger_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stonestack {
+namespace {
+constexpr double kCreep = 0.05;  // share of the speed that is left just before the force is reached
+}
+
+double next_finger_place(FingerDriveState& drive, double place, double force, double seconds) {
+  const double way = drive.target - place;
+  drive.holding = way < 0 && force >= drive.force;
+  if (drive.holding) return place;
+  const double ease = way < 0 ? std::max(kCreep, 1.0 - force / drive.force) : 1.0;
+  const double step = drive.speed * ease * seconds;
+  return std::abs(way) <= step ? drive.target : place + std::copysign(step, way);
+}
+
+}  // namespace stonestack
