@@ -1,0 +1,62 @@
+// Modbus/TCP on both sides: headers, requests as a server reads them, replies as a client does.
+#include <cstdlib>
+
+#include "hardware/robotiq/gripper_words.hpp"
+#include "hardware/robotiq/modbus_frame.hpp"
+#include "simulation/robotiq/gripper_registers.hpp"
+
+namespace {
+
+using namespace stonestack;
+using namespace stonestack::modbus;
+
+void check(bool held) {
+  if (!held) std::abort();
+}
+
+void try_pdu(View pdu) {
+  const auto parsed = parse_request(pdu);
+  if (const auto* request = std::get_if<Request>(&parsed)) {
+    const Bytes again = request_pdu(*request);
+    check(Bytes(pdu.begin(), pdu.end()) == again);
+    check(request->address + request->count <= 0x10000);
+  }
+  for (const auto function : {kReadHolding, kReadInput, kWriteOne, kWriteMany}) {
+    const Request asked{function, 2000, static_cast<std::uint16_t>(function == kWriteOne ? 1 : 8),
+                        std::vector<std::uint16_t>(function == kWriteOne ? 1 : 8)};
+    const Reply reply = parse_reply(asked, pdu);
+    if (reply.kind == Reply::Kind::kDone && function <= kReadInput) {
+      check(reply.registers.size() == 8);
+      const ThreeFingerStatus status = decode_gripper_status(reply.registers);
+      check(status.axes[0].position >= 0 && status.axes[0].position <= 255);
+      static_cast<void>(gripper_fault_text(status.fault));
+    }
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const View bytes(data, size);
+  try_pdu(bytes);
+  IdealGripperPlant plant;
+  GripperRegisters registers(plant);
+  for (std::size_t at = 0; at + kTcpHeader <= size;) {
+    const auto header = parse_tcp_header(bytes.subspan(at));
+    if (!header) break;
+    const std::size_t length = header->length - 1U;
+    if (at + kTcpHeader + length > size) break;
+    const View pdu = bytes.subspan(at + kTcpHeader, length);
+    try_pdu(pdu);
+    const Bytes frame = tcp_frame(header->transaction, header->unit, pdu);
+    check(View(frame).size() == kTcpHeader + length);
+    const auto parsed = parse_request(pdu);
+    const auto* request = std::get_if<Request>(&parsed);
+    if (request != nullptr && !request->values.empty() && request->address + request->count <= 8)
+      registers.write(request->address, request->values);
+    registers.advance(0.05);
+    static_cast<void>(registers.status());
+    at += kTcpHeader + length;
+  }
+  return 0;
+}

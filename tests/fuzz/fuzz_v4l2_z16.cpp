@@ -1,0 +1,49 @@
+// Raw Z16 of any size, padding and camera: refused or decoded, never read beyond the bytes. The list of a TUM
+// recording goes the same way.
+#include <cmath>
+#include <cstdlib>
+
+#include "hardware/camera/recording.hpp"
+#include "hardware/camera/z16.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace {
+
+using namespace stonestack;
+
+void check(bool held) {
+  if (!held) std::abort();
+}
+
+void try_list(const std::string& text) {
+  try {
+    double last = -INFINITY;
+    for (const auto& frame : parse_tum_list(text, "/recording", "depth.txt")) {
+      check(std::isfinite(frame.time) && frame.time > last);
+      check(frame.path.rfind("/recording/", 0) == 0 && frame.path.find("/../") == std::string::npos);
+      last = frame.time;
+    }
+  } catch (const FileError&) {
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try_list(std::string(reinterpret_cast<const char*>(data), size));
+  if (size < 4) return 0;
+  CameraIntrinsics camera;
+  camera.width = data[0];
+  camera.height = data[1];
+  const std::span<const std::uint8_t> pixels(data + 4, size - 4);
+  const std::size_t line = data[2] + 256U * (data[3] & 3U);
+  try {
+    const DepthImage image = decode_z16(pixels, line, camera, 0.000125);
+    check(image.z.size() == static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+    for (const float z : image.z) check(z >= 0 && z < 8.2F);
+    const auto again = encode_z16(image, 0.000125);
+    check(again[0] == pixels[0] && again[1] == pixels[1]);
+  } catch (const InvalidArgument&) {
+  }
+  return 0;
+}
