@@ -72,6 +72,7 @@ std::vector<Builtin> make_builtins() {
   add_motion(list);
   add_io(list);
   add_flow(list);
+  add_sockets(list);
   std::sort(list.begin(), list.end(),
             [](const Builtin& a, const Builtin& b) { return std::strcmp(a.name, b.name) < 0; });
   return list;

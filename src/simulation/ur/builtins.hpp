@@ -10,6 +10,7 @@ void add_state(std::vector<Builtin>& list);
 void add_motion(std::vector<Builtin>& list);
 void add_io(std::vector<Builtin>& list);
 void add_flow(std::vector<Builtin>& list);
+void add_sockets(std::vector<Builtin>& list);
 
 /// Shorthands for the tables.
 inline const Value& arg(const BuiltinCall& call, std::size_t i) {

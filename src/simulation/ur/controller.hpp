@@ -6,6 +6,7 @@
 
 #include "simulation/ur/machine.hpp"
 #include "simulation/ur/motion.hpp"
+#include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/ur/rtde_fields.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
@@ -52,6 +53,13 @@ struct Watchdog {
   double period = 0.0;  ///< s; 0: off
   std::string action;
   double fed = 0.0;  ///< s
+};
+
+/// A connection that a script has opened to somebody else.
+struct ScriptSocket {
+  TcpStream stream;
+  std::string received;
+  bool closed = false;
 };
 
 /// The controller without its sockets: state, programs, motion. Not thread-safe.
@@ -126,6 +134,7 @@ class UrController {
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque
+  std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written
   bool popup_open = false;
 

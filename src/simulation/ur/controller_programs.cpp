@@ -95,6 +95,7 @@ void UrController::end_program(const char* title) {
   program_.reset();
   runtime_ = RuntimeState::kStopped;
   watchdog = {};
+  sockets.clear();
   ForceMode off;
   motion.set_force_mode(off);
   if (motion.moving()) motion.stop_joints(10.0);

@@ -8,6 +8,8 @@
 namespace stonestack::urscript {
 namespace {
 
+constexpr int kMostHandovers = 100;  // of a critical section in one control step
+
 Value* find_in(std::vector<std::pair<int, Value>>& variables, int name) {
   for (auto& [id, value] : variables)
     if (id == name) return &value;
@@ -35,10 +37,14 @@ Machine::State Machine::step() {
   std::vector<int> ids;
   for (const auto& [id, thread] : threads_) ids.push_back(id);
   for (const int id : ids) {
-    if (state_ != State::kRunning) break;
-    const auto it = threads_.find(id);
-    if (it == threads_.end()) continue;  // killed by another one in this step
-    run(id, it->second);
+    const auto it = threads_.find(id);  // another one may have killed it in this step
+    if (it != threads_.end() && state_ == State::kRunning) run(id, it->second);
+  }
+  // Who was let into a critical section goes on in the same step.
+  for (int round = 0; round < kMostHandovers && state_ == State::kRunning; ++round) {
+    const auto it = threads_.find(critical_owner_);
+    if (it == threads_.end() || !it->second.at_door) break;
+    run(critical_owner_, it->second);
   }
   if (state_ != State::kRunning) threads_.clear();
   return state_;
@@ -59,7 +65,7 @@ void Machine::kill(int id) {
     state_ = State::kEnded;
     return;
   }
-  if (critical_owner_ == id) critical_owner_ = 0;
+  release_critical(id);
   threads_.erase(it);
 }
 
@@ -77,6 +83,7 @@ void Machine::run(int id, Thread& thread) {
       auto value = thread.wait();
       if (!value) return;
       thread.wait = nullptr;
+      thread.at_door = false;
       thread.busy_steps = 0;
       thread.stack.push_back(std::move(*value));
     }

@@ -1,4 +1,5 @@
 #pragma once
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -98,6 +99,7 @@ class Machine {
     std::vector<Value> stack;
     Wait wait;
     int busy_steps = 0;
+    bool at_door = false;  // of a critical section
   };
 
   void run(int id, Thread& thread);
@@ -108,6 +110,7 @@ class Machine {
   [[nodiscard]] Frame enter(Thread& caller, const CallSite& site);
   bool leave(int id, Thread& thread);
   bool critical(int id, Thread& thread, bool enter);
+  void release_critical(int id);
   bool join(int id, Thread& thread, int other);
   [[nodiscard]] Value* find(Frame& frame, int name);
   void store(Frame& frame, const Instruction& it, Value value);
@@ -125,6 +128,7 @@ class Machine {
   int main_ = 1;
   int next_id_ = 2;
   int critical_owner_ = 0;
+  std::deque<int> critical_waiters_;
 };
 
 }  // namespace stonestack::urscript

@@ -1,0 +1,179 @@
+// Scripts as foreign client libraries build them: a resident command loop over RTDE registers, and one that
+// dials back to the host and is fed over sockets. The scripts here are ours; what they do is what those
+// libraries' do.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "hardware/ur/big_endian.hpp"
+#include "script_bench.hpp"
+#include "stonestack/core/socket.hpp"
+
+namespace stonestack {
+namespace {
+
+TEST(UrForeignScripts, AResidentLoopServesCommandsFromRegisters) {
+  ScriptBench bench;
+  bench.controller.run_script(
+      "def resident():\n"
+      "  global target = [0, 0, 0, 0, 0, 0]\n"
+      "  global servo = 0\n"
+      "  global servoing = 0\n"
+      "  thread follow():\n"
+      "    while (True):\n"
+      "      servoj(target, t=0.008, lookahead_time=0.05, gain=600)\n"
+      "    end\n"
+      "  end\n"
+      "  def ready(value):\n"
+      "    write_output_integer_register(0, value)\n"
+      "  end\n"
+      "  def command():\n"
+      "    cmd = read_input_integer_register(0)\n"
+      "    if cmd == 1:\n"
+      "      q = get_actual_joint_positions()\n"
+      "      q[0] = read_input_float_register(0)\n"
+      "      movej(q, a=read_input_float_register(7), v=read_input_float_register(6))\n"
+      "    elif cmd == 12:\n"
+      "      q = get_actual_joint_positions()\n"
+      "      q[5] = read_input_float_register(5)\n"
+      "      enter_critical\n"
+      "      target = q\n"
+      "      exit_critical\n"
+      "      if servoing == 0:\n"
+      "        servoing = 1\n"
+      "        global servo = run follow()\n"
+      "      end\n"
+      "    elif cmd == 17:\n"
+      "      enter_critical\n"
+      "      servoing = 0\n"
+      "      kill servo\n"
+      "      exit_critical\n"
+      "      stopj(20)\n"
+      "    end\n"
+      "    return cmd != 255\n"
+      "  end\n"
+      "  going = True\n"
+      "  busy = False\n"
+      "  ready(1)\n"
+      "  while going:\n"
+      "    if read_input_integer_register(0) == 0:\n"
+      "      ready(1)\n"
+      "      busy = False\n"
+      "    else:\n"
+      "      ready(0)\n"
+      "      if not busy:\n"
+      "        going = command()\n"
+      "      end\n"
+      "      busy = True\n"
+      "    end\n"
+      "    sync()\n"
+      "  end\n"
+      "  textmsg(\"terminated\")\n"
+      "end\n");
+  auto& registers = bench.controller.registers;
+  const auto command = [&](int number, double seconds) {
+    registers.in_int[0] = number;
+    bench.run(seconds);
+    registers.in_int[0] = 0;
+    bench.run(0.05);
+    return registers.out_int[0];
+  };
+  registers.in_double[0] = 0.4;
+  registers.in_double[6] = 0.8;
+  registers.in_double[7] = 1.5;
+  EXPECT_EQ(command(1, 2.0), 1);
+  EXPECT_NEAR(bench.controller.plant().q[0], 0.4, 1e-9);
+  registers.in_double[5] = 0.3;
+  command(12, 1.0);
+  EXPECT_NEAR(bench.controller.plant().q[5], 0.3, 1e-3);
+  command(17, 0.5);
+  EXPECT_FALSE(bench.controller.motion.moving());
+  EXPECT_EQ(bench.exceptions, "");
+  command(255, 0.1);
+  EXPECT_EQ(bench.texts, "terminated");
+  EXPECT_EQ(bench.controller.runtime(), RuntimeState::kStopped);
+}
+
+TEST(UrForeignScripts, AProgramDialsBackAndIsFedOverASocket) {
+  TcpListener listener(ListenOptions{});
+  ScriptBench bench;
+  bench.controller.run_script(
+      "def callback():\n"
+      "  SCALE = 1000000\n"
+      "  global mode = 0\n"
+      "  global q_goal = get_joint_positions()\n"
+      "  mover = 0\n"
+      "  thread follow():\n"
+      "    while mode == 1:\n"
+      "      enter_critical\n"
+      "      q = q_goal\n"
+      "      servoj(q, t=get_steptime(), lookahead_time=0.03, gain=2000)\n"
+      "      exit_critical\n"
+      "    end\n"
+      "    stopj(4.0)\n"
+      "  end\n"
+      "  if not socket_open(\"127.0.0.1\", " +
+      std::to_string(listener.endpoint().port) +
+      ", \"reverse_socket\"):\n"
+      "    textmsg(\"no connection\")\n"
+      "    halt\n"
+      "  end\n"
+      "  timeout = 0.0\n"
+      "  while mode > -2:\n"
+      "    enter_critical\n"
+      "    params = socket_read_binary_integer(8, \"reverse_socket\", timeout)\n"
+      "    if params[0] > 0:\n"
+      "      timeout = params[1] / 1000.0\n"
+      "      if mode != params[8]:\n"
+      "        mode = params[8]\n"
+      "        join mover\n"
+      "        if mode == 1:\n"
+      "          q_goal = get_joint_positions()\n"
+      "          mover = run follow()\n"
+      "        end\n"
+      "      end\n"
+      "      q_goal = [params[2], params[3], params[4], params[5], params[6], params[7]] / SCALE\n"
+      "    else:\n"
+      "      textmsg(\"timed out\")\n"
+      "      mode = -2\n"
+      "    end\n"
+      "    exit_critical\n"
+      "  end\n"
+      "  join mover\n"
+      "  socket_send_int(7, \"reverse_socket\")\n"
+      "  textmsg(\"over\")\n"
+      "end\n");
+  bench.run(bench.controller.period());
+  auto host = listener.accept(Deadline::in(5));
+  ASSERT_TRUE(host.has_value()) << bench.texts << bench.exceptions;
+  Joints goal = ScriptBench::start();
+  for (int k = 0; k < 200; ++k) {
+    goal[0] += 0.0008;
+    std::string message;
+    put(message, std::int32_t{200});
+    for (int j = 0; j < 6; ++j) put(message, static_cast<std::int32_t>(std::lround(goal[j] * 1e6)));
+    put(message, std::int32_t{1});
+    ASSERT_TRUE(host->write_all(message, Deadline::in(5)));
+    bench.run(bench.controller.period());
+  }
+  EXPECT_EQ(bench.exceptions, "");
+  EXPECT_TRUE(bench.controller.program_running());
+  EXPECT_NEAR(bench.controller.plant().q[0], goal[0], 0.02) << "it follows, behind by its delay";
+  bench.run(1.0);
+  EXPECT_EQ(bench.texts, "timed out|over");
+  std::array<std::uint8_t, 4> answer;
+  EXPECT_TRUE(host->read_exact(answer, Deadline::in(5)));
+  EXPECT_EQ(answer[3], 7);
+}
+
+TEST(UrForeignScripts, SocketsStayOnThisMachine) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.value("socket_open(\"192.0.2.1\", 80)"), "False");
+  EXPECT_EQ(bench.value("socket_open(\"not an address\", 80)"), "False");
+  EXPECT_EQ(bench.value("socket_send_int(1, \"none\")"), "False");
+  EXPECT_EQ(bench.value("socket_read_binary_integer(2, \"none\")"), "[-1,0,0]");
+}
+
+}  // namespace
+}  // namespace stonestack
