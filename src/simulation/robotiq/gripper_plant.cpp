@@ -20,7 +20,7 @@ FieldList fields(IdealGripperOptions& o) {
 IdealGripperPlant::IdealGripperPlant(const IdealGripperOptions& options) : options_(options) {
   require(options.least < options.most, "the fingers need a stroke, got counts ", options.least, " to ",
           options.most);
-  obstacle_.fill(256.0);
+  for (auto& obstacle : obstacle_) obstacle = 256.0;
   for (std::size_t i = 0; i < 3; ++i) report_[i].position = options.least;
   report_[3].position = options.scissor;
 }
@@ -30,7 +30,7 @@ void IdealGripperPlant::command(const std::array<AxisCommand, kGripperAxes>& axe
 }
 
 void IdealGripperPlant::set_obstacles(const std::array<double, kGripperAxes>& closing) {
-  obstacle_ = closing;
+  for (std::size_t i = 0; i < closing.size(); ++i) obstacle_[i] = closing[i];
 }
 
 std::array<AxisReport, kGripperAxes> IdealGripperPlant::advance(double seconds) {
@@ -42,7 +42,7 @@ std::array<AxisReport, kGripperAxes> IdealGripperPlant::advance(double seconds) 
     const double target = finger ? std::clamp(command_[i].target, options_.least, options_.most)
                                  : std::clamp(command_[i].target, 0.0, 255.0);
     const double reach =
-        target > axis.position ? std::max(axis.position, std::min(target, obstacle_[i])) : target;
+        target > axis.position ? std::max(axis.position, std::min(target, obstacle_[i].load())) : target;
     const double way = reach - axis.position, step = command_[i].speed * seconds;
     axis.position = std::abs(way) <= step ? reach : axis.position + std::copysign(step, way);
     if (axis.position != reach) {

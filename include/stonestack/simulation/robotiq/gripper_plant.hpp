@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <atomic>
 #include <memory>
 
 #include "stonestack/core/options.hpp"
@@ -51,11 +52,12 @@ class IdealGripperPlant final : public GripperPlant {
   void command(const std::array<AxisCommand, kGripperAxes>& axes) override;
   std::array<AxisReport, kGripperAxes> advance(double seconds) override;
   /// Something stands where each axis cannot pass: closing stops there; 255 or more: nothing there.
+  /// Thread-safe.
   void set_obstacles(const std::array<double, kGripperAxes>& closing);
 
  private:
   IdealGripperOptions options_;
-  std::array<double, kGripperAxes> obstacle_;
+  std::array<std::atomic<double>, kGripperAxes> obstacle_;
   std::array<AxisCommand, kGripperAxes> command_{};
   std::array<AxisReport, kGripperAxes> report_{};
 };
