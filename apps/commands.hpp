@@ -13,6 +13,8 @@ void add_search(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_run(CLI::App& app);
 void add_experiment(CLI::App& app);
+void add_simulate(CLI::App& app);
+void add_doctor(CLI::App& app);
 void add_config(CLI::App& app);
 void add_bench(CLI::App& app);
 

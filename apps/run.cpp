@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 
+#include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "simulated_run.hpp"
@@ -15,9 +16,32 @@ struct RunCommand {
   CommonOptions common;
   std::string robot = "ur10";
   std::string out;
+  std::string cell;
+  bool execute = false;
   int per_run = 4;
   SimulatedRun run;
 };
+
+/// A real arm moves only when somebody who knows says so.
+void check_permission(const RunCommand& command, const CellFile& file) {
+  require(command.execute, "--cell ", command.cell, " moves the robot at ", file.cell.arm.address,
+          ": check the cell with `stonestack doctor --cell ", command.cell,
+          "`, clear it of people, and add --execute");
+}
+
+RunReport build_tower_for(RunCommand& command, const Catalogue& catalogue, const std::string& folder) {
+  const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
+  if (command.cell.empty())
+    return perform(command.run, catalogue, read_robot(command.robot), present, folder).report;
+  const CellFile file = read_cell(command.cell);
+  require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
+          ", ", file.cell.robot);
+  if (file.simulate)
+    return perform(command.run, catalogue, read_robot(file.cell.robot), present, folder, nullptr, &file)
+        .report;
+  check_permission(command, file);
+  return perform_real(command.run, catalogue, file, folder);
+}
 
 /// runs/20261121-143000-seed1, not yet there.
 std::string run_folder(const RunCommand& command) {
@@ -56,11 +80,10 @@ void run(RunCommand& command) {
   command.run.seed = command.common.seed;
   spread_seed(command.run);
   command.common.settings.apply(fields(command.run));
-  const RobotModel robot = read_robot(command.robot);
+  if (command.cell.empty()) static_cast<void>(read_robot(command.robot));  // a wrong name before all else
   const Catalogue catalogue = command.common.read();
-  const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
   const std::string folder = run_folder(command);
-  const RunReport report = perform(command.run, catalogue, robot, present, folder).report;
+  const RunReport report = build_tower_for(command, catalogue, folder);
   std::cerr << run_table(report) << "picture: " << report.picture << "\nreport:  " << folder
             << "/report.html\n";
   if (command.common.json) std::cout << run_json(report);
@@ -76,6 +99,12 @@ void add_run(CLI::App& app) {
   sub->add_option("--robot", command->robot,
                   "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e or a URDF with UR kinematics")
       ->capture_default_str();
+  sub->add_option("--cell", command->cell,
+                  "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
+                  "simulated devices on sockets and uses "
+                  "the real backends; without: simulated in process")
+      ->type_name("FILE");
+  sub->add_flag("--execute", command->execute, "Yes, move the real robot that --cell names");
   sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -96,6 +125,7 @@ void add_run(CLI::App& app) {
       "Examples:\n"
       "  stonestack run --robot ur10\n"
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
+      "  stonestack run --robot ur10 --cell loopback-ur10\n"
       "  stonestack run --catalogue rocks --set search.friction=0.3 --set simulation.friction=0.4");
   sub->callback([command] { run(*command); });
 }

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "cell_input.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -47,13 +48,14 @@ FieldList fields(SimulatedRun& run) {
   return join({fields(run.build), nest("simulation", fields(run.simulation))});
 }
 
-FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                    const std::vector<int>& present, const std::string& folder,
-                    const SurvivalOptions* survival) {
+namespace {
+
+/// What is known before anything is done; the folder must not hold a run yet.
+RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                      const std::vector<int>& present, const std::string& folder) {
   require(!std::filesystem::exists(folder + "/journal.jsonl"), folder,
           " holds a run already; name another folder with --out, or remove it");
-  FinishedRun done;
-  RunReport& report = done.report;
+  RunReport report;
   report.robot = robot.name;
   report.catalogue = catalogue.path;
   report.seed = run.seed;
@@ -61,24 +63,78 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   report.options_text = write_fields(fields(copy));
   for (const int stone : present)
     report.present.push_back(catalogue.stones[static_cast<std::size_t>(stone)].name);
-  log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
-                  " stones; record in ", folder));
-  SimulatedCell world(catalogue.stones, present, robot, CellLayout{}, run.simulation);
+  return report;
+}
+
+void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
+           const RobotModel& robot, const std::string& folder) {
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
-  Cell cell = world.cell();
   report.result = build_tower(cell, catalogue, robot, run.build,
                               {[](const std::string& line) { log_info(line); }, &journal});
+}
+
+void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
+                        const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                        const std::string& folder) {
+  const SimulatedServers servers(world, robot, file.servers);
+  CellConfig config = file.cell;
+  connect_to(servers, config);
+  log_info("simulated devices:\n" + servers.text());
+  HardwareCell hardware(config);
+  hardware.activate_gripper();
+  build(report, hardware.cell(), run, catalogue, robot, folder);
+}
+
+void close_report(const RunReport& report, const std::string& folder) {
+  write_file(folder + "/result.json", run_json(report));
+  write_file(folder + "/report.html", run_html(report));
+}
+
+}  // namespace
+
+FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                    const std::vector<int>& present, const std::string& folder,
+                    const SurvivalOptions* survival, const CellFile* file) {
+  FinishedRun done;
+  RunReport& report = done.report;
+  report = open_report(run, catalogue, robot, present, folder);
+  log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
+                  " stones; record in ", folder));
+  const CellLayout layout = file == nullptr ? CellLayout{} : to_layout(file->cell);
+  SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
+  if (file == nullptr) {
+    build(report, world.cell(), run, catalogue, robot, folder);
+  } else {
+    build_over_sockets(report, world, *file, run, catalogue, robot, folder);
+  }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
     log_info("judging the tower in the true world");
     report.truth = judge(world, report.result);
     if (survival != nullptr) done.survival = world.try_tower(*survival);
   }
   report.picture = folder + "/tower.png";
-  draw_truth(world.truth(), catalogue, present, cell.layout, report.picture);
-  write_file(folder + "/result.json", run_json(report));
-  write_file(folder + "/report.html", run_html(report));
+  draw_truth(world.truth(), catalogue, present, layout, report.picture);
+  close_report(report, folder);
   return done;
+}
+
+RunReport perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
+                       const std::string& folder) {
+  const RobotModel robot = read_robot(file.cell.robot);
+  RunReport report = open_report(run, catalogue, robot, {}, folder);
+  log_info(concat("cell ", file.path, ": arm at ", file.cell.arm.address, "; record in ", folder));
+  HardwareCell hardware(file.cell);
+  hardware.activate_gripper();
+  build(report, hardware.cell(), run, catalogue, robot, folder);
+  const auto& stack = report.result.belief.stack;
+  if (!stack.empty()) {
+    report.picture = folder + "/tower.png";
+    write_png(report.picture,
+              draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell).site, 0.3)));
+  }
+  close_report(report, folder);
+  return report;
 }
 
 }  // namespace stonestack::apps

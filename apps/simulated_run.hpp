@@ -6,8 +6,10 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-/// One run of the loop in the simulated cell, with its record: what `run` does once and `experiment` often.
+/// One run of the loop, with its record: what `run` does once and `experiment` often.
 namespace stonestack::apps {
+
+struct CellFile;
 
 struct SimulatedRun {
   int seed = 1;  ///< of the cell, detection, search and motion
@@ -26,9 +28,15 @@ struct FinishedRun {
 };
 
 /// Builds a tower of the stones `present` (indices into the catalogue) and writes journal, options, picture,
-/// result.json and report.html into `folder`. Throws InvalidArgument when the folder holds a run already.
+/// result.json and report.html into `folder`. With `file` the simulated devices are served on sockets, and
+/// the loop uses the real backends. Throws InvalidArgument when the folder holds a run already.
 [[nodiscard]] FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
                                   const RobotModel& robot, const std::vector<int>& present,
-                                  const std::string& folder, const SurvivalOptions* survival = nullptr);
+                                  const std::string& folder, const SurvivalOptions* survival = nullptr,
+                                  const CellFile* file = nullptr);
+/// The same with the devices of a real cell: there is no truth to judge by, and the picture shows what was
+/// measured last. The caller has asked for the permission to move.
+[[nodiscard]] RunReport perform_real(const SimulatedRun& run, const Catalogue& catalogue,
+                                     const CellFile& file, const std::string& folder);
 
 }  // namespace stonestack::apps

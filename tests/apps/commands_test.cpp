@@ -153,6 +153,32 @@ TEST_F(Commands, ExperimentKeepsTheRecordOfThePaper) {
   EXPECT_EQ(result["runs"][0]["seed"], 2001);
 }
 
+TEST_F(Commands, BuildsThroughTheRealBackends) {
+  const std::string cell = std::string(STONESTACK_SOURCE_DIR) + "/data/cells/loopback-ur10.yaml";
+  const Outcome done =
+      run("run --robot ur10 --cell " + cell + " --per-run 2 --height 1 --seed 1 --json --out run");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json result = done.data();
+  EXPECT_EQ(result["height"], 1);
+  EXPECT_GE(result["truth"]["height"], 1) << "the run reports a tower that does not stand";
+  EXPECT_THAT(done.err, HasSubstr("RTDE"));
+}
+
+TEST_F(Commands, DoctorNamesWhatIsWrong) {
+  const Outcome well = run("doctor --json");
+  EXPECT_EQ(well.code, 0) << well.err;
+  EXPECT_EQ(well.data()["findings"].size(), 7u);
+  write("ill.yaml",
+        "simulate: true\nlayout: {T_T_C: {x: 0, y: 0.1, z: 0.17, qx: 0, qy: 0, qz: 0, qw: 1}}\n"
+        "simulators: {arm: {faults: {protective_stop_at: 0.0}}}\n");
+  const Outcome ill = run("doctor --cell ill.yaml");
+  EXPECT_EQ(ill.code, 6);
+  EXPECT_THAT(ill.err, HasSubstr("inverse"));
+  EXPECT_THAT(ill.err, HasSubstr("PROTECTIVE_STOP"));
+  write("lab.yaml", "arm: {address: 192.0.2.1}\n");
+  expect_refusal("run --cell lab.yaml", 2, {"192.0.2.1", "--execute"});
+}
+
 TEST_F(Commands, RefuseBadInputWithOneLine) {
   expect_refusal("frobnicate", 2, {"unknown command 'frobnicate'", "search"});
   expect_refusal("run --robot kuka", 3, {"kuka", "ur10"});

@@ -1,0 +1,24 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "simulated_run.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+#include "stonestack/simulation/simulated_servers.hpp"
+
+namespace stonestack::apps {
+
+/// What a cell file says: the devices, and, if `simulate`, how this program shall serve them itself.
+struct CellFile {
+  std::string path;
+  bool simulate = false;
+  CellConfig cell;
+  SimulatedServersOptions servers;
+};
+/// A path, or the name of a cell that comes with stonestack, "loopback-ur10". Throws FileError.
+[[nodiscard]] CellFile read_cell(const std::string& name);
+
+/// Writes the addresses and ports where the servers really listen into the cell's client side.
+void connect_to(const SimulatedServers& servers, CellConfig& cell);
+
+}  // namespace stonestack::apps

@@ -1,0 +1,198 @@
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "cell_input.hpp"
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "stonestack/core/data.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/hardware/ur/dashboard_client.hpp"
+#include "stonestack/hardware/ur/primary_client.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+struct DoctorCommand {
+  CommonOptions common;
+  std::string cell;
+};
+
+/// One thing that was looked at.
+struct Finding {
+  std::string device;
+  std::string step;
+  bool good = false;
+  std::string text;  ///< what was found, or what is wrong and what to do
+};
+
+/// Runs the steps in order and keeps what each found; nothing here moves anything.
+class Examination {
+ public:
+  /// `look` returns what it found, or throws with what is wrong. False when it threw.
+  bool step(const std::string& device, const std::string& step, const std::function<std::string()>& look) {
+    Finding finding{device, step, true, ""};
+    try {
+      finding.text = look();
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const Error& problem) {
+      finding.good = false;
+      finding.text = problem.what();
+    }
+    std::cerr << (finding.good ? "ok    " : "FAIL  ") << device << ", " << step << ": " << finding.text
+              << '\n';
+    findings_.push_back(finding);
+    return finding.good;
+  }
+  [[nodiscard]] const std::vector<Finding>& findings() const { return findings_; }
+
+ private:
+  std::vector<Finding> findings_;
+};
+
+void refuse(const std::string& device, const std::string& problem, const std::string& remedy) {
+  throw DeviceError(device, problem, remedy);
+}
+
+std::string ask_dashboard(const CellConfig& cell) {
+  DashboardClient dashboard({cell.arm.address, cell.arm.dashboard_port});
+  const UrVersion version = dashboard.version();
+  const std::string mode = dashboard.robot_mode(), safety = dashboard.safety();
+  const auto remote = dashboard.is_in_remote_control();
+  const std::string name = "UR controller at " + cell.arm.address;
+  if (version.major >= 10)
+    refuse(name, "PolyScope X is not supported", "use a CB3 or an e-Series controller");
+  if (remote && !*remote)
+    refuse(name, "is in local mode and ignores programs from outside",
+           "switch to Remote Control on the pendant");
+  if (safety != "NORMAL" && safety != "REDUCED")
+    refuse(name, "safety is " + safety, "look at the cell, then clear the stop on the pendant");
+  if (mode != "RUNNING")
+    refuse(name, "robot mode is " + mode, "switch on and release the brakes on the pendant");
+  return concat("PolyScope ", to_string(version), ", robot ", mode, ", safety ", safety,
+                remote ? ", remote control" : "");
+}
+
+std::string hear_primary(const CellConfig& cell) {
+  PrimaryOptions options;
+  options.ports = {cell.arm.primary_port, cell.arm.secondary_port, cell.arm.realtime_port};
+  const PrimaryClient primary(cell.arm.address, options);
+  return concat("scripts go to port ", primary.port());
+}
+
+std::string listen_rtde(const CellConfig& cell) {
+  const auto recipe = [](const UrVersion& version) {
+    const bool upper = version.has({3, 9, 0, 0}, {5, 3, 0, 0});
+    return RtdeRecipe{{"actual_q", "robot_mode"},
+                      {"speed_scaling"},
+                      {{upper ? "input_int_register_24" : "input_int_register_0"}}};
+  };
+  const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, recipe, cell.arm.rtde);
+  const auto sample = rtde.sample();
+  const auto& q = sample.get<std::array<double, 6>>("actual_q");
+  return concat("protocol ", rtde.protocol(), ", controller time ", sample.device_time(), " s, joints ", q[0],
+                " ", q[1], " ", q[2], " ", q[3], " ", q[4], " ", q[5], " rad");
+}
+
+std::string ask_gripper(const CellConfig& cell) {
+  ThreeFingerGripper gripper(cell.gripper);
+  const ThreeFingerStatus status = gripper.status();
+  const std::string name = "Robotiq gripper";
+  if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
+    refuse(name, gripper_fault_text(status.fault), "empty the hand and activate the gripper");
+  std::string text = status.active ? "active" : "not activated: `run` does it, with an empty hand only";
+  if (status.fault != 0) text += "; " + gripper_fault_text(status.fault);
+  return text;
+}
+
+std::string read_force(const CellConfig& cell) {
+  RobotiqFtSensor sensor(cell.force_torque);
+  const Wrench wrench = sensor.read();
+  return concat("force ", wrench.force.x(), " ", wrench.force.y(), " ", wrench.force.z(), " N, ",
+                sensor.firmware().empty() ? "streaming" : sensor.firmware());
+}
+
+std::string look_once(const CellConfig& cell) {
+  const auto describe = [](const DepthFrame& frame) {
+    return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
+  };
+  if (cell.camera == "v4l2") return describe(V4l2Camera(cell.v4l2).capture());
+  if (cell.camera == "recorded") return describe(RecordedCamera(cell.recorded).capture());
+  return describe(StreamCamera(cell.stream).capture());
+}
+
+/// The camera sits behind the finger tips and looks where the hand points; the inverse transform does
+/// neither.
+std::string check_hand_eye(const CellConfig& cell) {
+  const CellLayout layout = to_layout(cell);
+  const Eigen::Vector3d p = layout.T_T_C.translation(), view = layout.T_T_C.linear().col(2);
+  if (p.z() > 0.02 || view.z() < 0.5)
+    refuse("hand-eye calibration",
+           concat("layout.T_T_C puts the camera ", p.z(),
+                  " m in front of the finger tips, looking along z by ", view.z()),
+           "it looks like T_C_T, the inverse: see `stonestack calibrate`");
+  return concat("camera ", -p.z(), " m behind the finger tips, ", std::hypot(p.x(), p.y()), " m aside");
+}
+
+void examine(const CellConfig& cell, Examination& examination) {
+  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell); });
+  examination.step("arm", "Dashboard", [&] { return ask_dashboard(cell); });
+  examination.step("arm", "script port", [&] { return hear_primary(cell); });
+  examination.step("arm", "RTDE", [&] { return listen_rtde(cell); });
+  examination.step("gripper", "status", [&] { return ask_gripper(cell); });
+  examination.step("force sensor", "reading", [&] { return read_force(cell); });
+  examination.step("camera", "frame", [&] { return look_once(cell); });
+}
+
+void doctor(DoctorCommand& command) {
+  command.common.begin();
+  const CellFile file =
+      read_cell(command.cell.empty() ? data_path("cells/loopback-ur10.yaml") : command.cell);
+  CellConfig cell = file.cell;
+  std::unique_ptr<SimulatedCell> world;
+  std::unique_ptr<SimulatedServers> servers;
+  const Catalogue catalogue = file.simulate ? command.common.read() : Catalogue{};
+  if (file.simulate) {
+    const RobotModel robot = read_robot(cell.robot);
+    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot, to_layout(cell));
+    servers = std::make_unique<SimulatedServers>(*world, robot, file.servers);
+    connect_to(*servers, cell);
+    log_info("the devices of " + file.path + " are simulated here");
+  }
+  Examination examination;
+  examine(cell, examination);
+  int bad = 0;
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& finding : examination.findings()) {
+    bad += finding.good ? 0 : 1;
+    list.push_back(
+        {{"device", finding.device}, {"step", finding.step}, {"good", finding.good}, {"text", finding.text}});
+  }
+  if (command.common.json)
+    std::cout << nlohmann::json{{"schema", "stonestack.doctor/1"}, {"findings", list}}.dump(2) << '\n';
+  if (bad > 0)
+    throw Error(
+        concat(file.path, ": ", bad, " of ", examination.findings().size(), " checks failed, see above"),
+        ExitCode::kExecutionFailed);
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app) {
+  auto command = std::make_shared<DoctorCommand>();
+  CLI::App* sub = app.add_subcommand("doctor", "Check every device of a cell, step by step; moves nothing");
+  sub->add_option("--cell", command->cell, "Cell file (default: the loopback cell, simulated here)")
+      ->type_name("FILE");
+  command->common.register_on(*sub);
+  sub->footer(
+      "Says for each device what is wrong and what to do. Exit code 0 when all is well, 6 otherwise.\n"
+      "Examples:\n"
+      "  stonestack doctor --cell my_lab.yaml\n"
+      "  stonestack doctor --json");
+  sub->callback([command] { doctor(*command); });
+}
+
+}  // namespace stonestack::apps

@@ -1,0 +1,71 @@
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "cell_input.hpp"
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "stonestack/core/data.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+struct SimulateCommand {
+  CommonOptions common;
+  std::string cell;
+  int per_run = 4;
+  double seconds = 0.0;
+  SimulationOptions simulation;
+};
+
+void simulate(SimulateCommand& command) {
+  command.common.begin();
+  command.simulation.seed = command.common.seed;
+  command.common.settings.apply(nest("simulation", fields(command.simulation)));
+  const CellFile file =
+      read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
+  const RobotModel robot = read_robot(file.cell.robot);
+  const Catalogue catalogue = command.common.read();
+  const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
+  SimulatedCell world(catalogue.stones, present, robot, to_layout(file.cell), command.simulation);
+  const SimulatedServers servers(world, robot, file.servers);
+  std::cout << servers.text() << std::flush;
+  log_info("serving until Ctrl-C");
+  const Stopwatch watch;
+  while (command.seconds <= 0 || watch.seconds() < command.seconds) {
+    if (interrupt_noted()) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  log_info("stopped");
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app) {
+  auto command = std::make_shared<SimulateCommand>();
+  CLI::App* sub =
+      app.add_subcommand("simulate", "Serve a simulated cell: UR controller, gripper, force sensor, camera");
+  sub->add_option("--cell", command->cell,
+                  "Cell file; its group `simulators` says which ports (default: the vendors' on 127.0.0.1)")
+      ->type_name("FILE");
+  sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--seconds", command->seconds, "End after so long (0: at Ctrl-C)")
+      ->check(CLI::NonNegativeNumber);
+  command->common.register_on(*sub);
+  sub->footer(
+      "The protocols are the real ones, so other people's clients work unchanged: UR's RTDE client, "
+      "ur_rtde,\n"
+      "mbpoll. Everything listens on loopback. Faults are switches of the cell file, e.g.\n"
+      "simulators.arm.faults.protective_stop_at: 10.\n"
+      "Examples:\n"
+      "  stonestack simulate --cell simulated-ur10\n"
+      "  stonestack simulate --cell loopback-ur10 --seed 3 --seconds 60");
+  sub->callback([command] { simulate(*command); });
+}
+
+}  // namespace stonestack::apps

@@ -1,0 +1,61 @@
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+
+#include "stonestack/hardware/camera/recorded_camera.hpp"
+#include "stonestack/hardware/camera/stream_camera.hpp"
+#include "stonestack/hardware/camera/v4l2_camera.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/hardware/robotiq/ft_sensor.hpp"
+#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
+#include "stonestack/hardware/ur/ur_arm.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+
+namespace stonestack {
+
+/// A pose as a file has it: x, y, z (m), qx, qy, qz, qw.
+using PoseNumbers = std::array<double, 7>;
+
+/// One file (data/cells/*.yaml) says which devices a cell has, where they are, and how things are mounted.
+struct CellConfig {
+  std::string robot = "ur10";  ///< ur3 to ur16e or the path of a URDF
+  UrArmOptions arm;
+  ThreeFingerOptions gripper;
+  FtSensorOptions force_torque;
+  std::string camera = "stream";  ///< driver: stream, v4l2 or recorded
+  StreamCameraOptions stream;
+  V4l2CameraOptions v4l2;
+  RecordedCameraOptions recorded;
+  PoseNumbers T_W_R{0, 0, 0, 0, 0, 0, 1};
+  PoseNumbers T_F_T;  ///< tool tip in the flange
+  PoseNumbers T_T_C;  ///< hand-eye calibration: camera in the tool
+  double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
+
+  CellConfig();  ///< the layout of CellLayout, no addresses
+};
+/// robot, arm.*, gripper.*, force_torque.*, camera.*, layout.*
+[[nodiscard]] FieldList fields(CellConfig& config);
+/// Throws InvalidArgument for a quaternion that is not one (length off by more than 1e-3).
+[[nodiscard]] CellLayout to_layout(const CellConfig& config);
+/// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value.
+[[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
+/// True if every device of the cell is on this machine, so that nothing real can move.
+[[nodiscard]] bool is_loopback(const CellConfig& config);
+
+/// The devices of a cell, connected. Making it moves nothing.
+class HardwareCell {
+ public:
+  /// Throws DeviceError that names the device, its address and what to do.
+  explicit HardwareCell(const CellConfig& config);
+  ~HardwareCell();
+  [[nodiscard]] Cell cell();
+  /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty hand.
+  void activate_gripper();
+
+ private:
+  struct Devices;
+  std::unique_ptr<Devices> devices_;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,53 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "stonestack/simulation/camera/camera_simulator.hpp"
+#include "stonestack/simulation/robotiq/ft_simulator.hpp"
+#include "stonestack/simulation/robotiq/gripper_simulator.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/simulation/ur/ur_controller_server.hpp"
+
+namespace stonestack {
+
+/// The simulated devices of a cell behind their real protocols.
+struct SimulatedServersOptions {
+  UrServerOptions arm;
+  GripperSimulatorOptions gripper;
+  FtSimulatorOptions force_torque;
+  CameraSimulatorOptions camera;
+  GripperFaults gripper_faults;
+  ModbusFaults modbus_faults;
+  FtFaults force_torque_faults;
+  CameraFaults camera_faults;
+
+  SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals
+};
+/// arm.*, gripper.*, force_torque.*, camera.*, and the faults below each.
+[[nodiscard]] FieldList fields(SimulatedServersOptions& options);
+
+/// One simulated world behind all its protocols, from construction to destruction: UR controller, gripper,
+/// force sensor, camera. Time passes as the wall clock's, times `arm.speed`.
+class SimulatedServers {
+ public:
+  /// `cell` must outlive it, and nobody else may touch its world meanwhile. Throws DeviceError when a port is
+  /// taken.
+  SimulatedServers(SimulatedCell& cell, const RobotModel& robot, const SimulatedServersOptions& options);
+  ~SimulatedServers();
+
+  [[nodiscard]] const UrPorts& arm_ports() const;
+  [[nodiscard]] std::string arm_address() const;
+  [[nodiscard]] Endpoint gripper() const;
+  [[nodiscard]] Endpoint force_torque() const;
+  [[nodiscard]] Endpoint camera() const;
+  /// A line a device: where it can be reached.
+  [[nodiscard]] std::string text() const;
+  /// The controller, for tests that provoke stops.
+  [[nodiscard]] UrControllerServer& arm();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace stonestack

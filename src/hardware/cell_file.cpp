@@ -1,0 +1,144 @@
+#include "stonestack/hardware/cell_file.hpp"
+
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/socket.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kQuaternionSlack = 1e-3;
+
+PoseNumbers to_numbers(const Pose& pose) {
+  const Eigen::Vector3d& p = pose.translation();
+  const Eigen::Quaterniond q(pose.linear());
+  return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+Pose to_pose(const PoseNumbers& n, const char* name) {
+  const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
+  require(std::abs(q.norm() - 1.0) < kQuaternionSlack, "layout.", name, ": (qx, qy, qz, qw) has the length ",
+          q.norm(), "; a rotation has 1");
+  return make_pose({n[0], n[1], n[2]}, q.normalized());
+}
+
+FieldList pose_fields(const std::string& name, PoseNumbers& n, const std::string& source) {
+  FieldList list;
+  const char* keys[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+  for (std::size_t i = 0; i < n.size(); ++i)
+    list.push_back(i < 3 ? field(name + "." + keys[i], n[i], {-10.0, 10.0}, "m", source)
+                         : field(name + "." + keys[i], n[i], {-1.0, 1.0}, "", source));
+  return list;
+}
+
+FieldList layout_fields(CellConfig& c) {
+  return join({pose_fields("T_W_R", c.T_W_R, "robot base in the world; the table is z = 0"),
+               pose_fields("T_F_T", c.T_F_T, "tool tip in the flange"),
+               pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate"),
+               {field("site.x", c.site_x, {-3.0, 3.0}, "m", "where the tower goes"),
+                field("site.y", c.site_y, {-3.0, 3.0}, "m", "where the tower goes"),
+                field("field.x", c.field_x, {-3.0, 3.0}, "m", "middle of the loose stones"),
+                field("field.y", c.field_y, {-3.0, 3.0}, "m", "middle of the loose stones"),
+                field("field.width", c.field_width, {0.05, 3.0}, "m", "along x"),
+                field("field.depth", c.field_depth, {0.05, 3.0}, "m", "along y")}});
+}
+
+std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
+  if (config.camera == "stream") return std::make_unique<StreamCamera>(config.stream);
+  if (config.camera == "v4l2") return std::make_unique<V4l2Camera>(config.v4l2);
+  require(config.camera == "recorded", "camera.driver must be stream, v4l2 or recorded, got '", config.camera,
+          "'");
+  return std::make_unique<RecordedCamera>(config.recorded);
+}
+
+}  // namespace
+
+CellConfig::CellConfig() {
+  const CellLayout layout;
+  T_F_T = to_numbers(layout.T_F_T);
+  T_T_C = to_numbers(layout.T_T_C);
+  site_x = layout.site.x();
+  site_y = layout.site.y();
+  field_x = layout.field_centre.x();
+  field_y = layout.field_centre.y();
+  field_width = layout.field_size.x();
+  field_depth = layout.field_size.y();
+}
+
+FieldList fields(CellConfig& c) {
+  return join({{field("robot", c.robot, "ur3 to ur16e or a URDF")},
+               nest("arm", fields(c.arm)),
+               nest("gripper", fields(c.gripper)),
+               nest("force_torque", fields(c.force_torque)),
+               {field("camera.driver", c.camera, "stream, v4l2 or recorded")},
+               nest("camera.stream", fields(c.stream)),
+               nest("camera.v4l2", fields(c.v4l2)),
+               nest("camera.recorded", fields(c.recorded)),
+               nest("layout", layout_fields(c))});
+}
+
+CellLayout to_layout(const CellConfig& c) {
+  CellLayout layout;
+  layout.T_W_R = to_pose(c.T_W_R, "T_W_R");
+  layout.T_F_T = to_pose(c.T_F_T, "T_F_T");
+  layout.T_T_C = to_pose(c.T_T_C, "T_T_C");
+  layout.site = {c.site_x, c.site_y};
+  layout.field_centre = {c.field_x, c.field_y};
+  layout.field_size = {c.field_width, c.field_depth};
+  return layout;
+}
+
+CellConfig read_cell_file(const std::string& path, const FieldList& others) {
+  CellConfig config;
+  read_fields(fields(config), path, others);
+  try {
+    static_cast<void>(to_layout(config));
+  } catch (const InvalidArgument& problem) {
+    throw FileError(path, problem.what(), "write a unit quaternion");
+  }
+  return config;
+}
+
+bool is_loopback(const CellConfig& config) {
+  const auto here = [](const std::string& address) { return !address.empty() && is_loopback(address); };
+  const bool gripper = config.gripper.modbus.link == "tcp" && here(config.gripper.modbus.address);
+  const bool sensor = config.force_torque.link == "ur_cap" && here(config.force_torque.address);
+  return here(config.arm.address) && gripper && sensor;
+}
+
+struct HardwareCell::Devices {
+  CellLayout layout;
+  std::unique_ptr<Clock> clock = make_steady_clock();
+  RobotModel robot;
+  RobotiqFtSensor force_torque;
+  UrArm arm;
+  ThreeFingerGripper gripper;
+  std::unique_ptr<DepthCamera> camera;
+
+  explicit Devices(const CellConfig& config)
+      : layout(to_layout(config)),
+        robot(read_robot(config.robot)),
+        force_torque(config.force_torque),
+        arm(robot, config.arm, layout.T_W_R, layout.T_F_T, &force_torque),
+        gripper(config.gripper),
+        camera(make_camera(config)) {}
+};
+
+HardwareCell::HardwareCell(const CellConfig& config) {
+  require(!config.arm.address.empty(), "the cell names no address of the arm; write arm.address");
+  devices_ = std::make_unique<Devices>(config);
+}
+
+HardwareCell::~HardwareCell() = default;
+
+Cell HardwareCell::cell() {
+  auto& d = *devices_;
+  return {d.arm, d.gripper, d.force_torque, *d.camera, *d.clock, d.layout};
+}
+
+void HardwareCell::activate_gripper() {
+  if (!devices_->gripper.is_active()) devices_->gripper.activate();
+}
+
+}  // namespace stonestack

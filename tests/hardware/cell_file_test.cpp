@@ -1,0 +1,79 @@
+#include "stonestack/hardware/cell_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+
+namespace stonestack {
+namespace {
+
+using ::testing::HasSubstr;
+
+class CellFile : public testing::Test {
+ protected:
+  [[nodiscard]] CellConfig read(const std::string& text) const {
+    write_file(path_, text);
+    return read_cell_file(path_);
+  }
+  [[nodiscard]] std::string problem_of(const std::string& text) const {
+    try {
+      static_cast<void>(read(text));
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  std::string path_ = testing::TempDir() + "cell_file_test.yaml";
+};
+
+TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {
+  const CellConfig cell = read(
+      "robot: ur5e\n"
+      "arm: {address: 192.168.1.10, rtde_port: 31004}\n"
+      "gripper: {preset: rtu, device: /dev/ttyUSB0}\n"
+      "layout:\n"
+      "  T_W_R: {x: 0.1, y: 0, z: 0.02, qx: 0, qy: 0, qz: 0.70710678, qw: 0.70710678}\n"
+      "  site: {x: 0.5, y: 0.3}\n");
+  EXPECT_EQ(cell.robot, "ur5e");
+  EXPECT_EQ(cell.arm.rtde_port, 31004);
+  EXPECT_EQ(cell.gripper.preset, "rtu");
+  EXPECT_FALSE(is_loopback(cell));
+  const CellLayout layout = to_layout(cell);
+  // The base is turned by a quarter: its x axis is the world's y axis.
+  EXPECT_LT((layout.T_W_R * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0.1, 1, 0.02)).norm(), 1e-6);
+  EXPECT_LT((layout.site - Eigen::Vector2d(0.5, 0.3)).norm(), 1e-12);
+  EXPECT_TRUE(layout.T_T_C.isApprox(CellLayout{}.T_T_C, 1e-9)) << "what the file leaves out is the default";
+}
+
+TEST_F(CellFile, RefusesWhatCannotBe) {
+  EXPECT_THAT(problem_of("layout: {T_T_C: {qw: 0.5}}\n"), HasSubstr("layout.T_T_C"));
+  EXPECT_THAT(problem_of("arm: {rtde_prt: 30004}\n"), HasSubstr("near it: arm.rtde_port"));
+  EXPECT_THAT(problem_of("layout: {site: {x: .nan}}\n"), HasSubstr("layout.site.x"));
+  EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("900"));
+  EXPECT_NE(problem_of("arm: [1, 2\n"), "");
+  EXPECT_THROW(HardwareCell(CellConfig{}), InvalidArgument) << "no address";
+}
+
+TEST_F(CellFile, OnlyACellThatIsAllOnThisMachineIsLoopback) {
+  EXPECT_TRUE(is_loopback(read("arm: {address: 127.0.0.5}\nforce_torque: {link: ur_cap}\n")));
+  EXPECT_FALSE(is_loopback(read("arm: {address: 127.0.0.5}\nforce_torque: {link: serial}\n")));
+  EXPECT_FALSE(is_loopback(read("arm: {address: 10.0.0.5}\nforce_torque: {link: ur_cap}\n")));
+}
+
+TEST_F(CellFile, TheTemplateForALabIsReadable) {
+  bool simulate = true;
+  const CellConfig cell = read_cell_file(data_path("cells/lab-ur10.yaml"), {field("simulate", simulate, "")});
+  EXPECT_FALSE(simulate);
+  EXPECT_EQ(cell.camera, "v4l2");
+  EXPECT_FALSE(is_loopback(cell));
+}
+
+}  // namespace
+}  // namespace stonestack
