@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/report/plan_preview.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
@@ -26,10 +28,21 @@ struct PlanCommand {
   std::string target;
   std::string search;
   std::string csv;
+  std::string plot;
+  std::string frames;
+  int frame_width = 640;  // pixels
   MotionOptions options;
 };
 
+/// What a plan was made for; the task points into the catalogue.
+struct Planned {
+  PlanningScene scene;
+  PickAndPlaceTask task;
+  PickAndPlacePlan plan;
+};
+
 constexpr double kSamplePeriod = 0.008;  // s: the control period of a CB3
+constexpr double kPlotPeriod = 0.02;     // s
 
 const char* kind_text(PlanStep::Kind kind) {
   switch (kind) {
@@ -106,16 +119,45 @@ std::string csv_text(const PickAndPlacePlan& plan) {
   return text;
 }
 
-PickAndPlacePlan make_plan(const PlanCommand& command, const Catalogue& catalogue, const NamedPose& target) {
+Planned make_plan(const PlanCommand& command, const Catalogue& catalogue, const NamedPose& target) {
   const RobotModel robot = read_robot(command.robot);
   const SceneFile file = read_scene_file(command.scene);
   Belief belief;
   for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
   const int stone = catalogue.index(target.stone);
-  const PlanningScene scene = make_planning_scene(CellLayout{}, robot, catalogue, belief);
-  return plan_pick_and_place(scene, make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
-                             command.options);
+  Planned planned{make_planning_scene(CellLayout{}, robot, catalogue, belief),
+                  make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
+                  {}};
+  planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
+  return planned;
+}
+
+/// One PNG for the start and for the end of each motion: frames/00_start.png, 01_transit.png, ...
+void write_frames(const PlanCommand& command, const Planned& planned,
+                  const std::vector<PlanMoment>& moments) {
+  View view;
+  view.p_W_eye = {2.1, -1.5, 1.1};
+  view.p_W_target = {0.45, 0.05, 0.35};
+  view.width = command.frame_width;
+  view.height = 3 * command.frame_width / 4;
+  std::filesystem::create_directories(command.frames);
+  const auto keys = key_moments(moments);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    throw_if_interrupted();
+    const auto& step = planned.plan.steps[keys[i].step];
+    const std::string path = concat(command.frames, '/', i < 10 ? "0" : "", i, '_',
+                                    i == 0 ? "start" : kind_text(step.kind), ".png");
+    write_png(path, draw(drawn_moment(planned.scene, planned.task, planned.plan, keys[i]), view));
+  }
+}
+
+void write_files(const PlanCommand& command, const Planned& planned) {
+  if (!command.csv.empty()) write_file(command.csv, csv_text(planned.plan));
+  if (command.plot.empty() && command.frames.empty()) return;
+  const auto moments = preview(planned.scene, planned.task, planned.plan, kPlotPeriod);
+  if (!command.plot.empty()) write_file(command.plot, plan_plot(planned.plan, moments));
+  if (!command.frames.empty()) write_frames(command, planned, moments);
 }
 
 void plan(PlanCommand& command) {
@@ -123,10 +165,11 @@ void plan(PlanCommand& command) {
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("motion", fields(command.options)));
   const Catalogue catalogue = command.common.read();
-  const PickAndPlacePlan plan = make_plan(command, catalogue, read_target(command));
+  const Planned planned = make_plan(command, catalogue, read_target(command));
+  const PickAndPlacePlan& plan = planned.plan;
   if (plan.status != PickAndPlacePlan::Status::kPlanned)
     throw Error("no plan: " + plan.reason, ExitCode::kExecutionFailed);
-  if (!command.csv.empty()) write_file(command.csv, csv_text(plan));
+  write_files(command, planned);
   if (command.common.json) {
     nlohmann::json steps = nlohmann::json::array();
     for (const auto& step : plan.steps) steps.push_back(step_json(step));
@@ -154,12 +197,19 @@ void add_plan(CLI::App& app) {
   sub->add_option("--target", command->target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
   sub->add_option("--search", command->search, "Take stone and target from this output of `search --json`");
   sub->add_option("--csv", command->csv, "Write the trajectories, sampled every 8 ms");
+  sub->add_option("--plot", command->plot, "Write joints, tool speed and clearance over time as SVG");
+  sub->add_option("--frames", command->frames, "Write pictures of the key frames (PNG) into this folder");
+  sub->add_option("--frame-width", command->frame_width, "Width of these pictures, pixels")
+      ->check(CLI::Range(64, 4096))
+      ->capture_default_str();
   command->common.register_on(*sub);
   sub->footer(
       "Examples:\n"
       "  stonestack render --out scene --seed 1\n"
       "  stonestack search scene/scene.yaml --json > next.json\n"
-      "  stonestack plan scene/scene.yaml --search next.json --csv motion.csv");
+      "  stonestack plan scene/scene.yaml --search next.json --csv motion.csv\n"
+      "  stonestack plan scene/scene.yaml --search next.json --plot motion.svg --frames frames\n"
+      "  stonestack plan scene/scene.yaml --stone limestone_3 --target 0.7,0.28,0.06,0,0,0,1 --json");
   sub->callback([command] { plan(*command); });
 }
 

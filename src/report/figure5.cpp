@@ -1,21 +1,13 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
+#include "report/svg.hpp"
 #include "stonestack/report/experiment_report.hpp"
 
 namespace stonestack {
 namespace {
 
 constexpr double kWidth = 720, kHeight = 440, kLeft = 64, kRight = 150, kTop = 28, kBottom = 52;
-
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-  return buffer.data();
-}
 
 /// One selected pose.
 struct Point {
@@ -54,14 +46,6 @@ struct Scale {
     return kHeight - kBottom - (kHeight - kTop - kBottom) * std::min(value, cost) / cost;
   }
 };
-
-/// A step of 1, 2 or 5 times a power of ten that gives five to ten ticks.
-double tick(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 5)));
-  for (const double step : {1.0, 2.0, 5.0})
-    if (range / (step * power) <= 10) return step * power;
-  return 10 * power;
-}
 
 std::string axes(const Scale& scale) {
   std::string text;

@@ -108,6 +108,48 @@ TEST_F(Commands, SearchesAndPlansFromFiles) {
   EXPECT_EQ(fs::exists(folder_ + "/motion.csv"), planned.code == 0);
 }
 
+/// A stone as `render --seed 5` lays it down, carried over to the site and turned by nothing.
+constexpr const char* kLying =
+    "schema: stonestack.scene/1\nstones:\n  - stone: limestone_3\n    T_W_O: {x: 0.8779, y: -0.3412, z: "
+    "0.04204, "
+    "qx: 0.3275739, qy: 0.9444004, qz: -0.017231, qw: 0.0225038}\n";
+constexpr const char* kTurned = "0.3275739,0.9444004,-0.017231,0.0225038";
+
+TEST_F(Commands, PlanDrawsWhatItWillDo) {
+  write("lying.yaml", kLying);
+  const Outcome planned =
+      run(concat("plan lying.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned,
+                 " --json --csv motion.csv --plot motion.svg --frames frames --frame-width 64"));
+  ASSERT_EQ(planned.code, 0) << planned.err;
+  const json data = planned.data();
+  std::size_t motions = 0;
+  for (const auto& step : data["steps"]) motions += step["trajectory"].empty() ? 0 : 1;
+  const auto pictures = std::distance(fs::directory_iterator(folder_ + "/frames"), fs::directory_iterator());
+  EXPECT_EQ(pictures, static_cast<long>(motions) + 1);
+  EXPECT_TRUE(fs::exists(folder_ + "/frames/03_lift.png"));
+  EXPECT_THAT(read_file(folder_ + "/motion.svg", 1 << 22), HasSubstr("lift limestone_3"));
+  EXPECT_THAT(read_file(folder_ + "/motion.csv", 1 << 22), HasSubstr(",descent,"));
+}
+
+TEST_F(Commands, PlanSaysWhatCannotBe) {
+  write("lying.yaml", kLying);
+  const auto plan = [&](const std::string& target, const std::string& more = "") {
+    return concat("plan lying.yaml --stone limestone_3 --target ", target, ',', kTurned, ' ', more);
+  };
+  expect_refusal(plan("2.5,0.28,0.043"), 6, {"limestone_3", "out of reach at the target"});
+  expect_refusal(plan("0.7,0.28,-0.05"), 6, {"limestone_3", "hit the table at the target"});
+  expect_refusal(plan("nan,0.28,0.05"), 2, {"nan"});
+  expect_refusal(concat("plan lying.yaml --stone limestone_9999 --target 0.7,0.28,0.1,", kTurned), 2,
+                 {"limestone_9999"});
+  expect_refusal("plan lying.yaml", 2, {"--target"});
+  expect_refusal(plan("0.7,0.28,0.043", "--robot no_such_arm"), 3, {"no_such_arm", "ur10"});
+  write("loop.urdf",
+        "<robot name='x'><link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/>"
+        "<child link='b'/></joint><joint name='k' type='fixed'><parent link='b'/><child "
+        "link='a'/></joint></robot>");
+  expect_refusal(plan("0.7,0.28,0.043", "--robot loop.urdf"), 3, {"loop.urdf"});
+}
+
 TEST_F(Commands, SameSeedSameTowerForAnyThreads) {
   const std::string arguments =
       "search --stones limestone_1,limestone_2 --json --seed 4 --set search.threads=";

@@ -1,0 +1,25 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+/// Private to report: what its drawings share.
+namespace stonestack {
+
+template <class... Values>
+[[nodiscard]] std::string format(const char* pattern, Values... values) {
+  std::array<char, 512> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
+  return buffer.data();
+}
+
+/// A step of 1, 2 or 5 times a power of ten that divides `range` into at most `most` parts.
+[[nodiscard]] inline double tick(double range, double most = 10) {
+  const double power = std::pow(10.0, std::floor(std::log10(range / most)));
+  for (const double step : {1.0, 2.0, 5.0})
+    if (range / (step * power) <= most) return step * power;
+  return 10 * power;
+}
+
+}  // namespace stonestack
