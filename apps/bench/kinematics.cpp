@@ -1,5 +1,7 @@
 // Prints, for every robot: inverse solutions recovered, worst residual, processor time a call.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -32,6 +34,53 @@ std::vector<Problem> random_problems(const RobotModel& robot, std::size_t count,
     T_R_F = forward(robot, q);
   }
   return problems;
+}
+
+/// Shoulder angle (DH) that brings the wrist's centre nearest to the base's axis.
+double over_base(const RobotModel& robot, const Joints& t) {
+  const double c = robot.a2 + robot.a3 * std::cos(t[2]) + robot.d5 * std::sin(t[2] + t[3]);
+  const double s = -robot.a3 * std::sin(t[2]) + robot.d5 * std::cos(t[2] + t[3]);
+  return std::atan2(-c, s);
+}
+
+/// Every combination of wrist in line, elbow stretched or folded and wrist over the base, exactly and beside
+/// it by 1e-12 to 1e-3 rad. What is singular is asked for in DH angles.
+std::vector<Problem> singular_problems(const RobotModel& robot, std::size_t count, std::uint64_t seed) {
+  constexpr std::array kBeside{0.0, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-3};
+  constexpr double kPi = 3.14159265358979323846;
+  Random random = Random::stream(seed, robot.name + " singular");
+  std::vector<Problem> problems(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t kind = 1 + i % 7;
+    const auto beside = [&] { return (random.uniform() < 0.5 ? -1 : 1) * kBeside[i / 7 % kBeside.size()]; };
+    Joints t;
+    for (auto& angle : t) angle = random.uniform(-kPi, kPi);
+    if ((kind & 1) != 0) t[4] = kPi * static_cast<double>(random.index(2)) + beside();
+    if ((kind & 2) != 0) t[2] = kPi * static_cast<double>(random.index(2)) + beside();
+    if ((kind & 4) != 0) t[1] = over_base(robot, t) + beside();
+    problems[i].q = t - robot.dh_offset;
+    problems[i].T_R_F = forward(robot, problems[i].q);
+  }
+  return problems;
+}
+
+/// Every singular pose must be met, by solutions that are all good; the seed knows nothing of the answer.
+void measure_singular(const RobotModel& robot, std::size_t count, std::uint64_t seed) {
+  std::size_t met = 0, bad = 0;
+  double worst = 0.0;
+  for (const auto& [q, T_R_F] : singular_problems(robot, count, seed)) {
+    const IkBranches found = inverse_branches(robot, T_R_F, Joints::Zero());
+    for (int i = 0; i < found.count; ++i) {
+      const Joints& s = found.solutions[static_cast<std::size_t>(i)].q;
+      const double off = (forward(robot, s).matrix() - T_R_F.matrix()).cwiseAbs().maxCoeff();
+      if (!(off <= 1e-9)) ++bad;
+      if (std::isfinite(off)) worst = std::max(worst, off);
+    }
+    met += found.count > 0 ? 1 : 0;
+    throw_if_interrupted();
+  }
+  std::printf("%-6s singular: met %zu of %zu, residual <= %.1e, %zu solutions beyond 1e-9 or NaN\n",
+              robot.name.c_str(), met, count, worst, bad);
 }
 
 void measure(const std::string& name, std::size_t count, std::uint64_t seed) {
@@ -70,6 +119,7 @@ void measure(const std::string& name, std::size_t count, std::uint64_t seed) {
               1e6 * branches_seconds / n);
   std::printf("with every turn %.1f (%.0f solutions), forward %.2f%s\n", 1e7 * all_seconds / n,
               10.0 * static_cast<double>(all) / n, 1e6 * forward_seconds / n, sum + kept < -1e300 ? "!" : "");
+  measure_singular(robot, count / 10, seed);
 }
 
 }  // namespace
@@ -80,8 +130,9 @@ void add_bench_kinematics(CLI::App& bench) {
     int seed = 1;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub =
-      bench.add_subcommand("kinematics", "Inverse kinematics: recovered poses, residual, time a call");
+  CLI::App* sub = bench.add_subcommand(
+      "kinematics",
+      "Inverse kinematics: recovered poses, residual, time a call; a tenth as many singular poses");
   sub->add_option("--poses", command->poses, "Random joint positions a robot")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();

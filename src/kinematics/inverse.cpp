@@ -1,13 +1,10 @@
 #include "stonestack/kinematics/inverse.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "kinematics/polish.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/jacobian.hpp"
 
 namespace stonestack {
 namespace {
@@ -49,60 +46,81 @@ Clamped clamped_asin(double side, double length) {
   return {std::copysign(0.5 * kPi, side), std::abs(side) - length};
 }
 
+/// An angle with its cosine and sine, so that neither is worked out twice.
+struct Turn {
+  double angle = 0;
+  double c = 1, s = 0;
+};
+Turn turn_by(double angle) {
+  return {angle, std::cos(angle), std::sin(angle)};
+}
+
 /// Wrist angles and the arm's plane for one shoulder angle.
 struct Wrist {
-  double q1 = 0, q5 = 0, q6 = 0;
+  Turn q1, q5;
+  double q6 = 0;
   double sine = 0;      ///< |sin q5|
   double q234 = 0;      ///< direction of the hand in the arm's plane
   double u = 0, v = 0;  ///< wrist 1 in the arm's plane, from the shoulder
 };
 
 /// The arm's plane when the flange is turned by `q6` on wrist 3.
-void set_hand(const RobotModel& robot, const Target& t, double q6, Wrist& wrist) {
-  wrist.q6 = q6;
-  const double c1 = std::cos(wrist.q1);
-  const double s1 = std::sin(wrist.q1);
-  const double c6 = std::cos(q6);
-  const double s6 = std::sin(q6);
-  const Eigen::Vector3d z4 = -(s6 * t.x + c6 * t.y);
-  const Eigen::Vector3d x5 = c6 * t.x - s6 * t.y;
-  const Eigen::Vector3d x4 = std::cos(wrist.q5) * x5 - std::sin(wrist.q5) * t.z;
+void set_hand(const RobotModel& robot, const Target& t, const Turn& q6, Wrist& wrist) {
+  wrist.q6 = q6.angle;
+  const Eigen::Vector3d z4 = -(q6.s * t.x + q6.c * t.y);
+  const Eigen::Vector3d x5 = q6.c * t.x - q6.s * t.y;
+  const Eigen::Vector3d x4 = wrist.q5.c * x5 - wrist.q5.s * t.z;
   const Eigen::Vector3d p = t.p_wrist - robot.d5 * z4;
-  wrist.q234 = std::atan2(x4.z(), c1 * x4.x() + s1 * x4.y());
-  wrist.u = c1 * p.x() + s1 * p.y();
+  wrist.q234 = std::atan2(x4.z(), wrist.q1.c * x4.x() + wrist.q1.s * x4.y());
+  wrist.u = wrist.q1.c * p.x() + wrist.q1.s * p.y();
   wrist.v = p.z() - robot.d1;
 }
 
-Wrist solve_wrist(const RobotModel& robot, const Target& t, double q1, bool flipped, double q6_when_free) {
-  const Eigen::Vector3d n(std::sin(q1), -std::cos(q1), 0.0);  // axes of shoulder, elbow and wrist 1
+Wrist solve_wrist(const RobotModel& robot, const Target& t, const Turn& q1, bool flipped,
+                  double q6_when_free) {
+  const Eigen::Vector3d n(q1.s, -q1.c, 0.0);  // axes of shoulder, elbow and wrist 1
   // In the last frame this direction reads (s5 c6, -s5 s6, c5).
   const double nx = n.dot(t.x);
   const double ny = n.dot(t.y);
+  const double nz = n.dot(t.z);
   Wrist wrist;
   wrist.q1 = q1;
-  wrist.sine = std::hypot(nx, ny);
-  wrist.q5 = std::atan2(flipped ? -wrist.sine : wrist.sine, n.dot(t.z));
-  double q6 = q6_when_free;
-  if (wrist.sine >= kFreeWrist) q6 = flipped ? std::atan2(ny, -nx) : std::atan2(-ny, nx);
-  set_hand(robot, t, q6, wrist);
+  wrist.sine = std::sqrt(nx * nx + ny * ny);
+  const double s5 = flipped ? -wrist.sine : wrist.sine;
+  const double length = std::sqrt(s5 * s5 + nz * nz);
+  wrist.q5 = {std::atan2(s5, nz), nz / length, s5 / length};
+  if (wrist.sine < kFreeWrist) {
+    set_hand(robot, t, turn_by(q6_when_free), wrist);
+  } else {
+    const double c6 = nx / s5, s6 = -ny / s5;
+    set_hand(robot, t, {std::atan2(s6, c6), c6, s6}, wrist);
+  }
   return wrist;
 }
 
-/// Elbow angle in [0, pi].
-Clamped solve_elbow(const RobotModel& robot, const Wrist& wrist) {
+/// Elbow angle in [0, pi], and by how much (m) the target was out of its reach.
+struct Elbow {
+  Turn q3;
+  double miss = 0;
+};
+
+Elbow solve_elbow(const RobotModel& robot, const Wrist& wrist) {
   const double reach2 = wrist.u * wrist.u + wrist.v * wrist.v;
   const double both = 2.0 * robot.a2 * robot.a3;
   const double cosine = (reach2 - robot.a2 * robot.a2 - robot.a3 * robot.a3) / both;
-  if (std::abs(cosine) <= 1.0) return {std::atan2(std::sqrt((1.0 - cosine) * (1.0 + cosine)), cosine), 0.0};
+  if (std::abs(cosine) <= 1.0) {
+    const double sine = std::sqrt((1.0 - cosine) * (1.0 + cosine));
+    return {{std::atan2(sine, cosine), cosine, sine}, 0.0};
+  }
   const double limit = std::abs(cosine > 0 ? robot.a2 + robot.a3 : robot.a2 - robot.a3);
-  return {cosine > 0 ? 0.0 : kPi, std::abs(std::sqrt(reach2) - limit)};
+  return {cosine > 0 ? Turn{} : Turn{kPi, -1.0, 0.0}, std::abs(std::sqrt(reach2) - limit)};
 }
 
 /// With wrist 2 in line, wrist 3 is free or nearly so, and its value (the seed's, or what rounding left of
 /// it) may put wrist 1 out of reach although another one does not. Turns it to the nearest that reaches, if
 /// that moves the flange by less than kClamp.
 void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist) {
-  const double u5 = std::cos(wrist.q1) * t.p_wrist.x() + std::sin(wrist.q1) * t.p_wrist.y();
+  const double u5 = wrist.q1.c * t.p_wrist.x() + wrist.q1.s * t.p_wrist.y();
   const double v5 = t.p_wrist.z() - robot.d1;
   const double far = std::hypot(u5, v5);
   const bool outside = wrist.u * wrist.u + wrist.v * wrist.v > robot.a2 * robot.a2 + robot.a3 * robot.a3;
@@ -116,43 +134,24 @@ void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist) {
   const double other = std::remainder(heading - half - now, kTurn);
   const double turn = std::abs(one) <= std::abs(other) ? one : other;
   if (wrist.sine * std::abs(turn) > kClamp) return;
-  set_hand(robot, t, wrist.q6 + (std::abs(wrist.q5) < 0.5 * kPi ? -turn : turn), wrist);
+  set_hand(robot, t, turn_by(wrist.q6 + (wrist.q5.c > 0.0 ? -turn : turn)), wrist);
 }
 
+/// The equivalent of `angle` nearest to `seed`.
 double near(double angle, double seed) {
+  if (std::abs(angle - seed) <= kPi) return angle;
   return angle - kTurn * std::round((angle - seed) / kTurn);
 }
 
-IkSolution solution(const RobotModel& robot, const Wrist& wrist, double q3, int branch, const Joints& seed) {
-  const double q2 =
-      std::atan2(wrist.v, wrist.u) - std::atan2(robot.a3 * std::sin(q3), robot.a2 + robot.a3 * std::cos(q3));
+/// `q2` and `q3` as DH angles.
+IkSolution solution(const RobotModel& robot, const Wrist& wrist, double q2, double q3, int branch,
+                    const Joints& seed) {
   IkSolution result;
   result.branch = branch;
-  result.q << wrist.q1, q2, q3, wrist.q234 - q2 - q3, wrist.q5, wrist.q6;
+  result.q << wrist.q1.angle, q2, q3, wrist.q234 - q2 - q3, wrist.q5.angle, wrist.q6;
   result.q -= robot.dh_offset;
   for (int i = 0; i < 6; ++i) result.q[i] = near(result.q[i], seed[i]);
   return result;
-}
-
-/// Newton steps on the robot's own chain: for a calibrated robot, whose closed form is only close, and where
-/// two singularities meet, so that rounding (its square root) would leave the pose out of reach.
-bool polish(const RobotModel& robot, const Pose& T_R_F, Joints& q) {
-  double rest = 0.0;
-  for (int step = 0; step < 20; ++step) {
-    const Pose T = forward(robot, q);
-    const Eigen::AngleAxisd turn(T_R_F.linear() * T.linear().transpose());
-    Eigen::Matrix<double, 6, 1> error;
-    error << T_R_F.translation() - T.translation(), turn.angle() * turn.axis();
-    rest = error.norm();
-    if (rest < 1e-12) break;
-    const Jacobian J = jacobian(robot, q);
-    const Eigen::Matrix<double, 6, 6> normal =
-        J * J.transpose() + 1e-3 * rest * Eigen::Matrix<double, 6, 6>::Identity();
-    const Joints move = J.transpose() * normal.ldlt().solve(error);
-    if (!move.allFinite() || move.norm() > 1.0) return false;
-    q += move;
-  }
-  return rest <= kClamp;
 }
 
 /// The values of angle + 2 pi k within the limits; at most four, for limits within a turn either way.
@@ -169,14 +168,17 @@ Equivalents equivalents(double angle, double lower, double upper) {
   return result;
 }
 
-/// A solution with its distance from the seed.
-struct Ranked {
+/// A solution's distance from the seed, and where it stands among the others.
+struct Rank {
   double largest = 0, sum = 0;
-  IkSolution solution;
+  std::size_t index = 0;
+  bool operator<(const Rank& other) const {
+    if (largest != other.largest) return largest < other.largest;
+    return sum < other.sum;
+  }
 };
 
-void add_equivalents(const RobotModel& robot, const IkSolution& base, const Joints& seed,
-                     std::vector<Ranked>& all) {
+void add_equivalents(const RobotModel& robot, const IkSolution& base, std::vector<IkSolution>& all) {
   std::array<Equivalents, 6> choices;
   std::size_t combinations = 1;
   for (std::size_t i = 0; i < 6; ++i) {
@@ -185,18 +187,13 @@ void add_equivalents(const RobotModel& robot, const IkSolution& base, const Join
     combinations *= static_cast<std::size_t>(choices[i].count);
   }
   for (std::size_t k = 0; k < combinations; ++k) {
-    Ranked ranked;
-    ranked.solution.branch = base.branch;
+    IkSolution& solution = all.emplace_back(base);
     std::size_t rest = k;
     for (std::size_t i = 0; i < 6; ++i) {
       const auto count = static_cast<std::size_t>(choices[i].count);
-      ranked.solution.q[static_cast<Eigen::Index>(i)] = choices[i].values[rest % count];
+      solution.q[static_cast<Eigen::Index>(i)] = choices[i].values[rest % count];
       rest /= count;
     }
-    const Joints away = (ranked.solution.q - seed).cwiseAbs();
-    ranked.largest = away.maxCoeff();
-    ranked.sum = away.sum();
-    all.push_back(ranked);
   }
 }
 
@@ -208,23 +205,28 @@ IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed,
   const Clamped lead = clamped_asin(robot.d4, std::hypot(t.p_wrist.x(), t.p_wrist.y()));
   if (!(lead.miss <= coarse)) return branches;
   const double heading = std::atan2(t.p_wrist.y(), t.p_wrist.x());
+  // The wrist lies d4 beside the arm's plane: r sin(q1 - heading) = d4.
+  const std::array<Turn, 2> shoulder{turn_by(heading + kPi - lead.angle), turn_by(heading + lead.angle)};
   for (int shoulder_wrist = 0; shoulder_wrist < 4; ++shoulder_wrist) {
     if (wanted >= 0 && shoulder_wrist != (wanted & 3)) continue;
-    // The wrist lies d4 beside the arm's plane: r sin(q1 - heading) = d4.
-    const double q1 = (shoulder_wrist & 1) == 0 ? heading + kPi - lead.angle : heading + lead.angle;
+    const Turn& q1 = shoulder[static_cast<std::size_t>(shoulder_wrist & 1)];
     Wrist wrist = solve_wrist(robot, t, q1, (shoulder_wrist & 2) != 0, seed[5] + robot.dh_offset[5]);
-    Clamped elbow = solve_elbow(robot, wrist);
+    Elbow elbow = solve_elbow(robot, wrist);
     if (elbow.miss > 0.0) {
       turn_into_reach(robot, t, wrist);
       elbow = solve_elbow(robot, wrist);
     }
     if (!(elbow.miss <= coarse)) continue;
     const bool rough = robot.calibrated || lead.miss > kClamp || elbow.miss > kClamp;
+    const Turn& q3 = elbow.q3;
+    const double rise = std::atan2(wrist.v, wrist.u);
+    const double bend = std::atan2(robot.a3 * q3.s, robot.a2 + robot.a3 * q3.c);
     for (const int down : {0, 4}) {
       if (wanted >= 0 && down != (wanted & 4)) continue;
-      const double q3 = down == 0 ? elbow.angle : -elbow.angle;
-      IkSolution found = solution(robot, wrist, q3, shoulder_wrist | down, seed);
-      if (rough && !polish(robot, T_R_F, found.q)) continue;
+      const double sign = down == 0 ? 1.0 : -1.0;
+      const double q2 = rise - sign * bend;
+      IkSolution found = solution(robot, wrist, q2, sign * q3.angle, shoulder_wrist | down, seed);
+      if (rough && !polish(robot, T_R_F, kClamp, found.q)) continue;
       branches.solutions[static_cast<std::size_t>(branches.count++)] = found;
     }
   }
@@ -262,16 +264,19 @@ IkOnBranch inverse_on_branch(const RobotModel& robot, const Pose& T_R_F, const J
 std::vector<IkSolution> inverse(const RobotModel& robot, const Pose& T_R_F, const Joints& seed) {
   require_valid(T_R_F, seed);
   const IkBranches branches = solve(robot, T_R_F, seed, -1);
-  std::vector<Ranked> ranked;
-  ranked.reserve(256);
+  std::vector<IkSolution> all;
+  all.reserve(256);
   for (int i = 0; i < branches.count; ++i)
-    add_equivalents(robot, branches.solutions[static_cast<std::size_t>(i)], seed, ranked);
-  std::stable_sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) {
-    return a.largest != b.largest ? a.largest < b.largest : a.sum < b.sum;
-  });
+    add_equivalents(robot, branches.solutions[static_cast<std::size_t>(i)], all);
+  std::vector<Rank> ranks(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Joints away = (all[i].q - seed).cwiseAbs();
+    ranks[i] = {away.maxCoeff(), away.sum(), i};
+  }
+  std::stable_sort(ranks.begin(), ranks.end());
   std::vector<IkSolution> solutions;
-  solutions.reserve(ranked.size());
-  for (const auto& r : ranked) solutions.push_back(r.solution);
+  solutions.reserve(all.size());
+  for (const auto& rank : ranks) solutions.push_back(all[rank.index]);
   return solutions;
 }
 

@@ -1,0 +1,29 @@
+#include "kinematics/polish.hpp"
+
+#include <Eigen/Cholesky>
+
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/jacobian.hpp"
+
+namespace stonestack {
+
+bool polish(const RobotModel& robot, const Pose& T_R_F, double tolerance, Joints& q) {
+  double rest = 0.0;
+  for (int step = 0; step < 20; ++step) {
+    const Pose T = forward(robot, q);
+    const Eigen::AngleAxisd turn(T_R_F.linear() * T.linear().transpose());
+    Eigen::Matrix<double, 6, 1> error;
+    error << T_R_F.translation() - T.translation(), turn.angle() * turn.axis();
+    rest = error.norm();
+    if (rest < 1e-12) break;
+    const Jacobian J = jacobian(robot, q);
+    const Eigen::Matrix<double, 6, 6> normal =
+        J * J.transpose() + 1e-3 * rest * Eigen::Matrix<double, 6, 6>::Identity();
+    const Joints move = J.transpose() * normal.ldlt().solve(error);
+    if (!move.allFinite() || move.norm() > 1.0) return false;
+    q += move;
+  }
+  return rest <= tolerance;
+}
+
+}  // namespace stonestack
