@@ -10,6 +10,7 @@ void add_scan(CLI::App& app);
 void add_render(CLI::App& app);
 void add_detect(CLI::App& app);
 void add_search(CLI::App& app);
+void add_check(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_run(CLI::App& app);
 void add_experiment(CLI::App& app);

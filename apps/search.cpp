@@ -7,6 +7,7 @@
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
 #include "scene_input.hpp"
+#include "search_trace.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
@@ -26,6 +27,7 @@ struct SearchCommand {
   std::string site;
   std::string picture;
   std::string out;
+  std::string trace;
   int levels = 1;
   SearchOptions options;
   DetectionOptions detection;
@@ -117,17 +119,20 @@ void search(SearchCommand& command) {
   command.options.seed = command.detection.seed = command.common.seed;
   command.common.settings.apply(
       join({nest("search", fields(command.options)), nest("detection", fields(command.detection))}));
+  require(command.trace.empty() || command.levels == 1, "--trace tells of one level; give --levels 1");
   const Catalogue catalogue = command.common.read();
   const ShapeList shapes = make_contact_shapes(catalogue.stones);
   const SearchProblem problem = read_problem(command, catalogue, shapes);
 
   std::vector<Placement> placements;
   std::string reason;
+  const auto progress = [](const std::string& line) { log_progress(line); };
   if (command.levels > 1) {
-    placements = plan_tower(problem, command.levels, command.options, &reason);
+    placements = plan_tower(problem, command.levels, command.options, &reason, progress);
   } else {
-    SearchResult found =
-        find_next_pose(problem, command.options, [](const std::string& line) { log_progress(line); });
+    command.options.trace = command.options.trace || !command.trace.empty();
+    SearchResult found = find_next_pose(problem, command.options, progress);
+    if (!command.trace.empty()) write_trace(command.trace, catalogue, found);
     reason = found.reason;
     if (!found.best.empty()) placements.push_back(found.best.front());
   }
@@ -174,6 +179,16 @@ void add_search(CLI::App& app) {
           ->check(CLI::Range(0.0, 2.0))
           ->capture_default_str(),
       "search.friction");
+  command->common.settings.bind(
+      sub->add_option(
+             "--budget", command->options.budget,
+             "Seconds after which it ends with the best so far (may differ from run to run); 0: none")
+          ->check(CLI::NonNegativeNumber)
+          ->capture_default_str(),
+      "search.budget");
+  sub->add_option("--trace", command->trace,
+                  "Write every candidate here: path to contact, polygon, terms, outcome")
+      ->type_name("DIR");
   sub->add_option("--out", command->out, "Write the planned tower as a scene file");
   sub->add_option("--picture", command->picture, "Draw the planned tower (PNG)");
   command->common.register_on(*sub);

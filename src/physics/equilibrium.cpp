@@ -198,9 +198,11 @@ Equilibrium solve_equilibrium(std::span<const StaticBody> bodies, std::span<cons
     result.margin = kMostMargin;
     for (int k = 0; k < options.directions; ++k) {
       const double angle = 2 * M_PI * k / options.directions;
-      const auto push = balance.push({std::cos(angle), std::sin(angle)}, options.friction);
+      const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+      const auto push = balance.push(direction, options.friction);
       if (push.acceleration >= result.margin) continue;
       result.margin = push.acceleration;
+      result.direction = direction;
       result.weakest_contact = push.weakest;
     }
   }

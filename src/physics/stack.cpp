@@ -150,26 +150,30 @@ std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& st
   return out;
 }
 
-Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
-                              const EquilibriumOptions& options) {
+StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction) {
   WorldOptions settings;
-  settings.friction = options.friction;
+  settings.friction = friction;
   settings.iterations = 200;
   settings.contact_gap = kCarries;
   World world = world_of(shapes, stack, settings);
   world.run(kSettle);
-  std::vector<Contact> contacts;
+  StackStatics statics;
   for (int i = 0; i < kCollect; ++i) {
     world.step();
     const std::vector<Contact> now = world.contacts();
-    contacts.insert(contacts.end(), now.begin(), now.end());
+    statics.contacts.insert(statics.contacts.end(), now.begin(), now.end());
   }
-  std::vector<StaticBody> bodies;
   for (std::size_t i = 0; i < stack.stones.size(); ++i) {
     const MassProperties& mass = shape_of(shapes, stack.stones[i]).mass;
-    bodies.push_back({mass.mass, world.pose(static_cast<int>(i)) * mass.p_O_M});
+    statics.bodies.push_back({mass.mass, world.pose(static_cast<int>(i)) * mass.p_O_M});
   }
-  return solve_equilibrium(bodies, contacts, options);
+  return statics;
+}
+
+Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
+                              const EquilibriumOptions& options) {
+  const StackStatics statics = stack_statics(shapes, stack, options.friction);
+  return solve_equilibrium(statics.bodies, statics.contacts, options);
 }
 
 }  // namespace stonestack

@@ -268,5 +268,42 @@ TEST_F(Commands, TheFileThatConfigShowWritesServesEveryCommand) {
                  {"other.yaml", "search.friction", "got 9"});
 }
 
+TEST_F(Commands, CheckTellsHowFirmlyAPlannedStoneStands) {
+  const Outcome planned = run("search --stones limestone_1 --out tower.yaml --trace trace --json");
+  ASSERT_EQ(planned.code, 0) << planned.err;
+  EXPECT_THAT(read_file(folder_ + "/trace/candidates.json", 1 << 26), HasSubstr("stonestack.trace/1"));
+  const Outcome checked = run("check tower.yaml --friction 0.3 --seconds 2 --json --picture tower.png");
+  ASSERT_EQ(checked.code, 0) << checked.err;
+  const json data = checked.data();
+  EXPECT_EQ(data["schema"], "stonestack.check/1");
+  EXPECT_TRUE(data["stands"].get<bool>());
+  EXPECT_TRUE(data["clean"].get<bool>());
+  EXPECT_LT(data["shift_m"].get<double>(), 0.001);
+  EXPECT_GT(data["margin_g"].get<double>(), 0.05);
+  EXPECT_LE(data["margin_g"].get<double>(), 0.3);  // no more than the friction
+  EXPECT_LT(data["least_friction"].get<double>(), 0.01);
+  EXPECT_EQ(data["weakest_contact"]["below"], "the table");
+  EXPECT_TRUE(fs::exists(folder_ + "/tower.png"));
+}
+
+TEST_F(Commands, CheckRefusesWhatCannotBeAndTellsWhatFalls) {
+  const auto stack = [&](double z) {
+    const std::string pose = "{x: 0.7, y: 0.28, z: ";
+    write("stack.yaml", concat("schema: stonestack.scene/1\nstack:\n  - {stone: limestone_1, T_W_O: ", pose,
+                               "0.1, qx: 0, qy: 0, qz: 0, qw: 1}}\n  - {stone: limestone_2, T_W_O: ", pose, z,
+                               ", qx: 0, qy: 0, qz: 0, qw: 1}}\n"));
+  };
+  stack(0.12);
+  expect_refusal("check stack.yaml", 3, {"stack.yaml", "limestone_1 and limestone_2 overlap by"});
+  stack(0.6);
+  const Outcome falls = run("check stack.yaml --seconds 1 --json");
+  EXPECT_EQ(falls.code, 5) << falls.err;
+  EXPECT_FALSE(falls.data()["stands"].get<bool>());
+  EXPECT_THAT(falls.err, HasSubstr("does not stand"));
+  expect_refusal("check stack.yaml --friction 0", 2, {"--friction"});
+  expect_refusal("check stack.yaml --friction nan", 2, {"friction"});
+  expect_refusal("check missing.yaml", 3, {"missing.yaml"});
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -17,6 +17,7 @@ struct Equilibrium {
   bool stands = false;
   double margin =
       0.0;  ///< g: largest horizontal acceleration borne in the worst of the tested directions; 0 if it falls
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< W, unit: where that push goes
   double least_friction =
       0;  ///< smallest friction coefficient at which it stands (bisection); infinity if none up to 2
   /// Contact that gives way first in the worst direction: the one whose friction limits the margin most, or,

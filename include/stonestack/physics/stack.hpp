@@ -48,7 +48,13 @@ struct StandVerdict {
 /// Indices are levels of the stack.
 [[nodiscard]] std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& stack,
                                                       double gap);
-/// Equilibrium of a stack from contacts collected over a short settle.
+/// A stack as statics sees it.
+struct StackStatics {
+  std::vector<StaticBody> bodies;
+  std::vector<Contact> contacts;  ///< collected over a short settle; indices are levels of the stack
+};
+[[nodiscard]] StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction);
+/// Equilibrium of a stack from `stack_statics`.
 [[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
                                             const EquilibriumOptions& options = {});
 

@@ -1,0 +1,16 @@
+#pragma once
+#include <string>
+
+#include "stonestack/physics/stack.hpp"
+
+namespace stonestack {
+
+/// Why a stone cannot be: mass not positive, inertia not possible, centre of mass outside its hull, nothing
+/// finite. Empty if it can.
+[[nodiscard]] std::string impossible(const ContactShape& shape);
+
+/// Names two stones of a stack that cut into each other, or one that reaches through the table, by more than
+/// any measurement errs (8 mm). Empty if there are none.
+[[nodiscard]] std::string overlap_of(const ShapeList& shapes, const Stack& stack);
+
+}  // namespace stonestack
