@@ -9,6 +9,8 @@ void add_bench_kinematics(CLI::App& bench);
 void add_bench_motion(CLI::App& bench);
 void add_bench_grasp(CLI::App& bench);
 void add_bench_search(CLI::App& bench);
+void add_bench_calibration(CLI::App& bench);
+void add_bench_equilibrium(CLI::App& bench);
 void add_bench_detection(CLI::App& bench);
 
 }  // namespace stonestack::apps

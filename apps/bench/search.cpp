@@ -8,19 +8,17 @@
 #include <memory>
 
 #include "bench.hpp"
+#include "put_down.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::apps {
 namespace {
 
 using bench::StonePool;
-
-constexpr double kNoiseStands = 5.0;  // s simulated after each noisy placement, before the next is planned
 
 struct BenchOptions {
   int draws = 10, stones = 4, seed = 1;
@@ -63,58 +61,20 @@ Stack stack_of(const std::vector<Placement>& placements) {
   return stack;
 }
 
-/// A stone put down beside its target, and the stack after it came to rest; empty if something fell.
-std::optional<Stack> put_down(const BenchOptions& options, const SearchProblem& problem,
-                              const Placement& target, Random& random) {
-  const ShapeList& shapes = *problem.shapes;
-  const MassProperties& mass = shapes[static_cast<std::size_t>(target.stone)]->mass;
-  Eigen::Vector3d shift, turn;
-  for (int axis = 0; axis < 3; ++axis) {
-    shift[axis] = random.normal(0.0, 1e-3 * options.noise);
-    turn[axis] = random.normal(0.0, options.noise_turn * M_PI / 180.0);
-  }
-  Pose T_W_O = target.T_W_O;
-  if (turn.norm() > 1e-12) {
-    const Eigen::Vector3d p_W_M = T_W_O * mass.p_O_M;
-    T_W_O = Eigen::Translation3d(p_W_M) * Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
-            Eigen::Translation3d(-p_W_M) * T_W_O;
-  }
-  T_W_O.pretranslate(shift);
-  // Let go where it first touches: raised from its place until it is free, in steps of half a millimetre.
-  Stack higher = problem.stack;
-  higher.stones.push_back({target.stone, T_W_O});
-  PlacedStone& top = higher.stones.back();
-  const auto penetrates = [&] {
-    for (const Contact& c : geometric_contacts(shapes, higher, 0.0))
-      if (c.above == static_cast<int>(higher.stones.size()) - 1 && c.gap < 0.0) return true;
-    return false;
-  };
-  top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, 1e-3));
-  for (int k = 0; k < 40 && penetrates(); ++k) top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, 5e-4));
-  SettleOptions settling;
-  settling.world.friction = options.search.friction;
-  const SettleResult at_rest = settle(shapes, problem.stack, target.stone, top.T_W_O, settling);
-  if (!at_rest.rests) return std::nullopt;
-  top.T_W_O = at_rest.T_W_O;
-  StandOptions stand;
-  stand.friction = options.search.friction;
-  stand.seconds = kNoiseStands;
-  const StandVerdict verdict = judge_stack(shapes, higher, stand);
-  if (!verdict.stands || !verdict.clean) return std::nullopt;
-  for (std::size_t k = 0; k < higher.stones.size(); ++k) higher.stones[k].T_W_O = verdict.T_W_O[k];
-  return higher;
-}
-
 /// Builds with noisy placements: plans, puts down, plans anew. The first stone that falls ends it.
 Stack build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search, int k,
                     std::string* reason) {
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
+  bench::PlacementNoise noise;
+  noise.shift = 1e-3 * options.noise;
+  noise.turn = options.noise_turn * M_PI / 180.0;
+  noise.friction = options.search.friction;
   while (!problem.available.empty()) {
     const SearchResult found = find_next_pose(problem, search);
     *reason = found.reason;
     if (found.best.empty()) break;
     const Placement& target = found.best.front();
-    const auto higher = put_down(options, problem, target, random);
+    const auto higher = bench::put_down(*problem.shapes, problem.stack, target, noise, random);
     if (!higher) {
       *reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
                        target.predicted_success);

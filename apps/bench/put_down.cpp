@@ -1,0 +1,62 @@
+#include "put_down.hpp"
+
+#include <algorithm>
+
+#include "stonestack/physics/settle.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+constexpr double kDrop = 0.001, kRaise = 0.0005;  // m
+constexpr int kMostRaises = 40;
+
+Pose displaced(const Pose& T_W_O, const Eigen::Vector3d& p_O_M, const PlacementNoise& noise, Random& random) {
+  Eigen::Vector3d shift, turn;
+  for (int axis = 0; axis < 3; ++axis) {
+    shift[axis] = random.normal(0.0, noise.shift);
+    turn[axis] = random.normal(0.0, noise.turn);
+  }
+  Pose moved = T_W_O;
+  if (turn.norm() > 1e-12) {
+    const Eigen::Vector3d p_W_M = T_W_O * p_O_M;
+    moved = Eigen::Translation3d(p_W_M) * Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
+            Eigen::Translation3d(-p_W_M) * T_W_O;
+  }
+  moved.pretranslate(shift);
+  return moved;
+}
+
+bool top_penetrates(const ShapeList& shapes, const Stack& stack) {
+  const std::vector<Contact> contacts = geometric_contacts(shapes, stack, 0.0);
+  const int top = static_cast<int>(stack.stones.size()) - 1;
+  return std::any_of(contacts.begin(), contacts.end(),
+                     [&](const Contact& c) { return c.above == top && c.gap < 0.0; });
+}
+
+}  // namespace
+
+std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const Placement& target,
+                              const PlacementNoise& noise, Random& random) {
+  Stack higher = below;
+  const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(target.stone)]->mass.p_O_M;
+  higher.stones.push_back({target.stone, displaced(target.T_W_O, p_O_M, noise, random)});
+  PlacedStone& top = higher.stones.back();
+  // It is let go just above where it would touch.
+  top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kDrop));
+  for (int k = 0; k < kMostRaises && top_penetrates(shapes, higher); ++k)
+    top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kRaise));
+  SettleOptions settling;
+  settling.world.friction = noise.friction;
+  const SettleResult at_rest = settle(shapes, below, target.stone, top.T_W_O, settling);
+  if (!at_rest.rests) return std::nullopt;
+  top.T_W_O = at_rest.T_W_O;
+  StandOptions stand;
+  stand.friction = noise.friction;
+  stand.seconds = noise.stands;
+  const StandVerdict verdict = judge_stack(shapes, higher, stand);
+  if (!verdict.stands || !verdict.clean) return std::nullopt;
+  for (std::size_t k = 0; k < higher.stones.size(); ++k) higher.stones[k].T_W_O = verdict.T_W_O[k];
+  return higher;
+}
+
+}  // namespace stonestack::bench

@@ -1,0 +1,23 @@
+#pragma once
+#include <optional>
+
+#include "stonestack/core/random.hpp"
+#include "stonestack/search/find_next_pose.hpp"
+
+namespace stonestack::bench {
+
+/// How a stone is put down: one sigma along and about each axis, and the friction of the world it meets.
+struct PlacementNoise {
+  double shift = 0.0;  ///< m
+  double turn = 0.0;   ///< rad
+  double friction = 0.1;
+  double stands = 5.0;  ///< s simulated afterwards, every stone dynamic
+};
+
+/// Puts a stone down beside its target and lets everything come to rest: the stack then, or nothing if a
+/// stone fell, moved (1 mm, 1 deg) or touches what it should not.
+[[nodiscard]] std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below,
+                                            const Placement& target, const PlacementNoise& noise,
+                                            Random& random);
+
+}  // namespace stonestack::bench
