@@ -1,5 +1,6 @@
 #include "cell_input.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "stonestack/core/data.hpp"
@@ -7,11 +8,27 @@
 
 namespace stonestack::apps {
 
+namespace {
+
+/// The path itself, or that of a cell that comes with stonestack.
+std::string find_cell(const std::string& name) {
+  if (std::filesystem::exists(name)) return name;
+  const std::filesystem::path folder = data_path("cells");
+  const auto shipped = folder / (name + ".yaml");
+  if (std::filesystem::exists(shipped)) return shipped;
+  std::vector<std::string> known;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) known.push_back(entry.path().stem());
+  std::sort(known.begin(), known.end());
+  std::string list;
+  for (const auto& cell : known) list += (list.empty() ? "" : ", ") + cell;
+  throw FileError(name, "no such file, nor a cell of that name", "cells that come with stonestack: " + list);
+}
+
+}  // namespace
+
 CellFile read_cell(const std::string& name) {
-  const std::string shipped = data_path("cells/" + name + ".yaml");
-  const bool known = !std::filesystem::exists(name) && std::filesystem::exists(shipped);
   CellFile file;
-  const std::string& path = file.path = known ? shipped : name;
+  const std::string& path = file.path = find_cell(name);
   file.cell = read_cell_file(path, join({{field("simulate", file.simulate, "serve the devices here")},
                                          nest("simulators", fields(file.servers))}));
   return file;

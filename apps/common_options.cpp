@@ -14,7 +14,7 @@ void CommonOptions::register_bench(CLI::App& command) {
       ->type_name("DIR");
   settings.bind(command.add_option("--seed", seed, "Same seed, same result")
                     ->capture_default_str()
-                    ->check(CLI::NonNegativeNumber),
+                    ->check(CLI::Range(0, 2147483647)),
                 "*.seed");
   settings.register_on(command);
 }

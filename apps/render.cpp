@@ -100,7 +100,7 @@ void add_render(CLI::App& app) {
       ->type_name("DIR");
   command->settings.bind(sub->add_option("--seed", command->options.simulation.seed, "Same seed, same scene")
                              ->capture_default_str()
-                             ->check(CLI::NonNegativeNumber),
+                             ->check(CLI::Range(0, 2147483647)),
                          "*.seed");
   sub->add_flag("--json", command->json, "Result as JSON on stdout");
   sub->add_flag("--quiet,-q", command->quiet, "Warnings and errors only on stderr");

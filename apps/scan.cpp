@@ -158,6 +158,7 @@ void scan(const ScanCommand& command) {
     try {
       stones.push_back(scan_one(list[n], command));
     } catch (const FileError& problem) {
+      if (list.size() == 1) throw;
       log_error(problem.what());
       failed.push_back({{"file", list[n].file}, {"error", problem.what()}});
     }

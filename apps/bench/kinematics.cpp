@@ -136,7 +136,7 @@ void add_bench_kinematics(CLI::App& bench) {
   sub->add_option("--poses", command->poses, "Random joint positions a robot")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
-  sub->add_option("--seed", command->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   sub->footer("Example:\n  stonestack bench kinematics --poses 1000000");
   sub->callback([command] {
     std::printf("%d poses a robot, seed %d\n", command->poses, command->seed);

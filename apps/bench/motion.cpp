@@ -146,7 +146,7 @@ void add_bench_motion(CLI::App& bench) {
   sub->add_option("--problems", command->problems, "Transit problems")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  sub->add_option("--seed", command->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   sub->footer("Example:\n  stonestack bench motion --problems 500");
   sub->callback([command] {
     std::printf("%d problems, seed %d\n", command->problems, command->seed);

@@ -231,7 +231,7 @@ void add_bench_search(CLI::App& bench) {
   sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  sub->add_option("--seed", options->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   options->settings.register_on(*sub);
   sub->footer(
       "Examples:\n"

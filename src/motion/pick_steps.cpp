@@ -83,6 +83,7 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   out.straight(Kind::kLift, "lift " + name, way.lift, options.approach_speed);
   out.transit("carry " + name + " above its place", way.carry);
   out.straight(Kind::kApproach, "lower " + name, way.lower, options.approach_speed);
+  out.steps().back().threshold = options.early_threshold;
   out.straight(Kind::kDescent, "set " + name + " down", way.descent, options.descent_speed);
   out.steps().back().threshold = std::max(options.least_threshold, 6 * options.force_noise);
   const double loose = std::min(grasp.pre_opening, grasp.opening + options.loosen);

@@ -68,16 +68,16 @@ struct Hands {
     return {Status::kNotPicked, 0.0, why};
   }
 
-  /// Down until the wrist feels the stack (paper §4.1: impact on the force-torque sensor).
-  [[nodiscard]] ExecutionResult descend(const PlanStep& step) const {
-    cell.force_torque.zero();
+  /// Down until the wrist feels something (paper §4.1: impact on the force-torque sensor). `touched` tells
+  /// whether it did: above the guarded descent that means a stone that hangs otherwise than planned.
+  [[nodiscard]] ExecutionResult feel_down(const PlanStep& step, bool* touched) const {
     GuardedMotion motion;
     motion.trajectory = step.trajectory;
     motion.threshold = step.threshold;
     const MotionResult moved = cell.arm.follow_guarded(motion);
-    if (moved.status == MotionResult::Status::kContact) return {Status::kReleased, moved.force, ""};
-    if (moved.status == MotionResult::Status::kNoContact)
-      return {Status::kNoContact, moved.force, "no contact " + step.name};
+    *touched = moved.status == MotionResult::Status::kContact;
+    if (*touched || moved.status == MotionResult::Status::kNoContact)
+      return {Status::kReleased, moved.force, ""};
     return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
   }
 
@@ -112,7 +112,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
                         Cell& cell, const MotionOptions& options, Journal* journal) {
   const Hands hands{plan, stone, scene, cell, options, journal};
   ExecutionResult result;
-  bool after_contact = false;
+  bool lowered = false, touched = false;
   for (const PlanStep& step : plan.steps) {
     throw_if_interrupted();
     hands.intend(step);
@@ -125,9 +125,12 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         now = hands.grasp(step);
         break;
       case PlanStep::Kind::kDescent:
-        now = hands.descend(step);
-        after_contact = true;
+        if (touched) break;  // already while lowering
+        cell.force_torque.zero();
+        now = hands.feel_down(step, &touched);
+        lowered = true;
         result.contact_force = now.contact_force;
+        if (!touched) result.reason = "no contact where the stone should touch; let go there";
         break;
       case PlanStep::Kind::kRelease:
         hands.open(step);
@@ -135,10 +138,19 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         hands.set_payload(false);
         break;
       case PlanStep::Kind::kRetreat:
-        now = after_contact ? hands.retreat(step) : hands.follow(step);
+        now = lowered ? hands.retreat(step) : hands.follow(step);
+        break;
+      case PlanStep::Kind::kApproach:
+        if (step.threshold <= 0) {
+          now = hands.follow(step);
+          break;
+        }
+        now = hands.feel_down(step, &touched);
+        lowered = touched;
+        result.contact_force = now.contact_force;
+        if (touched) result.reason = "touched early: the stone hangs otherwise than planned";
         break;
       case PlanStep::Kind::kTransit:
-      case PlanStep::Kind::kApproach:
       case PlanStep::Kind::kLift:
         now = hands.follow(step);
         break;

@@ -223,6 +223,7 @@ TEST_F(Commands, DoctorNamesWhatIsWrong) {
 
 TEST_F(Commands, RefuseBadInputWithOneLine) {
   expect_refusal("frobnicate", 2, {"unknown command 'frobnicate'", "search"});
+  expect_refusal("run --cell nowhere", 3, {"nowhere", "loopback-ur10"});
   expect_refusal("run --robot kuka", 3, {"kuka", "ur10"});
   expect_refusal("run --catalogue nowhere", 3, {"nowhere"});
   fs::create_directories(folder_ + "/empty");

@@ -25,6 +25,7 @@ struct MotionOptions {
   double grip_speed = 0.03;       ///< m/s, closing on the stone and letting go of it
   double loosen = 0.006;          ///< m, opened at grip_speed before the hand opens for the retreat
   double least_threshold = 5.0;   ///< N, contact at the descent
+  double early_threshold = 20.0;  ///< N, contact while the stone is lowered towards the guarded descent
   double force_noise = 0.15;      ///< N, one sigma of the force sensor; the threshold is at least six
   int alternatives = 3;           ///< complete plans to choose the quickest from
   double planning_seconds = 5.0;  ///< a whole plan, at most; the only limit that depends on the machine
@@ -42,7 +43,7 @@ struct PlanStep {
                                ///< for kGrasp: expected between the pads once closed
   double finger_speed = 0.0;   ///< m/s, for kOpen, kGrasp and kRelease
   double force = 0.0;          ///< N a finger, for kGrasp
-  double threshold = 0.0;      ///< N, for kDescent
+  double threshold = 0.0;      ///< N, for kDescent, and for kApproach with a stone in the hand
 };
 
 /// A plan, or why there is none.

@@ -9,14 +9,16 @@ namespace stonestack {
 
 /// How carrying out a plan ended.
 struct ExecutionResult {
-  enum class Status { kReleased, kNotPicked, kNoContact, kStopped };
+  enum class Status { kReleased, kNotPicked, kStopped };
   Status status = Status::kReleased;
   double contact_force = 0.0;  ///< N, at the end of the guarded descent
   std::string reason;          ///< when it was not released
 };
 
 /// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.
-/// After contact the retreat is planned anew from where the arm stands. A stop of the arm ends it at once,
+/// What touches while it is lowered, before the guarded descent, is let go there: the stone hangs otherwise
+/// than planned, and the next look tells how it lies. After contact the retreat is planned anew from where
+/// the arm stands. A stop of the arm ends it at once,
 /// with the stone held.
 [[nodiscard]] ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone,
                                       const PlanningScene& scene, Cell& cell, const MotionOptions& options,

@@ -1,0 +1,125 @@
+#include "stonestack/stacking/execute.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+
+#include "stonestack/stacking/observe.hpp"
+
+namespace stonestack {
+namespace {
+
+using Kind = PlanStep::Kind;
+using Status = MotionResult::Status;
+
+/// Notes what it is told; guarded motions end as scripted.
+struct ScriptedArm : Arm {
+  Joints q = home_joints();
+  std::deque<Status> guarded;
+  std::vector<std::string> told;
+
+  ArmState state() override {
+    ArmState state;
+    state.q = q;
+    return state;
+  }
+  MotionResult follow(const JointTrajectory&) override {
+    told.push_back("follow");
+    return {Status::kDone, q, 0.0, ""};
+  }
+  MotionResult follow_guarded(const GuardedMotion& motion) override {
+    told.push_back(motion.threshold > 10 ? "lower" : "descend");
+    const Status status = guarded.front();
+    guarded.pop_front();
+    return {status, q, 7.0, "scripted"};
+  }
+  void stop() override { told.push_back("stop"); }
+  void set_payload(double, const Eigen::Vector3d&) override {}
+};
+
+struct EmptyGripper : Gripper {
+  std::vector<std::string>* told;
+  explicit EmptyGripper(std::vector<std::string>* t) : told(t) {}
+  GripperState state() override { return {}; }
+  GripperState move(double, double, double) override {
+    told->push_back("open");
+    return {};
+  }
+};
+
+struct NoForce : ForceTorqueSensor {
+  Wrench read() override { return {}; }
+  void zero() override {}
+};
+
+struct NoCamera : DepthCamera {
+  DepthFrame capture() override { return {}; }
+};
+
+struct Bench {
+  ScriptedArm arm;
+  EmptyGripper gripper{&arm.told};
+  NoForce force;
+  NoCamera camera;
+  std::unique_ptr<Clock> clock = make_steady_clock();
+  CellLayout layout;
+  Cell cell{arm, gripper, force, camera, *clock, layout};
+  PlanningScene scene;
+  Stone stone;
+  PickAndPlacePlan plan;
+
+  Bench() {
+    scene.robot = read_robot("ur10");
+    scene.T_F_T = layout.T_F_T;
+    stone.mass.mass = 1.0;
+    for (const Kind kind :
+         {Kind::kApproach, Kind::kApproach, Kind::kDescent, Kind::kRelease, Kind::kRetreat}) {
+      PlanStep step;
+      step.kind = kind;
+      step.threshold = kind == Kind::kDescent ? 5.0 : 0.0;
+      plan.steps.push_back(step);
+    }
+    plan.steps[1].threshold = 20.0;  // lowered with the stone in the hand
+  }
+  ExecutionResult run(std::deque<Status> guarded) {
+    arm.told.clear();
+    arm.guarded = std::move(guarded);
+    return execute(plan, stone, scene, cell, {}, nullptr);
+  }
+};
+
+TEST(Execute, DescendsUntilItTouchesAndLetsGo) {
+  Bench bench;
+  const auto done = bench.run({Status::kNoContact, Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
+  EXPECT_EQ(done.reason, "");
+  EXPECT_EQ(done.contact_force, 7.0);
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "descend", "open", "follow"));
+}
+
+TEST(Execute, WhatTouchesEarlyIsLetGoThere) {
+  Bench bench;
+  const auto done = bench.run({Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
+  EXPECT_THAT(done.reason, testing::HasSubstr("early"));
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "open", "follow"));
+}
+
+TEST(Execute, WhatNeverTouchesIsNotCarriedAround) {
+  Bench bench;
+  const auto done = bench.run({Status::kNoContact, Status::kNoContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
+  EXPECT_THAT(done.reason, testing::HasSubstr("no contact"));
+  EXPECT_EQ(std::count(bench.arm.told.begin(), bench.arm.told.end(), "open"), 1);
+}
+
+TEST(Execute, AStopOfTheArmEndsIt) {
+  Bench bench;
+  const auto done = bench.run({Status::kStopped});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kStopped);
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower")) << "nothing moves after a stop";
+}
+
+}  // namespace
+}  // namespace stonestack
