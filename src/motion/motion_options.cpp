@@ -19,6 +19,8 @@ FieldList fields(MotionOptions& o) {
           field("loosen", o.loosen, {0, 0.05}, "m", "ours"),
           field("least_threshold", o.least_threshold, {0.5, 100}, "N", "facts/robot.md"),
           field("early_threshold", o.early_threshold, {1, 100}, "N", "ours: inertia stays below 10 N"),
+          field("least_held", o.least_held, {0, 1}, "", "ours"),
+          field("largest_swing", o.largest_swing, {0.001, 1}, "m", "ours"),
           field("force_noise", o.force_noise, {0, 10}, "N", "facts/robot.md: resolution 0.1 N"),
           field("alternatives", o.alternatives, {1, 100}, "", "measured: bench motion"),
           field("planning_seconds", o.planning_seconds, {0.01, 600}, "s", "ours"),

@@ -8,7 +8,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kLeastForce = 15.0;  ///< N, what the hand can do gently (facts/robot.md)
+constexpr double kLeastForce = 50.0;  ///< N, what the hand can do gently (facts/robot.md)
 
 using Kind = PlanStep::Kind;
 

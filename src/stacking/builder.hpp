@@ -123,6 +123,7 @@ class Builder {
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
   int taken_off_ = 0;
+  std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
   std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit
 };
 

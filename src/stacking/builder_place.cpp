@@ -41,6 +41,7 @@ bool Builder::place(const Target& target) {
   update_height();
   if (entry.outcome == PlacementRecord::Outcome::kPlaced) return true;
   if (entry.outcome == PlacementRecord::Outcome::kNotPicked) {
+    failed_grasps_[placement.stone].push_back(target.plan.T_O_T);
     const auto misses =
         std::count_if(result_.placements.begin(), result_.placements.end(), [&](const PlacementRecord& r) {
           return r.outcome == PlacementRecord::Outcome::kNotPicked && r.stone == entry.stone;

@@ -1,5 +1,6 @@
 #include "stonestack/stacking/execute.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "stonestack/core/error.hpp"
@@ -16,6 +17,20 @@ constexpr double kFingerForce = 60.0;   // N, when the plan names none
 constexpr double kGravity = 9.81;       // m/s^2
 
 using Status = ExecutionResult::Status;
+
+constexpr double kEmptyHand = 0.2;  // of the weight: less than that hangs there for sure
+constexpr int kHoldReadings = 10;   // of the wrist, while the stone hangs still
+
+JointTrajectory reversed(const JointTrajectory& way) {
+  JointTrajectory back = way;
+  std::reverse(back.q.begin(), back.q.end());
+  std::reverse(back.qd.begin(), back.qd.end());
+  for (std::size_t k = 0; k < way.time.size(); ++k) {
+    back.time[k] = way.duration() - way.time[way.time.size() - 1 - k];
+    back.qd[k] = -back.qd[k];
+  }
+  return back;
+}
 
 /// Carries one plan through.
 struct Hands {
@@ -66,6 +81,56 @@ struct Hands {
     const ExecutionResult back = retreat(step);
     if (back.status == Status::kStopped) return back;
     return {Status::kNotPicked, 0.0, why};
+  }
+
+  /// What the wrist says of the stone that hangs in the hand, against what should hang there: the force since
+  /// the zero before the grasp, in the flange's axes, is its weight, and the torque tells where it pulls.
+  [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift) const {
+    Wrench mean;
+    for (int i = 0; i < kHoldReadings; ++i) {
+      const Wrench one = cell.force_torque.read();
+      mean.force += one.force / kHoldReadings;
+      mean.torque += one.torque / kHoldReadings;
+    }
+    const Eigen::Matrix3d R_W_F = (cell.layout.T_W_R * forward(scene.robot, cell.arm.state().q)).linear();
+    const double weight = -(R_W_F * mean.force).z(), expected = kGravity * stone.mass.mass;
+    // Of the arm of the weight only the part across it can be told.
+    const Eigen::Vector3d n_F_down = -R_W_F.row(2).transpose();
+    const Eigen::Vector3d p_F_pull = mean.force.cross(mean.torque) / std::max(1e-6, mean.force.squaredNorm());
+    Eigen::Vector3d off = p_F_pull - p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
+    off -= off.dot(n_F_down) * n_F_down;
+    if (journal != nullptr)
+      journal->record("hold", concat("{\"weight\": ", weight, ", \"expected\": ", expected,
+                                     ", \"off\": ", off.norm(), "}"));
+    if (weight < options.least_held * expected) {
+      const std::string why =
+          concat("slipped out of the hand: ", weight, " N hang there, not ", expected, " N");
+      // What still hangs is set down; what lies below already must not be met from above.
+      return weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
+    }
+    if (off.norm() > options.largest_swing)
+      return put_back(lift, concat("turned in the hand: it pulls ", std::lround(1e3 * off.norm()),
+                                   " mm beside where it should"));
+    return {};
+  }
+
+  /// Opens where the hand is.
+  [[nodiscard]] ExecutionResult let_go(const std::string& why) const {
+    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+    set_payload(false);
+    return {Status::kNotPicked, 0.0, why};
+  }
+
+  /// Down again the way it was lifted, until it touches; then lets go.
+  [[nodiscard]] ExecutionResult put_back(const PlanStep& lift, const std::string& why) const {
+    GuardedMotion down;
+    down.trajectory = reversed(lift.trajectory);
+    down.threshold = options.early_threshold;
+    const MotionResult moved = cell.arm.follow_guarded(down);
+    if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
+      return {Status::kStopped, moved.force, "putting " + stone.name + " back: " + moved.reason};
+    set_payload(false);
+    return give_up(lift, why);
   }
 
   /// Down until the wrist feels something (paper §4.1: impact on the force-torque sensor). `touched` tells
@@ -122,6 +187,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         hands.open(step);
         break;
       case PlanStep::Kind::kGrasp:
+        cell.force_torque.zero();
         now = hands.grasp(step);
         break;
       case PlanStep::Kind::kDescent:
@@ -150,8 +216,11 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         result.contact_force = now.contact_force;
         if (touched) result.reason = "touched early: the stone hangs otherwise than planned";
         break;
-      case PlanStep::Kind::kTransit:
       case PlanStep::Kind::kLift:
+        now = hands.follow(step);
+        if (now.status == Status::kReleased) now = hands.check_hold(step);
+        break;
+      case PlanStep::Kind::kTransit:
         now = hands.follow(step);
         break;
     }

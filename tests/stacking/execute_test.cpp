@@ -5,6 +5,7 @@
 
 #include <deque>
 
+#include "stonestack/kinematics/forward.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack {
@@ -48,8 +49,9 @@ struct EmptyGripper : Gripper {
   }
 };
 
-struct NoForce : ForceTorqueSensor {
-  Wrench read() override { return {}; }
+struct ScriptedForce : ForceTorqueSensor {
+  Wrench wrench;
+  Wrench read() override { return wrench; }
   void zero() override {}
 };
 
@@ -60,7 +62,7 @@ struct NoCamera : DepthCamera {
 struct Bench {
   ScriptedArm arm;
   EmptyGripper gripper{&arm.told};
-  NoForce force;
+  ScriptedForce force;
   NoCamera camera;
   std::unique_ptr<Clock> clock = make_steady_clock();
   CellLayout layout;
@@ -112,6 +114,38 @@ TEST(Execute, WhatNeverTouchesIsNotCarriedAround) {
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
   EXPECT_THAT(done.reason, testing::HasSubstr("no contact"));
   EXPECT_EQ(std::count(bench.arm.told.begin(), bench.arm.told.end(), "open"), 1);
+}
+
+TEST(Execute, WhatDoesNotHangInTheHandIsPutBack) {
+  Bench bench;
+  bench.plan.steps.resize(1);
+  bench.plan.steps[0].kind = Kind::kLift;
+  JointTrajectory& lift = bench.plan.steps[0].trajectory;
+  lift.time = {0.0, 1.0};
+  lift.q = {bench.arm.q, bench.arm.q};
+  lift.qd = {Joints::Zero(), Joints::Zero()};
+  bench.stone.mass.p_O_M = Eigen::Vector3d(0.01, 0.02, 0.03);
+  const Eigen::Matrix3d R_W_F = (bench.layout.T_W_R * forward(bench.scene.robot, bench.arm.q)).linear();
+  const auto hang = [&](double mass, const Eigen::Vector3d& p_F) {
+    bench.force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
+    bench.force.wrench.torque = p_F.cross(bench.force.wrench.force);
+    return bench.run({Status::kContact});
+  };
+  const Eigen::Vector3d p_F = bench.layout.T_F_T * bench.stone.mass.p_O_M;  // T_O_T is the identity
+  EXPECT_EQ(hang(1.0, p_F).status, ExecutionResult::Status::kReleased);
+  EXPECT_EQ(bench.arm.guarded.size(), 1u) << "nothing to put back";
+  const auto slipping = hang(0.4, p_F);
+  EXPECT_EQ(slipping.status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(slipping.reason, testing::HasSubstr("slipped"));
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "open", "follow"));
+  EXPECT_EQ(hang(0.05, p_F).status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "open")) << "the stone lies below the hand";
+  // A stone that has turned pulls elsewhere; how far below does not matter.
+  const auto turned = hang(1.0, p_F + R_W_F.transpose() * Eigen::Vector3d(0.03, 0, 0));
+  EXPECT_EQ(turned.status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(turned.reason, testing::HasSubstr("turned"));
+  EXPECT_EQ(hang(1.0, p_F + R_W_F.transpose() * Eigen::Vector3d(0, 0, -0.03)).status,
+            ExecutionResult::Status::kReleased);
 }
 
 TEST(Execute, AStopOfTheArmEndsIt) {

@@ -26,8 +26,10 @@ struct MotionOptions {
   double loosen = 0.006;          ///< m, opened at grip_speed before the hand opens for the retreat
   double least_threshold = 5.0;   ///< N, contact at the descent
   double early_threshold = 20.0;  ///< N, contact while the stone is lowered towards the guarded descent
-  double force_noise = 0.15;      ///< N, one sigma of the force sensor; the threshold is at least six
-  int alternatives = 3;           ///< complete plans to choose the quickest from
+  double least_held = 0.6;        ///< share of the stone's weight that the wrist must feel after the lift
+  double largest_swing = 0.020;  ///< m, level, between where the stone pulls at the wrist and where it should
+  double force_noise = 0.15;     ///< N, one sigma of the force sensor; the threshold is at least six
+  int alternatives = 3;          ///< complete plans to choose the quickest from
   double planning_seconds = 5.0;  ///< a whole plan, at most; the only limit that depends on the machine
   int seed = 1;
 };
@@ -64,6 +66,7 @@ struct PickAndPlaceTask {
   Pose T_W_O_pick = Pose::Identity();
   Pose T_W_O_place = Pose::Identity();
   Joints q_start = Joints::Zero();
+  std::vector<Pose> avoid;  ///< grasps T_O_T that failed before: none near them is taken
 };
 /// Open, transit, approach, grasp, lift, carry, lower, guarded descent, release, retreat: a grasp that serves
 /// both ends, free of collision on the whole way, timed within limits. Of several complete plans the

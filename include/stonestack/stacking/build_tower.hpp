@@ -39,7 +39,7 @@ struct BuildOptions {
   int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
   bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
   int most_taken_off = 2;     ///< stones put back into the field to try another way; the paper never does
-  int pick_attempts = 2;      ///< of one stone that the gripper misses
+  int pick_attempts = 3;      ///< of one stone that the gripper misses
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
