@@ -284,8 +284,8 @@ std::string TrueWorld::hard_contact() const {
     return concat("the gripper is pressed ", -1e3 * corner.z(), " mm into the table at x ", corner.x(), " y ",
                   corner.y());
   if (load_.force.norm() > kLargestForce)
-    return concat("a force of ", load_.force.norm(), " N on the gripper (limit ", kLargestForce, " N): ",
-                  pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
+    return concat("a force of ", load_.force.norm(), " N on the gripper (limit ", kLargestForce,
+                  " N): ", pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
                   " N by the table, the rest by its rigid parts");
   return {};
 }
