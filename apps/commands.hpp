@@ -16,6 +16,7 @@ void add_run(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
 void add_bench(CLI::App& app);
 

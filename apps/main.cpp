@@ -47,7 +47,8 @@ int run(int argc, char** argv) {
       stonestack::apps::add_scan,   stonestack::apps::add_render,     stonestack::apps::add_detect,
       stonestack::apps::add_search, stonestack::apps::add_check,      stonestack::apps::add_plan,
       stonestack::apps::add_run,    stonestack::apps::add_experiment, stonestack::apps::add_simulate,
-      stonestack::apps::add_doctor, stonestack::apps::add_config,     stonestack::apps::add_bench,
+      stonestack::apps::add_doctor, stonestack::apps::add_calibrate,  stonestack::apps::add_config,
+      stonestack::apps::add_bench,
   };
   for (const auto add : commands) add(app);
   check_command(app, argc, argv);

@@ -41,7 +41,8 @@ void Settings::register_on(CLI::App& command) {
 
 FieldList every_field(EveryOption& every) {
   return join({fields(every.build), nest("simulation", fields(every.simulation)),
-               nest("scene", fields(every.scene))});
+               nest("scene", fields(every.scene)), nest("calibration", fields(every.calibration)),
+               nest("simulated_calibration", fields(every.simulated_calibration))});
 }
 
 void Settings::apply_file(const FieldList& list, const std::string& path, const std::string& kind) {

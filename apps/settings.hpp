@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "stonestack/core/options.hpp"
+#include "stonestack/kinematics/hand_eye_stations.hpp"
 #include "stonestack/simulation/render_scene.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
 namespace stonestack::apps {
@@ -16,6 +18,8 @@ struct EveryOption {
   BuildOptions build;
   SimulationOptions simulation;
   SceneOptions scene;
+  HandEyeOptions calibration;
+  HandEyeNoise simulated_calibration;
 };
 [[nodiscard]] FieldList every_field(EveryOption& every);
 

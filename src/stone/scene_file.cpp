@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "core/yaml.hpp"
-#include "stone/pose_yaml.hpp"
+#include "geometry/pose_yaml.hpp"
 #include "stonestack/core/file.hpp"
 
 namespace stonestack {

@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "core/yaml.hpp"
-#include "stone/pose_yaml.hpp"
+#include "geometry/pose_yaml.hpp"
 
 namespace stonestack {
 namespace {

@@ -1,4 +1,4 @@
-#include "stone/pose_yaml.hpp"
+#include "geometry/pose_yaml.hpp"
 
 #include <cmath>
 

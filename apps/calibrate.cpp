@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "geometry/pose_json.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/kinematics/hand_eye_file.hpp"
+#include "stonestack/kinematics/hand_eye_stations.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+struct CalibrateCommand {
+  CommonOptions common;
+  std::string pairs_file;
+  int simulate = 0;
+  bool on_base = false;
+  std::string method = "joint";
+  std::string check, out, like, write_pairs;
+  HandEyeOptions options;
+  HandEyeNoise noise;
+};
+
+/// What a simulated calibration should find.
+const Pose kSimulatedTruth = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
+
+HandEyeFile stations(const CalibrateCommand& command) {
+  require(command.pairs_file.empty() != (command.simulate == 0),
+          "give either a file of pairs or --simulate COUNT");
+  if (command.simulate == 0) return read_hand_eye_pairs(command.pairs_file);
+  const CameraMount mount = command.on_base ? CameraMount::kOnBase : CameraMount::kOnHand;
+  return {mount,
+          simulate_hand_eye(kSimulatedTruth, mount, command.simulate, command.noise,
+                            Random::stream(static_cast<std::uint64_t>(command.common.seed), "calibrate"))};
+}
+
+nlohmann::json residual_json(const HandEyeResidual& r) {
+  return {{"translation_m", r.translation}, {"rotation_rad", r.rotation}};
+}
+
+void print_table(const HandEyeResult& result, const CalibrateCommand& command) {
+  std::printf("%-12s %12s %12s   %-26s %s\n", "method", "residual mm", "residual deg", "position (m)",
+              command.simulate > 0 ? "error mm, deg" : "");
+  for (const auto& s : result.solutions) {
+    const auto& p = s.T_A_C.translation();
+    std::printf("%-12s %12.3f %12.4f   %8.5f %8.5f %8.5f", s.method.c_str(), 1000 * s.residual.translation,
+                s.residual.rotation / kDegree, p.x(), p.y(), p.z());
+    const auto error = difference(s.T_A_C, kSimulatedTruth);
+    if (command.simulate > 0) std::printf("   %6.3f %7.4f", 1000 * error.translation, error.angle / kDegree);
+    std::printf("\n");
+  }
+}
+
+void print_json(const HandEyeResult& result, const HandEyeFile& file, const HandEyeSolution& chosen) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& s : result.solutions)
+    all.push_back(
+        {{"method", s.method}, {"T_A_C", pose_json(s.T_A_C)}, {"residual", residual_json(s.residual)}});
+  std::cout << nlohmann::json{{"schema", "stonestack.calibrate/1"}, {"camera", to_text(file.mount)},
+                              {"pairs", file.pairs.size()},         {"method", chosen.method},
+                              {"T_A_C", pose_json(chosen.T_A_C)},   {"solutions", all},
+                              {"warning", result.warning}}
+                   .dump(2)
+            << '\n';
+}
+
+/// Compares a calibration that exists with the stations.
+void check_file(const CalibrateCommand& command, const HandEyeFile& file, const HandEyeSolution& chosen) {
+  const EasyHandEye given = read_easy_handeye(command.check);
+  if (given.mount != file.mount)
+    throw FileError(command.check, concat("is for a camera ", to_text(given.mount)),
+                    concat("the pairs are of one ", to_text(file.mount)));
+  const auto residual = hand_eye_residual(file.pairs, file.mount, given.T_A_C);
+  const auto off = difference(given.T_A_C, chosen.T_A_C);
+  log_info(concat(command.check, ": residual ", 1000 * residual.translation, " mm, ",
+                  residual.rotation / kDegree, " deg; ", 1000 * off.translation, " mm and ",
+                  off.angle / kDegree, " deg from the result"));
+  if (looks_inverted(file.pairs, file.mount, given.T_A_C, command.options))
+    log_warning(command.check + ": the transformation is inverted: its inverse agrees with the pairs");
+}
+
+void save(const CalibrateCommand& command, const HandEyeFile& file, const HandEyeSolution& chosen) {
+  EasyHandEye out;
+  if (!command.like.empty()) {
+    out = read_easy_handeye(command.like);
+  } else {
+    out.parameters = {{"move_group", "manipulator"},
+                      {"move_group_namespace", "/"},
+                      {"namespace", "/stonestack/"},
+                      {"robot_base_frame", "base_link"},
+                      {"robot_effector_frame", "tool0"},
+                      {"tracking_base_frame", "camera_depth_optical_frame"},
+                      {"tracking_marker_frame", "camera_marker"}};
+  }
+  out.mount = file.mount;
+  out.T_A_C = chosen.T_A_C;
+  write_easy_handeye(command.out, out);
+  log_info("wrote " + command.out);
+}
+
+void calibrate(CalibrateCommand& command) {
+  command.common.begin();
+  command.common.settings.apply(join(
+      {nest("calibration", fields(command.options)), nest("simulated_calibration", fields(command.noise))}));
+  const HandEyeFile file = stations(command);
+  if (!command.write_pairs.empty()) write_hand_eye_pairs(command.write_pairs, file);
+  const HandEyeResult result = calibrate_hand_eye(file.pairs, file.mount, command.options);
+  const auto chosen = std::find_if(result.solutions.begin(), result.solutions.end(),
+                                   [&](const HandEyeSolution& s) { return s.method == command.method; });
+  require(chosen != result.solutions.end(), "method ", command.method, " has no result for these pairs");
+  if (command.common.json)
+    print_json(result, file, *chosen);
+  else
+    print_table(result, command);
+  if (!result.warning.empty()) log_warning(result.warning);
+  if (!command.check.empty()) check_file(command, file, *chosen);
+  if (!command.out.empty()) save(command, file, *chosen);
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app) {
+  auto command = std::make_shared<CalibrateCommand>();
+  CLI::App* sub =
+      app.add_subcommand("calibrate", "Where the camera sits on the hand, from arm and target poses");
+  sub->add_option("PAIRS", command->pairs_file, "YAML of stations: T_R_F from the arm, T_C_B of the target");
+  sub->add_option("--simulate", command->simulate, "Simulate that many stations in place of a file")
+      ->check(CLI::Range(3, 1000));
+  sub->add_flag("--on-base", command->on_base, "Simulate a camera beside the arm");
+  sub->add_option("--method", command->method, "Whose result is written")
+      ->check(CLI::IsMember({"joint", "tsai_lenz", "park_martin", "daniilidis"}))
+      ->capture_default_str();
+  sub->add_option("--check", command->check, "An easy_handeye file to compare with the stations")
+      ->type_name("FILE");
+  sub->add_option("--out", command->out, "Write the result as an easy_handeye file")->type_name("FILE");
+  sub->add_option("--like", command->like, "Take frame names and the other parameters from this file")
+      ->type_name("FILE");
+  sub->add_option("--write-pairs", command->write_pairs, "Write the stations that were used")
+      ->type_name("FILE");
+  command->common.register_on(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack calibrate --simulate 15 --seed 1\n"
+      "  stonestack calibrate pairs.yaml --out ur10_sr300.yaml\n"
+      "  stonestack calibrate pairs.yaml --check ~/.ros/easy_handeye/ur10_sr300.yaml\n"
+      "PAIRS: {schema: stonestack.hand_eye/1, camera: on_hand, pairs: [{T_R_F: {x, y, z, qx, qy, qz, qw}, "
+      "T_C_B: ...}]}");
+  sub->callback([command] { calibrate(*command); });
+}
+
+}  // namespace stonestack::apps

@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "stonestack/kinematics/hand_eye.hpp"
+
+namespace stonestack {
+
+/// Stations in a file, YAML:
+///
+///   schema: stonestack.hand_eye/1
+///   camera: on_hand                 # or on_base
+///   pairs:
+///     - {T_R_F: {x: ..., qw: ...}, T_C_B: {x: ..., qw: ...}}
+struct HandEyeFile {
+  CameraMount mount = CameraMount::kOnHand;
+  std::vector<HandEyePair> pairs;
+};
+/// Throws FileError naming file, key and value.
+[[nodiscard]] HandEyeFile read_hand_eye_pairs(const std::string& path);
+void write_hand_eye_pairs(const std::string& path, const HandEyeFile& file);
+
+/// The result as the ROS package easy_handeye keeps it (~/.ros/easy_handeye/NAME.yaml): `parameters` and
+/// `transformation`, which is T_F_C with eye_on_hand, T_R_C otherwise.
+struct EasyHandEye {
+  CameraMount mount = CameraMount::kOnHand;
+  Pose T_A_C = Pose::Identity();
+  /// Every parameter but eye_on_hand as it stood in the file: robot_base_frame, tracking_base_frame, ...
+  std::vector<std::pair<std::string, std::string>> parameters;
+};
+/// Throws FileError naming file, key and value.
+[[nodiscard]] EasyHandEye read_easy_handeye(const std::string& path);
+/// What was read is written as it was, keys sorted as easy_handeye sorts them.
+void write_easy_handeye(const std::string& path, const EasyHandEye& calibration);
+
+}  // namespace stonestack
