@@ -1,11 +1,13 @@
 #include "scene_input.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/depth_sequence.hpp"
 #include "stonestack/geometry/fit_camera.hpp"
 
 namespace stonestack::apps {
@@ -53,7 +55,58 @@ SceneView view_of_cloud(const std::string& path, const std::string& camera_pose,
   return view;
 }
 
+/// "fx,fy,cx,cy", and distortion if given; without a size.
+CameraIntrinsics parse_camera(const DepthInput& input) {
+  const auto v = parse_numbers(input.camera, 4, "fx,fy,cx,cy");
+  CameraIntrinsics camera;
+  camera.fx = v[0], camera.fy = v[1], camera.cx = v[2], camera.cy = v[3];
+  require(camera.fx > 1 && camera.fy > 1, "the focal length in '", input.camera, "' is in pixels");
+  const auto colon = input.distortion.find(':');
+  const std::string kind = input.distortion.substr(0, colon);
+  if (kind.empty() || kind == "none") return camera;
+  require(kind == "brown_conrady" || kind == "inverse_brown_conrady", "distortion '", kind,
+          "' is none of none, brown_conrady and inverse_brown_conrady");
+  require(colon != std::string::npos, "distortion '", input.distortion, "' lacks :k1,k2,p1,p2,k3");
+  camera.distortion = kind == "brown_conrady" ? CameraIntrinsics::Distortion::kBrownConrady
+                                              : CameraIntrinsics::Distortion::kInverseBrownConrady;
+  const auto k = parse_numbers(input.distortion.substr(colon + 1), 5, "k1,k2,p1,p2,k3");
+  std::copy(k.begin(), k.end(), camera.k);
+  return camera;
+}
+
+SceneView view_of_picture(const std::string& path, const DepthInput& input) {
+  if (input.camera.empty())
+    throw FileError(path, "comes without the camera's intrinsics", "give --camera fx,fy,cx,cy");
+  if (input.unit == 0.0)
+    throw FileError(path, "does not say how many metres a count is",
+                    "give --depth-unit (SR300: 0.000125, D435: 0.001)");
+  CameraIntrinsics camera = parse_camera(input);
+  const Eigen::Vector2i size = png_size(path);
+  camera.width = size.x(), camera.height = size.y();
+  return {read_depth_png(path, camera, input.unit), std::nullopt};
+}
+
+SceneView view_of_recording(const std::string& folder, const DepthInput& input) {
+  DepthSequenceInput given;
+  given.unit = input.unit;
+  if (!input.camera.empty()) given.camera = parse_camera(input);
+  const DepthSequence sequence = read_depth_sequence(folder, given);
+  require(input.frame >= 0 && input.frame < static_cast<int>(sequence.records.size()), folder, " has ",
+          sequence.records.size(), " frames, none with number ", input.frame);
+  const DepthRecord& record = sequence.records[static_cast<std::size_t>(input.frame)];
+  return {read_depth(record), record.T_W_C};
+}
+
 }  // namespace
+
+void register_depth_input(CLI::App& command, DepthInput& input) {
+  command.add_option("--depth-unit", input.unit, "m a count of a depth PNG; never guessed")
+      ->check(CLI::Range(1e-6, 0.1));
+  command.add_option("--camera", input.camera, "fx,fy,cx,cy of a depth PNG, pixels");
+  command.add_option("--distortion", input.distortion,
+                     "With --camera: brown_conrady:k1,k2,p1,p2,k3 or inverse_brown_conrady:... (SR300)");
+  command.add_option("--frame", input.frame, "Of a recording, from 0")->check(CLI::NonNegativeNumber);
+}
 
 std::vector<std::string> split(const std::string& list, char separator) {
   std::vector<std::string> parts;
@@ -89,7 +142,14 @@ Eigen::Vector2d parse_point(const std::string& text) {
   return {v[0], v[1]};
 }
 
-SceneView read_view(const std::string& path, const std::string& camera_pose, bool world) {
+SceneView read_view(const std::string& path, const std::string& camera_pose, bool world,
+                    const DepthInput& depth) {
+  const bool folder = std::filesystem::is_directory(path);
+  if (folder || std::filesystem::path(path).extension() == ".png") {
+    SceneView view = folder ? view_of_recording(path, depth) : view_of_picture(path, depth);
+    if (!camera_pose.empty()) view.T_W_C = parse_pose(camera_pose);
+    return view;
+  }
   if (!is_scene_file(path)) return view_of_cloud(path, camera_pose, world);
   const SceneFile scene = read_scene_file(path);
   SceneView view;

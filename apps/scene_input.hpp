@@ -15,17 +15,27 @@ struct SceneView {
   std::optional<Pose> T_W_C;
 };
 
+/// What a depth image or a recording does not say of itself.
+struct DepthInput {
+  double unit = 0.0;       ///< m a count; 0: it must stand in the files
+  std::string camera;      ///< fx,fy,cx,cy
+  std::string distortion;  ///< none, brown_conrady:k1,k2,p1,p2,k3 or inverse_brown_conrady:...
+  int frame = 0;           ///< of a recording
+};
+/// --depth-unit, --camera, --distortion, --frame.
+void register_depth_input(CLI::App& command, DepthInput& input);
+
 /// "x,y,z,qx,qy,qz,qw", or the path of a scene file with T_W_C. Throws InvalidArgument or FileError.
 [[nodiscard]] Pose parse_pose(const std::string& text);
 /// "x,y".
 [[nodiscard]] Eigen::Vector2d parse_point(const std::string& text);
 
-/// A depth view from a scene file (depth image or cloud in it), or from a cloud (PLY, PCD). A cloud is in the
-/// camera frame when `camera_pose` is given or when it is organised like a depth camera's (then its pose
-/// stays unknown); any other is in the world frame, or in the camera frame if `camera_frame` says so. Throws
-/// FileError.
-[[nodiscard]] SceneView read_view(const std::string& path, const std::string& camera_pose,
-                                  bool world = false);
+/// A depth view from a scene file (depth image or cloud in it), a 16-bit depth PNG, a recording (folder in
+/// the layout of BOP, Open3D or TUM), or from a cloud (PLY, PCD). A cloud is in the camera frame when
+/// `camera_pose` is given or when it is organised like a depth camera's (then its pose stays unknown); any
+/// other is in the world frame, or in the camera frame if `camera_frame` says so. Throws FileError.
+[[nodiscard]] SceneView read_view(const std::string& path, const std::string& camera_pose, bool world = false,
+                                  const DepthInput& depth = {});
 
 /// T_W_C of a camera whose pose nobody gave: the table it sees is z = 0, the point below the camera is the
 /// origin, image x runs along world x. Throws FileError when no table was seen.

@@ -1,0 +1,224 @@
+#include "stonestack/geometry/depth_sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "geometry/json_file.hpp"
+
+namespace stonestack {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargestText = 64U << 20U;
+constexpr double kFinest = 1e-6, kCoarsest = 0.1;  // m a count
+constexpr double kSameTime = 0.020;                // s, between a depth image and a pose (TUM's tool)
+
+[[noreturn]] void need_unit(const std::string& path) {
+  throw FileError(path, "does not say how many metres a count is",
+                  "give --depth-unit (TUM: 0.0002, Open3D and RealSense: usually 0.001)");
+}
+
+/// The unit of the file (0: it has none) or of the caller; both must agree.
+double agreed_unit(double in_file, double given, const std::string& path) {
+  if (in_file == 0.0 && given == 0.0) need_unit(path);
+  if (in_file == 0.0 || given == 0.0) return in_file + given;
+  if (std::abs(in_file - given) > 1e-3 * given)
+    throw FileError(path, concat("says ", in_file, " m a count, but ", given, " was given"),
+                    "leave one of them out");
+  return in_file;
+}
+
+CameraIntrinsics pinhole(double fx, double fy, double cx, double cy, const std::string& path) {
+  if (!(fx > 1 && fy > 1 && fx < 1e5 && fy < 1e5 && std::abs(cx) < 1e5 && std::abs(cy) < 1e5))
+    throw FileError(path, concat("has a camera with fx ", fx, ", fy ", fy, ", cx ", cx, ", cy ", cy),
+                    "correct the intrinsics; they are in pixels");
+  CameraIntrinsics camera;
+  camera.fx = fx, camera.fy = fy, camera.cx = cx, camera.cy = cy;
+  return camera;
+}
+
+std::vector<std::string> pictures(const std::string& folder) {
+  std::vector<std::string> paths;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".png") paths.push_back(entry.path().string());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+/// T_W_C from rotation (rows) and translation (mm) of the world in the camera.
+std::optional<Pose> bop_camera_pose(const nlohmann::json& entry, const std::string& path) {
+  if (!entry.contains("cam_R_w2c") || !entry.contains("cam_t_w2c")) return {};
+  const auto R = numbers_of(entry, "cam_R_w2c", 9, path), t = numbers_of(entry, "cam_t_w2c", 3, path);
+  Pose T_C_W = Pose::Identity();
+  T_C_W.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
+  T_C_W.translation() = 0.001 * Eigen::Vector3d(t[0], t[1], t[2]);
+  if (std::abs(T_C_W.linear().determinant() - 1.0) > 0.01)
+    throw FileError(path, "cam_R_w2c is not a rotation", "correct it");
+  return orthonormal(T_C_W).inverse();
+}
+
+DepthSequence read_bop(const std::string& folder, const DepthSequenceInput& input) {
+  const std::string path = folder + "/scene_camera.json";
+  DepthSequence out{"bop", {}};
+  const auto content = read_json(path);
+  if (!content.is_object()) throw FileError(path, "is not a map of images", "download it again");
+  for (const auto& [key, entry] : content.items()) {
+    DepthRecord record;
+    if (key.empty() || key.size() > 9 || key.find_first_not_of("0123456789") != std::string::npos)
+      throw FileError(path, "has an image named '" + key + "'", "images are numbered");
+    record.number = std::stoi(key);
+    std::ostringstream name;
+    name.width(6);
+    name.fill('0');
+    name << record.number;
+    record.path = folder + "/depth/" + name.str() + ".png";
+    record.unit = agreed_unit(0.001 * number_of(entry, "depth_scale", 1e-3, 1e2, path), input.unit, path);
+    const auto K = numbers_of(entry, "cam_K", 9, path);
+    record.camera = input.camera.value_or(pinhole(K[0], K[4], K[2], K[5], path));
+    record.T_W_C = bop_camera_pose(entry, path);
+    out.records.push_back(record);
+  }
+  std::sort(out.records.begin(), out.records.end(),
+            [](const DepthRecord& a, const DepthRecord& b) { return a.number < b.number; });
+  return out;
+}
+
+DepthSequence read_open3d(const std::string& folder, const DepthSequenceInput& input) {
+  const std::string path = folder + "/camera_intrinsic.json";
+  const auto content = read_json(path);
+  const auto K = numbers_of(content, "intrinsic_matrix", 9, path);  // column by column
+  DepthRecord record;
+  record.camera = input.camera.value_or(pinhole(K[0], K[4], K[6], K[7], path));
+  const double in_file =
+      content.contains("depth_scale") ? 1.0 / number_of(content, "depth_scale", 10, 1e6, path) : 0.0;
+  record.unit = agreed_unit(in_file, input.unit, path);
+  DepthSequence out{"open3d", {}};
+  for (const auto& picture : pictures(folder + "/depth")) {
+    record.path = picture;
+    record.number = static_cast<int>(out.records.size());
+    out.records.push_back(record);
+  }
+  return out;
+}
+
+/// Lines of numbers and words; comments start with '#'.
+std::vector<std::vector<std::string>> table(const std::string& path, std::size_t columns) {
+  std::istringstream lines(read_file(path, kLargestText));
+  std::vector<std::vector<std::string>> rows;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream words(line);
+    std::vector<std::string> row;
+    for (std::string word; words >> word;) row.push_back(word);
+    if (row.empty()) continue;
+    if (row.size() < columns)
+      throw FileError(path, concat("line ", number, " has ", row.size(), " columns of ", columns),
+                      "correct that line");
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+double to_number(const std::string& word, const std::string& path) {
+  char* end = nullptr;
+  const double value = std::strtod(word.c_str(), &end);
+  if (end == word.c_str() || *end != '\0' || !std::isfinite(value))
+    throw FileError(path, "'" + word + "' is not a number", "correct it");
+  return value;
+}
+
+std::vector<std::pair<double, Pose>> tum_poses(const std::string& path) {
+  std::vector<std::pair<double, Pose>> poses;
+  if (!fs::exists(path)) return poses;
+  for (const auto& row : table(path, 8)) {
+    double v[8];
+    for (std::size_t i = 0; i < 8; ++i) v[i] = to_number(row[i], path);
+    const Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
+    if (std::abs(q.norm() - 1.0) > 0.01)
+      throw FileError(path, concat("the rotation at ", row[0], " has length ", q.norm()), "it must be 1");
+    poses.emplace_back(v[0], make_pose({v[1], v[2], v[3]}, q));
+  }
+  return poses;
+}
+
+DepthSequence read_tum(const std::string& folder, const DepthSequenceInput& input) {
+  const std::string path = folder + "/depth.txt";
+  if (!input.camera)
+    throw FileError(path, "comes without the camera's intrinsics",
+                    "give --camera fx,fy,cx,cy (TUM's freiburg1: 517.3,516.5,318.6,255.3)");
+  const auto poses = tum_poses(folder + "/groundtruth.txt");
+  DepthSequence out{"tum", {}};
+  for (const auto& row : table(path, 2)) {
+    const fs::path file(row[1]);
+    if (file.is_absolute() || row[1].find("..") != std::string::npos)
+      throw FileError(path, "names '" + row[1] + "'", "files must be inside the folder");
+    DepthRecord record;
+    record.path = folder + "/" + row[1];
+    record.number = static_cast<int>(out.records.size());
+    record.time = to_number(row[0], path);
+    record.unit = agreed_unit(0.0, input.unit, path);
+    record.camera = *input.camera;
+    double nearest = kSameTime;
+    for (const auto& [time, pose] : poses)
+      if (std::abs(time - record.time) <= nearest)
+        nearest = std::abs(time - record.time), record.T_W_C = pose;
+    out.records.push_back(record);
+  }
+  return out;
+}
+
+}  // namespace
+
+bool is_depth_sequence(const std::string& folder) {
+  return fs::is_directory(folder) &&
+         (fs::exists(folder + "/scene_camera.json") || fs::exists(folder + "/camera_intrinsic.json") ||
+          fs::exists(folder + "/depth.txt"));
+}
+
+DepthSequence read_depth_sequence(const std::string& folder, const DepthSequenceInput& input) {
+  if (input.unit != 0.0)
+    require(input.unit >= kFinest && input.unit <= kCoarsest, "a depth unit is ", kFinest, " to ", kCoarsest,
+            " m a count, got ", input.unit);
+  if (!is_depth_sequence(folder))
+    throw FileError(folder, "is no folder of depth images that we know",
+                    "BOP has scene_camera.json, Open3D camera_intrinsic.json, TUM depth.txt");
+  DepthSequence out = fs::exists(folder + "/scene_camera.json")       ? read_bop(folder, input)
+                      : fs::exists(folder + "/camera_intrinsic.json") ? read_open3d(folder, input)
+                                                                      : read_tum(folder, input);
+  if (out.records.empty()) throw FileError(folder, "has no depth image", "record it again");
+  for (auto& record : out.records) {
+    const Eigen::Vector2i size = png_size(record.path);
+    record.camera.width = size.x();
+    record.camera.height = size.y();
+  }
+  return out;
+}
+
+Eigen::Vector2i png_size(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  unsigned char head[24] = {};
+  file.read(reinterpret_cast<char*>(head), sizeof head);
+  constexpr unsigned char kSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  if (!file || !std::equal(std::begin(kSignature), std::end(kSignature), head))
+    throw FileError(path, "is missing or not a PNG", "check the recording");
+  const auto number = [&](int at) {
+    return (head[at] << 24) | (head[at + 1] << 16) | (head[at + 2] << 8) | head[at + 3];
+  };
+  const Eigen::Vector2i size(number(16), number(20));
+  if (size.minCoeff() < 1 || size.maxCoeff() > 16384)
+    throw FileError(path, concat("is ", size.x(), " x ", size.y(), " pixels"), "1 to 16384 a side are taken");
+  return size;
+}
+
+DepthImage read_depth(const DepthRecord& record) {
+  return read_depth_png(record.path, record.camera, record.unit);
+}
+
+}  // namespace stonestack
