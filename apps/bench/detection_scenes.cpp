@@ -17,8 +17,8 @@ double lowest(const Stone& stone, const Eigen::Quaterniond& R) {
 }
 
 /// A camera 0.6 to 0.8 m from the middle of the scene, `tilt` off the vertical.
-Pose camera_pose(double tilt, Random& random) {
-  const double azimuth = random.uniform(0, 2 * kPi), distance = random.uniform(0.62, 0.78);
+Pose camera_pose(double tilt, double azimuth, Random& random) {
+  const double distance = random.uniform(0.62, 0.78);
   const Eigen::Vector3d out(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth),
                             std::cos(tilt));
   Eigen::Matrix3d R;
@@ -29,6 +29,17 @@ Pose camera_pose(double tilt, Random& random) {
   return make_pose(target + distance * out, Eigen::Quaterniond(R));
 }
 
+/// The pose as an arm with a calibration error would report it.
+Pose reported(const Pose& T_W_C, const CameraError& error, Random& random) {
+  const auto noise = [&](double sigma) {
+    return Eigen::Vector3d(random.normal(0, sigma), random.normal(0, sigma), random.normal(0, sigma));
+  };
+  Pose off = make_pose(noise(error.shift));
+  const Eigen::Vector3d turn = noise(error.turn);
+  if (turn.norm() > 0) off.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  return T_W_C * off;
+}
+
 std::size_t pixels_of(const RenderedView& view, int instance) {
   return static_cast<std::size_t>(std::count(view.instance.begin(), view.instance.end(), instance));
 }
@@ -36,11 +47,14 @@ std::size_t pixels_of(const RenderedView& view, int instance) {
 }  // namespace
 
 std::vector<SceneKind> scene_kinds() {
-  return {{"isolated", 4, "apart"},
+  return {{"isolated"},
           {"touching", 4, "touching"},
-          {"stacked", 4, "stacked"},
-          {"few", 1, "apart"},
-          {"d435", 4, "apart", "d435"}};
+          {"stacked", 4, "stacked", "sr300", 1, 1, 0.5, 1.1},
+          {"few", 1},
+          {"d435", 4, "apart", "d435"},
+          {"copies", 4, "apart", "sr300", 2},
+          {"hidden", 6, "touching", "sr300", 1, 1, 1.2, 1.35, 0.0},
+          {"two_views", 6, "touching", "sr300", 1, 2, 1.2, 1.35, 0.0}};
 }
 
 SceneMaker::SceneMaker(const std::vector<Stone>& stones) : stones_(stones) {
@@ -91,8 +105,9 @@ std::vector<PlacedStone> SceneMaker::arrange(const SceneKind& kind, Random& rand
   std::vector<int> order(stones_.size());
   std::iota(order.begin(), order.end(), 0);
   random.shuffle(order.begin(), order.end());
+  order.insert(order.begin(), static_cast<std::size_t>(kind.copies - 1), order.front());
   std::vector<PlacedStone> placed;
-  const int count = std::min<int>(kind.present, static_cast<int>(stones_.size()));
+  const int count = std::min<int>(kind.present, static_cast<int>(order.size()));
   const double start = random.uniform(0, 2 * kPi);
   for (int i = 0; i < count; ++i) {
     const int stone = order[static_cast<std::size_t>(i)];
@@ -118,7 +133,7 @@ std::vector<PlacedStone> SceneMaker::arrange(const SceneKind& kind, Random& rand
   return placed;
 }
 
-BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed) const {
+BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const CameraError& error) const {
   Random random = Random::stream(seed, "bench detection " + kind.arrangement);
   std::vector<PlacedStone> placed = arrange(kind, random);
   while (kind.arrangement == "apart" && placed.size() > 1) {  // large stones may meet: try again
@@ -129,27 +144,37 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed) const {
     if (nearest > 0.015) break;
     placed = arrange(kind, random);
   }
-  const double most_tilt = kind.arrangement == "stacked" ? 1.1 : 0.78;
-  const double least_tilt = kind.arrangement == "stacked" ? 0.5 : 0.0;
-  BenchScene scene;
-  scene.T_W_C = camera_pose(random.uniform(least_tilt, most_tilt), random);
-  const SensorModel sensor = make_sensor(kind.sensor);
   RayScene world;
   world.add(make_box({1.6, 1.6, 0.02}), make_pose({0, 0, -0.01}));
   for (const auto& p : placed) world.add(stones_[static_cast<std::size_t>(p.stone)].scan, p.T_W_O);
   world.commit();
-  const RenderedView view = render(world, sensor.camera, scene.T_W_C);
-  scene.image = add_noise(view, scene.T_W_C, sensor, random);
+  const SensorModel sensor = make_sensor(kind.sensor);
+  const double tilt = random.uniform(kind.least_tilt, kind.most_tilt), azimuth = random.uniform(0, 2 * kPi);
+  BenchScene scene;
+  for (int v = 0; v < kind.views; ++v) {
+    const double aside = v == 0 ? 0.0 : random.uniform(2.0, 2.0 * kPi - 2.0);
+    const Pose T_W_C = camera_pose(tilt, azimuth + aside, random);
+    const RenderedView view = render(world, sensor.camera, T_W_C);
+    scene.views.push_back(
+        {add_noise(view, T_W_C, sensor, random), v == 0 ? T_W_C : reported(T_W_C, error, random)});
+    if (v == 0) scene.truth = truth_of(placed, view, T_W_C, sensor.camera);
+  }
+  return scene;
+}
+
+std::vector<TrueStone> SceneMaker::truth_of(const std::vector<PlacedStone>& placed, const RenderedView& view,
+                                            const Pose& T_W_C, const CameraIntrinsics& camera) const {
+  std::vector<TrueStone> truth;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     RayScene alone;
     alone.add(stones_[static_cast<std::size_t>(placed[i].stone)].scan, placed[i].T_W_O);
     alone.commit();
-    const auto whole = pixels_of(render(alone, sensor.camera, scene.T_W_C), 0);
+    const auto whole = pixels_of(render(alone, camera, T_W_C), 0);
     const auto seen = pixels_of(view, static_cast<int>(i) + 1);
-    scene.truth.push_back({placed[i].stone, scene.T_W_C.inverse() * placed[i].T_W_O,
-                           whole > 0 ? static_cast<double>(seen) / static_cast<double>(whole) : 0.0});
+    truth.push_back({placed[i].stone, T_W_C.inverse() * placed[i].T_W_O,
+                     whole > 0 ? static_cast<double>(seen) / static_cast<double>(whole) : 0.0});
   }
-  return scene;
+  return truth;
 }
 
 }  // namespace stonestack::bench

@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "stonestack/core/random.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/depth_render.hpp"
 #include "stonestack/geometry/signed_distance.hpp"
 #include "stonestack/simulation/sensor_noise.hpp"
 #include "stonestack/stone/stone.hpp"
@@ -12,26 +14,38 @@ namespace stonestack::bench {
 
 /// isolated: four stones apart. touching: four in one heap on the table. stacked: three on each other, one
 /// beside, seen from the side. few: one stone; the others are absent. d435: isolated, with another sensor.
+/// copies: isolated, two of the four are the same stone. hidden: a heap of six seen from low down, so that
+/// stones hide each other; two_views: the same heaps, from a second camera pose as well.
 struct SceneKind {
   std::string name;
   int present = 4;
-  std::string arrangement;  ///< apart, touching, stacked
+  std::string arrangement = "apart";  ///< apart, touching, stacked
   std::string sensor = "sr300";
+  int copies = 1;                ///< of the first stone
+  int views = 1;                 ///< camera poses
+  double least_tilt = 0.0;       ///< rad, of the camera off the vertical
+  double most_tilt = 0.78;       ///< rad
+  double least_unhidden = 0.25;  ///< stones of which the first view shows less do not count
 };
 [[nodiscard]] std::vector<SceneKind> scene_kinds();
 
-/// A stone of the scene and how much of what faces the camera is not hidden by other stones.
+/// A stone of the scene and how much of what faces the first camera is not hidden by other stones.
 struct TrueStone {
   int stone = -1;
-  Pose T_C_O = Pose::Identity();
+  Pose T_C_O = Pose::Identity();  ///< C: the camera of the first view
   double unhidden = 0.0;
 };
 
-/// One image and its truth.
+/// The images of one scene and its truth. The camera poses are as an arm would report them: with an error.
 struct BenchScene {
-  DepthImage image;
-  Pose T_W_C = Pose::Identity();
+  std::vector<DepthView> views;
   std::vector<TrueStone> truth;
+};
+
+/// How far the reported pose of each further view is off, standard deviations an axis.
+struct CameraError {
+  double shift = 0.0006;  ///< m
+  double turn = 0.002;    ///< rad
 };
 
 /// Places and renders full-resolution scans. Stones rest in an orientation in which they would stay on a
@@ -40,7 +54,8 @@ struct BenchScene {
 class SceneMaker {
  public:
   explicit SceneMaker(const std::vector<Stone>& stones);
-  [[nodiscard]] BenchScene make(const SceneKind& kind, std::uint64_t seed) const;
+  [[nodiscard]] BenchScene make(const SceneKind& kind, std::uint64_t seed,
+                                const CameraError& error = {}) const;
 
  private:
   [[nodiscard]] double gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const;
@@ -48,6 +63,9 @@ class SceneMaker {
   [[nodiscard]] Eigen::Quaterniond rest(int stone, Random& random) const;
   [[nodiscard]] Pose push(const std::vector<PlacedStone>& placed, int stone, Pose T_W_O,
                           const Eigen::Vector3d& towards) const;
+  [[nodiscard]] std::vector<TrueStone> truth_of(const std::vector<PlacedStone>& placed,
+                                                const RenderedView& view, const Pose& T_W_C,
+                                                const CameraIntrinsics& camera) const;
   [[nodiscard]] std::vector<PlacedStone> arrange(const SceneKind& kind, Random& random) const;
 
   const std::vector<Stone>& stones_;

@@ -1,0 +1,108 @@
+#include "detection_tally.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace stonestack::bench {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kChi2Of95 = 12.592;  // six degrees of freedom
+constexpr double kRightAngle = 5 * kDegree;
+constexpr double kRightShift = 0.005;  // m
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return std::nan("");
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+double mahalanobis2(const Detection& d, const Pose& truth) {
+  Eigen::Matrix<double, 6, 1> e;
+  const Eigen::AngleAxisd turn(truth.linear() * d.T_C_O.linear().transpose());
+  e << truth.translation() - d.T_C_O.translation(), turn.angle() * turn.axis();
+  return e.dot(d.covariance.ldlt().solve(e));
+}
+
+/// The stone of `left` that is nearest to a detection of its model; end if none is left.
+std::vector<const TrueStone*>::iterator nearest(std::vector<const TrueStone*>& left, const Detection& d) {
+  const auto distance = [&](const TrueStone* t) {
+    return t->stone == d.stone ? difference(t->T_C_O, d.T_C_O).translation : 1e9;
+  };
+  const auto at = std::min_element(left.begin(), left.end(), [&](const TrueStone* a, const TrueStone* b) {
+    return distance(a) < distance(b);
+  });
+  return at != left.end() && (*at)->stone == d.stone ? at : left.end();
+}
+
+void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& kind, bool list,
+                 DetectionTally& tally) {
+  const PoseDifference off = difference(d.T_C_O, truth.T_C_O);
+  const bool right = off.angle < kRightAngle && off.translation < kRightShift;
+  if (truth.unhidden >= kind.least_unhidden) tally.right += right ? 1 : 0;
+  (right ? tally.right_scores : tally.bad_scores).push_back(d.score);
+  if (!right) {
+    ++tally.wrong;
+    if (list)
+      std::printf("    wrong: stone %d unhidden %.2f score %.3f visible %.2f off %.1f deg %.1f mm\n", d.stone,
+                  truth.unhidden, d.score, d.visible, off.angle / kDegree, off.translation * 1000);
+    return;
+  }
+  tally.degrees.push_back(off.angle / kDegree);
+  tally.millimetres.push_back(off.translation * 1000);
+  tally.chi2.push_back(mahalanobis2(d, truth.T_C_O));
+  tally.calibrated += tally.chi2.back() < kChi2Of95 ? 1 : 0;
+}
+
+}  // namespace
+
+void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
+           bool list, DetectionTally& tally) {
+  ++tally.scenes;
+  std::vector<const TrueStone*> left;
+  for (const auto& t : scene.truth) {
+    left.push_back(&t);
+    tally.present += t.unhidden >= kind.least_unhidden ? 1 : 0;
+  }
+  for (int stone = 0; stone < models; ++stone)
+    tally.absent += std::none_of(scene.truth.begin(), scene.truth.end(),
+                                 [&](const TrueStone& t) { return t.stone == stone; })
+                        ? 1
+                        : 0;
+  for (const auto& d : result.detections) {
+    const auto at = nearest(left, d);
+    if (at == left.end()) {
+      ++tally.false_accepts;
+      tally.bad_scores.push_back(d.score);
+      if (list)
+        std::printf("    false accept: stone %d score %.3f visible %.2f\n", d.stone, d.score, d.visible);
+      continue;
+    }
+    judge_found(d, **at, kind, list, tally);
+    left.erase(at);
+  }
+  for (const auto* t : left)
+    if (list && t->unhidden >= kind.least_unhidden)
+      std::printf("    missed: stone %d unhidden %.2f\n", t->stone, t->unhidden);
+}
+
+void print_heading() {
+  std::printf("%-8s %-9s %7s %9s %3s %10s %11s %11s %6s %6s %6s %6s %6s\n", "method", "kind", "recall", "",
+              "bad", "false", "deg 50/95", "mm 50/95", "in 95%", "chi2", "score5", "wall s", "cpu s");
+}
+
+void print_row(const std::string& method, const std::string& kind, const DetectionTally& t) {
+  std::printf(
+      "%-8s %-9s %6.1f%% %4d/%-4d %3d %4d/%-5d %5.2f %5.2f %5.2f %5.2f %5.1f%% %6.2f %6.3f %6.3f %6.3f\n",
+      method.c_str(), kind.c_str(), 100.0 * t.right / std::max(1, t.present), t.right, t.present, t.wrong,
+      t.false_accepts, t.absent, quantile(t.degrees, 0.5), quantile(t.degrees, 0.95),
+      quantile(t.millimetres, 0.5), quantile(t.millimetres, 0.95),
+      100.0 * t.calibrated / std::max<double>(1, static_cast<double>(t.degrees.size())),
+      quantile(t.chi2, 0.95) / kChi2Of95, quantile(t.right_scores, 0.05), t.wall / t.scenes,
+      t.cpu / t.scenes);
+  std::fflush(stdout);
+}
+
+}  // namespace stonestack::bench
