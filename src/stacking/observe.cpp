@@ -38,6 +38,28 @@ bool seen(const std::vector<Sighting>& sightings, int stone) {
   return std::any_of(sightings.begin(), sightings.end(), [&](const Sighting& s) { return s.stone == stone; });
 }
 
+std::vector<int> unseen(const std::vector<int>& wanted, const std::vector<Sighting>& sightings) {
+  std::vector<int> missing;
+  for (const int stone : wanted)
+    if (!seen(sightings, stone)) missing.push_back(stone);
+  return missing;
+}
+
+/// Searches for what has not been seen yet in all looks at once; what has been seen explains its own pixels.
+void search_jointly(const std::vector<Look>& looks, const DetectionModels& models,
+                    const std::vector<int>& wanted, const DetectionOptions& options,
+                    std::vector<Sighting>& sightings) {
+  const auto missing = unseen(wanted, sightings);
+  if (missing.empty()) return;
+  const Pose& T_W_C = looks.front().T_W_C;
+  std::vector<DepthView> views;
+  for (const auto& look : looks) views.push_back({look.image, look.T_W_C});
+  SceneKnowledge known;
+  for (const auto& s : sightings) known.stones.push_back({s.stone, T_W_C.inverse() * s.T_W_O});
+  for (const auto& found : detect_stones(views, models, missing, options, known).detections)
+    keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible});
+}
+
 }  // namespace
 
 Pose camera_pose(const CellLayout& layout, const RobotModel& robot, const Joints& q) {
@@ -105,10 +127,11 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
       if (const auto found =
               track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
         keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
-  std::vector<int> missing;
-  for (const int stone : wanted)
-    if (!seen(sightings, stone)) missing.push_back(stone);
-  if (missing.empty()) return sightings;
+  if (looks.empty()) return sightings;
+  search_jointly(looks, models, wanted, options, sightings);
+  // Looks that contradict each other, because a stone has moved between them, still speak for themselves.
+  const auto missing = unseen(wanted, sightings);
+  if (looks.size() == 1 || missing.empty()) return sightings;
   for (const auto& look : looks)
     for (const auto& found : detect_stones(look.image, models, missing, options).detections)
       keep_better(sightings, {found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
