@@ -1,4 +1,3 @@
-#include <array>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -12,16 +11,19 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/detection/trace.hpp"
 
 namespace stonestack::apps {
 namespace {
 
 struct DetectCommand {
   CommonOptions common;
-  std::string input;
-  std::string camera_pose;
+  std::vector<std::string> inputs;
+  std::vector<std::string> camera_poses;
   bool world = false;
   std::string stones;
+  std::string trace;
+  DepthInput depth;
   DetectionOptions options;
 };
 
@@ -32,15 +34,59 @@ std::vector<int> wanted_stones(const Catalogue& catalogue, const std::string& li
   return wanted;
 }
 
+/// Six rows of (translation m, rotation rad) in C.
+nlohmann::json covariance_json(const Eigen::Matrix<double, 6, 6>& covariance) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (int i = 0; i < 6; ++i) {
+    nlohmann::json row = nlohmann::json::array();
+    for (int k = 0; k < 6; ++k) row.push_back(covariance(i, k));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
 nlohmann::json detection_json(const Catalogue& catalogue, const Detection& found,
                               const std::optional<Pose>& T_W_C) {
   nlohmann::json entry = {{"stone", catalogue.stones[static_cast<std::size_t>(found.stone)].name},
                           {"T_C_O", pose_json(found.T_C_O)},
                           {"score", found.score},
                           {"inlier_ratio", found.inlier_ratio},
-                          {"visible", found.visible}};
+                          {"visible", found.visible},
+                          {"covariance_C", covariance_json(found.covariance)}};
   if (T_W_C) entry["T_W_O"] = pose_json(*T_W_C * found.T_C_O);
   return entry;
+}
+
+/// Every scene with its camera pose; several need one each, so that they can be joined.
+std::vector<SceneView> read_views(const DetectCommand& command) {
+  const auto& poses = command.camera_poses;
+  require(poses.empty() || poses.size() == command.inputs.size(),
+          "give one --camera-pose a scene: there are ", command.inputs.size(), " scenes and ", poses.size(),
+          " poses");
+  std::vector<SceneView> views;
+  for (std::size_t i = 0; i < command.inputs.size(); ++i) {
+    views.push_back(
+        read_view(command.inputs[i], poses.empty() ? "" : poses[i], command.world, command.depth));
+    if (command.inputs.size() > 1 && !views.back().T_W_C)
+      throw FileError(command.inputs[i], "has no camera pose",
+                      "several views need one each: add T_W_C or give --camera-pose for every scene");
+  }
+  return views;
+}
+
+DetectionResult detect_in(const std::vector<SceneView>& views, const DetectionModels& models,
+                          const std::vector<int>& wanted, const DetectionOptions& options) {
+  std::vector<DepthView> several;
+  for (const auto& view : views) several.push_back({view.image, view.T_W_C.value_or(Pose::Identity())});
+  return detect_stones(several, models, wanted, options);
+}
+
+void print_json(const DetectionResult& result, const Catalogue& catalogue, const std::optional<Pose>& T_W_C) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& found : result.detections) list.push_back(detection_json(catalogue, found, T_W_C));
+  std::cout << nlohmann::json{{"schema", "stonestack.detect/1"}, {"detections", list}, {"note", result.note}}
+                   .dump(2)
+            << '\n';
 }
 
 void print_table(const Catalogue& catalogue, const DetectionResult& result) {
@@ -60,25 +106,20 @@ void detect(DetectCommand& command) {
   command.common.settings.apply(nest("detection", fields(command.options)));
   const Catalogue catalogue = command.common.read();
   const auto wanted = wanted_stones(catalogue, command.stones);
-  const SceneView view = read_view(command.input, command.camera_pose, command.world);
+  const auto views = read_views(command);
   log_info(concat("preparing ", catalogue.stones.size(), " stones"));
+  command.options.trace = !command.trace.empty();
   const DetectionModels models(catalogue.stones, command.options);
   const Stopwatch watch;
-  const DetectionResult result = detect_stones(view.image, models, wanted, command.options);
+  const DetectionResult result = detect_in(views, models, wanted, command.options);
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
-  if (command.common.json) {
-    nlohmann::json list = nlohmann::json::array();
-    for (const auto& found : result.detections) list.push_back(detection_json(catalogue, found, view.T_W_C));
-    std::cout << nlohmann::json{{"schema", "stonestack.detect/1"},
-                                {"detections", list},
-                                {"note", result.note}}
-                     .dump(2)
-              << '\n';
-  } else {
+  if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
+  if (command.common.json)
+    print_json(result, catalogue, views.front().T_W_C);
+  else
     print_table(catalogue, result);
-  }
   if (result.detections.empty())
-    throw Error(command.input + ": nothing detected: " + result.note, ExitCode::kNothingDetected);
+    throw Error(command.inputs.front() + ": nothing detected: " + result.note, ExitCode::kNothingDetected);
 }
 
 }  // namespace
@@ -86,13 +127,26 @@ void detect(DetectCommand& command) {
 void add_detect(CLI::App& app) {
   auto command = std::make_shared<DetectCommand>();
   CLI::App* sub = app.add_subcommand("detect", "Find stones of a catalogue in a depth view");
-  sub->add_option("SCENE", command->input,
-                  "Cloud (PLY, PCD) in the camera frame, or scene file with depth or cloud")
+  sub->add_option(
+         "SCENE", command->inputs,
+         "Cloud (PLY, PCD) in the camera frame, scene file with depth or cloud, 16-bit depth PNG, or "
+         "recording "
+         "(folder: BOP, Open3D, TUM); several: views of one scene, judged together, results in the first "
+         "one's camera frame")
       ->required();
-  sub->add_option("--camera-pose", command->camera_pose,
-                  "T_W_C: x,y,z,qx,qy,qz,qw or a scene file; adds T_W_O to the result");
+  sub->add_option("--camera-pose", command->camera_poses,
+                  "T_W_C: x,y,z,qx,qy,qz,qw or a scene file; adds T_W_O to the result; once a scene")
+      ->allow_extra_args(false);
   sub->add_flag("--world", command->world, "The cloud is in the world frame (z up, table at z = 0)");
+  register_depth_input(*sub, command->depth);
   sub->add_option("--stones", command->stones, "Only these, by name, comma-separated");
+  command->common.settings.bind(sub->add_option("--copies", command->options.copies, "Of each stone at most")
+                                    ->check(CLI::Range(1, 100))
+                                    ->capture_default_str(),
+                                "detection.copies");
+  sub->add_option("--trace", command->trace,
+                  "Write what each stage saw: keypoints, matches, clusters, hypotheses (PLY, JSON)")
+      ->type_name("DIR");
   command->common.settings.bind(sub->add_option("--method", command->options.method, "default or paper")
                                     ->check(CLI::IsMember({"default", "paper"}))
                                     ->capture_default_str(),
@@ -102,6 +156,8 @@ void add_detect(CLI::App& app) {
       "Examples:\n"
       "  stonestack render --out scene --seed 1 && stonestack detect scene/scene.yaml\n"
       "  stonestack detect cloud.pcd --catalogue rocks --json\n"
+      "  stonestack detect depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125\n"
+      "  stonestack detect left/scene.yaml right/scene.yaml --trace trace\n"
       "  stonestack detect cloud.ply --method paper --set detection.best=50");
   sub->callback([command] { detect(*command); });
 }

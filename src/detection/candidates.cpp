@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 
 #include "stonestack/core/error.hpp"
 
@@ -17,6 +18,8 @@ constexpr double kNoiseTolerance = 4.0;  // standard deviations
 constexpr double kUsualNoise = 0.0006;   // m, of smoothed SR300 depth, for which noise_scale is stated
 constexpr double kHiddenWeight =
     0.1;  // of a pixel that something unknown hides: stones may be hidden by three quarters
+
+constexpr RefineOptions kPolish{4, 0.004, 0.004, 0.0015, 0.6};
 
 /// A coarse pose and its score, best first.
 struct Coarse {
@@ -65,10 +68,11 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
 Eigen::Matrix<double, 6, 6> covariance(const Refined& refined, double noise,
                                        const DetectionOptions& options) {
   // The voxels' noise is correlated and partly common (bias, reduced mesh): noise_scale is calibrated so that
-  // the stated region holds the truth, not taken from the residual alone.
+  // the stated region holds the truth, not taken from the residual alone. Only a part of it grows with the
+  // image's noise, about as its root between SR300 and D435.
   Eigen::Matrix<double, 6, 6> H = refined.information;
   H.diagonal().array() += 1e-9 * H.trace() + 1e-12;
-  const double sigma = options.noise_scale * std::max(1.0, noise / kUsualNoise);
+  const double sigma = options.noise_scale * std::sqrt(std::max(1.0, noise / kUsualNoise));
   return sigma * sigma * H.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
 }
 
@@ -88,6 +92,18 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, cons
                          verdict.score,   verdict.inlier_ratio,
                          verdict.visible, covariance(refined, scene.noise, options)};
   candidate.pixels = std::move(verdict.pixels);
+  return candidate;
+}
+
+Candidate polished(Candidate candidate, const DetectionModel& model, const DetectionScene& scene,
+                   const DetectionOptions& options) {
+  Detection& d = candidate.detection;
+  const auto near = points_near(model, d.T_C_O, scene.surface, options.icp_gate, kFinePoints);
+  const RefineTarget target{model.surface, model.field, model.centre, &model.tree};
+  const Refined refined = refine_pose(target, d.T_C_O, scene.surface, near, kPolish);
+  if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return candidate;
+  d.T_C_O = refined.T_C_O;
+  d.covariance = covariance(refined, scene.noise, options);
   return candidate;
 }
 

@@ -13,7 +13,7 @@ namespace stonestack {
 /// A refined pose of one model that the image does not refute.
 struct Candidate {
   Detection detection;
-  std::vector<int> pixels;  ///< that it explains, on the drawn raster
+  std::vector<SeenPixel> pixels;  ///< that it explains, on the drawn raster
 };
 
 /// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
@@ -27,5 +27,9 @@ struct Candidate {
 [[nodiscard]] std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
                                                   const DetectionScene& scene,
                                                   const DetectionOptions& options, double hidden_weight);
+
+/// The last steps with exact distances to the mesh, for poses that are right already.
+[[nodiscard]] Candidate polished(Candidate candidate, const DetectionModel& model,
+                                 const DetectionScene& scene, const DetectionOptions& options);
 
 }  // namespace stonestack

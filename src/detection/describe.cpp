@@ -27,13 +27,32 @@ Features describe_triangles(const TriangulatedSurface& mesh, const DetectionOpti
   return rops_features(mesh, choose_keypoints(mesh.surface, options), options.descriptor_radius);
 }
 
+void append(Features& all, Features&& more) {
+  if (all.points.empty()) {
+    all = std::move(more);
+    return;
+  }
+  if (more.points.empty()) return;
+  all.points.insert(all.points.end(), more.points.begin(), more.points.end());
+  all.normals.insert(all.normals.end(), more.normals.begin(), more.normals.end());
+  const Eigen::Index before = all.descriptors.rows();
+  all.descriptors.conservativeResize(before + more.descriptors.rows(), Eigen::NoChange);
+  all.descriptors.bottomRows(more.descriptors.rows()) = more.descriptors;
+}
+
 }  // namespace
 
 Features describe_scene(const DetectionScene& scene, const DetectionOptions& options) {
-  if (options.descriptor == "rops")
-    return describe_triangles(triangulate(scene, options.voxel, options.height_low, options.height_high),
-                              options);
-  return describe_points(scene.surface, options);
+  Features all;
+  for (int view = 0; view < static_cast<int>(scene.views.size()); ++view) {
+    Features one =
+        options.descriptor == "rops"
+            ? describe_triangles(
+                  triangulate(scene, view, options.voxel, options.height_low, options.height_high), options)
+            : describe_points(surface_of_view(scene, view), options);
+    append(all, std::move(one));
+  }
+  return all;
 }
 
 Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like, const DetectionOptions& options) {

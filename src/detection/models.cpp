@@ -63,9 +63,10 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
           " m across; detection takes 1 cm to 1 m");
   SurfacePoints surface = sampled(stone.mesh, options.voxel);
   SurfaceField field(surface.points, kFieldCell, kFieldBand);
-  DetectionModel model{stone.name,   stone.mesh, face_normals(stone.mesh), surface_area(stone.mesh),
-                       box.center(), 0.0,        std::move(surface),       std::move(field),
-                       {},           {}};
+  DetectionModel model{
+      stone.name, stone.mesh,         face_normals(stone.mesh), surface_area(stone.mesh), box.center(),
+      0.0,        std::move(surface), std::move(field),         SurfaceTree(stone.mesh),  {},
+      {}};
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.features = describe_model(stone.mesh, as_seen(model.surface, model.field, options), options);
   model.sides = make_sides(model.surface);
@@ -83,36 +84,35 @@ bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vecto
          d.norm() < static_cast<float>(margin);
 }
 
-DetectionScene see_scene(const DepthImage& image, const DetectionModels::Data& data,
-                         const SceneKnowledge& known, bool find_table, const DetectionOptions& options) {
-  DetectionScene scene = preprocess(image, known.table_C, find_table, options);
-  if (scene.clusters == 0 || known.stones.empty()) return scene;
-  return without_stones(std::move(scene), data, known.stones, options);
-}
-
 DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
                               std::span<const KnownStone> stones, const DetectionOptions& options) {
+  if (stones.empty()) return scene;
   const auto explained = [&](const Eigen::Vector3f& p) {
     return std::any_of(stones.begin(), stones.end(), [&](const KnownStone& k) {
       return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, options.explained_margin);
     });
   };
-  const CameraIntrinsics& camera = scene.depth.camera;
-  scene.explained.resize(scene.depth.z.size(), 0);
-  tbb::parallel_for(0, camera.height, [&](int v) {
-    for (int u = 0; u < camera.width; ++u)
-      if (const float z = scene.depth.at(u, v);
-          z > 0 && explained((z * deproject(camera, u, v)).cast<float>()))
-        scene.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
-  });
+  for (auto& view : scene.views) {
+    const CameraIntrinsics& camera = view.depth.camera;
+    view.explained.resize(view.depth.z.size(), 0);
+    tbb::parallel_for(0, camera.height, [&](int v) {
+      for (int u = 0; u < camera.width; ++u)
+        if (const float z = view.depth.at(u, v);
+            z > 0 && explained((view.T_C_V * (z * deproject(camera, u, v))).cast<float>()))
+          view.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
+    });
+  }
   SurfacePoints rest;
+  std::vector<int> view_of;
   for (std::size_t i = 0; i < scene.surface.points.size(); ++i) {
     if (explained(scene.surface.points[i])) continue;
     rest.points.push_back(scene.surface.points[i]);
     rest.normals.push_back(scene.surface.normals[i]);
     rest.areas.push_back(scene.surface.areas[i]);
+    view_of.push_back(scene.view_of[i]);
   }
   scene.surface = std::move(rest);
+  scene.view_of = std::move(view_of);
   find_clusters(scene, options);
   return scene;
 }

@@ -5,6 +5,7 @@
 #include "detection/preprocess.hpp"
 #include "detection/surface_field.hpp"
 #include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/surface_tree.hpp"
 
 namespace stonestack {
 
@@ -32,6 +33,7 @@ struct DetectionModel {
   double radius = 0.0;     ///< m, of it
   SurfacePoints surface;   ///< dense samples, for registration
   SurfaceField field;      ///< over them
+  SurfaceTree tree;        ///< over the mesh itself
   Features features;
   std::vector<ModelSide> sides;
 };
@@ -48,12 +50,8 @@ struct DetectionModels::Data {
 [[nodiscard]] bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C,
                             double margin);
 
-/// Preprocesses an image; points and pixels of the stones whose poses are known are taken out.
-[[nodiscard]] DetectionScene see_scene(const DepthImage& image, const DetectionModels::Data& data,
-                                       const SceneKnowledge& known, bool find_table,
-                                       const DetectionOptions& options);
-
-/// A scene without the points and pixels of some stones: what is left to explain.
+/// A scene without the points and pixels of some stones: what is left to explain. Nothing changes for no
+/// stones.
 [[nodiscard]] DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
                                             std::span<const KnownStone> stones,
                                             const DetectionOptions& options);

@@ -17,7 +17,6 @@ namespace stonestack {
 namespace {
 
 constexpr int kFewestNeighbours = 10;   // of 25: fewer is an edge or a flying pixel (facts: kills them)
-constexpr int kFewestPixels = 200;      // of depth in the whole image: less is no scene
 constexpr int kTableStride = 6;         // every 6th pixel each way is enough for a plane
 constexpr int kTableTrials = 400;       // misses a table that fills a third of the view with p < 1e-6
 constexpr double kTableShare = 0.05;    // of the valid pixels at least
@@ -98,6 +97,33 @@ Eigen::Vector3f local_normal(const PointGrid& grid, const std::vector<Eigen::Vec
 
 }  // namespace
 
+namespace {
+
+/// Sums over the pixels around one that lie on the same surface: offsets du, dv and dz from it.
+struct Window {
+  float count = 0, u = 0, v = 0, z = 0, uu = 0, uv = 0, vv = 0, uz = 0, vz = 0;
+
+  void add(float du, float dv, float dz) {
+    count += 1, u += du, v += dv, z += dz;
+    uu += du * du, uv += du * dv, vv += dv * dv, uz += du * dz, vz += dv * dz;
+  }
+
+  /// Depth of the fitted plane at the centre, over the centre's own depth. The mean would do for a full
+  /// window; at a rim, where one side is missing, it would draw a slope inwards.
+  [[nodiscard]] float centre() const {
+    const float mean = z / count;
+    if (count >= 25.0F) return mean;
+    const float cu = u / count, cv = v / count;
+    const float suu = uu - u * cu, suv = uv - u * cv, svv = vv - v * cv;
+    const float suz = uz - u * mean, svz = vz - v * mean;
+    const float det = suu * svv - suv * suv;
+    if (det < 0.05F * suu * svv || det < 1.0F) return mean;
+    return mean - (cu * (suz * svv - svz * suv) + cv * (svz * suu - suz * suv)) / det;
+  }
+};
+
+}  // namespace
+
 DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) {
   const int width = raw.camera.width, height = raw.camera.height;
   DepthImage out{raw.camera, std::vector<float>(raw.z.size(), 0.0F)};
@@ -108,15 +134,15 @@ DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) 
         const float z = raw.at(u, v);
         if (!in_range(z)) continue;
         const auto step = static_cast<float>(depth_step(z, options));
-        float sum = 0;
-        int count = 0;
+        Window window;
         for (int dv = -2; dv <= 2; ++dv) {
           const float* row = &raw.z[static_cast<std::size_t>((v + dv) * width + u - 2)];
           for (int k = 0; k < 5; ++k)
-            if (std::abs(row[k] - z) < step) sum += row[k] - z, ++count;
+            if (std::abs(row[k] - z) < step)
+              window.add(static_cast<float>(k - 2), static_cast<float>(dv), row[k] - z);
         }
-        if (count >= kFewestNeighbours)
-          out.z[static_cast<std::size_t>(v * width + u)] = z + sum / static_cast<float>(count);
+        if (window.count >= kFewestNeighbours)
+          out.z[static_cast<std::size_t>(v * width + u)] = z + window.centre();
       }
   });
   return out;
@@ -217,72 +243,6 @@ std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, floa
     rank[static_cast<std::size_t>(size_of[i].second)] = static_cast<int>(i);
   for (int& l : label) l = rank[static_cast<std::size_t>(l)];
   return label;
-}
-
-namespace {
-
-/// Why an image cannot be a scene; empty if it can.
-std::string unusable(const DepthImage& image) {
-  const auto pixels =
-      static_cast<std::size_t>(image.camera.width) * static_cast<std::size_t>(image.camera.height);
-  if (image.camera.width <= 0 || image.camera.height <= 0 || image.z.empty()) return "the image is empty";
-  if (image.z.size() != pixels)
-    return concat("the image has ", image.z.size(), " depths for ", image.camera.width, " x ",
-                  image.camera.height, " pixels");
-  if (!(image.camera.fx > 0 && image.camera.fy > 0)) return "the camera has no focal length";
-  return {};
-}
-
-/// Says what is odd about an image with next to no depth in range.
-std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& options) {
-  std::size_t seen = 0, far = 0;
-  for (const float z : raw.z) seen += z > 0 ? 1 : 0, far += z > 50.0F ? 1 : 0;
-  if (seen == 0) return "no pixel has a depth";
-  const std::string range = concat("fewer than ", kFewestPixels, " pixels have a depth within ",
-                                   options.nearest, " to ", options.farthest, " m");
-  return 2 * far > seen ? range + "; are the depths in millimetres?" : range;
-}
-
-}  // namespace
-
-void find_clusters(DetectionScene& scene, const DetectionOptions& options) {
-  scene.cluster =
-      cluster_points(scene.surface.points, static_cast<float>(options.cluster_gap), options.cluster_points);
-  scene.clusters = 0;
-  for (const int c : scene.cluster) scene.clusters = std::max(scene.clusters, c + 1);
-  if (scene.clusters == 0)
-    scene.note = scene.table_C ? "nothing unknown stands on the table" : "nothing but specks is in view";
-}
-
-DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
-                          bool look_for_table, const DetectionOptions& options) {
-  DetectionScene scene;
-  if (scene.note = unusable(image); !scene.note.empty()) return scene;
-  scene.depth = smooth_depth(image, options);
-  const auto valid = std::count_if(scene.depth.z.begin(), scene.depth.z.end(), [](float z) { return z > 0; });
-  if (valid < kFewestPixels) {
-    scene.note = nothing_in_range(image, options);
-    return scene;
-  }
-  if (expected_table || look_for_table) scene.table_C = find_table(scene.depth, expected_table, options);
-  if (scene.table_C) scene.noise = noise_about(*scene.table_C, scene.depth, options.table_tolerance);
-  std::vector<Eigen::Vector3f> points;
-  std::vector<float> areas;
-  const double pixel = 1.0 / (image.camera.fx * image.camera.fy);
-  for (int v = 0; v < image.camera.height; ++v)
-    for (int u = 0; u < image.camera.width; ++u) {
-      const double z = scene.depth.at(u, v);
-      if (z <= 0) continue;
-      const Eigen::Vector3d p = z * deproject(image.camera, u, v);
-      const double height = scene.table_C ? scene.table_C->distance(p) : options.height_low;
-      if (height < options.height_low || height > options.height_high) continue;
-      points.emplace_back(p.cast<float>());
-      areas.push_back(static_cast<float>(z * z * pixel));
-    }
-  scene.surface = surface_points(points, areas, static_cast<float>(options.voxel),
-                                 static_cast<float>(options.normal_radius));
-  find_clusters(scene, options);
-  return scene;
 }
 
 }  // namespace stonestack

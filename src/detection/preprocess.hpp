@@ -16,20 +16,29 @@ struct SurfacePoints {
   std::vector<float> areas;              ///< m^2: seen across the line of sight (scene), of surface (model)
 };
 
-/// A depth image made ready: smoothed, cropped, the table found, the rest in voxels and clusters.
-struct DetectionScene {
-  DepthImage depth;              ///< smoothed; 0 where unknown or out of range
-  std::optional<Plane> table_C;  ///< normal towards the camera
-  double noise = 0.0006;        ///< m, deviation of the smoothed depth from the table plane, along its normal
+/// One view of a scene; V is its camera.
+struct SeenView {
+  Pose T_C_V = Pose::Identity();
+  DepthImage depth;             ///< smoothed; 0 where unknown or out of range
   std::vector<char> explained;  ///< a flag a pixel: it shows a stone whose pose is known; empty if none does
-  SurfacePoints surface;        ///< above the table, `voxel` apart, without what is explained
-  std::vector<int> cluster;     ///< of each point: 0.., or -1 for specks
+};
+
+/// Depth images made ready: smoothed, cropped, the table found, the rest in voxels and clusters. C is the
+/// camera of the first view.
+struct DetectionScene {
+  std::vector<SeenView> views;
+  std::optional<Plane> table_C;  ///< normal towards the camera
+  double noise = 0.0006;     ///< m, deviation of the smoothed depth from the table plane, along its normal
+  SurfacePoints surface;     ///< above the table, `voxel` apart in each view, without what is explained
+  std::vector<int> view_of;  ///< the view that saw each point
+  std::vector<int> cluster;  ///< of each point: 0.., or -1 for specks
   int clusters = 0;
   std::string note;  ///< why there is nothing to see; empty otherwise
 };
 
-/// Edge-aware mean over 5 x 5 pixels: averages neighbours within a depth step that grows with z (noise of a
-/// depth camera does), and drops a pixel with too few of them (flying pixels). Depths out of range vanish.
+/// Edge-aware mean over 5 x 5 pixels, at rims the plane fitted to them: takes neighbours within a depth step
+/// that grows with z (noise of a depth camera does), and drops a pixel with too few of them (flying pixels).
+/// Depths out of range vanish.
 [[nodiscard]] DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options);
 
 /// The largest plane that may be a table: seen from above, nothing substantial below. If `expected` is given,
@@ -53,8 +62,19 @@ struct DetectionScene {
 /// Sets the clusters of the scene's surface.
 void find_clusters(DetectionScene& scene, const DetectionOptions& options);
 
-/// All of it. `find_table` without an expected table looks for one.
+/// What one view saw.
+[[nodiscard]] SurfacePoints surface_of_view(const DetectionScene& scene, int view);
+
+/// Appends points that a view saw, in C.
+void append_points(DetectionScene& scene, const SurfacePoints& more, int view);
+
+/// All of it, for one view. `find_table` without an expected table looks for one.
 [[nodiscard]] DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
                                         bool find_table, const DetectionOptions& options);
+
+/// All of it, for several views of one scene, aligned to each other.
+[[nodiscard]] DetectionScene preprocess(std::span<const DepthView> views,
+                                        const std::optional<Plane>& expected_table, bool find_table,
+                                        const DetectionOptions& options);
 
 }  // namespace stonestack

@@ -17,27 +17,43 @@ struct Normal {
   double squares = 0.0, weights = 0.0;
 };
 
-Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfacePoints& seen,
+/// The surface nearest to a point: point and outward normal. False if there is none within the gate.
+bool nearest_surface(const RefineTarget& target, const Eigen::Vector3f& q, double gate,
+                     Eigen::Vector3f& point, Eigen::Vector3f& normal) {
+  if (target.tree != nullptr) {
+    const SurfacePoint found = target.tree->nearest({q.x(), q.y(), q.z()}, gate);
+    const auto narrow = [](const Eigen::Vector3d& v) {
+      return Eigen::Vector3f(static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()));
+    };
+    point = narrow(found.point), normal = narrow(found.normal);
+    return found.face >= 0;
+  }
+  const int k = target.field.nearest(q);
+  if (k < 0) return false;
+  point = target.surface.points[static_cast<std::size_t>(k)];
+  normal = target.surface.normals[static_cast<std::size_t>(k)];
+  return (q - point).squaredNorm() <= static_cast<float>(gate * gate);
+}
+
+Normal accumulate(const RefineTarget& model, const Pose& T_O_C, const SurfacePoints& seen,
                   std::span<const int> indices, double gate, double robust, double least_cosine) {
   Normal sum;
   const Eigen::Isometry3f T = T_O_C.cast<float>();
   const Eigen::Vector3f centre = model.centre.cast<float>();
-  const auto gate2 = static_cast<float>(gate * gate), inverse = static_cast<float>(1.0 / (robust * robust));
+  const auto inverse = static_cast<float>(1.0 / (robust * robust));
+  Eigen::Vector3f s, n;
   Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
   Eigen::Matrix<float, 6, 1> g = Eigen::Matrix<float, 6, 1>::Zero();
   for (const int i : indices) {
     const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
-    const int k = model.field.nearest(q);
-    if (k < 0) continue;
-    const Eigen::Vector3f& s = model.surface.points[static_cast<std::size_t>(k)];
-    const Eigen::Vector3f& n = model.surface.normals[static_cast<std::size_t>(k)];
-    if ((q - s).squaredNorm() > gate2) continue;
+    if (!nearest_surface(model, q, gate, s, n)) continue;
     if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(least_cosine))
       continue;
     const float r = n.dot(q - s);
     const float w = 1.0F / (1.0F + r * r * inverse);
     Eigen::Matrix<float, 6, 1> J;
-    J << n, (q - centre).cross(n);
+    J.head<3>() = n;  // not by commas: GCC 12 sees a load past the end there
+    J.tail<3>() = (q - centre).cross(n);
     H.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
     g += (w * r) * J;
     ++sum.count;
@@ -78,6 +94,11 @@ Eigen::Matrix<double, 6, 6> information_C(const Eigen::Matrix<double, 6, 6>& H_O
 }  // namespace
 
 Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
+                    std::span<const int> indices, const RefineOptions& options) {
+  return refine_pose(RefineTarget{model.surface, model.field, model.centre}, T_C_O, seen, indices, options);
+}
+
+Refined refine_pose(const RefineTarget& model, const Pose& T_C_O, const SurfacePoints& seen,
                     std::span<const int> indices, const RefineOptions& options) {
   Refined out{T_C_O};
   Pose T_O_C = T_C_O.inverse();

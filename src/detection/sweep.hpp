@@ -16,13 +16,18 @@ struct SweepOptions {
   double area_low =
       0.35;  ///< of the side's shadow that the cluster covers at least (it may be hidden in part)
   double area_high = 1.4;  ///< and at most
+  int shifts = 0;          ///< steps by which each trial may slide to where it fits, ...
+  double aside = 0.0;      ///< m, ... from the aligned centres and from this far to four sides of them: where
+                           ///< other stones hide a part, centres do not agree
 };
 
-/// Tries every orientation of the model on one cluster of the scene, with the visible centres aligned: needs
-/// neither normals nor descriptors to be good, only that the cluster is one stone, more or less.
+/// Tries every orientation of the model on one cluster that one view saw from `eye`, with the visible centres
+/// aligned: needs neither normals nor descriptors to be good, only that the cluster is one stone, more or
+/// less.
 [[nodiscard]] std::vector<Hypothesis> sweep_orientations(const DetectionModel& model,
                                                          const SurfacePoints& seen,
                                                          std::span<const int> cluster,
+                                                         const Eigen::Vector3f& eye,
                                                          const SweepOptions& options);
 
 /// Unit vectors spread evenly over the sphere (Fibonacci lattice).

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "stonestack/core/error.hpp"
 
@@ -13,8 +14,8 @@ namespace {
 constexpr float kLongestLink = 4.0F;  // spacings: further apart in depth is another surface
 constexpr int kMostSplits = 12;       // rounds: edges shrink by half in each
 
-/// Normals of the triangles around each point; points without a triangle keep zero.
-void add_normals(TriangulatedSurface& out, bool towards_origin) {
+/// Normals of the triangles around each point, towards `eye` if given; points without a triangle keep zero.
+void add_normals(TriangulatedSurface& out, const std::optional<Eigen::Vector3f>& eye) {
   auto& s = out.surface;
   s.normals.assign(s.points.size(), Eigen::Vector3f::Zero());
   for (auto& t : out.triangles) {
@@ -23,23 +24,23 @@ void add_normals(TriangulatedSurface& out, bool towards_origin) {
     for (int k = 0; k < 3; ++k) s.normals[static_cast<std::size_t>(t[k])] += n;
   }
   for (std::size_t i = 0; i < s.points.size(); ++i) {
-    if (towards_origin && s.normals[i].dot(s.points[i]) > 0) s.normals[i] *= -1.0F;
+    if (eye && s.normals[i].dot(s.points[i] - *eye) > 0) s.normals[i] *= -1.0F;
     if (s.normals[i].norm() > 0) s.normals[i].normalize();
   }
 }
 
 /// The pixels that count, row by row; -1 elsewhere, else the index of the point.
-std::vector<int> lay_points(const DetectionScene& scene, int step, double height_low, double height_high,
-                            SurfacePoints& surface) {
-  const CameraIntrinsics& camera = scene.depth.camera;
+std::vector<int> lay_points(const DetectionScene& scene, const SeenView& view, int step, double height_low,
+                            double height_high, SurfacePoints& surface) {
+  const CameraIntrinsics& camera = view.depth.camera;
   std::vector<int> index;
   for (int v = 0; v < camera.height; v += step)
     for (int u = 0; u < camera.width; u += step) {
-      const double z = scene.depth.at(u, v);
-      const Eigen::Vector3d p = z * deproject(camera, u, v);
+      const double z = view.depth.at(u, v);
+      const Eigen::Vector3d p = view.T_C_V * (z * deproject(camera, u, v));
       const double height = scene.table_C ? scene.table_C->distance(p) : height_low;
       const auto pixel = static_cast<std::size_t>(v * camera.width + u);
-      const bool known = !scene.explained.empty() && scene.explained[pixel] != 0;
+      const bool known = !view.explained.empty() && view.explained[pixel] != 0;
       const bool counts = z > 0 && height >= height_low && height <= height_high && !known;
       index.push_back(counts ? static_cast<int>(surface.points.size()) : -1);
       if (counts) surface.points.emplace_back(p.cast<float>()), surface.areas.push_back(0.0F);
@@ -49,17 +50,21 @@ std::vector<int> lay_points(const DetectionScene& scene, int step, double height
 
 }  // namespace
 
-TriangulatedSurface triangulate(const DetectionScene& scene, double spacing, double height_low,
+TriangulatedSurface triangulate(const DetectionScene& scene, int which, double spacing, double height_low,
                                 double height_high) {
   TriangulatedSurface out;
-  if (scene.surface.points.empty()) return out;
+  const SeenView& view = scene.views[static_cast<std::size_t>(which)];
+  const Pose T_V_C = view.T_C_V.inverse();
   std::vector<float> depths;
-  for (const auto& p : scene.surface.points) depths.push_back(p.z());
+  for (std::size_t i = 0; i < scene.surface.points.size(); ++i)
+    if (scene.view_of[i] == which)
+      depths.push_back(static_cast<float>((T_V_C * scene.surface.points[i].cast<double>()).z()));
+  if (depths.empty()) return out;
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
-  const CameraIntrinsics& camera = scene.depth.camera;
+  const CameraIntrinsics& camera = view.depth.camera;
   const int step = std::max(1, static_cast<int>(std::lround(spacing * camera.fx / *middle)));
-  const auto index = lay_points(scene, step, height_low, height_high, out.surface);
+  const auto index = lay_points(scene, view, step, height_low, height_high, out.surface);
   const int columns = (camera.width + step - 1) / step, rows = (camera.height + step - 1) / step;
   const float longest = kLongestLink * static_cast<float>(spacing);
   const auto link = [&](int a, int b, int c) {
@@ -78,7 +83,7 @@ TriangulatedSurface triangulate(const DetectionScene& scene, double spacing, dou
       link(at(0, 0), at(0, 1), at(1, 0));
       link(at(1, 0), at(0, 1), at(1, 1));
     }
-  add_normals(out, true);
+  add_normals(out, view.T_C_V.translation().cast<float>().eval());
   return out;
 }
 
@@ -126,7 +131,7 @@ TriangulatedSurface subdivide(const Mesh& mesh, double spacing) {
     if (middle.empty()) break;
   }
   out.surface.areas.assign(points.size(), 0.0F);
-  add_normals(out, false);
+  add_normals(out, std::nullopt);
   return out;
 }
 

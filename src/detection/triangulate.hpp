@@ -11,10 +11,10 @@ struct TriangulatedSurface {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// What stands on the table, on every n-th pixel so that points are about `spacing` apart; neighbouring
-/// pixels are linked unless depth jumps between them.
-[[nodiscard]] TriangulatedSurface triangulate(const DetectionScene& scene, double spacing, double height_low,
-                                              double height_high);
+/// What one view shows standing on the table, in C, on every n-th pixel so that points are about `spacing`
+/// apart; neighbouring pixels are linked unless depth jumps between them.
+[[nodiscard]] TriangulatedSurface triangulate(const DetectionScene& scene, int view, double spacing,
+                                              double height_low, double height_high);
 
 /// The mesh with every edge longer than `spacing` split, again and again.
 [[nodiscard]] TriangulatedSurface subdivide(const Mesh& mesh, double spacing);

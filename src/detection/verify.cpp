@@ -111,35 +111,45 @@ double share_beyond(const DetectionModel& model, const Pose& T_C_O, const Surfac
   return at + off > 0 ? static_cast<double>(off) / (at + off) : 0.0;
 }
 
-}  // namespace
-
-Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
-                    const VerifyOptions& options) {
-  Verdict verdict;
-  const CameraIntrinsics& camera = scene.depth.camera;
-  const int step = drawing_step(model, T_C_O, camera, options.drawn_pixels);
-  const DrawnModel drawn = draw_model(model.mesh, model.face_normals, T_C_O, camera, step);
-  Tally tally;
+/// Compares one view with the model drawn into it.
+void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& view, int index,
+                const VerifyOptions& options, Tally& tally, Verdict& verdict) {
+  const CameraIntrinsics& camera = view.depth.camera;
+  const int step = drawing_step(model, T_V_O, camera, options.drawn_pixels);
+  const DrawnModel drawn = draw_model(model.mesh, model.face_normals, T_V_O, camera, step);
+  const double area_before = tally.area;
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
       const auto i = static_cast<std::size_t>(y * drawn.width + x);
       if (drawn.z[i] == 0.0F || at_rim(drawn, x, y)) continue;
       const int u = drawn.u0 + x * step, v = drawn.v0 + y * step;
       const auto pixel = static_cast<std::size_t>(v * camera.width + u);
-      if (!scene.explained.empty() && scene.explained[pixel] != 0) continue;
+      if (!view.explained.empty() && view.explained[pixel] != 0) continue;
       ++tally.drawn;
-      if (scene.depth.z[pixel] <= 0) continue;
-      const bool fits = count_pixel(scene.depth, u, v, drawn.z[i],
+      if (view.depth.z[pixel] <= 0) continue;
+      const bool fits = count_pixel(view.depth, u, v, drawn.z[i],
                                     drawn.normals_C[static_cast<std::size_t>(drawn.face[i])], options, tally);
-      if (fits && options.keep_pixels) verdict.pixels.push_back(static_cast<int>(pixel));
+      if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel)});
     }
-  if (tally.fits < std::max(10.0, kLeastSeen * tally.drawn)) return verdict;
+  verdict.visible =
+      std::max(verdict.visible, std::min(1.0, (tally.area - area_before) * step * step / model.area));
+}
+
+}  // namespace
+
+Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                    const VerifyOptions& options) {
+  Verdict verdict;
+  Tally tally;
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    tally_view(model, scene.views[i].T_C_V.inverse() * T_C_O, scene.views[i], static_cast<int>(i), options,
+               tally, verdict);
+  if (tally.fits < std::max(10.0, kLeastSeen * tally.drawn)) return {};
   const double seen = tally.fits + tally.through + tally.just_in_front;
   verdict.score = (tally.quality - tally.through - kJustInFrontWeight * tally.just_in_front -
                    options.hidden_weight * tally.hidden) /
                   seen;
   verdict.inlier_ratio = tally.fits / (seen + tally.hidden);
-  verdict.visible = std::min(1.0, tally.area * step * step / model.area);
   const double beyond = share_beyond(model, T_C_O, scene.surface, options);
   verdict.score -= kBeyondWeight * std::max(0.0, beyond - kBeyondTolerated);
   if (scene.table_C)

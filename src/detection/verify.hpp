@@ -7,12 +7,18 @@
 
 namespace stonestack {
 
+/// A pixel of one view.
+struct SeenPixel {
+  int view = 0;
+  int index = 0;  ///< v * width + u
+};
+
 /// What the scene says about one pose of one model.
 struct Verdict {
   double score = -1.0;        ///< at most 1: what fits, minus what contradicts
   double inlier_ratio = 0.0;  ///< the paper's: share that fits, of the drawn pixels that have a depth
-  double visible = 0.0;       ///< share of the model's whole surface that was seen and fits
-  std::vector<int> pixels;    ///< image indices of pixels that fit, on the drawn raster
+  double visible = 0.0;  ///< share of the model's whole surface that was seen and fits, in the view of most
+  std::vector<SeenPixel> pixels;  ///< that fit, on the drawn raster
 };
 
 /// Tolerances and weights of a check.
@@ -20,15 +26,15 @@ struct VerifyOptions {
   double tolerance = 0.005;    ///< m, along the surface normal
   double hidden_weight = 0.3;  ///< what a pixel costs that something unknown hides
   double below_table = 0.008;  ///< m, how deep a vertex may lie below the table
-  int drawn_pixels = 1500;     ///< about, for a pose in full view
+  int drawn_pixels = 1500;     ///< about, for a pose in full view, in each view
   bool keep_pixels = false;    ///< fill Verdict::pixels
 };
 
-/// Draws the model at the pose and compares it with what was seen, pixel by pixel. A pixel fits the better,
-/// the nearer it lies and the better the normals agree; it contradicts if the surface behind is seen (one
-/// would look through stone) or one just in front; far in front something may hide the model. Seen points
-/// just off the model's surface contradict too (the surface goes on where the model ends), and so does a pose
-/// below the table. Pixels that are explained by known stones say nothing.
+/// Draws the model at the pose into each view and compares it with what was seen, pixel by pixel. A pixel
+/// fits the better, the nearer it lies and the better the normals agree; it contradicts if the surface behind
+/// is seen (one would look through stone) or one just in front; far in front something may hide the model.
+/// Seen points just off the model's surface contradict too (the surface goes on where the model ends), and so
+/// does a pose below the table. Pixels that are explained by known stones say nothing.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
 

@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/detection/trace.hpp"
+#include "stonestack/detection/track_stones.hpp"
 
 namespace stonestack {
 namespace {
@@ -152,9 +155,108 @@ TEST_F(Detect, TwoPlanesWithoutStones) {
   EXPECT_TRUE(detect_stones(render(scene, {}, T_W_C).depth, *models()).detections.empty());
 }
 
+TEST_F(Detect, PaperModeLooksOnceWithItsOwnDescriptorAndNoSweep) {
+  DetectionOptions options;
+  options.method = "paper";
+  options.trace = true;
+  const std::vector<Stone> two(stones().begin(), stones().begin() + 2);
+  const DetectionModels paper(two, options);
+  const auto result = detect_stones(make_scene(1).image, paper, {}, options);
+  ASSERT_NE(result.trace, nullptr);
+  ASSERT_EQ(result.trace->turns.size(), 1U);
+  EXPECT_FALSE(result.trace->turns[0].keypoints_C.empty());
+  EXPECT_FALSE(result.trace->turns[0].hypotheses.empty());
+  for (const auto& h : result.trace->turns[0].hypotheses) EXPECT_EQ(h.source, "consistency");
+}
+
+TEST_F(Detect, AMirroredSceneShowsNoStone) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const Scene scene = make_scene(seed);
+    DepthImage mirrored = scene.image;
+    const int width = mirrored.camera.width;
+    for (int v = 0; v < mirrored.camera.height; ++v)
+      std::reverse(mirrored.z.begin() + v * width, mirrored.z.begin() + (v + 1) * width);
+    for (const auto& d : detect_stones(mirrored, *models()).detections)
+      ADD_FAILURE() << "stone " << d.stone << " with score " << d.score << ", seed " << seed;
+  }
+}
+
+TEST_F(Detect, AStoneOutsideTheFrameIsNotSeenAndOneAtItsEdgeIsRightOrNotSeen) {
+  const Pose T_W_C = test::make_camera_pose(0.3, 0.0);
+  const auto seen_at = [&](double x) {
+    const Pose T_W_O =
+        test::on_table(stones()[0], Eigen::Quaterniond(0.7, 0.1, 0.3, -0.6).normalized(), 0.0, x);
+    const auto found = detect_stones(test::look_at({{&stones()[0], T_W_O}}, T_W_C), *models()).detections;
+    for (const auto& d : found) {
+      EXPECT_EQ(d.stone, 0) << "at " << x;
+      EXPECT_LT(difference(T_W_C * d.T_C_O, T_W_O).translation, 0.005) << "at " << x;
+    }
+    return !found.empty();
+  };
+  EXPECT_TRUE(seen_at(0.0));
+  EXPECT_FALSE(seen_at(0.8));
+  for (const double x : {0.40, 0.44, 0.48, 0.52}) (void)seen_at(x);
+}
+
+TEST_F(Detect, AMillionOrTenPointsAreOneImage) {
+  const Scene scene = make_scene(2);
+  const Cloud one = without_gaps(to_cloud(scene.image));
+  Cloud many;
+  Random random = Random::stream(1, "ten million points");
+  while (many.points.size() < 10'000'000)
+    for (const auto& p : one.points) {
+      const auto jitter = static_cast<float>(random.uniform(0.9997, 1.0003));
+      many.points.emplace_back(jitter * p);
+    }
+  const auto found = detect_stones(to_depth_image(many, scene.image.camera), *models()).detections;
+  EXPECT_GE(found.size(), 3U);
+  for (const auto& d : found) EXPECT_TRUE(right(d, scene)) << "stone " << d.stone;
+}
+
+TEST_F(Detect, ACloudInMillimetresIsSaidToBeOne) {
+  Cloud cloud = to_cloud(make_scene(1).image);
+  for (auto& p : cloud.points) p *= 1000.0F;
+  const auto result = detect_stones(to_depth_image(cloud, CameraIntrinsics{}), *models());
+  EXPECT_TRUE(result.detections.empty());
+  EXPECT_THAT(result.note, ::testing::HasSubstr("millimetres"));
+}
+
+TEST_F(Detect, TrackedStonesAreInPlaceMovedFallenOrUnseen) {
+  const Scene scene = make_scene(3);
+  const Pose T_C_W = scene.T_W_C.inverse();
+  const auto at = [&](int i) { return scene.T_W_O[static_cast<std::size_t>(i)]; };
+  const std::vector<KnownStone> expected = {
+      {0, T_C_W * at(0)},
+      {1, T_C_W * make_pose({0.006, 0.004, 0.0}) * at(1)},  // now 7 mm beside
+      {2, T_C_W * make_pose({0.05, 0.02, 0.08}) * at(2)},   // was 8 cm higher
+      {4, T_C_W * make_pose({0.0, 0.0, 0.05})},             // is not there any more
+  };
+  const auto tracked = track_stones(scene.image, *models(), expected);
+  using Status = TrackedStone::Status;
+  ASSERT_EQ(tracked.size(), 4U);
+  EXPECT_EQ(tracked[0].status, Status::kInPlace);
+  EXPECT_EQ(tracked[1].status, Status::kMoved);
+  EXPECT_NEAR(tracked[1].moved.translation, std::hypot(0.006, 0.004), 0.0015);
+  EXPECT_EQ(tracked[2].status, Status::kFallen);
+  EXPECT_NEAR(tracked[2].moved.translation, Eigen::Vector3d(0.05, 0.02, 0.08).norm(), 0.002);
+  EXPECT_EQ(tracked[3].status, Status::kUnseen);
+  EXPECT_FALSE(tracked[3].detection.has_value());
+  const std::vector<KnownStone> held = {{2, T_C_W * make_pose({0.0, 0.0, 0.4})}};
+  EXPECT_EQ(track_stones(scene.image, *models(), std::span(expected).subspan(2, 1), {}, {held, {}})[0].status,
+            Status::kUnseen)
+      << "a held stone is not searched on the table";
+}
+
+TEST_F(Detect, AHeldStoneIsNotSearchedOnTheTable) {
+  const Scene scene = make_scene(1);
+  SceneKnowledge known;
+  known.stones.push_back({1, scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.4})});  // in the hand, above
+  for (const auto& d : detect_stones(scene.image, *models(), {}, {}, known).detections) EXPECT_NE(d.stone, 1);
+}
+
 TEST_F(Detect, AModelThatDoesNotExistIsTheCallersFault) {
   const std::vector<int> wanted = {17};
-  EXPECT_THROW((void)detect_stones({}, *models(), wanted), InvalidArgument);
+  EXPECT_THROW((void)detect_stones(DepthImage{}, *models(), wanted), InvalidArgument);
   EXPECT_THROW((void)track_stone({}, *models(), -1, Pose::Identity()), InvalidArgument);
 }
 

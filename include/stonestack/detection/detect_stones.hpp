@@ -24,11 +24,20 @@ struct Detection {
       Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C
 };
 
-/// What one frame showed.
+struct DetectionTrace;
+
+/// What one frame, or several of one scene, showed.
 struct DetectionResult {
-  std::vector<Detection> detections;  ///< at most one a model, best score first
-  std::optional<Plane> table_C;       ///< normal towards the camera
-  std::string note;                   ///< why nothing was found, for a person; empty otherwise
+  std::vector<Detection> detections;            ///< at most `copies` a model, best score first
+  std::optional<Plane> table_C;                 ///< normal towards the camera
+  std::string note;                             ///< why nothing was found, for a person; empty otherwise
+  std::shared_ptr<const DetectionTrace> trace;  ///< what each stage saw, with DetectionOptions::trace
+};
+
+/// One depth image of several, and where it was taken from.
+struct DepthView {
+  DepthImage image;
+  Pose T_W_C = Pose::Identity();  ///< W: any frame that all views share
 };
 
 /// Stages and limits of detection.
@@ -52,6 +61,7 @@ struct DetectionOptions {
   double consistency_size = 0.008;   ///< m, geometric consistency (Chen and Bhanu 2004)
   int consistency_fewest = 5;        ///< correspondences in a group
   int best = 30;                     ///< b best hypotheses a model
+  int copies = 1;                    ///< of each model at most, in one scene
   bool sweep = true;                 ///< also try all orientations on each cluster (not with paper)
   double icp_gate = 0.015;           ///< m, furthest correspondence at first
   double verify_tolerance = 0.005;   ///< m, from seen to expected surface
@@ -59,6 +69,10 @@ struct DetectionOptions {
   double accept_inlier_ratio = 0.75;  ///< with paper
   double explained_margin = 0.008;    ///< m, points this near to a stone whose pose is known are its own
   double noise_scale = 0.0048;  ///< m, of a surface point as ICP's Hessian sees it: calibrates covariance
+  double align_shift =
+      0.010;                 ///< m, how far several views are moved at most so that they agree; 0: not at all
+  double align_turn = 0.02;  ///< rad
+  bool trace = false;        ///< keep what each stage saw
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(DetectionOptions& options);
@@ -93,6 +107,15 @@ class DetectionModels {
 /// Finds the stones `wanted` (indices; all if empty) in one depth image (paper §2). Never throws for what a
 /// camera may show: an empty or senseless image gives no detections and a note.
 [[nodiscard]] DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
+                                            std::span<const int> wanted = {},
+                                            const DetectionOptions& options = {},
+                                            const SceneKnowledge& known = {});
+
+/// The same from several camera poses: hypotheses from each view, one verdict over all, so that what one view
+/// hides another may show. Views are first aligned by what they see (hand-eye and arm err by a millimetre or
+/// two). Results and `known` are in C, the camera frame of the first view. Throws InvalidArgument for no
+/// view.
+[[nodiscard]] DetectionResult detect_stones(std::span<const DepthView> views, const DetectionModels& models,
                                             std::span<const int> wanted = {},
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});

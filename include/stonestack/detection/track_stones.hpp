@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stonestack/detection/detect_stones.hpp"
+
+namespace stonestack {
+
+/// What became of a stone that was placed before.
+struct TrackedStone {
+  enum class Status {
+    kInPlace,  ///< where it was
+    kMoved,    ///< seen elsewhere, `moved` says how far
+    kFallen,   ///< seen elsewhere and lower
+    kUnseen,   ///< hidden, or gone
+  };
+  int stone = -1;
+  Status status = Status::kUnseen;
+  std::optional<Detection> detection;  ///< empty with kUnseen
+  PoseDifference moved;                ///< from where it was; of the bounding sphere's centre
+};
+[[nodiscard]] std::string to_text(TrackedStone::Status status);
+
+/// When a stone counts as moved or fallen.
+struct TrackOptions {
+  double moved_shift = 0.003;  ///< m
+  double moved_turn = 0.035;   ///< rad
+  double fallen_drop = 0.015;  ///< m, of the centre, towards the table
+};
+[[nodiscard]] FieldList fields(TrackOptions& options);
+
+/// Refines every expected stone from its last pose (track_stone); those that are not there are searched for
+/// in the rest of the scene. Stones of `known` (held ones, say) are neither searched nor allowed to explain
+/// anything else. One entry an expected stone, in their order.
+[[nodiscard]] std::vector<TrackedStone> track_stones(const DepthImage& image, const DetectionModels& models,
+                                                     std::span<const KnownStone> expected,
+                                                     const DetectionOptions& options = {},
+                                                     const SceneKnowledge& known = {},
+                                                     const TrackOptions& limits = {});
+
+}  // namespace stonestack

@@ -1,0 +1,18 @@
+#pragma once
+#include <vector>
+
+#include "detection/candidates.hpp"
+
+namespace stonestack {
+
+/// Enough for a detection: the score and some surface, or the paper's inlier ratio.
+[[nodiscard]] bool acceptable(const Detection& d, const DetectionOptions& options);
+
+/// Takes acceptable candidates in order of worth, each model at most as often as `missing` names it, each
+/// only if what it explains is mostly still free. Indices into `candidates`, best first.
+[[nodiscard]] std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
+                                                         const std::vector<int>& missing,
+                                                         const DetectionScene& scene,
+                                                         const DetectionOptions& options);
+
+}  // namespace stonestack

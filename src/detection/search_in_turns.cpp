@@ -1,0 +1,211 @@
+#include "detection/search_in_turns.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "detection/accept.hpp"
+#include "detection/describe.hpp"
+#include "detection/matching.hpp"
+#include "detection/split_parts.hpp"
+#include "detection/sweep.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kWiderGap = 3.0;  // times the gap of clusters
+
+/// Points of one cluster that one view saw.
+struct SeenCluster {
+  int view = 0;
+  std::vector<int> points;
+};
+
+std::vector<SeenCluster> seen_clusters(const DetectionScene& scene, const DetectionOptions& options) {
+  const std::size_t views = scene.views.size();
+  std::vector<SeenCluster> all(static_cast<std::size_t>(scene.clusters) * views);
+  for (std::size_t i = 0; i < scene.cluster.size(); ++i) {
+    if (scene.cluster[i] < 0) continue;
+    auto& cluster =
+        all[static_cast<std::size_t>(scene.cluster[i]) * views + static_cast<std::size_t>(scene.view_of[i])];
+    cluster.view = scene.view_of[i];
+    cluster.points.push_back(static_cast<int>(i));
+  }
+  std::erase_if(
+      all, [&](const SeenCluster& c) { return static_cast<int>(c.points.size()) < options.cluster_points; });
+  return all;
+}
+
+/// Clusters, those that wider gaps join (a stone that holes or shadow have torn), and the parts that creases
+/// split them into.
+std::vector<SeenCluster> with_parts(const DetectionScene& scene, const DetectionOptions& options) {
+  const auto clusters = seen_clusters(scene, options);
+  std::vector<SeenCluster> all = clusters;
+  DetectionScene joined = scene;
+  DetectionOptions wide = options;
+  wide.cluster_gap = kWiderGap * options.cluster_gap;
+  find_clusters(joined, wide);
+  for (auto& cluster : seen_clusters(joined, options)) {
+    const bool known = std::any_of(clusters.begin(), clusters.end(), [&](const SeenCluster& c) {
+      return c.view == cluster.view && c.points.size() == cluster.points.size() &&
+             c.points[0] == cluster.points[0];
+    });
+    if (!known) all.push_back(std::move(cluster));
+  }
+  for (const auto& cluster : clusters)
+    for (auto& part : split_parts(scene.surface, cluster.points))
+      all.push_back({cluster.view, std::move(part)});
+  return all;
+}
+
+/// What one turn tries.
+enum class Turn {
+  kSweep,     ///< some orientations on each cluster
+  kDescribe,  ///< descriptors
+  kThorough,  ///< more orientations, also on parts of clusters
+};
+
+/// What a look at a scene tries.
+struct Look {
+  const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
+  std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
+  SweepOptions sweep;
+};
+
+/// Sweep of the last turn: as many orientations as the budget of a scene allows.
+SweepOptions thorough_sweep() {
+  SweepOptions options;
+  options.best = 60;
+  options.apart = 0.2;
+  options.shifts = 3;
+  options.aside = 0.022;
+  options.area_low = 0.15;
+  options.area_high = 1.6;
+  return options;
+}
+
+/// What was found out about one model.
+struct ModelSearch {
+  std::vector<Correspondence> matches;
+  std::vector<Hypothesis> grouped, swept;
+  std::vector<Candidate> candidates;
+};
+
+ModelSearch search_model(const DetectionModel& model, int stone, const DetectionScene& scene,
+                         const Look& look, const DetectionOptions& options) {
+  ModelSearch out;
+  if (look.seen != nullptr) {
+    out.matches = match_features(*look.seen, model.features, options.neighbours);
+    ConsistencyOptions grouping;
+    grouping.size = options.consistency_size;
+    grouping.fewest = options.consistency_fewest;
+    grouping.best = options.best;
+    out.grouped = consistent_groups(out.matches, *look.seen, model.features, grouping);
+  }
+  for (const auto& cluster : look.clusters) {
+    const Eigen::Vector3f eye =
+        scene.views[static_cast<std::size_t>(cluster.view)].T_C_V.translation().cast<float>();
+    const auto more = sweep_orientations(model, scene.surface, cluster.points, eye, look.sweep);
+    out.swept.insert(out.swept.end(), more.begin(), more.end());
+  }
+  std::vector<Hypothesis> all = out.grouped;
+  all.insert(all.end(), out.swept.begin(), out.swept.end());
+  out.candidates = judge_hypotheses(model, stone, all, scene, options);
+  return out;
+}
+
+void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const Look& look,
+                 const DetectionModel& model) {
+  for (const auto& m : found.matches)
+    turn.matches.push_back({stone, look.seen->points[static_cast<std::size_t>(m.scene)],
+                            model.features.points[static_cast<std::size_t>(m.model)], m.distance});
+  for (const auto& h : found.grouped) turn.hypotheses.push_back({stone, "consistency", h.support, h.T_C_O});
+  for (const auto& h : found.swept) turn.hypotheses.push_back({stone, "sweep", h.support, h.T_C_O});
+}
+
+/// Candidates of every missing model.
+std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<int>& missing,
+                              const DetectionScene& scene, const Look& look, const DetectionOptions& options,
+                              TracedTurn* turn) {
+  std::vector<int> stones = missing;
+  stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
+  std::vector<ModelSearch> found(stones.size());
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
+    const DetectionModel& model = data.models[static_cast<std::size_t>(stones[k])];
+    found[k] = search_model(model, stones[k], scene, look, options);
+  });
+  std::vector<Candidate> all;
+  for (std::size_t k = 0; k < stones.size(); ++k) {
+    if (turn != nullptr)
+      note_search(*turn, found[k], stones[k], look, data.models[static_cast<std::size_t>(stones[k])]);
+    all.insert(all.end(), std::make_move_iterator(found[k].candidates.begin()),
+               std::make_move_iterator(found[k].candidates.end()));
+  }
+  return all;
+}
+
+void note_scene(TracedTurn& turn, const DetectionScene& scene, const Features& seen) {
+  turn.surface_C = scene.surface.points;
+  turn.cluster = scene.cluster;
+  turn.keypoints_C = seen.points;
+}
+
+void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
+                     const std::vector<std::size_t>& taken) {
+  for (const auto& c : all) turn.candidates.push_back({c.detection, false});
+  for (const std::size_t i : taken) turn.candidates[i].accepted = true;
+}
+
+Look look_of(Turn turn, const DetectionScene& scene, const Features& seen, const DetectionOptions& options) {
+  if (turn == Turn::kDescribe) return {&seen, {}, {}};
+  if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene, options), {}};
+  return {nullptr, with_parts(scene, options), thorough_sweep()};
+}
+
+/// What to try next: what a turn has found sets something apart, so the cheap sweep is worth another try.
+std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& options) {
+  if (!options.sweep) return {};  // the paper looks once
+  if (found) return Turn::kSweep;
+  if (turn == Turn::kSweep) return Turn::kDescribe;
+  if (turn == Turn::kDescribe) return Turn::kThorough;
+  return {};
+}
+
+}  // namespace
+
+std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<int> missing,
+                                       DetectionScene scene, const DetectionOptions& options,
+                                       DetectionTrace* trace) {
+  std::vector<Candidate> taken;
+  Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
+  while (!missing.empty() && scene.clusters > 0) {
+    throw_if_interrupted();
+    Features seen;
+    if (turn == Turn::kDescribe) seen = describe_scene(scene, data.options);
+    const Look look = look_of(turn, scene, seen, options);
+    TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
+    if (noted != nullptr) note_scene(*noted, scene, seen);
+    auto found = search(data, missing, scene, look, options, noted);
+    const auto accepted = without_conflicts(found, missing, scene, options);
+    tbb::parallel_for(std::size_t{0}, accepted.size(), [&](std::size_t k) {
+      Candidate& c = found[accepted[k]];
+      c = polished(std::move(c), data.models[static_cast<std::size_t>(c.detection.stone)], scene, options);
+    });
+    if (noted != nullptr) note_candidates(*noted, found, accepted);
+    std::vector<KnownStone> stones;
+    for (const std::size_t i : accepted) {
+      stones.push_back({found[i].detection.stone, found[i].detection.T_C_O});
+      missing.erase(std::find(missing.begin(), missing.end(), found[i].detection.stone));
+      taken.push_back(std::move(found[i]));
+    }
+    scene = without_stones(std::move(scene), data, stones, options);
+    const auto next = turn_after(turn, !accepted.empty(), options);
+    if (!next) break;
+    turn = *next;
+  }
+  return taken;
+}
+
+}  // namespace stonestack

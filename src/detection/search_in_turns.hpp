@@ -1,0 +1,17 @@
+#pragma once
+#include <vector>
+
+#include "detection/candidates.hpp"
+#include "stonestack/detection/trace.hpp"
+
+namespace stonestack {
+
+/// Looks again and again at what is still unexplained, for what is still missing: the cheap sweep first,
+/// which finds stones that stand alone, then descriptors on the rest, then all orientations on what is left,
+/// also between creases; and again from the start when a turn has found something. `missing` names a model as
+/// often as it may be there. Fills `trace` if given.
+[[nodiscard]] std::vector<Candidate> search_in_turns(const DetectionModels::Data& data,
+                                                     std::vector<int> missing, DetectionScene scene,
+                                                     const DetectionOptions& options, DetectionTrace* trace);
+
+}  // namespace stonestack

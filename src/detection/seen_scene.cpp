@@ -1,0 +1,159 @@
+#include <algorithm>
+
+#include "detection/align_views.hpp"
+#include "detection/preprocess.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kFewestPixels = 200;  // of depth in the whole image: less is no scene
+
+/// Why an image cannot be a scene; empty if it can.
+std::string unusable(const DepthImage& image) {
+  const auto pixels =
+      static_cast<std::size_t>(image.camera.width) * static_cast<std::size_t>(image.camera.height);
+  if (image.camera.width <= 0 || image.camera.height <= 0 || image.z.empty()) return "the image is empty";
+  if (image.z.size() != pixels)
+    return concat("the image has ", image.z.size(), " depths for ", image.camera.width, " x ",
+                  image.camera.height, " pixels");
+  if (!(image.camera.fx > 0 && image.camera.fy > 0)) return "the camera has no focal length";
+  return {};
+}
+
+/// Says what is odd about an image with next to no depth in range.
+std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& options) {
+  std::size_t seen = 0, far = 0;
+  for (const float z : raw.z) seen += z > 0 ? 1 : 0, far += z > 50.0F ? 1 : 0;
+  if (seen == 0) return "no pixel has a depth";
+  const std::string range = concat("fewer than ", kFewestPixels, " pixels have a depth within ",
+                                   options.nearest, " to ", options.farthest, " m");
+  return 2 * far > seen ? range + "; are the depths in millimetres?" : range;
+}
+
+/// The plane in V of a plane in C.
+Plane in_view(const Plane& plane_C, const Pose& T_C_V) {
+  return {T_C_V.linear().transpose() * plane_C.normal,
+          plane_C.offset - plane_C.normal.dot(T_C_V.translation())};
+}
+
+Plane in_scene(const Plane& plane_V, const Pose& T_C_V) {
+  const Eigen::Vector3d normal = T_C_V.linear() * plane_V.normal;
+  return {normal, plane_V.offset + normal.dot(T_C_V.translation())};
+}
+
+/// What stands above the table, in V.
+SurfacePoints above_table(const DepthImage& depth, const std::optional<Plane>& table_V,
+                          const DetectionOptions& options) {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> areas;
+  const double pixel = 1.0 / (depth.camera.fx * depth.camera.fy);
+  for (int v = 0; v < depth.camera.height; ++v)
+    for (int u = 0; u < depth.camera.width; ++u) {
+      const double z = depth.at(u, v);
+      if (z <= 0) continue;
+      const Eigen::Vector3d p = z * deproject(depth.camera, u, v);
+      const double height = table_V ? table_V->distance(p) : options.height_low;
+      if (height < options.height_low || height > options.height_high) continue;
+      points.emplace_back(p.cast<float>());
+      areas.push_back(static_cast<float>(z * z * pixel));
+    }
+  return surface_points(points, areas, static_cast<float>(options.voxel),
+                        static_cast<float>(options.normal_radius));
+}
+
+SurfacePoints moved(SurfacePoints points, const Pose& T_C_V) {
+  const Eigen::Isometry3f T = T_C_V.cast<float>();
+  for (auto& p : points.points) p = T * p;
+  for (auto& n : points.normals) n = T.linear() * n;
+  return points;
+}
+
+/// Adds a view to the scene; what is wrong with it, if it shows nothing.
+std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose& T_C_V,
+                     const std::optional<Plane>& expected_table, bool look_for_table,
+                     const DetectionOptions& options) {
+  std::string problem = unusable(image);
+  if (!problem.empty()) return problem;
+  SeenView view{T_C_V, smooth_depth(image, options), {}};
+  const auto valid = std::count_if(view.depth.z.begin(), view.depth.z.end(), [](float z) { return z > 0; });
+  if (valid < kFewestPixels) return nothing_in_range(image, options);
+  std::optional<Plane> expected_V, table_V;
+  if (expected_table) expected_V = in_view(*expected_table, T_C_V);
+  if (expected_table || look_for_table) table_V = find_table(view.depth, expected_V, options);
+  if (table_V) {
+    if (!scene.table_C) scene.table_C = in_scene(*table_V, T_C_V);
+    const double noise = noise_about(*table_V, view.depth, options.table_tolerance);
+    scene.noise = scene.views.empty() ? noise : std::max(scene.noise, noise);
+  }
+  SurfacePoints points = moved(above_table(view.depth, table_V, options), T_C_V);
+  if (!scene.surface.points.empty()) {
+    std::optional<Plane> table_C;
+    if (table_V) table_C = in_scene(*table_V, T_C_V);
+    const Pose off = alignment({scene.surface, scene.table_C}, {points, table_C}, options);
+    view.T_C_V = off * T_C_V;
+    points = moved(std::move(points), off);
+  }
+  append_points(scene, points, static_cast<int>(scene.views.size()));
+  scene.views.push_back(std::move(view));
+  return {};
+}
+
+}  // namespace
+
+void append_points(DetectionScene& scene, const SurfacePoints& more, int view) {
+  auto& s = scene.surface;
+  s.points.insert(s.points.end(), more.points.begin(), more.points.end());
+  s.normals.insert(s.normals.end(), more.normals.begin(), more.normals.end());
+  s.areas.insert(s.areas.end(), more.areas.begin(), more.areas.end());
+  scene.view_of.resize(s.points.size(), view);
+}
+
+SurfacePoints surface_of_view(const DetectionScene& scene, int view) {
+  if (scene.views.size() == 1) return scene.surface;
+  SurfacePoints out;
+  for (std::size_t i = 0; i < scene.surface.points.size(); ++i) {
+    if (scene.view_of[i] != view) continue;
+    out.points.push_back(scene.surface.points[i]);
+    out.normals.push_back(scene.surface.normals[i]);
+    out.areas.push_back(scene.surface.areas[i]);
+  }
+  return out;
+}
+
+void find_clusters(DetectionScene& scene, const DetectionOptions& options) {
+  scene.cluster =
+      cluster_points(scene.surface.points, static_cast<float>(options.cluster_gap), options.cluster_points);
+  scene.clusters = 0;
+  for (const int c : scene.cluster) scene.clusters = std::max(scene.clusters, c + 1);
+  if (scene.clusters == 0)
+    scene.note = scene.table_C ? "nothing unknown stands on the table" : "nothing but specks is in view";
+}
+
+DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
+                          bool look_for_table, const DetectionOptions& options) {
+  DetectionScene scene;
+  scene.note = add_view(scene, image, Pose::Identity(), expected_table, look_for_table, options);
+  if (scene.note.empty()) find_clusters(scene, options);
+  return scene;
+}
+
+DetectionScene preprocess(std::span<const DepthView> views, const std::optional<Plane>& expected_table,
+                          bool look_for_table, const DetectionOptions& options) {
+  require(!views.empty(), "a scene needs one view at least");
+  DetectionScene scene;
+  std::string problem;
+  for (const auto& view : views) {
+    const Pose T_C_V = views.front().T_W_C.inverse() * view.T_W_C;
+    const auto table = expected_table ? expected_table : scene.table_C;
+    const std::string one = add_view(scene, view.image, T_C_V, table, look_for_table, options);
+    if (!one.empty()) problem = one;
+  }
+  scene.note = problem;
+  if (scene.views.empty()) return scene;
+  scene.note.clear();
+  find_clusters(scene, options);
+  return scene;
+}
+
+}  // namespace stonestack
