@@ -127,14 +127,12 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
       if (const auto found =
               track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
         keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
-  if (looks.empty()) return sightings;
-  search_jointly(looks, models, wanted, options, sightings);
-  // Looks that contradict each other, because a stone has moved between them, still speak for themselves.
   const auto missing = unseen(wanted, sightings);
-  if (looks.size() == 1 || missing.empty()) return sightings;
+  if (missing.empty()) return sightings;
   for (const auto& look : looks)
     for (const auto& found : detect_stones(look.image, models, missing, options).detections)
       keep_better(sightings, {found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
+  if (looks.size() > 1) search_jointly(looks, models, wanted, options, sightings);
   return sightings;
 }
 

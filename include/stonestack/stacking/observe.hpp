@@ -62,9 +62,9 @@ struct Sighting {
   double visible = 0.0;
 };
 
-/// Finds `wanted` stones in all looks together (what one hides another may show) and, if some are missing, in
-/// each alone; keeps, for each stone, the sighting with the best score. `expected` stones are looked for
-/// where they should be first; what is found there is not searched elsewhere.
+/// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score; what is missing
+/// then is searched in all looks together, as one may show what another hides. `expected` stones are looked
+/// for where they should be first; what is found there is not searched elsewhere.
 [[nodiscard]] std::vector<Sighting> find_in_looks(const std::vector<Look>& looks,
                                                   const DetectionModels& models,
                                                   const std::vector<int>& wanted,
