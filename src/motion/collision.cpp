@@ -16,6 +16,7 @@ struct Placed {
   std::array<Pose, 7> pose;  ///< T_R_link
   std::array<btTransform, 7> T_R_link;
   std::array<Segment, CollisionShapes::kMostMovers> axes;  ///< of the movers' bounding capsules
+  Segment hand;                                            ///< of the capsule around gripper and held stone
 
   Placed(const CollisionShapes& shapes, const Joints& q) : pose(link_poses(shapes.robot, q)) {
     for (std::size_t i = 0; i < 7; ++i) T_R_link[i] = to_bullet(pose[i]);
@@ -23,6 +24,8 @@ struct Placed {
       const auto& mover = shapes.movers[i];
       axes[i] = {pose[mover.link] * mover.core.axis.a, pose[mover.link] * mover.core.axis.b};
     }
+    if (shapes.first_hand < shapes.movers.size())
+      hand = {pose[6] * shapes.hand.axis.a, pose[6] * shapes.hand.axis.b};
   }
 };
 
@@ -45,6 +48,10 @@ struct Slack {
   [[nodiscard]] double of(const Mover& mover) const { return seen_from(0, mover); }
   [[nodiscard]] double seen_from(std::size_t link, const Mover& mover) const {
     return constant + moved[link][mover.link] + turned[link][mover.link] * mover.span;
+  }
+  /// Of everything in the hand.
+  [[nodiscard]] double of_hand(std::size_t link, const CollisionShapes& shapes) const {
+    return constant + moved[link][6] + turned[link][6] * shapes.hand_span;
   }
 };
 
@@ -80,8 +87,13 @@ bool hits(const Mover& mover, const Obstacle& obstacle, const btTransform& T_R_l
 }
 
 bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  const double hand_ball = shapes.hand.reach + shapes.rules.padding + slack.of_hand(0, shapes);
   for (const auto& group : shapes.groups) {
-    for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+    const double ball_of_hand = hand_ball + group.sphere;
+    const bool hand_is_far = shapes.first_hand < shapes.movers.size() &&
+                             squared_distance(placed.hand, group.centre) > ball_of_hand * ball_of_hand;
+    const std::size_t last = hand_is_far ? shapes.first_hand : shapes.movers.size();
+    for (std::size_t i = 0; i < last; ++i) {
       if (group.sees[i] == 0) continue;
       const auto& mover = shapes.movers[i];
       const double away = shapes.rules.padding + slack.of(mover);
@@ -94,23 +106,45 @@ bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Sla
   return false;
 }
 
-bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
-  const Pose T_T_R = (placed.pose[6] * shapes.T_6_T).inverse();
-  for (const auto& [i, j] : shapes.pairs) {
+bool arm_hits_arm(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  for (const auto& [i, j] : shapes.arm_pairs) {
     const auto &a = shapes.movers[i], &b = shapes.movers[j];
+    const double bound = a.core.reach + b.core.reach + shapes.rules.self_padding + slack.seen_from(a.link, b);
+    // Between capsules the bound is the distance.
+    if (squared_distance(placed.axes[i], placed.axes[j]) <= bound * bound) return true;
+  }
+  return false;
+}
+
+/// One capsule of the arm against gripper and held stone.
+bool hits_hand(const CollisionShapes& shapes, const Placed& placed, const Slack& slack, std::size_t i) {
+  const Mover& a = shapes.movers[i];
+  const Segment& axis = placed.axes[i];
+  const Pose T_T_R = (placed.pose[6] * shapes.T_6_T).inverse();
+  const Segment axis_T{T_T_R * axis.a, T_T_R * axis.b};
+  for (std::size_t j = shapes.first_hand; j < shapes.movers.size(); ++j) {
+    const Mover& b = shapes.movers[j];
     const double away = shapes.rules.self_padding + slack.seen_from(a.link, b);
     const double bound = a.core.reach + b.core.reach + away;
-    const Segment& axis = placed.axes[i];
     if (squared_distance(axis, placed.axes[j]) > bound * bound) continue;
-    if (b.part == Mover::Part::kArm) return true;  // between capsules the bound is the distance
+    const double least = a.core.radius + away;
     if (b.part == Mover::Part::kGripper) {
-      const double least = a.core.radius + away;
-      const Segment axis_T{T_T_R * axis.a, T_T_R * axis.b};
       if (squared_distance_to_box(axis_T, b.box_T.min(), b.box_T.max()) < least * least) return true;
-    } else if (hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link]) <
-               a.core.radius + away) {
+    } else if (hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link]) < least) {
       return true;
     }
+  }
+  return false;
+}
+
+bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  if (arm_hits_arm(shapes, placed, slack)) return true;
+  for (const std::size_t i : shapes.sees_hand) {
+    const Mover& a = shapes.movers[i];
+    const double bound =
+        a.core.reach + shapes.hand.reach + shapes.rules.self_padding + slack.of_hand(a.link, shapes);
+    if (squared_distance(placed.axes[i], placed.hand) <= bound * bound && hits_hand(shapes, placed, slack, i))
+      return true;
   }
   return false;
 }

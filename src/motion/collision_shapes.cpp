@@ -107,6 +107,30 @@ void add_object(const SceneObject& object, int index, const Pose& T_R_W, Collisi
   shapes.groups.push_back(std::move(group));
 }
 
+void add_pairs(CollisionShapes& shapes) {
+  for (std::size_t i = 0; i < shapes.movers.size(); ++i)
+    for (std::size_t j = i + 1; j < shapes.movers.size(); ++j)
+      if (!never_checked(shapes.movers[i], shapes.movers[j])) shapes.pairs.push_back({i, j});
+  for (const auto& pair : shapes.pairs) {
+    if (pair.second < shapes.first_hand)
+      shapes.arm_pairs.push_back(pair);
+    else if (shapes.sees_hand.empty() || shapes.sees_hand.back() != pair.first)
+      shapes.sees_hand.push_back(pair.first);
+  }
+}
+
+void bound_hand(CollisionShapes& shapes) {
+  const auto is_hand = [](const Mover& m) { return m.part != Mover::Part::kArm; };
+  const auto first = std::find_if(shapes.movers.begin(), shapes.movers.end(), is_hand);
+  shapes.first_hand = static_cast<std::size_t>(first - shapes.movers.begin());
+  std::vector<Eigen::Vector3d> points;
+  for (auto mover = first; mover != shapes.movers.end(); ++mover) {
+    points.insert(points.end(), mover->core.points.begin(), mover->core.points.end());
+    shapes.hand_span = std::max(shapes.hand_span, mover->span);
+  }
+  if (!points.empty()) shapes.hand = make_core(std::move(points), 0.0);
+}
+
 }  // namespace
 
 CollisionShapes make_collision_shapes(const PlanningScene& scene, const CollisionRules& rules,
@@ -124,9 +148,8 @@ CollisionShapes make_collision_shapes(const PlanningScene& scene, const Collisio
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (static_cast<int>(i) != rules.left_out && !scene.objects[i].pieces.empty())
       add_object(scene.objects[i], static_cast<int>(i), T_R_W, shapes);
-  for (std::size_t i = 0; i < shapes.movers.size(); ++i)
-    for (std::size_t j = i + 1; j < shapes.movers.size(); ++j)
-      if (!never_checked(shapes.movers[i], shapes.movers[j])) shapes.pairs.push_back({i, j});
+  bound_hand(shapes);
+  add_pairs(shapes);
   shapes.n_R_table = T_R_W.linear().col(2);
   shapes.table_offset = -shapes.n_R_table.dot(T_R_W * Eigen::Vector3d(0.0, 0.0, scene.table_z));
   return shapes;

@@ -51,7 +51,13 @@ struct CollisionShapes {
   std::vector<Mover> movers;
   std::vector<Obstacle> obstacles;
   std::vector<ObstacleGroup> groups;
-  std::vector<MoverPair> pairs;
+  std::vector<MoverPair> pairs;  ///< all that could touch
+  // Gripper and held stone are on one link: a capsule around both spares most of their tests.
+  std::size_t first_hand = 0;          ///< movers from here on
+  ConvexCore hand;                     ///< around them, in the frame of link 6
+  double hand_span = 0.0;              ///< m, like Mover::span
+  std::vector<MoverPair> arm_pairs;    ///< of `pairs`, those within the arm
+  std::vector<std::size_t> sees_hand;  ///< capsules of the arm that the hand could touch
   Pose T_6_T = Pose::Identity();
   Eigen::Vector3d n_R_table;  ///< up
   double table_offset = 0.0;  ///< height of p above the table: n.p + offset

@@ -1,15 +1,49 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 
-/// Private to motion: exact distances of a line segment, squared, without allocation.
+/// Private to motion: exact distances of a line segment, squared, without allocation. The short ones are
+/// inline: a collision check asks hundreds of them.
 namespace stonestack {
 
 struct Segment {
   Eigen::Vector3d a, b;
 };
 
-[[nodiscard]] double squared_distance(const Segment& s, const Eigen::Vector3d& p);
-[[nodiscard]] double squared_distance(const Segment& s, const Segment& t);
+[[nodiscard]] inline double squared_distance(const Segment& s, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d along = s.b - s.a;
+  const Eigen::Vector3d to = p - s.a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp(to.dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (to - t * along).squaredNorm();
+}
+
+[[nodiscard]] inline double squared_distance(const Segment& s, const Segment& t) {
+  // Ericson, Real-Time Collision Detection, 5.1.9: clamp one parameter, solve for the other, clamp again.
+  const Eigen::Vector3d u = s.b - s.a;
+  const Eigen::Vector3d v = t.b - t.a;
+  const Eigen::Vector3d w = s.a - t.a;
+  const double uu = u.squaredNorm();
+  const double vv = v.squaredNorm();
+  const double vw = v.dot(w);
+  constexpr double kPoint = 1e-24;  // m^2: a segment this short is a point
+  if (uu <= kPoint) return squared_distance(t, s.a);
+  if (vv <= kPoint) return squared_distance(s, t.a);
+  const double uw = u.dot(w);
+  const double uv = u.dot(v);
+  const double determinant = uu * vv - uv * uv;
+  double x = determinant > 1e-12 * uu * vv ? std::clamp((uv * vw - uw * vv) / determinant, 0.0, 1.0) : 0.0;
+  double y = (uv * x + vw) / vv;
+  if (y < 0.0) {
+    y = 0.0;
+    x = std::clamp(-uw / uu, 0.0, 1.0);
+  } else if (y > 1.0) {
+    y = 1.0;
+    x = std::clamp((uv - uw) / uu, 0.0, 1.0);
+  }
+  return (w + x * u - y * v).squaredNorm();
+}
+
 /// To a solid axis-aligned box; 0 inside.
 [[nodiscard]] double squared_distance_to_box(const Segment& s, const Eigen::Vector3d& low,
                                              const Eigen::Vector3d& high);
