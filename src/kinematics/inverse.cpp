@@ -5,6 +5,7 @@
 
 #include "kinematics/polish.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
 
 namespace stonestack {
 namespace {
@@ -197,6 +198,10 @@ void add_equivalents(const RobotModel& robot, const IkSolution& base, std::vecto
   }
 }
 
+double residual(const RobotModel& robot, const Pose& T_R_F, const Joints& q) {
+  return (forward(robot, q).matrix() - T_R_F.matrix()).cwiseAbs().maxCoeff();
+}
+
 /// The closed form; `wanted` is one branch, or -1 for all.
 IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed, int wanted) {
   IkBranches branches;
@@ -212,6 +217,7 @@ IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed,
     const Turn& q1 = shoulder[static_cast<std::size_t>(shoulder_wrist & 1)];
     Wrist wrist = solve_wrist(robot, t, q1, (shoulder_wrist & 2) != 0, seed[5] + robot.dh_offset[5]);
     Elbow elbow = solve_elbow(robot, wrist);
+    const bool clamped = lead.miss > 0.0 || elbow.miss > 0.0;
     if (elbow.miss > 0.0) {
       turn_into_reach(robot, t, wrist);
       elbow = solve_elbow(robot, wrist);
@@ -226,7 +232,9 @@ IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed,
       const double sign = down == 0 ? 1.0 : -1.0;
       const double q2 = rise - sign * bend;
       IkSolution found = solution(robot, wrist, q2, sign * q3.angle, shoulder_wrist | down, seed);
-      if (rough && !polish(robot, T_R_F, kClamp, found.q)) continue;
+      // Each clamp alone stays within kClamp; two of them, or a turned wrist, may not.
+      const bool off = rough || (clamped && residual(robot, T_R_F, found.q) > kClamp);
+      if (off && !polish(robot, T_R_F, kClamp, found.q)) continue;
       branches.solutions[static_cast<std::size_t>(branches.count++)] = found;
     }
   }
