@@ -157,10 +157,9 @@ bool collides_within(const CollisionShapes& shapes, const Joints& q, const Slack
 
 /// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
 /// are known at once.
-bool samples_are_free(const CollisionShapes& shapes, const Joints& a, const Joints& b) {
-  constexpr double kSpacing = 0.05;  // rad
+bool samples_miss(const CollisionShapes& shapes, const Joints& a, const Joints& b, double spacing) {
   const double turn = (b - a).cwiseAbs().maxCoeff();
-  for (double pieces = 1.0; turn / pieces > kSpacing; pieces *= 2.0)
+  for (double pieces = 1.0; turn / pieces > spacing; pieces *= 2.0)
     for (double k = 0.5; k < pieces; k += 1.0)
       if (collides_within(shapes, a + (b - a) * (k / pieces), Slack())) return false;
   return true;
@@ -194,7 +193,14 @@ bool CollisionChecker::collides(const Joints& q, double extra) const {
 bool CollisionChecker::motion_is_free(const Joints& a, const Joints& b, double resolution) const {
   require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
   require(resolution > 0.0, "the resolution must be positive, got ", resolution, " rad");
-  return samples_are_free(*shapes_, a, b) && is_free(*shapes_, a, b, resolution);
+  constexpr double kFirstLook = 0.05;  // rad
+  return samples_miss(*shapes_, a, b, kFirstLook) && is_free(*shapes_, a, b, resolution);
+}
+
+bool CollisionChecker::samples_are_free(const Joints& a, const Joints& b, double spacing) const {
+  require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
+  require(spacing > 0.0, "the spacing must be positive, got ", spacing, " rad");
+  return samples_miss(*shapes_, a, b, spacing);
 }
 
 Clearance CollisionChecker::clearance(const Joints& q) const {

@@ -68,6 +68,7 @@ class MotionCheck : public ob::MotionValidator {
       : ob::MotionValidator(information), checker_(checker), resolution_(resolution) {}
   bool checkMotion(const ob::State* a, const ob::State* b) const override {
     ++count;
+    if (resolution_ == 0.0) return checker_.samples_are_free(joints_of(a), joints_of(b));
     return checker_.motion_is_free(joints_of(a), joints_of(b), resolution_);
   }
   bool checkMotion(const ob::State* a, const ob::State* b,

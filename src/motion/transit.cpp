@@ -63,6 +63,22 @@ bool is_certified(const CollisionChecker& checker, const JointPath& path) {
   return true;
 }
 
+/// One tree's path, shortened and certified. Most edges of a tree are never part of a path, so at first they
+/// are only sampled; where the path turns out not to be free, a tree of certified edges is grown.
+std::optional<JointPath> grown(const CollisionChecker& checker, const Joints& start, const JointPath& goals,
+                               long most_motions, const MotionOptions& options, std::uint64_t task) {
+  const auto seed = static_cast<std::uint64_t>(options.seed);
+  for (const double resolution : {0.0, kResolution}) {
+    const auto found =
+        rrt_connect(checker, start, goals, resolution, most_motions, Random::stream(seed, task));
+    if (!found) return std::nullopt;
+    Random random = Random::stream(seed, task + kTries);
+    JointPath path = shortened(checker, *found, random);
+    if (is_certified(checker, path)) return path;
+  }
+  return std::nullopt;
+}
+
 /// Goals within limits that do not collide, nearest first.
 JointPath free_goals(const CollisionChecker& checker, const Joints& start, std::span<const Joints> goals) {
   const RobotModel& robot = checker.robot();
@@ -127,13 +143,8 @@ std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints
   // A straight motion to a far branch may be much longer than a way around to a near one.
   const long most = std::max(10L, std::lround(options.planning_seconds * kMotionsPerSecond / kTries));
   for (int k = 0; k < kTries; ++k) {
-    const auto seed = static_cast<std::uint64_t>(options.seed);
-    const auto task = static_cast<std::uint64_t>(k);
-    const auto found = rrt_connect(checker, start, free, kResolution, most, Random::stream(seed, task));
-    if (!found) continue;
-    Random random = Random::stream(seed, task + kTries);
-    JointPath path = shortened(checker, *found, random);
-    if ((!best || length(path) < length(*best)) && is_certified(checker, path)) best = std::move(path);
+    if (auto path = grown(checker, start, free, most, options, static_cast<std::uint64_t>(k)))
+      if (!best || length(*path) < length(*best)) best = std::move(path);
   }
   return best;
 }

@@ -362,6 +362,28 @@ TEST(Collision, AFreeMotionIsFreeAtTenTimesTheResolution) {
   EXPECT_GT(free, 20);
 }
 
+/// A certified motion is never refused by samples, and samples refuse nearly all that is not certified.
+TEST(Collision, SamplesAreAQuickAnswer) {
+  const CollisionChecker checker(cluttered_scene());
+  Random random = Random::stream(9, "motions");
+  int free = 0, missed = 0;
+  for (int k = 0; k < 400; ++k) {
+    const Joints a = random_joints(random);
+    Joints b = a;
+    for (auto& angle : b) angle += random.uniform(-0.6, 0.6);
+    if (checker.collides(a) || checker.collides(b)) continue;
+    if (checker.motion_is_free(a, b, 0.001)) {
+      ++free;
+      ASSERT_TRUE(checker.samples_are_free(a, b)) << "motion " << k;
+    } else {
+      missed += checker.samples_are_free(a, b) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(free, 20);
+  EXPECT_LT(missed, free / 4);
+  EXPECT_THROW((void)checker.samples_are_free(Joints::Zero(), Joints::Zero(), 0.0), InvalidArgument);
+}
+
 TEST(Collision, AMotionThroughAnObstacleIsNotFree) {
   PlanningScene scene = empty_scene();
   const Joints a = above(scene, {0.7, -0.3, 0.3});
