@@ -10,6 +10,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/motion/problem_file.hpp"
 #include "stonestack/motion/transit.hpp"
 
 namespace stonestack::apps {
@@ -134,12 +135,43 @@ void bench_transit(int problems, std::uint64_t seed) {
               at(ratios, 0.95));
 }
 
+/// Problems of a file, each from start to any of its goals.
+void bench_file(const std::string& path) {
+  const MotionProblems file = read_motion_problems(path);
+  CollisionRules rules;
+  rules.padding = file.padding;
+  rules.opening = file.scene.gripper.largest_opening;
+  const CollisionChecker checker(file.scene, rules);
+  std::size_t solved = 0;
+  std::vector<double> milliseconds;
+  for (std::size_t i = 0; i < file.problems.size(); ++i) {
+    const MotionProblem& problem = file.problems[i];
+    const double start = processor_seconds();
+    const auto path_found = find_path(checker, problem.start, problem.goals);
+    milliseconds.push_back(1e3 * (processor_seconds() - start));
+    solved += path_found ? 1 : 0;
+    std::printf("problem %zu: ", i + 1);
+    if (path_found)
+      std::printf("%zu way points, %.2f rad, %.1f ms\n", path_found->size(), length(*path_found),
+                  milliseconds.back());
+    else
+      std::printf("not solved, %.1f ms%s\n", milliseconds.back(),
+                  checker.collides(problem.start) ? "; the start collides" : "");
+  }
+  std::sort(milliseconds.begin(), milliseconds.end());
+  const auto last = static_cast<double>(milliseconds.size() - 1);
+  std::printf("%zu of %zu solved; ms: median %.1f, 95 %% %.1f, worst %.1f\n", solved, file.problems.size(),
+              milliseconds[static_cast<std::size_t>(0.5 * last)],
+              milliseconds[static_cast<std::size_t>(0.95 * last)], milliseconds.back());
+}
+
 }  // namespace
 
 void add_bench_motion(CLI::App& bench) {
   struct Command {
     int problems = 100;
     int seed = 1;
+    std::string file;
   };
   auto command = std::make_shared<Command>();
   CLI::App* sub = bench.add_subcommand("motion", "Collision checks a second; transits on a hard set");
@@ -147,8 +179,15 @@ void add_bench_motion(CLI::App& bench) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
-  sub->footer("Example:\n  stonestack bench motion --problems 500");
+  sub->add_option("--file", command->file,
+                  "Plan the problems of this file instead (docs/motion-problems.md)");
+  sub->footer(
+      "Examples:\n  stonestack bench motion --problems 500\n  stonestack bench motion --file post.txt");
   sub->callback([command] {
+    if (!command->file.empty()) {
+      bench_file(command->file);
+      return;
+    }
     std::printf("%d problems, seed %d\n", command->problems, command->seed);
     bench_collision(static_cast<std::uint64_t>(command->seed));
     bench_transit(command->problems, static_cast<std::uint64_t>(command->seed));

@@ -1,0 +1,192 @@
+#include "stonestack/motion/problem_file.hpp"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::size_t kLargestFile = std::size_t{1} << 22;
+constexpr std::size_t kMostObjects = 10000, kMostProblems = 100000;
+constexpr double kFurthest = 100.0;  ///< m; nothing a robot plans with is larger or further away
+constexpr int kSides = 32;           ///< of a cylinder
+
+/// The statements of one line and where it stands, for messages.
+class Line {
+ public:
+  Line(const std::string& text, const std::string& file, int number)
+      : stream_(text), file_(file), number_(number) {}
+
+  [[noreturn]] void refuse(const std::string& problem) const {
+    throw FileError(file_, concat("line ", number_, ": ", problem), "see docs/motion-problems.md");
+  }
+  /// Empty at the end of the line.
+  std::string word() {
+    std::string word;
+    stream_ >> word;
+    return word;
+  }
+  double number(const char* what, double low, double high) {
+    const std::string text = word();
+    if (text.empty()) refuse(concat("lacks ", what));
+    std::size_t used = 0;
+    double value = std::numeric_limits<double>::quiet_NaN();
+    try {
+      value = std::stod(text, &used);
+    } catch (const std::logic_error&) {
+      used = 0;
+    }
+    if (used != text.size() || !(value >= low && value <= high))
+      refuse(concat(what, " '", text, "' is not a number in [", low, ", ", high, "]"));
+    return value;
+  }
+  double size(const char* what) { return number(what, 1e-4, kFurthest); }
+  Eigen::Vector3d point() {
+    const double x = number("x", -kFurthest, kFurthest), y = number("y", -kFurthest, kFurthest);
+    return {x, y, number("z", -kFurthest, kFurthest)};
+  }
+  /// x y z, then qx qy qz qw or nothing.
+  Pose pose() {
+    const Eigen::Vector3d p = point();
+    if ((stream_ >> std::ws).eof()) return make_pose(p);
+    const double x = number("qx", -1.01, 1.01), y = number("qy", -1.01, 1.01), z = number("qz", -1.01, 1.01);
+    const Eigen::Quaterniond q(number("qw", -1.01, 1.01), x, y, z);
+    if (std::abs(q.norm() - 1.0) > 1e-3) refuse(concat("the quaternion has the norm ", q.norm(), ", not 1"));
+    return make_pose(p, q.normalized());
+  }
+  Joints joints(const RobotModel& robot) {
+    Joints q;
+    for (Eigen::Index i = 0; i < 6; ++i)
+      q[i] = number("a joint angle", robot.lower[i] - 1e-9, robot.upper[i] + 1e-9);
+    return q;
+  }
+  void end() {
+    if (const std::string more = word(); !more.empty()) refuse(concat("has '", more, "' too many"));
+  }
+
+ private:
+  std::istringstream stream_;
+  const std::string& file_;
+  int number_;
+};
+
+/// A polyhedron of 320 faces around a sphere.
+Mesh around_sphere(double radius) {
+  const Mesh unit = make_sphere(1.0, 2);
+  double inside = 1.0;
+  const auto normals = face_normals(unit);
+  for (std::size_t i = 0; i < unit.faces.size(); ++i)
+    inside = std::min(inside, normals[i].dot(unit.vertices[static_cast<std::size_t>(unit.faces[i][0])]));
+  return scaled(unit, radius / inside);
+}
+
+/// A prism around a cylinder about z; vertices only matter, but the faces make it a mesh.
+Mesh around_cylinder(double radius, double length) {
+  Mesh mesh;
+  const double outside = radius / std::cos(kPi / kSides);
+  for (int i = 0; i < kSides; ++i)
+    for (const double z : {-0.5 * length, 0.5 * length})
+      mesh.vertices.emplace_back(outside * std::cos(2 * kPi * i / kSides),
+                                 outside * std::sin(2 * kPi * i / kSides), z);
+  for (int i = 0; i < kSides; ++i) {
+    const int a = 2 * i, b = 2 * ((i + 1) % kSides);
+    mesh.faces.emplace_back(a, b, b + 1);
+    mesh.faces.emplace_back(a, b + 1, a + 1);
+    if (i == 0 || i == kSides - 1) continue;
+    mesh.faces.emplace_back(0, b, a);
+    mesh.faces.emplace_back(1, a + 1, b + 1);
+  }
+  return mesh;
+}
+
+/// `length` is between the centres of the two half spheres, along z.
+Mesh around_capsule(double radius, double length) {
+  Mesh mesh = around_sphere(radius);
+  for (auto& v : mesh.vertices) v.z() += v.z() > 0.0 ? 0.5 * length : -0.5 * length;
+  return mesh;
+}
+
+/// A shape statement; false if `word` names none.
+bool read_shape(const std::string& word, Line& line, PlanningScene& scene) {
+  if (word != "box" && word != "sphere" && word != "cylinder" && word != "capsule") return false;
+  if (scene.objects.size() >= kMostObjects) line.refuse(concat("is object ", kMostObjects + 1, ", too many"));
+  SceneObject object;
+  object.name = line.word();
+  if (object.name.empty()) line.refuse(concat("a ", word, " lacks its name"));
+  if (word == "box") {
+    const double x = line.size("size x"), y = line.size("size y");
+    object.pieces = {make_box({x, y, line.size("size z")})};
+  } else {
+    const double radius = line.size("radius");
+    if (word == "sphere") object.pieces = {around_sphere(radius)};
+    if (word == "cylinder") object.pieces = {around_cylinder(radius, line.size("length"))};
+    if (word == "capsule") object.pieces = {around_capsule(radius, line.size("length"))};
+  }
+  object.T_W_object = line.pose();
+  scene.objects.push_back(std::move(object));
+  return true;
+}
+
+void read_statement(const std::string& word, Line& line, MotionProblems& out) {
+  if (read_shape(word, line, out.scene)) return;
+  const bool begun = !out.problems.empty();
+  if (word == "robot" && !begun) {
+    const std::string robot = line.word();
+    if (robot.empty() || robot.find('/') != std::string::npos)
+      line.refuse(concat("'", robot, "' names no robot of data/robots"));
+    out.scene.robot = read_robot(robot);
+  } else if (word == "hand" && !begun) {
+    const std::string hand = line.word();
+    if (hand != "none" && hand != "robotiq_3f") line.refuse(concat("hand '", hand, "' is not known"));
+    if (hand == "none") out.scene.gripper.boxes.clear();
+  } else if (word == "tool") {
+    out.scene.T_F_T = line.pose();
+  } else if (word == "base") {
+    out.scene.T_W_R = line.pose();
+  } else if (word == "table") {
+    out.scene.table_z = line.number("table height", -kFurthest, kFurthest);
+  } else if (word == "padding") {
+    out.padding = line.number("padding", 0.0, 1.0);
+  } else if (word == "start") {
+    if (out.problems.size() >= kMostProblems)
+      line.refuse(concat("is problem ", kMostProblems + 1, ", too many"));
+    out.problems.push_back({line.joints(out.scene.robot), {}});
+  } else if (word == "goal") {
+    if (!begun) line.refuse("a goal comes after its start");
+    out.problems.back().goals.push_back(line.joints(out.scene.robot));
+  } else {
+    line.refuse(concat("does not know '", word, begun ? "' after the first start" : "'"));
+  }
+}
+
+}  // namespace
+
+MotionProblems parse_motion_problems(const std::string& text, const std::string& name) {
+  MotionProblems out;
+  out.scene.robot = read_robot("ur10");
+  std::istringstream lines(text);
+  std::string content;
+  for (int number = 1; std::getline(lines, content); ++number) {
+    Line line(content.substr(0, content.find('#')), name, number);
+    const std::string word = line.word();
+    if (word.empty()) continue;
+    read_statement(word, line, out);
+    line.end();
+  }
+  for (std::size_t i = 0; i < out.problems.size(); ++i)
+    if (out.problems[i].goals.empty())
+      throw FileError(name, concat("problem ", i + 1, " has no goal"), "see docs/motion-problems.md");
+  if (out.problems.empty()) throw FileError(name, "has no start", "see docs/motion-problems.md");
+  return out;
+}
+
+MotionProblems read_motion_problems(const std::string& path) {
+  return parse_motion_problems(read_file(path, kLargestFile), path);
+}
+
+}  // namespace stonestack
