@@ -1,0 +1,55 @@
+#include <algorithm>
+#include <numbers>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/geometry/convex_pieces.hpp"
+#include "stonestack/geometry/polygon.hpp"
+#include "stonestack/motion/regrasp.hpp"
+
+namespace stonestack {
+namespace {
+
+/// A way to stand: up, seen from the stone, and how far the centre of mass is inside the support.
+struct Stand {
+  Eigen::Vector3d n_O_up;
+  double margin = 0.0;
+};
+
+/// Standing on the hull's face with the outward normal -`n_O_up`.
+Stand stand_on(const Mesh& hull, const Eigen::Vector3d& p_O_M, const Eigen::Vector3d& n_O_up, double flat) {
+  double lowest = n_O_up.dot(hull.vertices.front());
+  for (const auto& v : hull.vertices) lowest = std::min(lowest, n_O_up.dot(v));
+  const Eigen::Vector3d x = n_O_up.unitOrthogonal(), y = n_O_up.cross(x);
+  std::vector<Eigen::Vector2d> feet;
+  for (const auto& v : hull.vertices)
+    if (n_O_up.dot(v) - lowest <= flat) feet.emplace_back(x.dot(v), y.dot(v));
+  return {n_O_up, margin(convex_hull(std::move(feet)), {x.dot(p_O_M), y.dot(p_O_M)})};
+}
+
+}  // namespace
+
+std::vector<Eigen::Quaterniond> rest_orientations(const Stone& stone, const RegraspOptions& options) {
+  require(!stone.scan.vertices.empty() && stone.mass.mass > 0.0, "stone ", stone.name,
+          " needs a scan and a mass to find how it can stand");
+  const Mesh hull = convex_hull(stone.scan);
+  std::vector<Stand> stands;
+  for (const auto& n : face_normals(hull)) {
+    if (n.norm() < 0.5) continue;
+    const Stand stand = stand_on(hull, stone.mass.p_O_M, -n, options.flat);
+    if (stand.margin >= options.rest_margin) stands.push_back(stand);
+  }
+  std::stable_sort(stands.begin(), stands.end(),
+                   [](const Stand& a, const Stand& b) { return a.margin > b.margin; });
+  constexpr double kSame = 0.97;  // cosine (14 deg): faces this alike give one way to stand
+  std::vector<Stand> kept;
+  for (const auto& stand : stands)
+    if (std::none_of(kept.begin(), kept.end(),
+                     [&](const Stand& k) { return k.n_O_up.dot(stand.n_O_up) > kSame; }))
+      kept.push_back(stand);
+  std::vector<Eigen::Quaterniond> all;
+  for (const auto& stand : kept)
+    all.push_back(Eigen::Quaterniond::FromTwoVectors(stand.n_O_up, Eigen::Vector3d::UnitZ()));
+  return all;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,118 @@
+#include "stonestack/motion/regrasp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+
+namespace stonestack {
+namespace {
+
+using Status = PickAndPlacePlan::Status;
+
+Stone block(const std::string& name, const Eigen::Vector3d& size) {
+  Stone stone;
+  stone.name = name;
+  stone.scan = stone.mesh = make_box(size);
+  stone.pieces = {stone.scan};
+  stone.mass = mass_properties(stone.scan, 2600.0);
+  return stone;
+}
+
+/// A block lies in the field; the target wants it upside down, which no grasp from above brings about.
+struct Workplace {
+  Stone stone = block("block", {0.10, 0.08, 0.07});
+  PlanningScene scene;
+  PickAndPlaceTask task;
+
+  Workplace() {
+    scene.robot = read_robot("ur10");
+    scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
+    task.T_W_O_pick = make_pose({0.70, -0.18, 0.035});
+    task.T_W_O_place = make_pose({0.70, 0.28, 0.035}, Eigen::Quaterniond(0, 1, 0, 0));
+    scene.objects = {{"block", stone.pieces, task.T_W_O_pick}};
+    task.stone = &stone;
+    task.object = 0;
+    task.q_start << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
+  }
+};
+
+double lowest(const Stone& stone, const Pose& T_W_O) {
+  double z = 1.0;
+  for (const auto& v : stone.scan.vertices) z = std::min(z, (T_W_O * v).z());
+  return z;
+}
+
+TEST(RestOrientations, ABoxStandsOnItsSixFaces) {
+  const Stone stone = block("block", {0.10, 0.08, 0.07});
+  const auto rests = rest_orientations(stone);
+  ASSERT_EQ(rests.size(), 6u);
+  for (const auto& R_W_O : rests) {
+    const Eigen::Vector3d up = R_W_O.inverse() * Eigen::Vector3d::UnitZ();
+    EXPECT_NEAR(up.cwiseAbs().maxCoeff(), 1.0, 1e-9) << "an axis of the box is upright";
+  }
+  // The largest margin comes first: the two faces of 0.10 x 0.08.
+  EXPECT_NEAR(std::abs((rests[0].inverse() * Eigen::Vector3d::UnitZ()).z()), 1.0, 1e-9);
+}
+
+TEST(RestOrientations, ASlabDoesNotStandOnItsEdge) {
+  EXPECT_EQ(rest_orientations(block("slab", {0.10, 0.10, 0.010})).size(), 2u);
+  EXPECT_THROW((void)rest_orientations(Stone{}), InvalidArgument);
+}
+
+TEST(Regrasp, TurnsAStoneOver) {
+  const Workplace cell;
+  ASSERT_FALSE(can_grasp(cell.scene, cell.task)) << "or this test tries nothing";
+  const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
+  ASSERT_TRUE(plan.planned) << plan.reason;
+  EXPECT_EQ(plan.first.status, Status::kPlanned);
+  EXPECT_EQ(plan.second.status, Status::kPlanned);
+  EXPECT_NEAR(lowest(cell.stone, plan.T_W_O_between), 0.0, 1e-9) << "it stands on the table";
+
+  // The second half starts where the first ends, and takes the stone where the first put it.
+  const Joints end = plan.first.steps.back().trajectory.q.back();
+  bool moved = false, grasped = false;
+  Joints before = end;
+  for (const auto& step : plan.second.steps) {
+    if (step.kind == PlanStep::Kind::kGrasp) {
+      const Pose T_W_T = forward(cell.scene.robot, before) * cell.scene.T_F_T;
+      const Pose T_W_O = T_W_T * plan.second.T_O_T.inverse();
+      EXPECT_LT(difference(T_W_O, plan.T_W_O_between).translation, 1e-5);
+      EXPECT_LT(difference(T_W_O, plan.T_W_O_between).angle, 1e-4);
+      grasped = true;
+    }
+    if (step.trajectory.time.empty()) continue;
+    if (!moved) {
+      EXPECT_LT((step.trajectory.q.front() - end).norm(), 1e-9);
+    }
+    moved = true;
+    before = step.trajectory.q.back();
+  }
+  EXPECT_TRUE(grasped);
+}
+
+TEST(Regrasp, SaysWhyItCannotHelp) {
+  Workplace cell;
+  cell.task.T_W_O_place.translation().x() = 2.5;
+  const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
+  EXPECT_FALSE(plan.planned);
+  EXPECT_NE(plan.reason.find("0 also serve the target"), std::string::npos) << plan.reason;
+}
+
+TEST(Regrasp, KeepsAwayFromOtherStones) {
+  Workplace cell;
+  const Mesh rock = make_box({0.06, 0.06, 0.06});
+  cell.scene.objects.push_back({"rock", {rock}, make_pose({0.70, -0.05, 0.03})});
+  const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
+  ASSERT_TRUE(plan.planned) << plan.reason;
+  for (const auto& v : cell.stone.scan.vertices) {
+    const Eigen::Vector3d p = plan.T_W_O_between * v - Eigen::Vector3d(0.70, -0.05, 0.03);
+    EXPECT_GT(p.cwiseAbs().maxCoeff(), 0.03);
+  }
+}
+
+}  // namespace
+}  // namespace stonestack
