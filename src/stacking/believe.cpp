@@ -15,6 +15,7 @@ constexpr double kAboveTable = 0.012;     // m: lower than this, a stone lies on
 constexpr double kSettleFrom = 0.002;     // m above the measured pose
 constexpr double kConsistent = 0.006;     // m: a rest pose nearer than this to the measurement is believed
 constexpr double kConsistentTurn = 0.09;  // rad
+constexpr double kBelievable = 0.012;     // m: the farthest rest pose that can be what was measured
 constexpr int kSeatTries = 12;            // the measured pose, then displaced ones
 constexpr double kMeasuredSigma =
     0.001;  // m and rad, one sigma: SR300 poses of `bench detection`, hand-eye error
@@ -73,23 +74,28 @@ Pose displaced(const Pose& T_W_O, Random& random) {
   return moved;
 }
 
-/// The measured pose, seated on the stack below where that agrees with the measurement. It is seen to rest,
-/// so when the measured pose itself slides off, poses as near as the camera may err are tried.
+/// The measured pose, seated on the stack below. It is seen to rest, so when the measured pose itself slides
+/// off, poses as near as the camera may err are tried; the rest pose nearest to the measurement is believed,
+/// if it is near at all.
 Pose seated(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
   SettleOptions options;
   options.world.friction =
       0.5;  // it is seen to rest, so let it: the low planning friction would make it slide
   Random random = Random::stream(static_cast<std::uint64_t>(measured.stone), "seated");
-  Pose tried = measured.T_W_O;
-  for (int k = 0; k < kSeatTries; ++k) {
+  Pose tried = measured.T_W_O, best = measured.T_W_O;
+  double nearest = kBelievable;
+  for (int k = 0; k < kSeatTries && nearest > kConsistent; ++k) {
     const Pose lifted = Eigen::Translation3d(0, 0, kSettleFrom) * tried;
     const SettleResult settled = settle(shapes, below, measured.stone, lifted, options);
     const auto error = difference(settled.T_W_O, measured.T_W_O);
-    if (settled.rests && error.translation < kConsistent && error.angle < kConsistentTurn)
-      return settled.T_W_O;
+    const double off = std::max(error.translation, kConsistent / kConsistentTurn * error.angle);
+    if (settled.rests && off < nearest) {
+      nearest = off;
+      best = settled.T_W_O;
+    }
     tried = displaced(measured.T_W_O, random);
   }
-  return measured.T_W_O;
+  return best;
 }
 
 }  // namespace
