@@ -65,6 +65,7 @@ std::vector<Variant> design_variants() {
           {"paper's search", {"search.method=paper"}},
           {"first failure ends the run", {"run.most_failures=1"}},
           {"no stone taken off again", {"run.most_taken_off=0"}},
+          {"no stone turned over", {"run.most_turned_over=0"}},
           {"friction 0.1 only", {"run.most_friction=0.1"}},
           {"no perturbed verdicts", {"search.perturbations=0"}},
           {"aim not corrected", {"run.correct_aim=false"}}};

@@ -137,7 +137,8 @@ double Rate::high() const {
 
 bool was_tried(const PlacementRecord& record) {
   return record.outcome != PlacementRecord::Outcome::kNotPicked &&
-         record.outcome != PlacementRecord::Outcome::kTakenOff;
+         record.outcome != PlacementRecord::Outcome::kTakenOff &&
+         record.outcome != PlacementRecord::Outcome::kTurnedOver;
 }
 
 int judged_height(const ExperimentRun& run) {

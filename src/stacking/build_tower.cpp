@@ -66,6 +66,7 @@ FieldList fields(BuildOptions& o) {
                             field("sure_success", o.sure_success, {0, 1}, "", "ours"),
                             field("most_failures", o.most_failures, {1, 100}, "", "paper: 1"),
                             field("correct_aim", o.correct_aim, "ours"),
+                            field("most_turned_over", o.most_turned_over, {0, 100}, "", "paper: 0"),
                             field("most_taken_off", o.most_taken_off, {0, 100}, "", "paper: 0"),
                             field("friction_step", o.friction_step, {0.01, 2}, "", "ours"),
                             field("pick_attempts", o.pick_attempts, {1, 10}, "", "ours")})});
@@ -85,6 +86,8 @@ std::string to_text(PlacementRecord::Outcome outcome) {
       return "lost";
     case PlacementRecord::Outcome::kTakenOff:
       return "taken off";
+    case PlacementRecord::Outcome::kTurnedOver:
+      return "turned over";
   }
   return "unknown";
 }

@@ -40,7 +40,7 @@ class Builder {
     while (!high_enough()) {
       throw_if_interrupted();
       const auto target = find_target();
-      if (!target && take_off()) continue;
+      if (!target && (turn_over() || take_off())) continue;
       if (!target || !place(*target)) break;
     }
     return std::move(result_);
@@ -110,6 +110,12 @@ class Builder {
   [[nodiscard]] bool take_off();
   [[nodiscard]] bool promises_more(const Belief& without_top) const;
   [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
+  /// When the search finds poses but no grasp brings a stone there in one go: lays the stone down in another
+  /// pose of rest, so that it can be grasped anew. False when that does not help either.
+  [[nodiscard]] bool turn_over();
+  /// Carries out a plan that leaves a stone on the table, and looks.
+  void lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene, int stone, const Pose& T_W_O_down,
+                PlacementRecord::Outcome outcome);
 
   Cell& cell_;
   const Catalogue& catalogue_;
@@ -122,7 +128,7 @@ class Builder {
   RunResult result_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
-  int taken_off_ = 0;
+  int taken_off_ = 0, turned_over_ = 0;
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
   std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit
 };

@@ -2,6 +2,7 @@
 
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/motion/regrasp.hpp"
 #include "stonestack/physics/settle.hpp"
 #include "stonestack/stacking/execute.hpp"
 
@@ -106,25 +107,59 @@ bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down) {
   result_.seconds.planning += watch.seconds();
   if (plan.status != PickAndPlacePlan::Status::kPlanned) return false;
 
+  belief_.stack.pop_back();
+  lay_down(plan, scene, top.stone, T_W_O_down, PlacementRecord::Outcome::kTakenOff);
+  return true;
+}
+
+void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene, int stone,
+                       const Pose& T_W_O_down, PlacementRecord::Outcome outcome) {
   Placement down;
-  down.stone = top.stone;
+  down.stone = stone;
   down.T_W_O = T_W_O_down;
-  record("take_off", placement_json(catalogue_, down));
+  record(outcome == PlacementRecord::Outcome::kTakenOff ? "take_off" : "turn_over",
+         placement_json(catalogue_, down));
   const double start = cell_.clock.now();
-  const ExecutionResult done = execute(plan, stone, scene, cell_, options_.motion, hooks_.journal);
+  const ExecutionResult done = execute(plan, catalogue_.stones[static_cast<std::size_t>(stone)], scene, cell_,
+                                       options_.motion, hooks_.journal);
   result_.seconds.motion += cell_.clock.now() - start;
   if (done.status == ExecutionResult::Status::kStopped)
-    throw DeviceError("arm", "stopped while taking off " + stone.name + ": " + done.reason,
+    throw DeviceError("arm", concat("stopped while laying down ", name(stone), ": ", done.reason),
                       "look at the cell; the stone may be in the hand");
-  belief_.stack.pop_back();
+  if (done.status == ExecutionResult::Status::kNotPicked) failed_grasps_[stone].push_back(plan.T_O_T);
   look_around();
-  PlacementRecord entry{stone.name, down, std::nullopt, PlacementRecord::Outcome::kTakenOff, done.reason};
+  PlacementRecord entry{name(stone), down, std::nullopt, outcome, done.reason};
   for (const auto& loose : belief_.loose)
-    if (loose.stone == top.stone) entry.T_W_O_measured = loose.T_W_O;
+    if (loose.stone == stone) entry.T_W_O_measured = loose.T_W_O;
   result_.placements.push_back(entry);
   aimed_off_.push_back(Eigen::Vector3d::Zero());
   update_height();
-  return true;
+}
+
+bool Builder::turn_over() {
+  if (turned_over_ >= options_.most_turned_over) return false;
+  throw_if_interrupted();
+  SearchProblem problem = make_problem(belief_);
+  problem.reachable = nullptr;  // what would fit, if only the stone lay otherwise
+  if (problem.available.empty()) return false;
+  const Stopwatch search;
+  const SearchResult found = search_by_friction(problem);
+  result_.seconds.search += search.seconds();
+  for (const auto& placement : found.best) {
+    const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
+    auto task = make_task(catalogue_, belief_, placement.stone, placement.T_W_O, cell_.arm.state().q);
+    if (const auto failed = failed_grasps_.find(placement.stone); failed != failed_grasps_.end())
+      task.avoid = failed->second;
+    const Stopwatch watch;
+    const RegraspPlan plan = plan_regrasp(scene, task, options_.motion);
+    result_.seconds.planning += watch.seconds();
+    if (!plan.planned) continue;
+    report(concat("no grasp brings ", name(placement.stone), " there in one go: laying it down another way"));
+    ++turned_over_;
+    lay_down(plan.first, scene, placement.stone, plan.T_W_O_between, PlacementRecord::Outcome::kTurnedOver);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace stonestack

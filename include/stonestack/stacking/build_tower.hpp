@@ -39,20 +39,21 @@ struct BuildOptions {
   int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
   bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
   int most_taken_off = 2;     ///< stones put back into the field to try another way; the paper never does
+  int most_turned_over = 3;   ///< stones laid down another way because no grasp served both ends
   int pick_attempts = 3;      ///< of one stone that the gripper misses
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
 /// One attempted placement.
 struct PlacementRecord {
-  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kLost, kTakenOff };
+  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kLost, kTakenOff, kTurnedOver };
   std::string stone;
   Placement planned;
   std::optional<Pose> T_W_O_measured;
   Outcome outcome = Outcome::kPlaced;
   std::string note;
 };
-/// "placed", "moved", "fallen", "not picked", "lost", "taken off".
+/// "placed", "moved", "fallen", "not picked", "lost", "taken off", "turned over".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
 /// Host seconds (detection, search, planning) and arm seconds (motion, by the cell's clock).
