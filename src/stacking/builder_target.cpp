@@ -95,6 +95,10 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   if (const auto failed = failed_grasps_.find(placement.stone); failed != failed_grasps_.end())
     task.avoid = failed->second;
   target.plan = plan_pick_and_place(target.scene, task, options_.motion);
+  if (target.plan.status != PickAndPlacePlan::Status::kPlanned && !task.avoid.empty()) {
+    task.avoid.clear();  // better the grasp that failed once more than none
+    target.plan = plan_pick_and_place(target.scene, task, options_.motion);
+  }
   result_.seconds.planning += watch.seconds();
   if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;
   *refusal = target.plan.reason;
