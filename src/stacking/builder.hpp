@@ -78,7 +78,7 @@ class Builder {
     update_height();
     if (belief_.loose.empty()) {
       result_.end = RunResult::End::kAllPlaced;
-      result_.ended = "all stones are placed";
+      result_.ended = "all stones that are seen are placed";
       return true;
     }
     if (options_.most_stones > 0 && result_.height >= options_.most_stones) {

@@ -10,6 +10,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kRaster = 0.05;  // m between places that are looked at
+constexpr double kSeen = 0.6;     // of the field, about its middle: what the camera sees of it for sure
 constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
 constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
 constexpr std::size_t kMostPlaces = 8;
@@ -37,7 +38,7 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
   const Pose rest = rest_on_table(shapes, top);
   const Eigen::Vector3d com = rest * shapes[static_cast<std::size_t>(top.stone)]->mass.p_O_M;
   std::vector<std::pair<double, Pose>> places;
-  const Eigen::Vector2d half = 0.5 * layout.field_size;
+  const Eigen::Vector2d half = 0.5 * kSeen * layout.field_size;
   for (double x = -half.x(); x <= half.x(); x += kRaster)
     for (double y = -half.y(); y <= half.y(); y += kRaster) {
       const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);

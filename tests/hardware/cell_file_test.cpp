@@ -30,7 +30,8 @@ class CellFile : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
-  std::string path_ = testing::TempDir() + "cell_file_test.yaml";
+  std::string path_ = testing::TempDir() + "cell_file_" +
+                      testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
 };
 
 TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {

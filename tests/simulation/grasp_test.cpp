@@ -24,7 +24,7 @@ struct Bench {
     hand.finger.fill(0.0775);
     world.set_hand(hand);
     world.place(0, T_W_O);
-    (void)world.wait(2.0);
+    (void)world.wait(6.0);
   }
 
   /// Straight, with a smooth start and end.
@@ -90,7 +90,7 @@ TEST(Grasp, OpeningLetsTheStoneDownWhereItIs) {
   const GripperState open = bench.gripper.move(0.155, 0.05, 15.0);
   EXPECT_FALSE(open.object);
   EXPECT_NEAR(open.opening, 0.155, 1e-6);
-  (void)bench.world.wait(2.0);
+  (void)bench.world.wait(6.0);
   (void)bench.carry(tool_down({0.1, 0, 0.4}), 1.0);
   (void)bench.world.wait(1.0);
   EXPECT_TRUE(bench.world.rests(0));
