@@ -17,10 +17,10 @@ constexpr double kConsistent = 0.006;     // m: a rest pose nearer than this to 
 constexpr double kConsistentTurn = 0.09;  // rad
 constexpr double kBelievable = 0.012;     // m: the farthest rest pose that can be what was measured
 constexpr int kSeatTries = 12;            // the measured pose, then displaced ones
-constexpr double kMeasuredSigma =
-    0.001;  // m and rad, one sigma: SR300 poses of `bench detection`, hand-eye error
-constexpr double kMeasuredTurn = 0.01;  // is common to the whole stack and left out
-constexpr double kBaseAtSite = 0.12;    // m: the first stone lies no further from the site
+// One sigma of a measured pose, ours; the hand-eye error is common to the whole stack and left out.
+constexpr double kMeasuredSigma = 0.001;  // m, along each axis
+constexpr double kMeasuredTurn = 0.01;    // rad
+constexpr double kBaseAtSite = 0.12;      // m: the first stone lies no further from the site
 
 double lowest(const ContactShape& shape, const Pose& T_W_O) {
   double z = 1e9;

@@ -108,7 +108,8 @@ class Builder {
   /// When nothing fits on the stack: puts its top stone back into the field, if the search then promises a
   /// higher tower another way. False when that is not so, or the arm cannot do it.
   [[nodiscard]] bool take_off();
-  [[nodiscard]] bool promises_more(const Belief& without_top) const;
+  [[nodiscard]] bool promises_more(const Belief& without_top);  ///< counted as search time
+  [[nodiscard]] bool can_grow_higher(const Belief& without_top) const;
   [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
   /// When the search finds poses but no grasp brings a stone there in one go: lays the stone down in another
   /// pose of rest, so that it can be grasped anew. False when that does not help either.

@@ -80,7 +80,14 @@ bool Builder::take_off() {
                      [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
 }
 
-bool Builder::promises_more(const Belief& without_top) const {
+bool Builder::promises_more(const Belief& without_top) {
+  const Stopwatch watch;
+  const bool more = can_grow_higher(without_top);
+  result_.seconds.search += watch.seconds();
+  return more;
+}
+
+bool Builder::can_grow_higher(const Belief& without_top) const {
   const SearchProblem problem = make_problem(without_top);
   if (problem.available.empty()) return false;
   SearchOptions search = options_.search;
@@ -108,7 +115,6 @@ bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down) {
   result_.seconds.planning += watch.seconds();
   if (plan.status != PickAndPlacePlan::Status::kPlanned) return false;
 
-  belief_.stack.pop_back();
   lay_down(plan, scene, top.stone, T_W_O_down, PlacementRecord::Outcome::kTakenOff);
   return true;
 }
@@ -127,9 +133,13 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
   if (done.status == ExecutionResult::Status::kStopped)
     throw DeviceError("arm", concat("stopped while laying down ", name(stone), ": ", done.reason),
                       "look at the cell; the stone may be in the hand");
-  if (done.status == ExecutionResult::Status::kNotPicked) failed_grasps_[stone].push_back(plan.T_O_T);
+  const bool picked = done.status == ExecutionResult::Status::kReleased;
+  if (!picked) failed_grasps_[stone].push_back(plan.T_O_T);
+  // What the hand missed is still expected where it was, on the stack maybe.
+  if (picked) std::erase_if(belief_.stack, [&](const PlacedStone& s) { return s.stone == stone; });
   look_around();
-  PlacementRecord entry{name(stone), down, std::nullopt, outcome, done.reason};
+  PlacementRecord entry{name(stone), down, std::nullopt,
+                        picked ? outcome : PlacementRecord::Outcome::kNotPicked, done.reason};
   for (const auto& loose : belief_.loose)
     if (loose.stone == stone) entry.T_W_O_measured = loose.T_W_O;
   result_.placements.push_back(entry);
