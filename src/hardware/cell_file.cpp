@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack {
 namespace {
@@ -98,13 +97,6 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
     throw FileError(path, problem.what(), "write a unit quaternion");
   }
   return config;
-}
-
-bool is_loopback(const CellConfig& config) {
-  const auto here = [](const std::string& address) { return !address.empty() && is_loopback(address); };
-  const bool gripper = config.gripper.modbus.link == "tcp" && here(config.gripper.modbus.address);
-  const bool sensor = config.force_torque.link == "ur_cap" && here(config.force_torque.address);
-  return here(config.arm.address) && gripper && sensor;
 }
 
 struct HardwareCell::Devices {

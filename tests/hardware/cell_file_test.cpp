@@ -45,7 +45,6 @@ TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {
   EXPECT_EQ(cell.robot, "ur5e");
   EXPECT_EQ(cell.arm.rtde_port, 31004);
   EXPECT_EQ(cell.gripper.preset, "rtu");
-  EXPECT_FALSE(is_loopback(cell));
   const CellLayout layout = to_layout(cell);
   // The base is turned by a quarter: its x axis is the world's y axis.
   EXPECT_LT((layout.T_W_R * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(0.1, 1, 0.02)).norm(), 1e-6);
@@ -62,18 +61,11 @@ TEST_F(CellFile, RefusesWhatCannotBe) {
   EXPECT_THROW(HardwareCell(CellConfig{}), InvalidArgument) << "no address";
 }
 
-TEST_F(CellFile, OnlyACellThatIsAllOnThisMachineIsLoopback) {
-  EXPECT_TRUE(is_loopback(read("arm: {address: 127.0.0.5}\nforce_torque: {link: ur_cap}\n")));
-  EXPECT_FALSE(is_loopback(read("arm: {address: 127.0.0.5}\nforce_torque: {link: serial}\n")));
-  EXPECT_FALSE(is_loopback(read("arm: {address: 10.0.0.5}\nforce_torque: {link: ur_cap}\n")));
-}
-
 TEST_F(CellFile, TheTemplateForALabIsReadable) {
   bool simulate = true;
   const CellConfig cell = read_cell_file(data_path("cells/lab-ur10.yaml"), {field("simulate", simulate, "")});
   EXPECT_FALSE(simulate);
   EXPECT_EQ(cell.camera, "v4l2");
-  EXPECT_FALSE(is_loopback(cell));
 }
 
 }  // namespace

@@ -40,8 +40,6 @@ struct CellConfig {
 [[nodiscard]] CellLayout to_layout(const CellConfig& config);
 /// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
-/// True if every device of the cell is on this machine, so that nothing real can move.
-[[nodiscard]] bool is_loopback(const CellConfig& config);
 
 /// The devices of a cell, connected. Making it moves nothing.
 class HardwareCell {
