@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kSample = 0.1;            // s, between looks at a stack that is judged
 constexpr double kFall = 1.0;              // s that a stack which moved is given to show which stones stay
-constexpr double kSettle = 0.25;           // s, before contacts for an equilibrium are collected
+constexpr int kStill = 3;                  // samples without motion that end a verdict
+constexpr double kFineStep = 0.001;        // s, while contacts for an equilibrium are found
+constexpr double kSettle = 0.1;            // s, before they are collected
 constexpr int kCollect = 8;                // steps over which they are collected
 constexpr double kCarries = 0.0003;        // m: contacts further apart carry nothing
 constexpr std::size_t kMostContacts = 16;  // of a pair
@@ -83,6 +85,19 @@ PoseDifference moved_by(const ContactShape& shape, const Pose& before, const Pos
   return d;
 }
 
+/// How far the surface of any stone went since the last look, m; the poses are kept for the next.
+double motion(const ShapeList& shapes, const Stack& stack, const World& world, std::vector<Pose>& last) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    const ContactShape& shape = shape_of(shapes, stack.stones[i]);
+    const Pose now = world.pose(static_cast<int>(i));
+    const auto d = moved_by(shape, last[i], now);
+    most = std::max(most, d.translation + shape.radius * d.angle);
+    last[i] = now;
+  }
+  return most;
+}
+
 }  // namespace
 
 StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const StandOptions& options) {
@@ -99,9 +114,13 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
   verdict.clean = fault.empty();
   int stayed = n;  // levels from the bottom that stayed
   double end = options.seconds;
-  while (world.time() < end - 1e-9) {
+  std::vector<Pose> last;
+  for (const PlacedStone& placed : stack.stones) last.push_back(placed.T_W_O);
+  int still = 0;
+  while (world.time() < end - 1e-9 && still < kStill) {
     throw_if_interrupted();
     world.run(std::min(kSample, end - world.time()));
+    still = motion(shapes, stack, world, last) < options.still ? still + 1 : 0;
     int worst = -1;
     double excess = 1.0;
     for (int i = 0; i < n; ++i) {
@@ -155,6 +174,7 @@ StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double f
   settings.friction = friction;
   settings.iterations = 200;
   settings.contact_gap = kCarries;
+  settings.step = kFineStep;
   World world = world_of(shapes, stack, settings);
   world.run(kSettle);
   StackStatics statics;

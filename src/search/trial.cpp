@@ -13,6 +13,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kDrop = 0.001;  ///< m above the first touch
+constexpr double kStill = 1e-7;  ///< m in 0.1 s: what moves less has come to rest (10 um in 10 s)
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
   Stack higher = stack;
@@ -79,6 +80,7 @@ bool survives(const SearchContext& context, const Stack& below, const Trial& tri
   StandOptions stand;
   stand.friction = context.options->friction;
   stand.seconds = context.options->perturbed_seconds;
+  stand.still = kStill;
   const StandVerdict verdict = judge_stack(context.shapes(), with(below, trial.stone, at_rest.T_W_O), stand);
   return verdict.stands && verdict.clean;
 }
@@ -112,6 +114,7 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   StandOptions stand;
   stand.friction = o.friction;
   stand.seconds = o.verdict_seconds;
+  stand.still = kStill;
   const StandVerdict verdict =
       judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);
   if (!verdict.stands || !verdict.clean)

@@ -44,7 +44,7 @@ FieldList fields(SimulationOptions& o) {
       field("arm_residual", o.arm_residual, {0.0, 0.05}, "m", "ours"),
       field("mass_error", o.mass_error, {0.0, 0.5}, "", "ours: share, one sigma"),
       field("com_error", o.com_error, {0.0, 0.02}, "m", "ours"),
-      field("step", o.step, {0.0005, 0.01}, "s", "measured: 240 Hz"),
+      field("step", o.step, {0.0005, 0.01}, "s", "measured: docs/measurements.md, Contact"),
       field("clearance", o.clearance, {0.0, 0.3}, "m", "width of a finger and a half"),
   };
 }

@@ -25,7 +25,7 @@ struct SimulationOptions {
   double arm_residual = 0.001;          ///< m, calibration residual of the arm
   double mass_error = 0.02;             ///< share, one sigma
   double com_error = 0.002;             ///< m, at most
-  double step = 1.0 / 240.0;            ///< s; finer while the fingers touch a stone
+  double step = 0.001;                  ///< s; finer while the fingers touch a stone
   double clearance = 0.045;             ///< m between loose stones, so that the fingers find room
 };
 [[nodiscard]] FieldList fields(SimulationOptions& options);
