@@ -9,11 +9,14 @@
 namespace stonestack {
 
 Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool field_unknown) {
+  return look_from(look_poses(cell_.layout, p_W_target, options_.look_distance), field_unknown);
+}
+
+Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
   PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
   if (field_unknown) scene.objects.push_back(unseen_field(cell_.layout));
   const double start = cell_.clock.now();
-  Look look = take_look(cell_, robot_, scene, look_poses(cell_.layout, p_W_target, options_.look_distance),
-                        options_.motion);
+  Look look = take_look(cell_, robot_, scene, T_W_C, options_.motion);
   result_.seconds.motion += cell_.clock.now() - start;
   return look;
 }
@@ -23,6 +26,7 @@ void Builder::look_around() {
   const Eigen::Vector2d& field = cell_.layout.field_centre;
   const Eigen::Vector2d& site = cell_.layout.site;
   std::vector<Look> looks{look_at({field.x(), field.y(), 0.05}, first)};
+  if (first && options_.refine_camera) refine_camera(looks);
   const std::vector<PlacedStone> expected = belief_.stack;
   if (!expected.empty())
     looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
@@ -65,6 +69,7 @@ FieldList fields(BuildOptions& o) {
                             field("most_friction", o.most_friction, {0, 2}, "", "ours"),
                             field("sure_success", o.sure_success, {0, 1}, "", "ours"),
                             field("most_failures", o.most_failures, {1, 100}, "", "paper: 1"),
+                            field("refine_camera", o.refine_camera, "ours"),
                             field("correct_aim", o.correct_aim, "ours"),
                             field("most_turned_over", o.most_turned_over, {0, 100}, "", "paper: 0"),
                             field("most_taken_off", o.most_taken_off, {0, 100}, "", "paper: 0"),

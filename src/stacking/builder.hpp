@@ -9,9 +9,9 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_target.cpp the
-/// search for what comes next, builder_place.cpp what is done and how it is judged, builder_take_off.cpp the
-/// way back.
+/// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
+/// what it learns about its camera, builder_target.cpp the search for what comes next, builder_place.cpp what
+/// is done and how it is judged, builder_take_off.cpp the way back.
 namespace stonestack {
 
 /// What is to be done next, with the plan that does it.
@@ -94,6 +94,10 @@ class Builder {
   /// Tells of stones of the stack that are no longer where they were.
   void report_moved(const std::vector<PlacedStone>& expected) const;
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
+  [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool field_unknown);
+  /// Looks at the field once more, half a turn about the optical axis away, and corrects where the camera is
+  /// taken to sit, in the layout and in the looks; the second look is added to them.
+  void refine_camera(std::vector<Look>& looks);
   [[nodiscard]] std::optional<Target> find_target();
   /// What the search is told: the stack, and the loose stones that have not been given up on top of it.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
@@ -118,7 +122,7 @@ class Builder {
   void lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene, int stone, const Pose& T_W_O_down,
                 PlacementRecord::Outcome outcome);
 
-  Cell& cell_;
+  Cell cell_;  ///< the caller's devices; the layout is corrected by what is seen
   const Catalogue& catalogue_;
   const RobotModel& robot_;
   const BuildOptions& options_;

@@ -1,0 +1,73 @@
+#include <algorithm>
+
+#include "stacking/builder.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/camera_mount.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kSameShift = 0.015;  // m: a stone seen further off in the other view is not the same pose
+constexpr double kSameTurn = 0.10;    // rad
+// A mount further off than this was calibrated wrongly or has been hit; a person should know.
+constexpr double kLargestShift = 0.008;  // m
+constexpr double kLargestTurn = 0.026;   // rad
+constexpr double kLargestLeft = 0.002;   // m between the views afterwards
+
+/// The same place, seen with the camera turned about its axis: by half a turn, else by a quarter.
+std::vector<Pose> turned_poses(const Pose& T_W_C) {
+  std::vector<Pose> poses;
+  for (const double turn : {M_PI, 0.5 * M_PI, -0.5 * M_PI})
+    poses.push_back(T_W_C * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+  return poses;
+}
+
+/// Stones that both results show at the same pose, as marks of each: their centres of mass.
+void add_marks(const ShapeList& shapes, const Look& a, const DetectionResult& in_a, const Look& b,
+               const DetectionResult& in_b, MountView& view_a, MountView& view_b) {
+  for (const Detection& seen_a : in_a.detections)
+    for (const Detection& seen_b : in_b.detections) {
+      if (seen_a.stone != seen_b.stone) continue;
+      const auto apart = difference(a.T_W_C * seen_a.T_C_O, b.T_W_C * seen_b.T_C_O);
+      if (apart.translation > kSameShift || apart.angle > kSameTurn) continue;
+      const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(seen_a.stone)]->mass.p_O_M;
+      view_a.marks.push_back({seen_a.stone, seen_a.T_C_O * p_O_M});
+      view_b.marks.push_back({seen_b.stone, seen_b.T_C_O * p_O_M});
+    }
+}
+
+}  // namespace
+
+void Builder::refine_camera(std::vector<Look>& looks) {
+  try {
+    looks.push_back(look_from(turned_poses(looks.front().T_W_C), true));
+  } catch (const DeviceError&) {
+    return report("the camera cannot be turned above the field; its mount is taken as calibrated");
+  }
+  const Stopwatch watch;
+  const Pose T_T_C = cell_.layout.T_T_C;
+  std::vector<MountView> views;
+  std::vector<DetectionResult> seen;
+  for (const Look& look : looks) {
+    seen.push_back(detect_stones(look.image, models_, {}, options_.detection));
+    views.push_back({look.T_W_C * T_T_C.inverse(), seen.back().table_C, {}});
+  }
+  add_marks(shapes_, looks[0], seen[0], looks[1], seen[1], views[0], views[1]);
+  const MountRefinement found = refine_camera_mount(views, T_T_C);
+  result_.seconds.detection += watch.seconds();
+  const std::string text =
+      concat("camera mount: ", std::round(1e4 * found.shift) / 10, " mm and ",
+             std::round(found.turn * 572.9578) / 10, " deg beside its calibration by ", found.shared_marks,
+             " stones seen twice, ", std::round(1e4 * found.before) / 10, " mm apart, then ",
+             std::round(1e4 * found.after) / 10, " mm");
+  record("camera_mount", concat("{\"shift_m\": ", found.shift, ", \"turn_rad\": ", found.turn,
+                                ", \"marks\": ", found.shared_marks, ", \"before_m\": ", found.before,
+                                ", \"after_m\": ", found.after, "}"));
+  if (found.shift > kLargestShift || found.turn > kLargestTurn || found.after > kLargestLeft)
+    return report(text + "; not believed: run `stonestack calibrate`");
+  report(text);
+  cell_.layout.T_T_C = found.T_T_C;
+  for (std::size_t k = 0; k < looks.size(); ++k) looks[k].T_W_C = views[k].T_W_T * found.T_T_C;
+}
+
+}  // namespace stonestack
