@@ -45,7 +45,14 @@ std::vector<int> unseen(const std::vector<int>& wanted, const std::vector<Sighti
   return missing;
 }
 
-/// Searches for what has not been seen yet in all looks at once; what has been seen explains its own pixels.
+/// What has been seen explains its own pixels.
+SceneKnowledge known_in(const Pose& T_W_C, const std::vector<Sighting>& sightings) {
+  SceneKnowledge known;
+  for (const auto& s : sightings) known.stones.push_back({s.stone, T_W_C.inverse() * s.T_W_O});
+  return known;
+}
+
+/// Searches for what has not been seen yet in all looks at once.
 void search_jointly(const std::vector<Look>& looks, const DetectionModels& models,
                     const std::vector<int>& wanted, const DetectionOptions& options,
                     std::vector<Sighting>& sightings) {
@@ -54,8 +61,7 @@ void search_jointly(const std::vector<Look>& looks, const DetectionModels& model
   const Pose& T_W_C = looks.front().T_W_C;
   std::vector<DepthView> views;
   for (const auto& look : looks) views.push_back({look.image, look.T_W_C});
-  SceneKnowledge known;
-  for (const auto& s : sightings) known.stones.push_back({s.stone, T_W_C.inverse() * s.T_W_O});
+  const SceneKnowledge known = known_in(T_W_C, sightings);
   for (const auto& found : detect_stones(views, models, missing, options, known).detections)
     keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible});
 }
@@ -129,9 +135,12 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
         keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
   const auto missing = unseen(wanted, sightings);
   if (missing.empty()) return sightings;
-  for (const auto& look : looks)
-    for (const auto& found : detect_stones(look.image, models, missing, options).detections)
+  const std::vector<Sighting> tracked = sightings;
+  for (const auto& look : looks) {
+    const SceneKnowledge known = known_in(look.T_W_C, tracked);
+    for (const auto& found : detect_stones(look.image, models, missing, options, known).detections)
       keep_better(sightings, {found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
+  }
   if (looks.size() > 1) search_jointly(looks, models, wanted, options, sightings);
   return sightings;
 }
