@@ -13,20 +13,24 @@ namespace {
 
 /// Where everything is at one configuration.
 struct Placed {
-  std::array<Pose, 7> pose;  ///< T_R_link
-  std::array<btTransform, 7> T_R_link;
+  std::array<Pose, 7> pose;                                ///< T_R_link
   std::array<Segment, CollisionShapes::kMostMovers> axes;  ///< of the movers' bounding capsules
+  std::array<Bounds, CollisionShapes::kMostMovers> boxes;  ///< of these axes
   Segment hand;                                            ///< of the capsule around gripper and held stone
+  Bounds hand_box;
 
   Placed(const CollisionShapes& shapes, const Joints& q) : pose(link_poses(shapes.robot, q)) {
-    for (std::size_t i = 0; i < 7; ++i) T_R_link[i] = to_bullet(pose[i]);
     for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
       const auto& mover = shapes.movers[i];
       axes[i] = {pose[mover.link] * mover.core.axis.a, pose[mover.link] * mover.core.axis.b};
+      boxes[i] = bounds(axes[i]);
     }
-    if (shapes.first_hand < shapes.movers.size())
+    if (shapes.first_hand < shapes.movers.size()) {
       hand = {pose[6] * shapes.hand.axis.a, pose[6] * shapes.hand.axis.b};
+      hand_box = bounds(hand);
+    }
   }
+  [[nodiscard]] btTransform T_R(const Mover& mover) const { return to_bullet(pose[mover.link]); }
 };
 
 /// Distance that is kept besides the padding. While each joint turns by at most `turn`, a point at distance r
@@ -64,25 +68,32 @@ double height(const CollisionShapes& shapes, const Mover& mover, const Placed& p
 }
 
 bool hits_table(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
-  for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+  const auto axis_height = [&](const Segment& axis) {
+    return std::min(shapes.n_R_table.dot(axis.a), shapes.n_R_table.dot(axis.b)) + shapes.table_offset;
+  };
+  const bool hand_is_high =
+      shapes.first_hand < shapes.movers.size() &&
+      axis_height(placed.hand) > shapes.hand.reach + shapes.rules.padding + slack.of_hand(0, shapes);
+  const std::size_t last = hand_is_high ? shapes.first_hand : shapes.movers.size();
+  for (std::size_t i = 0; i < last; ++i) {
     const auto& mover = shapes.movers[i];
     if (!mover.sees_table) continue;
     const double away = shapes.rules.padding + slack.of(mover);
-    const auto& [a, b] = placed.axes[i];
-    const double axis = std::min(shapes.n_R_table.dot(a), shapes.n_R_table.dot(b)) + shapes.table_offset;
-    if (axis - mover.core.reach < away && height(shapes, mover, placed) < away) return true;
+    if (axis_height(placed.axes[i]) - mover.core.reach < away && height(shapes, mover, placed) < away)
+      return true;
   }
   return false;
 }
 
 /// The exact distance only where capsule against sphere and against box leave a doubt.
-bool hits(const Mover& mover, const Obstacle& obstacle, const btTransform& T_R_link, const Segment& axis,
-          double away) {
+bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacle& obstacle, double away) {
   const double bound = mover.core.reach + away;
+  if (apart(placed.boxes[i], obstacle.box, bound)) return false;
   const double ball = bound + obstacle.sphere;
+  const Segment& axis = placed.axes[i];
   if (squared_distance(axis, obstacle.centre) > ball * ball) return false;
-  if (squared_distance_to_box(axis, obstacle.box.min(), obstacle.box.max()) > bound * bound) return false;
-  return hull_distance(mover.core, T_R_link, obstacle.core, btTransform::getIdentity()) <
+  if (squared_distance_to_box(axis, obstacle.box.low, obstacle.box.high) > bound * bound) return false;
+  return hull_distance(mover.core, placed.T_R(mover), obstacle.core, btTransform::getIdentity()) <
          mover.core.radius + away;
 }
 
@@ -91,16 +102,16 @@ bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Sla
   for (const auto& group : shapes.groups) {
     const double ball_of_hand = hand_ball + group.sphere;
     const bool hand_is_far = shapes.first_hand < shapes.movers.size() &&
-                             squared_distance(placed.hand, group.centre) > ball_of_hand * ball_of_hand;
+                             (apart(placed.hand_box, group.box, hand_ball) ||
+                              squared_distance(placed.hand, group.centre) > ball_of_hand * ball_of_hand);
     const std::size_t last = hand_is_far ? shapes.first_hand : shapes.movers.size();
     for (std::size_t i = 0; i < last; ++i) {
       if (group.sees[i] == 0) continue;
       const auto& mover = shapes.movers[i];
       const double away = shapes.rules.padding + slack.of(mover);
-      const double ball = mover.core.reach + away + group.sphere;
-      if (squared_distance(placed.axes[i], group.centre) > ball * ball) continue;
+      if (apart(placed.boxes[i], group.box, mover.core.reach + away)) continue;
       for (std::size_t k = group.first; k < group.last; ++k)
-        if (hits(mover, shapes.obstacles[k], placed.T_R_link[mover.link], placed.axes[i], away)) return true;
+        if (hits(placed, mover, i, shapes.obstacles[k], away)) return true;
     }
   }
   return false;
@@ -110,6 +121,7 @@ bool arm_hits_arm(const CollisionShapes& shapes, const Placed& placed, const Sla
   for (const auto& [i, j] : shapes.arm_pairs) {
     const auto &a = shapes.movers[i], &b = shapes.movers[j];
     const double bound = a.core.reach + b.core.reach + shapes.rules.self_padding + slack.seen_from(a.link, b);
+    if (apart(placed.boxes[i], placed.boxes[j], bound)) continue;
     // Between capsules the bound is the distance.
     if (squared_distance(placed.axes[i], placed.axes[j]) <= bound * bound) return true;
   }
@@ -126,11 +138,12 @@ bool hits_hand(const CollisionShapes& shapes, const Placed& placed, const Slack&
     const Mover& b = shapes.movers[j];
     const double away = shapes.rules.self_padding + slack.seen_from(a.link, b);
     const double bound = a.core.reach + b.core.reach + away;
+    if (apart(placed.boxes[i], placed.boxes[j], bound)) continue;
     if (squared_distance(axis, placed.axes[j]) > bound * bound) continue;
     const double least = a.core.radius + away;
     if (b.part == Mover::Part::kGripper) {
       if (squared_distance_to_box(axis_T, b.box_T.min(), b.box_T.max()) < least * least) return true;
-    } else if (hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link]) < least) {
+    } else if (hull_distance(a.core, placed.T_R(a), b.core, placed.T_R(b)) < least) {
       return true;
     }
   }
@@ -143,6 +156,7 @@ bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slac
     const Mover& a = shapes.movers[i];
     const double bound =
         a.core.reach + shapes.hand.reach + shapes.rules.self_padding + slack.of_hand(a.link, shapes);
+    if (apart(placed.boxes[i], placed.hand_box, bound)) continue;
     if (squared_distance(placed.axes[i], placed.hand) <= bound * bound && hits_hand(shapes, placed, slack, i))
       return true;
   }
@@ -194,7 +208,14 @@ bool CollisionChecker::motion_is_free(const Joints& a, const Joints& b, double r
   require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
   require(resolution > 0.0, "the resolution must be positive, got ", resolution, " rad");
   constexpr double kFirstLook = 0.05;  // rad
-  return samples_miss(*shapes_, a, b, kFirstLook) && is_free(*shapes_, a, b, resolution);
+  if (!samples_miss(*shapes_, a, b, kFirstLook)) return false;
+  constexpr double kPiece = 0.1;  // rad: within longer ones something could nearly always reach an obstacle
+  const double pieces = std::max(1.0, std::ceil((b - a).cwiseAbs().maxCoeff() / kPiece));
+  for (double k = 0.0; k < pieces; k += 1.0) {
+    const Joints from = a + (b - a) * (k / pieces), to = a + (b - a) * ((k + 1.0) / pieces);
+    if (!is_free(*shapes_, from, to, resolution)) return false;
+  }
+  return true;
 }
 
 bool CollisionChecker::samples_are_free(const Joints& a, const Joints& b, double spacing) const {
@@ -218,8 +239,8 @@ Clearance CollisionChecker::clearance(const Joints& q) const {
         const auto& obstacle = shapes.obstacles[k];
         const double apart = std::sqrt(squared_distance(placed.axes[i], obstacle.centre));
         if (apart - mover.core.reach - obstacle.sphere >= best.distance) continue;
-        const double hulls = hull_distance(mover.core, placed.T_R_link[mover.link], obstacle.core,
-                                           btTransform::getIdentity(), true);
+        const double hulls =
+            hull_distance(mover.core, placed.T_R(mover), obstacle.core, btTransform::getIdentity(), true);
         offer(hulls - mover.core.radius, mover.name, group.name);
       }
     }
@@ -228,8 +249,7 @@ Clearance CollisionChecker::clearance(const Joints& q) const {
     const auto &a = shapes.movers[i], &b = shapes.movers[j];
     const double apart = std::sqrt(squared_distance(placed.axes[i], placed.axes[j]));
     if (apart - a.core.reach - b.core.reach >= best.distance) continue;
-    const double hulls =
-        hull_distance(a.core, placed.T_R_link[a.link], b.core, placed.T_R_link[b.link], true);
+    const double hulls = hull_distance(a.core, placed.T_R(a), b.core, placed.T_R(b), true);
     offer(hulls - a.core.radius - b.core.radius, a.name, b.name);
   }
   return best;

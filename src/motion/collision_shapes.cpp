@@ -79,8 +79,10 @@ void add_movers(const PlanningScene& scene, const HeldObject* held, CollisionSha
 
 Obstacle make_obstacle(std::vector<Eigen::Vector3d> points) {
   Obstacle obstacle{make_core(std::move(points), 0.0), {}, 0.0, {}};
-  for (const auto& p : obstacle.core.points) obstacle.box.extend(p);
-  obstacle.centre = obstacle.box.center();
+  Eigen::AlignedBox3d box;
+  for (const auto& p : obstacle.core.points) box.extend(p);
+  obstacle.box = {box.min(), box.max()};
+  obstacle.centre = box.center();
   for (const auto& p : obstacle.core.points)
     obstacle.sphere = std::max(obstacle.sphere, (p - obstacle.centre).norm());
   return obstacle;
@@ -95,8 +97,10 @@ void add_object(const SceneObject& object, int index, const Pose& T_R_W, Collisi
     auto points = piece.vertices;
     transform(points, T_R_W * object.T_W_object);
     shapes.obstacles.push_back(make_obstacle(std::move(points)));
-    box.extend(shapes.obstacles.back().box);
+    const Bounds& own = shapes.obstacles.back().box;
+    box.extend(own.low).extend(own.high);
   }
+  group.box = {box.min(), box.max()};
   group.last = shapes.obstacles.size();
   group.centre = box.center();
   for (std::size_t k = group.first; k < group.last; ++k) {

@@ -26,13 +26,14 @@ struct Obstacle {
   ConvexCore core;
   Eigen::Vector3d centre;
   double sphere = 0.0;  ///< m, around `centre`
-  Eigen::AlignedBox3d box;
+  Bounds box;
 };
 
 /// The pieces [first, last) of one object.
 struct ObstacleGroup {
   std::string name;
   std::size_t first = 0, last = 0;
+  Bounds box;
   Eigen::Vector3d centre;
   double sphere = 0.0;
   std::vector<char> sees;  ///< one a mover: 0 where the two may touch

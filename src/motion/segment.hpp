@@ -10,6 +10,20 @@ struct Segment {
   Eigen::Vector3d a, b;
 };
 
+/// An axis-aligned box as plain numbers: what a check asks first, and most often.
+struct Bounds {
+  Eigen::Vector3d low, high;
+};
+[[nodiscard]] inline Bounds bounds(const Segment& s) {
+  return {s.a.cwiseMin(s.b), s.a.cwiseMax(s.b)};
+}
+/// True if more than `distance` lies between the two along some axis.
+[[nodiscard]] inline bool apart(const Bounds& a, const Bounds& b, double distance) {
+  return a.low.x() - b.high.x() > distance || b.low.x() - a.high.x() > distance ||
+         a.low.y() - b.high.y() > distance || b.low.y() - a.high.y() > distance ||
+         a.low.z() - b.high.z() > distance || b.low.z() - a.high.z() > distance;
+}
+
 [[nodiscard]] inline double squared_distance(const Segment& s, const Eigen::Vector3d& p) {
   const Eigen::Vector3d along = s.b - s.a;
   const Eigen::Vector3d to = p - s.a;
