@@ -114,7 +114,6 @@ void bench_transit(int problems, std::uint64_t seed) {
     if (!path) continue;
     ++solved;
     straight += path->size() == 2 ? 1 : 0;
-    if (posed % 10 != 0) continue;
     double best = length(*path);
     for (int k = 2; k <= 8; ++k) {
       MotionOptions options;

@@ -19,7 +19,8 @@ namespace ob = ompl::base;
 using Space = ob::RealVectorStateSpace;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kStep = 1.0;  // scaled rad, how far a tree grows at once
+constexpr double kStep = 0.5;  // scaled rad, how far a tree grows at once
+constexpr int kDraws = 20;     // of a sample that lies on no path that is short enough; then any sample does
 // How far a joint's turn moves the hand, against the base's: distances in the planner are about those of the
 // hand.
 const Joints kWeight = (Joints() << 1.0, 1.0, 0.7, 0.4, 0.3, 0.2).finished();
@@ -37,19 +38,18 @@ void set_state(const Joints& q, ob::State* state) {
 class Sampler : public ob::StateSampler {
  public:
   Sampler(const ob::StateSpace* space, const Joints& low, const Joints& high, const Joints& start,
-          std::span<const Joints> goals, Random random)
-      : ob::StateSampler(space), low_(low), high_(high), start_(start), goals_(goals), random_(random) {}
+          std::span<const Joints> goals, double longest, Random random)
+      : ob::StateSampler(space),
+        low_(low),
+        high_(high),
+        start_(start),
+        goals_(goals),
+        longest_(longest),
+        random_(random) {}
 
   void sampleUniform(ob::State* state) override {
-    Joints q;
-    if (random_.uniform() < 0.5) {
-      const Joints& goal = goals_[random_.index(goals_.size())];
-      q = start_ + random_.uniform() * (goal - start_);
-      for (auto& angle : q) angle += random_.normal(0.0, 0.5);
-      q = q.cwiseMax(low_).cwiseMin(high_);
-    } else {
-      for (Eigen::Index i = 0; i < 6; ++i) q[i] = random_.uniform(low_[i], high_[i]);
-    }
+    Joints q = draw();
+    for (int k = 1; k < kDraws && !is_promising(q); ++k) q = draw();
     set_state(q, state);
   }
   // RRT-Connect asks for none of these.
@@ -57,8 +57,28 @@ class Sampler : public ob::StateSampler {
   void sampleGaussian(ob::State* state, const ob::State*, double) override { sampleUniform(state); }
 
  private:
+  [[nodiscard]] bool is_promising(const Joints& q) const {
+    if (longest_ <= 0.0) return true;
+    const double left = longest_ - (q - start_).norm();
+    return left > 0.0 && std::any_of(goals_.begin(), goals_.end(), [&](const Joints& goal) {
+             return (goal - q).squaredNorm() < left * left;
+           });
+  }
+  Joints draw() {
+    Joints q;
+    if (random_.uniform() < 0.5) {
+      const Joints& goal = goals_[random_.index(goals_.size())];
+      q = start_ + random_.uniform() * (goal - start_);
+      for (auto& angle : q) angle += random_.normal(0.0, 0.5);
+      return q.cwiseMax(low_).cwiseMin(high_);
+    }
+    for (Eigen::Index i = 0; i < 6; ++i) q[i] = random_.uniform(low_[i], high_[i]);
+    return q;
+  }
+
   Joints low_, high_, start_;
   std::span<const Joints> goals_;
+  double longest_;
   Random random_;
 };
 
@@ -97,9 +117,8 @@ std::pair<Joints, Joints> sampled_box(const RobotModel& robot, const Joints& sta
 
 }  // namespace
 
-std::optional<JointPath> rrt_connect(const CollisionChecker& checker, const Joints& start,
-                                     std::span<const Joints> goals, double resolution, long most_motions,
-                                     Random random) {
+Tree rrt_connect(const CollisionChecker& checker, const Joints& start, std::span<const Joints> goals,
+                 const TreeLimits& limits, Random random) {
   ompl::msg::setLogLevel(ompl::msg::LOG_NONE);
   const auto [low, high] = sampled_box(checker.robot(), start, goals);
   auto space = std::make_shared<Space>(6);
@@ -110,12 +129,12 @@ std::optional<JointPath> rrt_connect(const CollisionChecker& checker, const Join
   }
   space->setBounds(bounds);
   space->setStateSamplerAllocator([&, &low = low, &high = high](const ob::StateSpace* s) {
-    return std::make_shared<Sampler>(s, low, high, start, goals, random);
+    return std::make_shared<Sampler>(s, low, high, start, goals, limits.longest, random);
   });
   auto information = std::make_shared<ob::SpaceInformation>(space);
   information->setStateValidityChecker(
       [&](const ob::State* state) { return !checker.collides(joints_of(state)); });
-  auto motions = std::make_shared<MotionCheck>(information, checker, resolution);
+  auto motions = std::make_shared<MotionCheck>(information, checker, limits.resolution);
   information->setMotionValidator(motions);
   information->setup();
 
@@ -136,12 +155,14 @@ std::optional<JointPath> rrt_connect(const CollisionChecker& checker, const Join
   planner.setup();
   // A turn of the planner without a motion check (a sample on a tree) is counted as well, so that it ends.
   long turns = 0;
-  planner.solve(ob::PlannerTerminationCondition(
-      [&] { return interrupt_noted() || motions->count > most_motions || ++turns > 20 * most_motions; }));
+  planner.solve(ob::PlannerTerminationCondition([&] {
+    return interrupt_noted() || motions->count > limits.most_motions || ++turns > 20 * limits.most_motions;
+  }));
   throw_if_interrupted();
-  if (!problem->hasExactSolution()) return std::nullopt;
+  Tree tree{{}, motions->count};
+  if (!problem->hasExactSolution()) return tree;
   const auto* found = problem->getSolutionPath()->as<ompl::geometric::PathGeometric>();
-  JointPath path;
+  JointPath& path = tree.path;
   for (std::size_t i = 0; i < found->getStateCount(); ++i)
     path.push_back(joints_of(found->getState(static_cast<unsigned>(i))));
   // The ends exactly as given, not as scaled and scaled back.
@@ -149,7 +170,7 @@ std::optional<JointPath> rrt_connect(const CollisionChecker& checker, const Join
   path.back() = *std::min_element(goals.begin(), goals.end(), [&](const Joints& a, const Joints& b) {
     return (a - path.back()).squaredNorm() < (b - path.back()).squaredNorm();
   });
-  return path;
+  return tree;
 }
 
 }  // namespace stonestack

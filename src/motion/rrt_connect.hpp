@@ -1,6 +1,4 @@
 #pragma once
-#include <functional>
-#include <optional>
 #include <span>
 
 #include "stonestack/core/random.hpp"
@@ -9,12 +7,20 @@
 /// Private to motion: OMPL behind one function.
 namespace stonestack {
 
-/// A path from `start` to one of `goals` (all free), found by OMPL's RRT-Connect with at most `most_motions`
-/// motion checks; not shortened. Edges are certified at `resolution` (rad), or only sampled when that is 0.
+/// What a tree may do.
+struct TreeLimits {
+  double resolution = 0.0;  ///< rad, at which edges are certified; 0: they are only sampled
+  long most_motions = 0;    ///< motion checks
+  double longest = 0.0;     ///< rad: only samples that a path of this length could pass are drawn; 0: all
+};
+struct Tree {
+  JointPath path;    ///< from start to a goal, not shortened; empty: none found
+  long motions = 0;  ///< checks spent
+};
+/// A path from `start` to one of `goals` (all free), found by OMPL's RRT-Connect.
 /// OMPL's global random generator is not used: samples come from `random`, so threads do not disturb each
-/// other.
-[[nodiscard]] std::optional<JointPath> rrt_connect(const CollisionChecker& checker, const Joints& start,
-                                                   std::span<const Joints> goals, double resolution,
-                                                   long most_motions, Random random);
+/// other. Throws Interrupted.
+[[nodiscard]] Tree rrt_connect(const CollisionChecker& checker, const Joints& start,
+                               std::span<const Joints> goals, const TreeLimits& limits, Random random);
 
 }  // namespace stonestack

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "motion/rrt_connect.hpp"
+#include "motion/shorten_path.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/timing.hpp"
@@ -11,73 +13,113 @@
 namespace stonestack {
 namespace {
 
-constexpr double kResolution = 0.001;         // rad: facts ask for 0.005; finer costs little and is proven
+constexpr double kResolution =
+    0.00001;  // rad: where nothing is nearer than 10 um to the padding, a motion is proven free
 constexpr std::size_t kDirectGoals = 16;      // facts: solves most picks
 constexpr double kDetour = 1.3;               // a straight motion this much longer than the nearest goal's
 constexpr double kDetourMore = 0.3;           // rad, and this, is taken without looking for another way
 constexpr std::size_t kMostGoals = 64;        // nearest ones; further turns of a wrist are never shorter
-constexpr int kTries = 3;                     // trees grown; the shortest result is kept
-constexpr int kShortcuts = 60;                // attempts a path
-constexpr double kMotionsPerSecond = 4000.0;  // measured: motion checks of a tree in clutter
+constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_seconds stands for
+// Effort is counted in motion checks of trees. Where the path is hardly longer than the straight way to the
+// nearest goal there is little to gain; measured (bench motion), effort in proportion to the excess shortens
+// the long paths at half the time that equal effort takes.
+constexpr long kMostPerTree = 4000;        // then another tree: some start badly
+constexpr long kEffort = 3000;             // after it no further tree is grown once a path is known
+constexpr double kStalePerExcess = 900.0;  // checks since the last gain, by the relative excess ...
+constexpr double kStaleLeast = 100.0, kStaleMost = 1000.0;  // ... and their bounds
+constexpr double kGain = 0.97;       // a shorter path than that much of the shortest is a gain
+constexpr long kLeastMotions = 20;   // of a tree, so that it can begin at all
+constexpr int kTries = 40;           // trees, most
+constexpr int kRoughShortcuts = 20;  // each tree's path, before the shortest is chosen
+constexpr int kShortcuts = 100;      // the chosen path
 
-/// Removes way points that are not needed, then replaces pieces between random points by straight ones.
-JointPath shortened(const CollisionChecker& checker, JointPath path, Random& random) {
-  for (std::size_t i = 0; i + 2 < path.size(); ++i) {
-    std::size_t next = path.size() - 1;
-    while (next > i + 1 && !checker.motion_is_free(path[i], path[next], kResolution)) --next;
-    path.erase(path.begin() + static_cast<std::ptrdiff_t>(i) + 1,
-               path.begin() + static_cast<std::ptrdiff_t>(next));
-  }
-  for (int k = 0; k < kShortcuts && path.size() > 2; ++k) {
-    throw_if_interrupted();
-    std::vector<double> at(path.size(), 0.0);
-    for (std::size_t i = 1; i < path.size(); ++i) at[i] = at[i - 1] + (path[i] - path[i - 1]).norm();
-    double from = random.uniform(0.0, at.back());
-    double to = random.uniform(0.0, at.back());
-    if (from > to) std::swap(from, to);
-    const auto piece_of = [&](double s) {
-      const auto after = std::upper_bound(at.begin() + 1, at.end() - 1, s);
-      return static_cast<std::size_t>(after - at.begin()) - 1;
-    };
-    const std::size_t first = piece_of(from), last = piece_of(to);
-    if (first == last) continue;
-    const auto point = [&](std::size_t piece, double s) -> Joints {
-      const double span = at[piece + 1] - at[piece];
-      return span > 0 ? Joints(path[piece] + (path[piece + 1] - path[piece]) * ((s - at[piece]) / span))
-                      : path[piece];
-    };
-    const Joints a = point(first, from), b = point(last, to);
-    if ((b - a).norm() > to - from - 1e-6 || !checker.motion_is_free(a, b, kResolution)) continue;
-    JointPath next(path.begin(), path.begin() + static_cast<std::ptrdiff_t>(first) + 1);
-    next.push_back(a);
-    next.push_back(b);
-    next.insert(next.end(), path.begin() + static_cast<std::ptrdiff_t>(last) + 1, path.end());
-    path = std::move(next);
-  }
-  return path;
+bool is_inside(const RobotModel& robot, const Joints& q) {
+  return (q.array() >= robot.lower.array() - 1e-9).all() && (q.array() <= robot.upper.array() + 1e-9).all();
 }
 
-bool is_certified(const CollisionChecker& checker, const JointPath& path) {
-  for (std::size_t i = 1; i < path.size(); ++i)
-    if (!checker.motion_is_free(path[i - 1], path[i], kResolution)) return false;
-  return true;
-}
+/// The search for one path. Trees are grown with sampled edges, each looking only for shorter paths than
+/// those before; the shortest of their paths is mended where samples missed something, certified and
+/// shortened.
+class PathSearch {
+ public:
+  PathSearch(const CollisionChecker& checker, const Joints& start, const JointPath& goals,
+             const MotionOptions& options)
+      : checker_(checker),
+        start_(start),
+        goals_(goals),
+        seed_(static_cast<std::uint64_t>(options.seed)),
+        most_(std::max(1L, std::lround(options.planning_seconds * kMotionsPerSecond))) {}
 
-/// One tree's path, shortened and certified. Most edges of a tree are never part of a path, so at first they
-/// are only sampled; where the path turns out not to be free, a tree of certified edges is grown.
-std::optional<JointPath> grown(const CollisionChecker& checker, const Joints& start, const JointPath& goals,
-                               long most_motions, const MotionOptions& options, std::uint64_t task) {
-  const auto seed = static_cast<std::uint64_t>(options.seed);
-  for (const double resolution : {0.0, kResolution}) {
-    const auto found =
-        rrt_connect(checker, start, goals, resolution, most_motions, Random::stream(seed, task));
-    if (!found) return std::nullopt;
-    Random random = Random::stream(seed, task + kTries);
-    JointPath path = shortened(checker, *found, random);
-    if (is_certified(checker, path)) return path;
+  /// `known`: length of a path that is known already; only shorter ones are looked for.
+  [[nodiscard]] std::optional<JointPath> shortest(double known) {
+    grow(known);
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const JointPath& a, const JointPath& b) { return length(a) < length(b); });
+    for (const JointPath& rough : found_) {
+      Random random = Random::stream(seed_, kTries);
+      const JointPath path = mended(rough, certified_, random);
+      if (!path.empty()) return shortcut(path, certified_, kShortcuts, random);
+    }
+    return std::isfinite(known) ? std::nullopt : grow_certified();
   }
-  return std::nullopt;
-}
+
+ private:
+  void grow(double known) {
+    double best = known;
+    long gained = 0;  // checks spent at the last gain
+    for (std::uint64_t k = 0; k < kTries && used_ < most_; ++k) {
+      TreeLimits limits;
+      limits.most_motions = std::min(most_ - used_, kMostPerTree);
+      if (std::isfinite(best)) {
+        const long left = std::min(kEffort - used_, patience(best) - (used_ - gained));
+        if (left <= 0) return;
+        limits.most_motions = std::max(left, kLeastMotions);
+        limits.longest = best;
+      }
+      const Tree tree = rrt_connect(checker_, start_, goals_within(best), limits, Random::stream(seed_, k));
+      used_ += tree.motions;
+      if (tree.path.empty()) continue;
+      Random random = Random::stream(seed_, kTries + 1 + k);
+      found_.push_back(shortcut(without_detours(tree.path, sampled_), sampled_, kRoughShortcuts, random));
+      if (length(found_.back()) < kGain * best) gained = used_;
+      best = std::min(best, length(found_.back()));
+    }
+  }
+
+  /// Checks without a gain after which a path of length `best` is believed to be short.
+  [[nodiscard]] long patience(double best) const {
+    const double nearest = (goals_.front() - start_).norm();
+    return std::lround(std::clamp(kStalePerExcess * (best / nearest - 1.0), kStaleLeast, kStaleMost));
+  }
+
+  /// Where samples do not do: every edge is certified.
+  [[nodiscard]] std::optional<JointPath> grow_certified() {
+    const TreeLimits limits{kResolution, most_, 0.0};
+    const Tree tree = rrt_connect(checker_, start_, goals_, limits, Random::stream(seed_, "certified tree"));
+    if (tree.path.empty()) return std::nullopt;
+    Random random = Random::stream(seed_, "certified path");
+    return shortcut(without_detours(tree.path, certified_), certified_, kShortcuts, random);
+  }
+
+  /// The goals, nearest first, that a path shorter than `longest` can reach.
+  [[nodiscard]] std::span<const Joints> goals_within(double longest) const {
+    const auto end = std::find_if(goals_.begin() + 1, goals_.end(),
+                                  [&](const Joints& goal) { return (goal - start_).norm() >= longest; });
+    return {goals_.begin(), end};
+  }
+
+  const CollisionChecker& checker_;
+  const Joints start_;
+  const JointPath& goals_;
+  std::uint64_t seed_;
+  long most_;  ///< motion checks
+  long used_ = 0;
+  std::vector<JointPath> found_;
+  MotionTest sampled_ = [this](const Joints& a, const Joints& b) { return checker_.samples_are_free(a, b); };
+  MotionTest certified_ = [this](const Joints& a, const Joints& b) {
+    return is_inside(checker_.robot(), b) && checker_.motion_is_free(a, b, kResolution);
+  };
+};
 
 /// Goals within limits that do not collide, nearest first.
 JointPath free_goals(const CollisionChecker& checker, const Joints& start, std::span<const Joints> goals) {
@@ -85,9 +127,7 @@ JointPath free_goals(const CollisionChecker& checker, const Joints& start, std::
   JointPath sorted;
   for (const auto& goal : goals) {
     require(goal.allFinite(), "a goal has the joint angles ", goal.transpose());
-    if ((goal.array() >= robot.lower.array() - 1e-9).all() &&
-        (goal.array() <= robot.upper.array() + 1e-9).all())
-      sorted.push_back(goal);
+    if (is_inside(robot, goal)) sorted.push_back(goal);
   }
   std::stable_sort(sorted.begin(), sorted.end(), [&](const Joints& a, const Joints& b) {
     return (a - start).squaredNorm() < (b - start).squaredNorm();
@@ -141,11 +181,9 @@ std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints
   const double nearest = (free.front() - start).norm();
   if (best && length(*best) <= kDetour * nearest + kDetourMore) return best;
   // A straight motion to a far branch may be much longer than a way around to a near one.
-  const long most = std::max(10L, std::lround(options.planning_seconds * kMotionsPerSecond / kTries));
-  for (int k = 0; k < kTries; ++k) {
-    if (auto path = grown(checker, start, free, most, options, static_cast<std::uint64_t>(k)))
-      if (!best || length(*path) < length(*best)) best = std::move(path);
-  }
+  const double known = best ? length(*best) : std::numeric_limits<double>::infinity();
+  if (auto path = PathSearch(checker, start, free, options).shortest(known))
+    if (!best || length(*path) < known) best = std::move(path);
   return best;
 }
 

@@ -128,12 +128,38 @@ TEST(Transit, GivesUpWhereThereIsNoWay) {
 TEST(Transit, StopsWhenItsEffortIsSpent) {
   const PlanningScene scene = hard_scene();
   const CollisionChecker checker(scene);
+  MotionOptions little;
+  little.planning_seconds = 1e-4;
+  int hasty = 0;
+  for (int k = 0; k < 6; ++k) {
+    const double x = 0.7 + 0.04 * k;
+    const Joints start = solutions_above(scene, {x, -0.3, 0.15}).front();
+    const std::vector<Joints> goal{solutions_above(scene, {x, 0.3, 0.15}).front()};
+    EXPECT_TRUE(find_path(checker, start, goal).has_value()) << "at x " << x;
+    hasty += find_path(checker, start, goal, little).has_value() ? 1 : 0;
+  }
+  EXPECT_LT(hasty, 6);
+}
+
+/// A goal one hundredth of a millimetre outside the padding is reached all the same.
+TEST(Transit, ReachesAGoalThatNearlyCollides) {
+  PlanningScene scene = hard_scene();
   const Joints start = solutions_above(scene, {0.8, -0.3, 0.15}).front();
-  const std::vector<Joints> goal{solutions_above(scene, {0.8, 0.3, 0.15}).front()};
-  EXPECT_TRUE(find_path(checker, start, goal).has_value());
-  MotionOptions options;
-  options.planning_seconds = 1e-4;
-  EXPECT_FALSE(find_path(checker, start, goal, options).has_value());
+  const Joints goal = solutions_above(scene, {0.8, 0.3, 0.15}).front();
+  scene.objects.push_back(box_at("near", {0.3, 0.02, 0.3}, {0.8, 0.43, 0.15}));
+  CollisionRules rules;
+  rules.self_padding = 0.0;
+  double free = 0.0, hit = 0.1;
+  while (hit - free > 1e-7) {
+    rules.padding = 0.5 * (free + hit);
+    (CollisionChecker(scene, rules).collides(goal) ? hit : free) = rules.padding;
+  }
+  rules.padding = free - 1e-5;
+  const CollisionChecker checker(scene, rules);
+  ASSERT_FALSE(checker.collides(goal));
+  const auto path = find_path(checker, start, std::vector<Joints>{goal});
+  ASSERT_TRUE(path.has_value());
+  expect_free(checker, *path);
 }
 
 TEST(Transit, IsTimedFromStartToGoal) {

@@ -9,10 +9,11 @@ namespace stonestack {
 
 /// A joint path from `start` to one of `goals` whose every straight piece `checker.motion_is_free`; empty if
 /// start or all goals collide, or if none was found. The straight motion to one of the nearest goals is tried
-/// first; then RRT-Connect (OMPL) to all goals at once, a few times, and the shortest is kept after bounded
-/// shortcutting. A goal equal to `start` gives a path of one point. Deterministic for options.seed whatever
-/// the load of the machine: the effort is bounded by a number of checks that stands for
-/// options.planning_seconds. Throws InvalidArgument for numbers that are not finite, Interrupted.
+/// first; then RRT-Connect (OMPL) to all goals at once, again and again for shorter paths until that brings
+/// nothing, and the shortest is kept after bounded shortcutting. A goal equal to `start` gives a path of one
+/// point. Deterministic for options.seed whatever the load of the machine: the effort is bounded by a number
+/// of checks that stands for options.planning_seconds. Throws InvalidArgument for numbers that are not
+/// finite, Interrupted.
 [[nodiscard]] std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints& start,
                                                  std::span<const Joints> goals,
                                                  const MotionOptions& options = {});
