@@ -101,7 +101,7 @@ TEST(ScriptWriter, GuardReadsTheStreamedForce) {
   const std::string script = write_guarded(small_move(), {{0, 0, -1}, 6.0}, context_of(kCb3));
   EXPECT_THAT(script, HasSubstr("read_input_integer_register(25)"));
   EXPECT_THAT(script, HasSubstr("+ -1.000000000 * read_input_float_register(26)) - stk_zero"));
-  EXPECT_THAT(script, HasSubstr("if stk_silent > 0.100000000:"));
+  EXPECT_THAT(script, HasSubstr("if stk_silent > 0.050000000:"));
   EXPECT_THAT(script, HasSubstr("if stk_force <= 6.000000000:"));
   EXPECT_THAT(script, Not(HasSubstr("force_mode"))) << "complying is off by default";
 }

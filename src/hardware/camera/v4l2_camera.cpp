@@ -83,7 +83,8 @@ void V4l2Stream::set_format() {
   const auto& got = format.fmt.pix;
   if (got.pixelformat != V4L2_PIX_FMT_Z16)
     fail("gives '" + four_letters(got.pixelformat) + "', not 'Z16 '",
-         "give the depth node, not the colour node");
+         "give the depth node, not the colour node; an SR300 gives Z16 since kernel 4.12, and librealsense "
+         "serves it up to 2.50.0");
   if (got.width != static_cast<std::uint32_t>(camera_.width) ||
       got.height != static_cast<std::uint32_t>(camera_.height))
     fail(

@@ -30,6 +30,15 @@ std::vector<std::string> with_timestamp(const RtdeRecipe& recipe) {
   return names;
 }
 
+TcpStream connect_to(const Endpoint& controller, double seconds) {
+  try {
+    return TcpStream::connect(controller, Deadline::in(seconds));
+  } catch (const DeviceError& error) {
+    throw DeviceError("UR RTDE", error.what(),
+                      "switch the controller on, and enable RTDE in its security settings (PolyScope 5.10)");
+  }
+}
+
 }  // namespace
 
 RtdeSession::RtdeSession(const Endpoint& controller, const RtdeRecipeFor& recipe, const RtdeOptions& options,
@@ -37,7 +46,7 @@ RtdeSession::RtdeSession(const Endpoint& controller, const RtdeRecipeFor& recipe
     : name_("UR RTDE at " + to_text(controller)),
       options_(options),
       text_sink_(std::move(text_sink)),
-      socket_(TcpStream::connect(controller, Deadline::in(options.connect_timeout))) {
+      socket_(connect_to(controller, options.connect_timeout)) {
   agree_on_protocol();
   read_version();
   const RtdeRecipe wanted = recipe(version);

@@ -37,7 +37,8 @@ struct ScriptOptions {
   double hold_lag = 0.02;          ///< rad beyond the normal tracking delay; the path waits for a slower arm
   double arrived = 0.002;          ///< rad at the end of the path
   double heartbeat_rate = 10;      ///< Hz below which the controller stops the program
-  double force_stale = 0.1;        ///< s without a new force sample that stop a guarded motion
+  double force_stale = 0.05;       ///< s without a new force sample that stop a guarded motion: as old as a
+                                   ///< ForceTorqueSensor's reading may be
   int force_samples = 10;          ///< whose mean is the force at the start
   int contact_samples = 2;         ///< running, above the threshold
   double comply_time = 0.0;        ///< s of force mode after contact; 0: just stop
