@@ -3,6 +3,7 @@
 
 peer_rtde.py RTDE_PORT PRIMARY_PORT: exits 0 when the robot behaves.
 """
+import select
 import socket
 import struct
 import sys
@@ -23,7 +24,7 @@ class Rtde:
 
     def receive(self, kind):
         while True:
-            while len(self.buffer) < 3 or len(self.buffer) < struct.unpack(">H", self.buffer[:2])[0]:
+            while not self.is_whole():
                 chunk = self.socket.recv(4096)
                 assert chunk, "the link ended"
                 self.buffer += chunk
@@ -32,12 +33,22 @@ class Rtde:
             if chr(package[2]) == kind:
                 return package[3:]
 
+    def newest(self, kind):
+        """Passes over all that have come but the last, as clients do that want the state of now."""
+        package = self.receive(kind)
+        while self.is_whole() or select.select([self.socket], [], [], 0)[0]:
+            package = self.receive(kind)
+        return package
+
+    def is_whole(self):
+        return len(self.buffer) >= 3 and len(self.buffer) >= struct.unpack(">H", self.buffer[:2])[0]
+
     def ask(self, kind, payload=b""):
         self.send(kind, payload)
         return self.receive(kind)
 
-    def recipe(self, kind, names, prefix=b""):
-        reply = self.ask(kind, prefix + ",".join(names).encode())
+    def recipe(self, kind, names, prefix=b"", end=""):
+        reply = self.ask(kind, prefix + (",".join(names) + end).encode())
         types = reply[1:].decode().split(",")
         assert reply[0] > 0 and len(types) == len(names), reply
         return reply[0], ">" + "".join(FORMATS[t] for t in types)
@@ -91,4 +102,5 @@ def main():
     assert rtde.ask("P") == b"\x01"
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -153,13 +153,14 @@ struct Loopback {
                                   Pose(Eigen::Translation3d(0, 0, 0.264)), sensor);
   }
   [[nodiscard]] UrArmOptions arm_options() const {
+    const auto or_closed = [](int port) { return port > 0 ? port : 1; };
     UrArmOptions o;
     o.address = "127.0.0.1";
-    o.rtde_port = server.ports().rtde;
-    o.primary_port = server.ports().primary;
-    o.secondary_port = server.ports().secondary;
-    o.realtime_port = server.ports().realtime;
-    o.dashboard_port = server.ports().dashboard;
+    o.rtde_port = or_closed(server.ports().rtde);
+    o.primary_port = or_closed(server.ports().primary);
+    o.secondary_port = or_closed(server.ports().secondary);
+    o.realtime_port = or_closed(server.ports().realtime);
+    o.dashboard_port = or_closed(server.ports().dashboard);
     o.rtde.stale_after = o.script.force_stale = 1.0;  // a busy machine is not the point here
     o.script.heartbeat_rate = 2;
     return o;
@@ -194,6 +195,110 @@ TEST(UrArmOnController, ProtectiveStopNeedsAPerson) {
   EXPECT_THAT(moved.reason, HasSubstr("protective stop"));
   EXPECT_THROW(cell.arm->rearm(), DeviceError);
   EXPECT_FALSE(cell.arm->state().can_move);
+}
+
+/// What making an arm says, or "" if it could be made.
+std::string problem_of(const UrServerOptions& options) {
+  try {
+    const Loopback cell(options);
+  } catch (const DeviceError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(UrArmOnController, FieldbusesThatOwnWhatOthersSetUp) {
+  UrServerOptions options;
+  options.faults.fieldbus_owns_outputs = true;
+  Loopback profinet(options);
+  EXPECT_EQ(profinet.arm->follow(planned(0.1)).status, Status::kDone)
+      << "no output stands among the inputs of a motion";
+  const auto tool_output = [](const UrVersion&) {
+    return RtdeRecipe{{"actual_q"}, {}, {{"tool_digital_output_mask", "tool_digital_output"}}};
+  };
+  RtdeOptions once;
+  once.in_use_attempts = 1;
+  try {
+    const RtdeClient writer({"127.0.0.1", profinet.server.ports().rtde}, tool_output, once);
+    FAIL() << "another master owns the outputs";
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("tool_digital_output"));
+    EXPECT_THAT(error.what(), HasSubstr("PROFINET"));
+  }
+  options = {};
+  options.version = "3.8.0.61336";  // registers 0..23 only
+  options.faults.fieldbus_owns_lower_registers = true;
+  EXPECT_THAT(problem_of(options), HasSubstr("input_int_register_0"));
+}
+
+TEST(UrArmOnController, AFieldbusThatStopsProgramsIsASafetyStop) {
+  UrServerOptions options;
+  options.faults.fieldbus_stops_programs = true;
+  Loopback cell(options);
+  const MotionResult moved = cell.arm->follow(planned(0.1));
+  EXPECT_EQ(moved.status, Status::kStopped);
+  EXPECT_THAT(moved.reason, HasSubstr("protective stop (safety 3, bits 0x404)"));
+  EXPECT_EQ(cell.arm->follow(planned(0.1)).status, Status::kRefused) << "until a person has looked";
+}
+
+TEST(UrArmOnController, AnEmergencyStopIsEndedByPeople) {
+  UrServerOptions options;
+  options.faults.emergency_stop_at = 0.5;
+  Loopback cell(options);
+  MotionResult moved = cell.arm->follow(planned());
+  EXPECT_EQ(moved.status, Status::kStopped);
+  EXPECT_THAT(moved.reason, HasSubstr("emergency stop of the robot"));
+  EXPECT_THROW(cell.arm->rearm(), DeviceError);
+  // The button is pulled out, the arm switched on, the brakes released; only then, and re-armed, it moves.
+  TcpStream dashboard = TcpStream::connect({"127.0.0.1", cell.server.ports().dashboard}, Deadline::in(5));
+  EXPECT_TRUE(dashboard.write_all("restart safety\npower on\nbrake release\n", Deadline::in(5)));
+  const Deadline limit = Deadline::in(20);
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    moved = cell.arm->follow(planned(0.1));
+  } while (!limit.over() && moved.reason.find("re-armed") == std::string::npos);
+  EXPECT_EQ(moved.status, Status::kRefused) << "powered, brakes released, but nobody has said that he looked";
+  cell.arm->rearm();
+  while (!limit.over() && !cell.arm->state().can_move)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  JointTrajectory on = planned(0.1);
+  const Joints offset = cell.arm->state().q - on.q.front();
+  for (Joints& q : on.q) q += offset;
+  moved = cell.arm->follow(on);
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+}
+
+TEST(UrArmOnController, ALinkFromBeforeRemoteControlIsMadeAnew) {
+  UrServerOptions options;
+  options.version = "5.12.2.1101534";
+  options.faults.read_only_links = 1;
+  Loopback cell(options);
+  const MotionResult moved = cell.arm->follow(planned(0.1));
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+  options.faults.read_only_links = 1000;
+  Loopback never(options);
+  EXPECT_EQ(never.arm->follow(planned(0.1)).status, Status::kRefused);
+}
+
+TEST(UrArmOnController, ScriptsThatNeverStartAreSaid) {
+  UrServerOptions options;
+  options.faults.scripts_never_start = true;
+  Loopback cell(options);
+  const MotionResult moved = cell.arm->follow(planned(0.1));
+  EXPECT_EQ(moved.status, Status::kRefused);
+  EXPECT_THAT(moved.reason, HasSubstr("did not start within 1 s"));
+}
+
+TEST(UrArmOnController, ClosedPortsAndPolyScopeXAreNamed) {
+  UrServerOptions options;
+  options.faults.no_rtde = true;
+  EXPECT_THAT(problem_of(options), HasSubstr("security settings"));
+  options = {};
+  options.faults.no_script_ports = true;
+  EXPECT_THAT(problem_of(options), HasSubstr("security settings"));
+  options = {};
+  options.version = "10.7.0.0";
+  EXPECT_THAT(problem_of(options), HasSubstr("PolyScope X 10.7.0.0"));
 }
 
 TEST(UrArmOnController, FaultsOfTheWire) {

@@ -21,9 +21,12 @@ namespace {
 using ::testing::HasSubstr;
 
 struct Server {
-  explicit Server(UrServerOptions options = {}) : server(prepare(options), robot, plant) { server.start(); }
-  static UrServerOptions prepare(UrServerOptions options) {
-    if (options.speed == 1.0) options.speed = 4.0;
+  explicit Server(UrServerOptions options = {}, double speed = 4.0)
+      : server(at_speed(options, speed), robot, plant) {
+    server.start();
+  }
+  static UrServerOptions at_speed(UrServerOptions options, double speed) {
+    options.speed = speed;
     return options;
   }
   RobotModel robot = read_robot("ur10");
@@ -240,7 +243,7 @@ TEST(UrServer, LoopbackOnlyAndTakenPortsAreRefused) {
   options.address = "0.0.0.0";
   EXPECT_THROW(UrControllerServer(options, robot, plant), InvalidArgument);
   options.address = "127.0.0.1";
-  options.version = "10.7.0";
+  options.version = "4.1.0";
   EXPECT_THROW(UrControllerServer(options, robot, plant), InvalidArgument);
   options.version = "three";
   EXPECT_THROW(UrControllerServer(options, robot, plant), InvalidArgument);
@@ -257,14 +260,40 @@ TEST(UrServer, LoopbackOnlyAndTakenPortsAreRefused) {
 }
 
 // A client written from the RTDE documentation alone, in another language.
-TEST(UrServer, AnIndependentClientAgrees) {
-  if (std::system("command -v python3 >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
-  Server bench;
-  const auto& ports = bench.server.ports();
-  const std::string command = concat("python3 " STONESTACK_SOURCE_DIR "/tests/simulation/peer_rtde.py ",
-                                     ports.rtde, ' ', ports.primary);
-  EXPECT_EQ(std::system(command.c_str()), 0);
+// Clients in Python that share nothing with us but the protocol's description.
+class Peer : public testing::TestWithParam<const char*> {
+ protected:
+  void run(const std::string& script, const std::vector<int>& ports) {
+    if (std::system("command -v python3 >/dev/null 2>&1") != 0) GTEST_SKIP() << "no python3";
+    std::string command = "python3 " STONESTACK_SOURCE_DIR "/tests/simulation/" + script;
+    for (const int port : ports) command += " " + std::to_string(port);
+    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  static UrServerOptions options() {
+    UrServerOptions options;
+    options.version = GetParam();
+    return options;
+  }
+};
+
+TEST_P(Peer, RtdeAndAScript) {
+  Server bench(options(), 1.0);
+  run("peer_rtde.py", {bench.server.ports().rtde, bench.server.ports().primary});
 }
+
+TEST_P(Peer, AResidentScriptCommandedThroughRegisters) {
+  Server bench(options(), 1.0);
+  const auto& ports = bench.server.ports();
+  run("peer_control.py", {ports.rtde, ports.realtime, ports.dashboard});
+}
+
+TEST_P(Peer, ADriverThatHasTheRobotDialBack) {
+  Server bench(options(), 1.0);
+  const auto& ports = bench.server.ports();
+  run("peer_driver.py", {ports.rtde, ports.primary, ports.dashboard});
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, Peer, testing::Values("3.15.8.106339", "5.12.2.1101534"));
 
 }  // namespace
 }  // namespace stonestack

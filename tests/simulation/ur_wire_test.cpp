@@ -266,6 +266,7 @@ TEST(UrWire, DashboardLines) {
   EXPECT_EQ(say("play"), "Starting program");
   EXPECT_EQ(say("running"), "Program running: true");
   EXPECT_EQ(say("stop"), "Stopped");
+  EXPECT_EQ(say("stop"), "Stopped") << "also when nothing runs: clients begin with it";
   EXPECT_EQ(say("programState"), "STOPPED wait");
   bench.controller.protective_stop(153, "test");
   EXPECT_EQ(say("safetymode"), "Safetymode: PROTECTIVE_STOP");

@@ -172,24 +172,60 @@ TEST(UrScript, ThreadsTakeTurnsAStepAtATime) {
             "brief done|True|True");
 }
 
-TEST(UrScript, CriticalSectionsExclude) {
+TEST(UrScript, CriticalSectionsAreNotInterrupted) {
+  // Two steps' worth of computing: outside a critical section the other thread sees it half done, inside not.
+  const auto seen = [](const std::string& enter, const std::string& leave) {
+    ScriptBench bench;
+    return bench.say(
+        "def sections():\n"
+        "  global half = False\n"
+        "  global seen = False\n"
+        "  thread other():\n"
+        "    while True:\n"
+        "      seen = seen or half\n"
+        "      sync()\n"
+        "    end\n"
+        "  end\n"
+        "  handle = run other()\n"
+        "  sync()\n" +
+        enter +
+        "  half = True\n"
+        "  n = 0\n"
+        "  while n < 5000:\n"
+        "    n = n + 1\n"
+        "  end\n"
+        "  half = False\n" +
+        leave +
+        "  sync()\n"
+        "  textmsg(seen)\n"
+        "end\n");
+  };
+  EXPECT_EQ(seen("", ""), "True");
+  EXPECT_EQ(seen("  enter_critical\n", "  exit_critical\n"), "False");
+}
+
+TEST(UrScript, WaitingInACriticalSectionLetsTheOthersIn) {
+  // As in UR's client library, where the main thread joins a thread that has critical sections of its own.
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def sections():\n"
-                      "  global inside = 0\n"
+  EXPECT_EQ(bench.say("def joining():\n"
+                      "  global going = True\n"
                       "  thread other():\n"
-                      "    enter_critical\n"
-                      "    textmsg(inside)\n"
-                      "    exit_critical\n"
+                      "    while going:\n"
+                      "      enter_critical\n"
+                      "      sync()\n"
+                      "      exit_critical\n"
+                      "    end\n"
+                      "    textmsg(\"other over\")\n"
                       "  end\n"
-                      "  enter_critical\n"
                       "  handle = run other()\n"
-                      "  inside = 1\n"
                       "  sleep(0.05)\n"
-                      "  inside = 0\n"
-                      "  exit_critical\n"
+                      "  enter_critical\n"
+                      "  going = False\n"
                       "  join handle\n"
+                      "  exit_critical\n"
+                      "  textmsg(\"joined\")\n"
                       "end\n"),
-            "0");
+            "other over|joined");
 }
 
 TEST(UrScript, RegistersAreSharedWithRtde) {
@@ -329,8 +365,8 @@ TEST(UrScript, ANewProgramKillsTheRunningOneButABrokenOneDoesNot) {
 TEST(UrScript, FindsTheEndOfAProgramInAStream) {
   int depth = 0;
   std::string ends;
-  for (const char* line : {"def a():", "  if x:", "  elif y:", "  end # if",
-                           "  thread t():", "  while 1:", "end", " end ", "endless = 1", "end"}) {
+  for (const char* line : {"def a():", "  if x:", "  elif y:", "  end # if", "  thread t():", "  while 1:",
+                           "end", " end ", "endless = 1", "  if x: y = \"end if\" end # end", "end"}) {
     depth += urscript::block_balance(line);
     if (depth == 0) ends += line;
   }

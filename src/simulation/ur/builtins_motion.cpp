@@ -7,6 +7,9 @@ namespace stonestack::urscript {
 namespace {
 
 constexpr int kPathProblem = 153;  // C-code
+// All of an optimove's acceleration and speed: a share of 1.
+constexpr double kMostJointAcceleration = 10.0, kMostJointSpeed = 2.0;  // rad/s^2, rad/s
+constexpr double kMostToolAcceleration = 5.0, kMostToolSpeed = 1.0;     // m/s^2, m/s
 
 Motion& claim(BuiltinCall& call) {
   call.host.claim_motion(call.machine, call.thread);
@@ -42,6 +45,12 @@ double positive(const BuiltinCall& call, std::size_t i, double preset) {
   return value;
 }
 
+// The same for speedj and speedl, where 0 keeps the speed that it has: what UR's own client library sends
+// along the straight parts of a spline.
+double not_negative(const BuiltinCall& call, std::size_t i, double preset) {
+  return call.number_or(i, preset) == 0.0 ? 0.0 : positive(call, i, preset);
+}
+
 MoveOptions options_from(BuiltinCall& call, double a, double v, std::size_t t, std::size_t r) {
   MoveOptions options;
   options.seconds = t ? call.number_or(t, 0.0) : 0.0;
@@ -73,6 +82,28 @@ Outcome movep(BuiltinCall& call) {
   return until_done(call);
 }
 
+MoveOptions optimal(BuiltinCall& call, double acceleration, double speed) {
+  MoveOptions options;
+  options.acceleration = acceleration * std::min(positive(call, 1, 0.3), 1.0);
+  options.speed = speed * std::min(positive(call, 2, 0.3), 1.0);
+  options.blend = std::max(0.0, call.number_or(3, 0.0));
+  return options;
+}
+
+Outcome optimovej(BuiltinCall& call) {
+  const Joints q = as_joints(call, 0);
+  const MoveOptions options = optimal(call, kMostJointAcceleration, kMostJointSpeed);
+  claim(call).move_joints(q, options);
+  return until_done(call);
+}
+
+Outcome optimovel(BuiltinCall& call) {
+  const Pose T_B_P = as_pose(call, 0);
+  const MoveOptions options = optimal(call, kMostToolAcceleration, kMostToolSpeed);
+  claim(call).move_line(T_B_P, options);
+  return until_done(call);
+}
+
 Outcome movec(BuiltinCall& call) {
   const Pose via = as_pose(call, 0), T_B_P = as_pose(call, 1);
   MoveOptions options;
@@ -95,14 +126,14 @@ Outcome servoj(BuiltinCall& call) {
 
 Outcome speedj(BuiltinCall& call) {
   const Joints qd = six(arg(call, 0));
-  const double a = positive(call, 1, 1.4);
+  const double a = not_negative(call, 1, 1.4);
   claim(call).speed_joints(qd, a, call.number_or(2, -1.0));
   return until_done(call);
 }
 
 Outcome speedl(BuiltinCall& call) {
   const Six twist = six(arg(call, 0));
-  const double a = positive(call, 1, 1.2);
+  const double a = not_negative(call, 1, 1.2);
   claim(call).speed_line(twist, a, call.number_or(2, -1.0));
   return until_done(call);
 }
@@ -166,12 +197,21 @@ Outcome nothing(BuiltinCall&) {
   return Value();
 }
 
+Outcome no_torque(BuiltinCall&) {
+  throw ScriptError{"direct_torque: the simulated arm takes positions and speeds only"};
+}
+
 }  // namespace
 
 void add_motion(std::vector<Builtin>& list) {
   list.push_back({"movej", {"q", "a", "v", "t", "r"}, 1, movej});
   list.push_back({"movel", {"pose", "a", "v", "t", "r"}, 1, movel});
   list.push_back({"movep", {"pose", "a", "v", "r"}, 1, movep});
+  // Their a and v are shares of what the arm can do.
+  list.push_back({"optimovej", {"q", "a", "v", "r"}, 1, optimovej});
+  list.push_back({"optimovel", {"pose", "a", "v", "r"}, 1, optimovel});
+  list.push_back(
+      {"direct_torque", {"target_torque", "friction_comp", "viscous_scale", "coulomb_scale"}, 1, no_torque});
   list.push_back({"movec", {"pose_via", "pose_to", "a", "v", "r", "mode"}, 2, movec});
   list.push_back({"servoc", {"pose", "a", "v", "r"}, 1, movep});
   list.push_back({"servoj", {"q", "a", "v", "t", "lookahead_time", "gain"}, 1, servoj});
@@ -188,6 +228,7 @@ void add_motion(std::vector<Builtin>& list) {
                   }});
   list.push_back({"set_tcp", {"pose"}, 1, set_tcp});
   list.push_back({"set_payload", {"m", "cog"}, 1, set_payload});
+  list.push_back({"set_target_payload", {"m", "cog", "inertia"}, 1, set_payload});
   list.push_back({"set_payload_mass", {"m"}, 1, [](BuiltinCall& c) {
                     c.host.set_payload(num(c, 0), c.host.payload_cog);
                     return Outcome(Value());
@@ -203,8 +244,12 @@ void add_motion(std::vector<Builtin>& list) {
   list.push_back({"set_gravity", {"d"}, 1, nothing});
   list.push_back({"freedrive_mode", {"freeAxes", "feature"}, 0, nothing});
   list.push_back({"end_freedrive_mode", {}, 0, nothing});
+  list.push_back({"get_freedrive_status", {}, 0, [](BuiltinCall&) { return Outcome(Value(0)); }});
   list.push_back({"teach_mode", {}, 0, nothing});
   list.push_back({"end_teach_mode", {}, 0, nothing});
+  const std::vector<const char*> serial{"enabled",   "baud_rate",     "parity",
+                                        "stop_bits", "rx_idle_chars", "tx_idle_chars"};
+  list.push_back({"set_tool_communication", serial, 1, nothing});
   const std::vector<const char*> sensor{"enable", "sensor_mass", "sensor_measuring_offset", "sensor_cog"};
   list.push_back({"enable_external_ft_sensor", sensor, 1, nothing});
   list.push_back({"ft_rtde_input_enable", sensor, 1, nothing});

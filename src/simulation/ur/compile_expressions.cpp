@@ -14,6 +14,9 @@ constexpr std::array kReserved{"and",          "or",       "not",    "xor",    "
                                "break",        "continue", "halt",   "run",    "kill",
                                "join",         "True",     "False",  "pass",   "enter_critical",
                                "exit_critical"};
+constexpr std::array kBeginning{"def",   "thread", "if",     "elif",   "else",           "end",
+                                "while", "local",  "global", "return", "break",          "continue",
+                                "halt",  "kill",   "join",   "pass",   "enter_critical", "exit_critical"};
 
 struct Symbol {
   const char* text;
@@ -59,9 +62,18 @@ void Compiler::expect(const char* text) {
   if (!accept(text)) fail(peek());
 }
 
+// A new line, or a word that only a statement begins with: `a = 24 global b = 1` is taken.
 void Compiler::end_of_statement() {
-  if (peek().kind != TokenKind::kNewLine) fail(peek());
+  if (accept_new_line()) return;
+  const bool word = peek().kind == TokenKind::kName &&
+                    std::find(kBeginning.begin(), kBeginning.end(), peek().text) != kBeginning.end();
+  if (!word) fail(peek());
+}
+
+bool Compiler::accept_new_line() {
+  if (peek().kind != TokenKind::kNewLine) return false;
   next();
+  return true;
 }
 
 void Compiler::fail(const Token& token) const {

@@ -24,7 +24,7 @@ void Compiler::program() {
     emit(Op::kConstant, constant({}));
     emit(Op::kReturn);
   }
-  while (peek().kind == TokenKind::kNewLine) next();
+  while (accept_new_line()) continue;
   if (peek().kind != TokenKind::kEnd) fail(peek());
 }
 
@@ -53,7 +53,7 @@ int Compiler::definition() {
   emit(Op::kReturn);
   current_ = outer;
   std::swap(outer_loops, loops_);
-  if (peek().kind == TokenKind::kNewLine) next();
+  static_cast<void>(accept_new_line());
   return index;
 }
 
@@ -115,9 +115,8 @@ void Compiler::block() {
 void Compiler::statement() {
   const Token token = peek();
   here_ = token;
-  if (token.kind == TokenKind::kNewLine) {
-    next();
-  } else if (is("def") || is("thread")) {
+  if (accept_new_line()) return;
+  if (is("def") || is("thread")) {
     definition();
   } else if (token.kind == TokenKind::kName && !is_word(token) && !is("run") && !is("not") && !is("True") &&
              !is("False")) {
@@ -157,9 +156,9 @@ void Compiler::word_statement(const Token& word) {
       emit(Op::kJump, static_cast<int>(loops_.back().start));
   } else if (word.text == "halt" || word.text == "enter_critical" || word.text == "exit_critical") {
     if (accept("(")) expect(")");
-    const bool enters = word.text == "enter_critical";
-    emit(word.text == "halt" ? Op::kHalt : enters ? Op::kEnterCritical : Op::kExitCritical);
-    if (enters) emit(Op::kPop);
+    emit(word.text == "halt"             ? Op::kHalt
+         : word.text == "enter_critical" ? Op::kEnterCritical
+                                         : Op::kExitCritical);
   } else if (word.text != "pass") {
     fail(word);
   }

@@ -55,6 +55,7 @@ class Compiler {
   bool accept(const char* text);
   void expect(const char* text);
   void end_of_statement();
+  bool accept_new_line();
   [[noreturn]] void fail(const Token& token) const;
   std::size_t emit(Op op, int a = 0, int b = 0);
   void patch(std::size_t at);

@@ -33,8 +33,8 @@ UrVersion parse_ur_version(const std::string& text) {
     if (at == end) break;
     require(*at++ == '.', "a PolyScope version reads like 3.15.8.106339, got \"", text, "\"");
   }
-  require(version.major == 3 || version.major == 5,
-          "the simulated controller is a CB3 (3.x) or e-Series (5.x), not ", text);
+  require(version.major == 3 || version.major == 5 || version.major == 10,
+          "the simulated controller is a CB3 (3.x), an e-Series (5.x) or PolyScope X (10.x), not ", text);
   return version;
 }
 

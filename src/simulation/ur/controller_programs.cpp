@@ -11,6 +11,7 @@ using urscript::Machine;
 using Kind = ControllerEvent::Kind;
 
 constexpr std::size_t kSecondaries = 8;
+constexpr int kFieldbusLost = 206;  // C-code
 constexpr std::size_t kLongestSource = 4'000'000;
 
 /// Functions that came with some version: PolyScope 3, PolyScope 5.
@@ -28,6 +29,13 @@ constexpr Gate kGates[] = {
     {"tool_contact", {3, 12, 0, 0}, {5, 4, 0, 0}},
     {"get_actual_joint_positions_history", {3, 12, 0, 0}, {5, 4, 0, 0}},
     {"get_target_waypoint", {3, 8, 0, 0}, {5, 3, 0, 0}},
+    {"ft_rtde_input_enable", {3, 14, 1, 0}, {5, 9, 1, 0}},
+    {"set_target_payload", {3, 15, 0, 0}, {5, 10, 0, 0}},
+    {"get_freedrive_status", {0, 0, 0, 0}, {5, 10, 0, 0}},
+    {"set_tool_communication", {0, 0, 0, 0}, {5, 0, 0, 0}},
+    {"optimovej", {0, 0, 0, 0}, {5, 21, 0, 0}},
+    {"optimovel", {0, 0, 0, 0}, {5, 21, 0, 0}},
+    {"direct_torque", {0, 0, 0, 0}, {5, 23, 0, 0}},
     {"get_target_payload", {3, 11, 0, 0}, {5, 0, 0, 0}},
     {"get_target_payload_cog", {3, 11, 0, 0}, {5, 0, 0, 0}},
 };
@@ -80,6 +88,8 @@ void UrController::run_script(const std::string& source) {
     program_started_ = uptime();
     motion_owner_ = 0;
     runtime_ = RuntimeState::kPlaying;
+    if (faults.fieldbus_stops_programs)
+      protective_stop(kFieldbusLost, "Fieldbus connection lost: fault switch");
   } catch (const urscript::CompileError& error) {
     report(error, nullptr);
   } catch (const urscript::ScriptError& error) {

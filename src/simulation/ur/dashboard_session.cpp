@@ -70,8 +70,7 @@ std::string act(UrController& c, const std::string& command) {
   }
   if (command == "play") return c.resume_program() ? "Starting program" : "Failed to execute: play";
   if (command == "pause") return c.pause_program() ? "Pausing program" : "Failed to execute: pause";
-  if (command == "stop") {
-    if (c.runtime() == RuntimeState::kStopped) return "Failed to execute: stop";
+  if (command == "stop") {  // "Stopped" even when nothing runs: UR's and ur_rtde's start sequences rely on it
     c.stop_program();
     return "Stopped";
   }

@@ -29,6 +29,39 @@ std::string_view line_of(std::string_view source, int line) {
   return text;
 }
 
+// `p[` begins a pose, unless there is no comma inside: then it is an element of a variable called p.
+std::vector<Token> part_poses_from_indices(std::vector<Token> tokens) {
+  std::vector<std::pair<std::size_t, bool>> open;  // bracket, has a comma
+  std::vector<bool> is_index(tokens.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    const Token& token = tokens[i];
+    if (token.kind != TokenKind::kSymbol && token.kind != TokenKind::kPose) continue;
+    const std::string& text = token.text;
+    if (token.kind == TokenKind::kPose || text == "(" || text == "[" || text == "{") {
+      open.emplace_back(i, false);
+    } else if (text == "," && !open.empty()) {
+      open.back().second = true;
+    } else if ((text == ")" || text == "]" || text == "}") && !open.empty()) {
+      const auto [at, comma] = open.back();
+      open.pop_back();
+      if (tokens[at].kind == TokenKind::kPose && !comma) is_index[at] = ++count > 0;
+    }
+  }
+  if (count == 0) return tokens;
+  std::vector<Token> parted;
+  parted.reserve(tokens.size() + count);
+  for (std::size_t i = 0; i < tokens.size(); ++i) {
+    Token& token = tokens[i];
+    if (is_index[i]) {
+      parted.push_back({TokenKind::kName, "p", 0.0, token.line, token.column});
+      token = {TokenKind::kSymbol, "[", 0.0, token.line, token.column + 1};
+    }
+    parted.push_back(std::move(token));
+  }
+  return parted;
+}
+
 class Cutter {
  public:
   explicit Cutter(std::string_view source) : source_(source) {}
@@ -37,7 +70,7 @@ class Cutter {
     while (at_ < source_.size()) step();
     push(TokenKind::kNewLine, "");
     push(TokenKind::kEnd, "");
-    return std::move(tokens_);
+    return part_poses_from_indices(std::move(tokens_));
   }
 
  private:
@@ -78,10 +111,11 @@ class Cutter {
                        [](char c) { return c == ' ' || c == '\t'; });
   }
 
-  // A statement goes on inside brackets and after an operator.
+  // A statement goes on inside brackets and after an operator. (ur_rtde puts numbers into its script below a
+  // line that ends with `= # comment`.)
   void new_line() {
-    static constexpr std::array<std::string_view, 15> kContinuing{
-        "+", "-", "*", "/", "%", ",", "==", "!=", "<", ">", "<=", ">=", "and", "or", "xor"};
+    static constexpr std::array<std::string_view, 16> kContinuing{
+        "=", "+", "-", "*", "/", "%", ",", "==", "!=", "<", ">", "<=", ">=", "and", "or", "xor"};
     const bool first = tokens_.empty() || tokens_.back().kind == TokenKind::kNewLine;
     const bool goes_on = open_ > 0 || (!first && tokens_.back().kind != TokenKind::kString &&
                                        std::find(kContinuing.begin(), kContinuing.end(),
@@ -183,9 +217,24 @@ std::vector<Token> cut(std::string_view source) {
 }
 
 int block_balance(std::string_view line) {
-  const auto word = first_word(line);
-  if (word == "def" || word == "sec" || word == "thread" || word == "if" || word == "while") return 1;
-  return word == "end" ? -1 : 0;
+  int balance = 0;
+  for (std::size_t at = 0; at < line.size() && line[at] != '#';) {
+    if (line[at] == '"' || line[at] == '\'') {
+      const auto close = line.find(line[at], at + 1);
+      if (close == std::string_view::npos) break;
+      at = close + 1;
+    } else if (starts_name(line[at])) {
+      std::size_t length = 1;
+      while (at + length < line.size() && continues_name(line[at + length])) ++length;
+      const auto word = line.substr(at, length);
+      if (word == "def" || word == "sec" || word == "thread" || word == "if" || word == "while") ++balance;
+      if (word == "end") --balance;
+      at += length;
+    } else {
+      ++at;
+    }
+  }
+  return balance;
 }
 
 bool opens_program(std::string_view line) {

@@ -8,8 +8,6 @@
 namespace stonestack::urscript {
 namespace {
 
-constexpr int kMostHandovers = 100;  // of a critical section in one control step
-
 Value* find_in(std::vector<std::pair<int, Value>>& variables, int name) {
   for (auto& [id, value] : variables)
     if (id == name) return &value;
@@ -34,20 +32,26 @@ Machine::Machine(Program program, UrController& host, const MachineLimits& limit
 }
 
 Machine::State Machine::step() {
+  const int first = alone_;
+  if (first != 0) run_and_mark(first);
   std::vector<int> ids;
-  for (const auto& [id, thread] : threads_) ids.push_back(id);
+  for (const auto& [id, thread] : threads_)
+    if (id != first) ids.push_back(id);
   for (const int id : ids) {
-    const auto it = threads_.find(id);  // another one may have killed it in this step
-    if (it != threads_.end() && state_ == State::kRunning) run(id, it->second);
-  }
-  // Who was let into a critical section goes on in the same step.
-  for (int round = 0; round < kMostHandovers && state_ == State::kRunning; ++round) {
-    const auto it = threads_.find(critical_owner_);
-    if (it == threads_.end() || !it->second.at_door) break;
-    run(critical_owner_, it->second);
+    if (alone_ != 0 || state_ != State::kRunning) break;
+    run_and_mark(id);
   }
   if (state_ != State::kRunning) threads_.clear();
   return state_;
+}
+
+void Machine::run_and_mark(int id) {
+  alone_ = 0;
+  auto it = threads_.find(id);  // another one may have killed it in this step
+  if (it == threads_.end()) return;
+  run(id, it->second);
+  it = threads_.find(id);
+  if (it != threads_.end() && it->second.critical && it->second.interrupted) alone_ = id;
 }
 
 int Machine::line() const {
@@ -65,7 +69,6 @@ void Machine::kill(int id) {
     state_ = State::kEnded;
     return;
   }
-  release_critical(id);
   threads_.erase(it);
 }
 
@@ -78,12 +81,12 @@ void Machine::fail(const Thread& thread, const std::string& text) {
 }
 
 void Machine::run(int id, Thread& thread) {
+  thread.interrupted = false;
   try {
     if (thread.wait) {
       auto value = thread.wait();
       if (!value) return;
       thread.wait = nullptr;
-      thread.at_door = false;
       thread.busy_steps = 0;
       thread.stack.push_back(std::move(*value));
     }
@@ -92,6 +95,7 @@ void Machine::run(int id, Thread& thread) {
       const Instruction it = program_.functions[at(frame.function)].code[frame.at++];
       if (!execute(id, thread, it)) return;
     }
+    thread.interrupted = true;
     if (++thread.busy_steps >= limits_.patience) fail(thread, "Infinite loop detected");
   } catch (const ScriptError& error) {
     fail(thread, error.text);
@@ -228,7 +232,8 @@ bool Machine::execute(int id, Thread& thread, const Instruction& it) {
       return false;
     case Op::kEnterCritical:
     case Op::kExitCritical:
-      return critical(id, thread, it.op == Op::kEnterCritical);
+      thread.critical = it.op == Op::kEnterCritical;
+      return true;
   }
   return true;
 }

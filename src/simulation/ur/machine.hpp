@@ -1,5 +1,4 @@
 #pragma once
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -65,7 +64,9 @@ struct MachineLimits {
 };
 
 /// Runs one program, a control step at a time. Threads take turns; each runs until it waits, ends or has used
-/// up its quota.
+/// up its quota. Inside a critical section it goes on alone in the next steps when its quota is used up; a
+/// thread that waits there (motion, sleep, sync, join, socket) lets the others run, critical sections or not:
+/// UR's own client library joins, reads sockets and moves inside them while other threads must go on.
 class Machine {
  public:
   enum class State { kRunning, kEnded, kFailed };
@@ -99,7 +100,8 @@ class Machine {
     std::vector<Value> stack;
     Wait wait;
     int busy_steps = 0;
-    bool at_door = false;  // of a critical section
+    bool critical = false;     // inside a critical section
+    bool interrupted = false;  // its share of the step was used up
   };
 
   void run(int id, Thread& thread);
@@ -109,8 +111,7 @@ class Machine {
   bool call_builtin(int id, Thread& thread, const CallSite& site);
   [[nodiscard]] Frame enter(Thread& caller, const CallSite& site);
   bool leave(int id, Thread& thread);
-  bool critical(int id, Thread& thread, bool enter);
-  void release_critical(int id);
+  void run_and_mark(int id);
   bool join(int id, Thread& thread, int other);
   [[nodiscard]] Value* find(Frame& frame, int name);
   void store(Frame& frame, const Instruction& it, Value value);
@@ -127,8 +128,7 @@ class Machine {
   std::map<int, Thread> threads_;
   int main_ = 1;
   int next_id_ = 2;
-  int critical_owner_ = 0;
-  std::deque<int> critical_waiters_;
+  int alone_ = 0;  // thread that was interrupted inside a critical section
 };
 
 }  // namespace stonestack::urscript

@@ -117,33 +117,4 @@ bool Machine::join(int id, Thread& thread, int other) {
   return false;
 }
 
-// One thread at a time is inside a critical section; who leaves hands over to whoever waits longest, or a
-// loop that leaves and enters again would starve the others.
-bool Machine::critical(int id, Thread& thread, bool enters) {
-  if (!enters) {
-    release_critical(id);
-    return true;
-  }
-  if (critical_owner_ == 0 || critical_owner_ == id) {
-    critical_owner_ = id;
-    thread.stack.emplace_back();
-    return true;
-  }
-  critical_waiters_.push_back(id);
-  thread.at_door = true;
-  thread.wait = [this, id]() -> std::optional<Value> {
-    if (critical_owner_ != id) return std::nullopt;
-    return Value();
-  };
-  return false;
-}
-
-void Machine::release_critical(int id) {
-  critical_waiters_.erase(std::remove(critical_waiters_.begin(), critical_waiters_.end(), id),
-                          critical_waiters_.end());
-  if (critical_owner_ != id) return;
-  critical_owner_ = critical_waiters_.empty() ? 0 : critical_waiters_.front();
-  if (!critical_waiters_.empty()) critical_waiters_.pop_front();
-}
-
 }  // namespace stonestack::urscript

@@ -33,7 +33,7 @@ enum class Op {
   kKill,
   kJoin,  ///< pop a handle, wait, push a value
   kHalt,
-  kEnterCritical,  ///< wait, push a value
+  kEnterCritical,
   kExitCritical
 };
 

@@ -25,6 +25,10 @@ bool is_fieldbus_register(const std::string& name) {
   return false;
 }
 
+bool sets_an_output(const std::string& name) {
+  return name.find("digital_output") != std::string::npos || name.find("analog_output") != std::string::npos;
+}
+
 }  // namespace
 
 RtdeSession::RtdeSession(int number, UrController& controller, InputOwners& owners)
@@ -109,6 +113,7 @@ std::string RtdeSession::input_state(const std::string& name) const {
   const auto owner = owners_->find(name);
   if (owner != owners_->end() && owner->second != number_) return kInUse;
   if (controller_->faults.fieldbus_owns_lower_registers && is_fieldbus_register(name)) return kInUse;
+  if (controller_->faults.fieldbus_owns_outputs && sets_an_output(name)) return kInUse;
   return std::string(rtde_type_name(field->type));
 }
 

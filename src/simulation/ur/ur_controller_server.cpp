@@ -32,6 +32,7 @@ struct UrControllerServer::Parts {
   UrController controller;
   InputOwners owners;
   int next_session = 1;
+  int script_links = 0;
   std::unique_ptr<ServerPort> rtde, dashboard;
   std::vector<std::unique_ptr<ServerPort>> scripts;  // 30001 .. 30003, 30011 .. 30013
   UrPorts ports;
@@ -70,7 +71,7 @@ void UrControllerServer::Parts::open_all() {
     });
     ports.rtde = rtde->port();
   }
-  if (!faults.no_dashboard) {
+  if (!faults.no_dashboard && controller.version().major < 10) {
     dashboard = open(29999, [this](TcpStream stream) {
       return std::make_unique<DashboardLink>(std::move(stream), controller);
     });
@@ -83,7 +84,8 @@ void UrControllerServer::Parts::open_all() {
     const auto kind = static_cast<ScriptLink::Kind>(k % 3);
     const bool read_only = k >= 3;
     scripts.push_back(open(30001 + k % 3 + (read_only ? 10 : 0), [this, kind, read_only](TcpStream stream) {
-      return std::make_unique<ScriptLink>(std::move(stream), controller, kind, read_only);
+      const bool reads = read_only || ++script_links <= controller.faults.read_only_links;
+      return std::make_unique<ScriptLink>(std::move(stream), controller, kind, reads);
     }));
     *numbers[k] = scripts.back()->port();
   }

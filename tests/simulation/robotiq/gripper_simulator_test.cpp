@@ -5,6 +5,8 @@
 
 #include <array>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
 #include <thread>
 #include <vector>
 
@@ -139,6 +141,37 @@ TEST(GripperSimulator, LibmodbusDrivesItOverTcpInBothLayouts) {
     modbus_close(master);
     modbus_free(master);
   }
+}
+
+// What the command line says to mbpoll, whose addresses count from 0 with -0.
+std::string mbpoll(const std::string& arguments) {
+  FILE* pipe = ::popen(("mbpoll -0 -1 -q -o 5 " + arguments + " 2>&1").c_str(), "r");
+  std::string said;
+  std::array<char, 256> piece{};
+  while (pipe && std::fgets(piece.data(), static_cast<int>(piece.size()), pipe)) said += piece.data();
+  if (pipe) ::pclose(pipe);
+  return said;
+}
+
+TEST(GripperSimulator, MbpollDrivesItOnBothWires) {
+  if (std::system("command -v mbpoll >/dev/null 2>&1") != 0) GTEST_SKIP() << "no mbpoll";
+  IdealGripperPlant plant;
+  const GripperSimulator simulator(plant, fast(true));
+  const std::string tcp = concat("-m tcp -a 2 -p ", simulator.endpoint().port, ' '), host = " 127.0.0.1";
+  const std::string rtu = "-m rtu -b 115200 -P none -a 9 ", line = ' ' + simulator.serial_path();
+  const auto until = [](const std::string& wanted, const std::string& arguments) {
+    std::string said;
+    for (const Deadline limit = Deadline::in(kLong); !limit.over();) {
+      said = mbpoll(arguments);
+      if (said.find(wanted) != std::string::npos) break;
+    }
+    return said;
+  };
+  EXPECT_THAT(mbpoll(tcp + "-t 4 -r 0" + host + " -- 256 0 0"), HasSubstr("Written 3 references"));
+  EXPECT_THAT(until("0x3100", tcp + "-t 3:hex -r 0 -c 8" + host), HasSubstr("[0]: \t0x3100"));
+  EXPECT_THAT(mbpoll(rtu + "-t 4 -r 1000" + line + " -- 2304 255 65535"), HasSubstr("Written 3 references"));
+  EXPECT_THAT(until("0xF9FF", rtu + "-t 4:hex -r 2000 -c 3" + line), HasSubstr("[2000]: \t0xF9FF"));
+  EXPECT_THAT(mbpoll(rtu + "-t 4:hex -r 1000 -c 3" + line), HasSubstr("[1001]: \t0x00FF"));
 }
 
 TEST(GripperSimulator, LibmodbusDrivesItOverTheSerialLine) {

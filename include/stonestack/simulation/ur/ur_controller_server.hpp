@@ -12,6 +12,8 @@ namespace stonestack {
 /// Times are seconds since `start` on the controller's clock; a negative time means never.
 struct ControllerFaults {
   bool fieldbus_owns_lower_registers = false;  ///< 1: input registers 0..23 answer IN_USE
+  bool fieldbus_owns_outputs = false;          ///< 2: inputs that set digital and analogue outputs, likewise
+  bool fieldbus_stops_programs = false;        ///< 3: protective stop as soon as a program starts
   std::string missing_fields;                  ///< 4: outputs, separated by commas, that answer NOT_FOUND
   double drop_rtde_at = -1.0;         ///< 6: sessions go dead: the link stays open and nothing comes any more
   double close_rtde_at = -1.0;        ///< 6, 9: every RTDE link is closed once
@@ -22,6 +24,7 @@ struct ControllerFaults {
   bool out_of_step = false;           ///< 8: after ten data packages one with a wrong length
   bool split_packets = false;         ///< every byte in a segment of its own
   bool local_mode = false;            ///< 11: e-Series not in remote control: scripts refused with C210
+  int read_only_links = 0;            ///< 11: so many script connections, the first ones, only read (C210)
   bool scripts_never_start = false;   ///< 12: a script is taken and nothing happens
   double script_dies_after = -1.0;    ///< 13: run-time exception that long after a program started
   double protective_stop_at = -1.0;   ///< 15
@@ -37,7 +40,8 @@ struct ControllerFaults {
 struct UrServerOptions {
   std::string address = "127.0.0.1";      ///< any 127.x.y.z
   bool standard_ports = false;            ///< 30001 to 30004, 30011 to 30013, 29999; else free ones
-  std::string version = "3.15.8.106339";  ///< PolyScope; 3.x: CB3 at 125 Hz, 5.x: e-Series at 500 Hz
+  std::string version = "3.15.8.106339";  ///< PolyScope; 3.x: CB3 at 125 Hz, 5.x: e-Series at 500 Hz,
+                                          ///< 10.x: PolyScope X, which has no Dashboard (failure mode 21)
   std::string model = "UR10";             ///< as the Dashboard names it
   std::string serial = "2014301234";
   double speed = 1.0;   ///< control steps a second, times the real ones

@@ -167,6 +167,111 @@ TEST(UrForeignScripts, AProgramDialsBackAndIsFedOverASocket) {
   EXPECT_EQ(answer[3], 7);
 }
 
+TEST(UrForeignScripts, TextInjectedIntoAScriptMayJoinItsLines) {
+  // ur_rtde writes its register offsets below a comment, at the beginning of the next statement's line.
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def injected():\n"
+                      "  global offset = # float register offset\n"
+                      "24  global other = # int register offset\n"
+                      "12  global third = 3\n"
+                      "  if offset == 24: third = 4 end\n"
+                      "  while third < 9: third = third + 5 end\n"
+                      "  textmsg(offset + other + third)\n"
+                      "end\n"),
+            "45");
+  EXPECT_EQ(bench.exceptions, "");
+  bench.say("def two():\n  a = 1 b = 2\nend\n");
+  EXPECT_EQ(bench.exceptions, "2,9,syntax_error_on_line:2:  a = 1 b = 2:");
+}
+
+TEST(UrForeignScripts, AVariableMayBeCalledP) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def scaled():\n"
+                      "  def scale(p, factor):\n"
+                      "    p[0] = p[0] * factor\n"
+                      "    p[5] = p[p[1]] + 1\n"
+                      "    return p\n"
+                      "  end\n"
+                      "  p = p[1, 2, 3, 0, 0, 0]\n"
+                      "  textmsg(scale(p, 2))\n"
+                      "  textmsg(p)\n"
+                      "end\n"),
+            "p[2,2,3,0,0,4]|p[1,2,3,0,0,0]");
+  EXPECT_EQ(bench.exceptions, "");
+  bench.say("def lacking():\n  q = p[1, 2]\nend\n");
+  EXPECT_EQ(bench.exceptions, "2,7,syntax_error_on_line:2:  q = p[1, 2]:");
+}
+
+TEST(UrForeignScripts, ThreadsThatNeverRanAreKilledAndJoined) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def never():\n"
+                      "  global mover = 0\n"
+                      "  kill mover\n"
+                      "  join mover\n"
+                      "  if mover == 0:\n"
+                      "    textmsg(\"none\")\n"
+                      "  end\n"
+                      "end\n"),
+            "none");
+  EXPECT_EQ(bench.exceptions, "");
+}
+
+TEST(UrForeignScripts, SplinesAreSpeedsWithTheAccelerationTheyNeed) {
+  // As UR's client library follows a spline: a speedj a step, whose acceleration is 0 where the speed stays.
+  ScriptBench bench;
+  bench.controller.run_script(
+      "def spline():\n"
+      "  global last = [0, 0, 0, 0, 0, 0]\n"
+      "  def largest(list):\n"
+      "    local length = get_list_length(list)\n"
+      "    local max = norm(list[0])\n"
+      "    local i = 1\n"
+      "    while i < length:\n"
+      "      local tmp = norm(list[i])\n"
+      "      if tmp > max:\n"
+      "        max = tmp\n"
+      "      end\n"
+      "      i = i + 1\n"
+      "    end\n"
+      "    return max\n"
+      "  end\n"
+      "  def go(c1, c2, t, step, factor=1.0, is_last = False):\n"
+      "    local qd = (c1 + 2.0 * t * c2) * factor\n"
+      "    local qdd = largest((qd - last) / step)\n"
+      "    last = qd\n"
+      "    speedj(qd, qdd, step)\n"
+      "  end\n"
+      "  local t = 0.0\n"
+      "  local dt = get_steptime()\n"
+      "  while t < 0.5:\n"
+      "    go([0.4, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], t, dt)\n"
+      "    t = t + dt\n"
+      "  end\n"
+      "  go([0, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0], t, dt, is_last = True)\n"
+      "  stopj(4.0)\n"
+      "end\n");
+  bench.run_to_end();
+  EXPECT_EQ(bench.exceptions, "");
+  EXPECT_NEAR(bench.controller.plant().q[0] - ScriptBench::start()[0], 0.2, 0.01);
+}
+
+TEST(UrForeignScripts, NewerMotionFunctions) {
+  ScriptBench old("5.12.2.1101534"), recent("5.23.0.1234");
+  const std::string script =
+      "def moves():\n"
+      "  q = get_actual_joint_positions()\n"
+      "  q[0] = q[0] + 0.3\n"
+      "  optimovej(q, a = 0.5, v = 0.5)\n"
+      "end\n";
+  old.say(script);
+  EXPECT_EQ(old.exceptions, "4,3,compile_error_name_not_found:optimovej:");
+  recent.say(script);
+  EXPECT_EQ(recent.exceptions, "");
+  EXPECT_NEAR(recent.controller.plant().q[0] - ScriptBench::start()[0], 0.3, 1e-9);
+  recent.say("def torque():\n  direct_torque([0, 0, 0, 0, 0, 0])\nend\n");
+  EXPECT_THAT(recent.exceptions, testing::HasSubstr("positions and speeds only"));
+}
+
 TEST(UrForeignScripts, SocketsStayOnThisMachine) {
   ScriptBench bench;
   EXPECT_EQ(bench.value("socket_open(\"192.0.2.1\", 80)"), "False");
