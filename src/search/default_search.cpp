@@ -57,6 +57,11 @@ void collect(const SearchContext& context, TowerSearch& search, int levels, Sear
     Placement placement = node.trial.placement;
     placement.terms["plan_levels"] = search.tree().reach(k);
     placement.terms["plan_chance"] = search.tree().chance(k, levels, o.friction);
+    placement.expected_height = search.tree().expected_height(k);
+    for (const int above : search.tree().best_way_from(k)) {
+      const TowerNode& next = search.tree().node(above);
+      placement.then.push_back({next.trial.stone, next.trial.placement.T_W_O});
+    }
     result->best.push_back(std::move(placement));
   }
 }
@@ -74,6 +79,7 @@ void add_turned(const SearchContext& context, SearchResult* result) {
       turned.T_W_O = Eigen::Translation3d(p_W) * Pose(yaw_rotation(6.283185307179586 * yaw / kTableYaws)) *
                      Eigen::Translation3d(-p_W) * first.T_W_O;
       turned.support = {};
+      for (PlacedStone& above : turned.then) above.T_W_O = turned.T_W_O * first.T_W_O.inverse() * above.T_W_O;
       if (context.problem->reachable(turned.stone, turned.T_W_O)) result->best.push_back(std::move(turned));
     }
 }
@@ -106,7 +112,12 @@ void default_search(const SearchContext& context, SearchResult* result) {
     propose_only(search, result);
   } else {
     try {
-      search.run();
+      result->plan_holds = search.follow_plan();
+      if (result->plan_holds) {
+        context.say("the plan still holds");
+      } else {
+        search.run();
+      }
     } catch (const Interrupted&) {
       context.say("interrupted; keeping what was found");
     }

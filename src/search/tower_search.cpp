@@ -69,6 +69,29 @@ void TowerSearch::run() {
   }
 }
 
+bool TowerSearch::follow_plan() {
+  const auto& plan = context_.problem->plan;
+  if (plan.empty() || static_cast<int>(plan.size()) < levels_) return false;
+  int top = 0;
+  for (int level = 0; level < levels_; ++level) {
+    const PlacedStone& next = plan[static_cast<std::size_t>(level)];
+    const auto& left = tree_.node(top).left;
+    if (std::none_of(left.begin(), left.end(), [&](const auto& s) { return s.stone == next.stone; }))
+      return false;
+    if (context_.problem->reachable && !context_.problem->reachable(next.stone, next.T_W_O)) return false;
+    Trial trial;
+    trial.stone = next.stone;
+    trial.T_W_O = next.T_W_O;
+    settle_trial(context_, tree_.node(top).stack, &trial);
+    if (!trial.alive) return false;
+    top = tree_.add(top, std::move(trial), 0.0);
+    judge(std::span<const int>(&top, 1));
+    if (!tree_.node(top).trial.alive) return false;
+  }
+  best_ = top;
+  return true;
+}
+
 void TowerSearch::round(std::size_t width) {
   const double step = kCrowding * context_.options->friction;
   for (int level = 1; level <= levels_; ++level) {

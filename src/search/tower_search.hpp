@@ -13,6 +13,9 @@ class TowerSearch {
   TowerSearch(const SearchContext& context, int levels);
 
   void run();
+  /// Tries the problem's plan; true if all of it is reachable, comes to rest in balance and stands its
+  /// judgement.
+  [[nodiscard]] bool follow_plan();
   [[nodiscard]] const TowerTree& tree() const { return tree_; }
   /// The judged node whose tower is highest and, of those, most likely to stand; 0 for none.
   [[nodiscard]] int best() const { return best_; }

@@ -111,6 +111,30 @@ double TowerTree::chance(int k, int levels, double friction) const {
   return own * (1.0 - none);
 }
 
+double TowerTree::expected_height(int k) const {
+  const TowerNode& at = node(k);
+  if (!at.trial.alive || !at.judged) return 0.0;
+  double most = 0.0;
+  for (const int c : children(k)) most = std::max(most, expected_height(c));
+  return k == 0 ? most : at.trial.placement.predicted_success * (1.0 + most);
+}
+
+std::vector<int> TowerTree::best_way_from(int k) const {
+  std::vector<int> way;
+  for (;;) {
+    int best = -1;
+    double most = 0.0;
+    for (const int c : children(k))
+      if (const double height = expected_height(c); height > most) {
+        most = height;
+        best = c;
+      }
+    if (best < 0) return way;
+    way.push_back(best);
+    k = best;
+  }
+}
+
 int TowerTree::reach(int k) const {
   int most = node(k).trial.alive ? node(k).level : 0;
   for (const int c : children(k))

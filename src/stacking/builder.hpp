@@ -101,7 +101,11 @@ class Builder {
   [[nodiscard]] std::optional<Target> find_target();
   /// What the search is told: the stack, and the loose stones that have not been given up on top of it.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
-  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem) const;
+  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem);
+  /// Of an assumed friction, how likely the stones have it.
+  [[nodiscard]] double trust(double friction) const;
+  /// How the tower was meant to go on, moved with where its top really came to lie; empty if it did not.
+  [[nodiscard]] std::vector<PlacedStone> rest_of_plan() const;
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
   /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
   /// the same way each time, and the camera tells by how much.
@@ -134,6 +138,8 @@ class Builder {
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
   int taken_off_ = 0, turned_over_ = 0;
+  Placement last_;              ///< that was carried out last, with how the search meant to go on
+  double last_friction_ = 0.0;  ///< that its search assumed
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
   std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit
 };

@@ -12,6 +12,7 @@ bool Builder::place(const Target& target) {
   report(concat("level ", belief_.stack.size() + 1, ": ", name(placement.stone), ", cost ", placement.cost,
                 ", predicted success ", placement.predicted_success));
   record("target", placement_json(catalogue_, placement));
+  last_ = placement;
   const double start = cell_.clock.now();
   const ExecutionResult done =
       execute(target.plan, catalogue_.stones[static_cast<std::size_t>(placement.stone)], target.scene, cell_,

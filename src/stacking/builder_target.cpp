@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "stacking/builder.hpp"
@@ -70,20 +71,52 @@ std::optional<Target> Builder::find_target() {
   return std::nullopt;
 }
 
-/// Poses that hold with little friction first; those that need more only when there is nothing as sure.
-SearchResult Builder::search_by_friction(const SearchProblem& problem) const {
+double Builder::trust(double friction) const {
+  constexpr double kAtMost = 0.75;  // ours: of the steepest assumption
+  const double low = options_.search.friction, high = options_.most_friction;
+  if (friction <= low || high <= low) return 1.0;
+  return 1.0 - (1.0 - kAtMost) * (friction - low) / (high - low);
+}
+
+std::vector<PlacedStone> Builder::rest_of_plan() const {
+  if (belief_.stack.empty() || belief_.stack.back().stone != last_.stone) return {};
+  const Pose moved = belief_.stack.back().T_W_O * last_.T_W_O.inverse();
+  std::vector<PlacedStone> rest = last_.then;
+  for (PlacedStone& next : rest) next.T_W_O = moved * next.T_W_O;
+  return rest;
+}
+
+/// What holds with little friction first, and more friction as long as that promises a higher tower. A plan
+/// that still holds needs no search.
+SearchResult Builder::search_by_friction(const SearchProblem& problem) {
   SearchOptions search = options_.search;
+  SearchProblem planned = problem;
+  planned.plan = rest_of_plan();
+  if (!planned.plan.empty()) search.friction = last_friction_;
+  const auto levels = static_cast<double>(
+      std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
   SearchResult best;
+  double most = 0.0, friction_of_best = search.friction;
   for (;;) {
-    SearchResult found = find_next_pose(problem, search, hooks_.report);
-    const double sure = found.best.empty() ? 0.0 : found.best.front().predicted_success;
-    const bool better = best.best.empty() || sure > best.best.front().predicted_success;
-    if (better) best = std::move(found);
-    if (sure >= options_.sure_success || search.friction >= options_.most_friction) return best;
+    SearchResult found = find_next_pose(planned, search, hooks_.report);
+    planned.plan.clear();
+    const bool plan_holds = found.plan_holds;
+    const double expected = found.best.empty() ? 0.0 : found.best.front().expected_height;
+    if (best.best.empty() || trust(search.friction) * expected > most) {
+      most = trust(search.friction) * expected;
+      friction_of_best = search.friction;
+      best = std::move(found);
+    }
+    if (plan_holds || expected >= options_.sure_success * levels || search.friction >= options_.most_friction)
+      break;
     report(concat("friction ", search.friction, ": ",
-                  better && best.best.empty() ? best.reason : concat("best predicted success ", sure)));
+                  best.best.empty() ? best.reason
+                                    : concat("expected to stand: ", std::round(10 * expected) / 10, " of ",
+                                             levels, " stones")));
     search.friction = std::min(options_.most_friction, search.friction + options_.friction_step);
   }
+  last_friction_ = friction_of_best;
+  return best;
 }
 
 std::optional<Target> Builder::plan(const Placement& placement, std::string* refusal) {

@@ -72,6 +72,10 @@ struct Placement {
   std::map<std::string, double>
       terms;  ///< area, kinetic_energy, distance, normal: weighted terms of eq. (2); margin, ...
   double predicted_success = 0.0;  ///< share of perturbed placements that stand
+  /// Default mode: how the search means to go on after it, and how many stones (this one included) it expects
+  /// to stand in the end, each as likely as it was judged.
+  std::vector<PlacedStone> then;
+  double expected_height = 0.0;
   SupportPolygon support;
 };
 
@@ -82,6 +86,10 @@ struct SearchProblem {
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
+  /// Default mode: how the tower was meant to go on when it was last planned, corrected by what was measured
+  /// since. When all of it still holds, settled and judged anew, it is the answer and nothing else is
+  /// searched.
+  std::vector<PlacedStone> plan;
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose? Called
   /// from one thread, best proposals first, before they are verified; what it refuses is counted and dropped.
   std::function<bool(int stone, const Pose& T_W_O)> reachable;
@@ -101,6 +109,7 @@ struct SearchResult {
   std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
   std::string reason;                 ///< when `best` is empty: what stood in the way
   long candidates = 0;                ///< poses evaluated
+  bool plan_holds = false;            ///< `best` is the problem's plan
   int unreachable = 0;                ///< proposals that the arm could not bring about
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
   double seconds = 0.0;
