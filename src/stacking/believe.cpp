@@ -20,6 +20,8 @@ constexpr int kSeatTries = 12;            // the measured pose, then displaced o
 // One sigma of a measured pose, ours; the hand-eye error is common to the whole stack and left out.
 constexpr double kMeasuredSigma = 0.001;  // m, along each axis
 constexpr double kMeasuredTurn = 0.01;    // rad
+constexpr double kFloats = 0.05;          // m above the table: higher, nothing loose can lie
+constexpr double kWithin = 0.006;         // m
 constexpr double kBaseAtSite = 0.12;      // m: the first stone lies no further from the site
 
 double lowest(const ContactShape& shape, const Pose& T_W_O) {
@@ -46,6 +48,20 @@ bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedS
 std::vector<Sighting>::iterator find(std::vector<Sighting>& sightings, int stone) {
   return std::find_if(sightings.begin(), sightings.end(),
                       [&](const Sighting& s) { return s.stone == stone; });
+}
+
+/// May a stone lie loose at that pose: on the table, and not within the stack? Deeper than kWithin into a
+/// stone of the stack, what was seen is a part of the stack taken for another stone.
+bool may_lie_loose(const ShapeList& shapes, const std::vector<PlacedStone>& stack, const Sighting& seen) {
+  const auto& shape = shape_of(shapes, seen.stone);
+  if (lowest(shape, seen.T_W_O) > kFloats) return false;
+  return std::none_of(stack.begin(), stack.end(), [&](const PlacedStone& placed) {
+    const auto& other = shape_of(shapes, placed.stone);
+    const Pose T_P_O = placed.T_W_O.inverse() * seen.T_W_O;
+    return std::any_of(shape.samples.begin(), shape.samples.end(), [&](const SurfaceSample& sample) {
+      return other.distance.distance(T_P_O * sample.point) < -kWithin;
+    });
+  });
 }
 
 bool in_place(const Sighting& seen, const PlacedStone& expected) {
@@ -117,13 +133,18 @@ Belief believe(const ShapeList& shapes, const CellLayout& layout, const std::vec
     const bool at_site = (measured.T_W_O.translation().head<2>() - layout.site).norm() < kBaseAtSite;
     if (first ? !at_site : !rests_over(shapes, measured, belief.stack.back())) break;
     const bool newest = i + 1 == expected.size();
-    const bool unmoved =
-        !newest && in_place(*found, expected[i]);  // averaging by keeping: no random walk of the base
+    // Keeping what was measured when it was on top: no random walk of the base, and no doubt about what is
+    // half hidden while the stone upon it has not moved.
+    const auto above = newest ? left.end() : find(left, expected[i + 1].stone);
+    const bool carries = above != left.end() && in_place(*above, expected[i + 1]);
+    const bool unmoved = !newest && (carries || in_place(*found, expected[i]));
     belief.stack.push_back(
         {measured.stone, unmoved ? expected[i].T_W_O : seated(shapes, Stack{belief.stack}, measured)});
     left.erase(found);
   }
-  for (const auto& sighting : left) belief.loose.push_back({sighting.stone, sighting.T_W_O});
+  for (const auto& sighting : left)
+    if (may_lie_loose(shapes, belief.stack, sighting))
+      belief.loose.push_back({sighting.stone, sighting.T_W_O});
   std::sort(belief.loose.begin(), belief.loose.end(),
             [](const auto& a, const auto& b) { return a.stone < b.stone; });
   return belief;

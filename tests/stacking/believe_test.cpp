@@ -1,0 +1,77 @@
+#include "stacking/believe.hpp"
+
+#include <gtest/gtest.h>
+
+namespace stonestack {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+
+std::shared_ptr<const ContactShape> box(const std::string& name, const Eigen::Vector3d& size) {
+  const Mesh mesh = make_box(size);
+  return make_contact_shape(mesh, mass_properties(mesh, 2600.0), name, {0.003, 0.015, 0.005});
+}
+
+/// Four slabs, the lower ones wider; the site is the default one.
+const ShapeList& slabs() {
+  static const ShapeList list = {box("a", {0.12, 0.12, 0.05}), box("b", {0.10, 0.10, 0.05}),
+                                 box("c", {0.08, 0.08, 0.05}), box("d", {0.08, 0.06, 0.05})};
+  return list;
+}
+
+Pose on_site(double z, double x = 0.0, double yaw = 0.0) {
+  const Eigen::Vector2d site = CellLayout{}.site;
+  return make_pose({site.x() + x, site.y(), z},
+                   Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())));
+}
+
+Sighting seen(int stone, const Pose& T_W_O) {
+  return {stone, T_W_O, 0.95, 0.5};
+}
+
+TEST(Believe, SortsStackAndLooseStones) {
+  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
+  const Pose aside = make_pose({0.7, -0.2, 0.025});
+  const Belief belief = believe(slabs(), {}, expected,
+                                {seen(2, aside), seen(1, on_site(0.0755, 0.001)), seen(0, on_site(0.0252))});
+  ASSERT_EQ(belief.stack.size(), 2U);
+  EXPECT_EQ(belief.stack[1].stone, 1);
+  EXPECT_NEAR(belief.stack[1].T_W_O.translation().z(), 0.075, 1e-4);  // seated on the stone below
+  ASSERT_EQ(belief.loose.size(), 1U);
+  EXPECT_EQ(belief.loose[0].stone, 2);
+}
+
+TEST(Believe, APartOfTheStackIsNoLooseStone) {
+  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
+  const std::vector<Sighting> stack{seen(0, on_site(0.025)), seen(1, on_site(0.075))};
+  for (const Pose& phantom : {on_site(0.04, 0.02), on_site(0.08, 0.03, 1.0), on_site(0.20)}) {
+    std::vector<Sighting> all = stack;
+    all.push_back(seen(3, phantom));
+    EXPECT_TRUE(believe(slabs(), {}, expected, all).loose.empty()) << phantom.translation().transpose();
+  }
+  std::vector<Sighting> all = stack;
+  all.push_back(seen(3, on_site(0.025, 0.12)));  // beside the base, touching nothing
+  EXPECT_EQ(believe(slabs(), {}, expected, all).loose.size(), 1U);
+}
+
+TEST(Believe, AStoneThatCarriesAnotherHasNotMoved) {
+  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}, {2, on_site(0.125)}};
+  // The middle one is half hidden and badly seen.
+  const Belief belief = believe(
+      slabs(), {}, expected,
+      {seen(0, on_site(0.025)), seen(1, on_site(0.078, 0.012, 20 * kDegree)), seen(2, on_site(0.1255))});
+  ASSERT_EQ(belief.stack.size(), 3U);
+  EXPECT_LT(difference(belief.stack[1].T_W_O, expected[1].T_W_O).translation, 1e-9);
+}
+
+TEST(Believe, WhatLiesOnTheTableHasFallen) {
+  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
+  const Belief belief =
+      believe(slabs(), {}, expected, {seen(0, on_site(0.025)), seen(1, on_site(0.025, 0.13))});
+  EXPECT_EQ(belief.stack.size(), 1U);
+  ASSERT_EQ(belief.loose.size(), 1U);
+  EXPECT_EQ(belief.loose[0].stone, 1);
+}
+
+}  // namespace
+}  // namespace stonestack
