@@ -104,6 +104,15 @@ void trace(const TowerSearch& search, SearchResult* result) {
 
 }  // namespace
 
+void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result) {
+  const auto levels = static_cast<int>(plan.size());
+  TowerSearch search(context, levels);
+  if (search.follow(plan, &result->reason)) {
+    collect(context, search, levels, result);
+    result->reason.clear();
+  }
+}
+
 void default_search(const SearchContext& context, SearchResult* result) {
   const SearchOptions& o = *context.options;
   const int levels = std::min(o.horizon, static_cast<int>(context.available.size()));
@@ -112,12 +121,7 @@ void default_search(const SearchContext& context, SearchResult* result) {
     propose_only(search, result);
   } else {
     try {
-      result->plan_holds = search.follow_plan();
-      if (result->plan_holds) {
-        context.say("the plan still holds");
-      } else {
-        search.run();
-      }
+      search.run();
     } catch (const Interrupted&) {
       context.say("interrupted; keeping what was found");
     }

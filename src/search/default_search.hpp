@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "search/search_context.hpp"
 
 namespace stonestack {
@@ -6,5 +8,8 @@ namespace stonestack {
 /// Plans towers of up to `horizon` levels and returns their first placements: those that lead highest, and of
 /// these the likeliest to be finished, first. What was found when it is interrupted is kept.
 void default_search(const SearchContext& context, SearchResult* result);
+
+/// Settles and judges a plan and nothing else: its first placement, or the reason why it does not hold.
+void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result);
 
 }  // namespace stonestack

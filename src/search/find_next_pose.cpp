@@ -54,4 +54,21 @@ SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& o
   return search_on_stack(standing, options, report);
 }
 
+SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
+                         const SearchOptions& options) {
+  check_problem(problem, options);
+  SearchResult result;
+  SearchProblem standing = problem;
+  try {
+    const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result.reason);
+    if (!stack) return result;
+    standing.stack = *stack;
+    const SearchContext context = make_context(standing, options, {});
+    follow_plan(context, plan, &result);
+  } catch (const Interrupted&) {
+    result.reason = "interrupted before the plan was judged";
+  }
+  return result;
+}
+
 }  // namespace stonestack

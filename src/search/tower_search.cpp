@@ -48,13 +48,17 @@ std::vector<int> used_stones(const Stack& stack) {
 TowerSearch::TowerSearch(const SearchContext& context, int levels)
     : context_(context),
       levels_(std::min(levels, static_cast<int>(context.available.size()))),
-      loose_(loose_stones(context)),
-      look_ahead_(on_resting_sides(loose_, kFlatSide, *context.options), *context.options),
-      tree_(context.stack, context.available) {
-  store_survey(&loose_, *context.options);
+      tree_(context.stack, context.available) {}
+
+void TowerSearch::survey() {
+  if (look_ahead_) return;
+  loose_ = loose_stones(context_);
+  look_ahead_.emplace(on_resting_sides(loose_, kFlatSide, *context_.options), *context_.options);
+  store_survey(&loose_, *context_.options);
 }
 
 void TowerSearch::run() {
+  survey();
   const SearchOptions& o = *context_.options;
   const int root[] = {0};
   tree_.set_grown(0);
@@ -69,27 +73,32 @@ void TowerSearch::run() {
   }
 }
 
-bool TowerSearch::follow_plan() {
-  const auto& plan = context_.problem->plan;
-  if (plan.empty() || static_cast<int>(plan.size()) < levels_) return false;
+bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason) {
   int top = 0;
-  for (int level = 0; level < levels_; ++level) {
-    const PlacedStone& next = plan[static_cast<std::size_t>(level)];
+  for (const PlacedStone& next : plan) {
     const auto& left = tree_.node(top).left;
-    if (std::none_of(left.begin(), left.end(), [&](const auto& s) { return s.stone == next.stone; }))
+    const auto& reachable = context_.problem->reachable;
+    if (std::none_of(left.begin(), left.end(), [&](const auto& s) { return s.stone == next.stone; })) {
+      *reason = "a stone of the plan is not there any more";
       return false;
-    if (context_.problem->reachable && !context_.problem->reachable(next.stone, next.T_W_O)) return false;
+    }
+    if (reachable && !reachable(next.stone, next.T_W_O)) {
+      *reason = "the arm does not reach the plan any more";
+      return false;
+    }
     Trial trial;
     trial.stone = next.stone;
     trial.T_W_O = next.T_W_O;
     settle_trial(context_, tree_.node(top).stack, &trial);
+    *reason = trial.outcome;
     if (!trial.alive) return false;
     top = tree_.add(top, std::move(trial), 0.0);
     judge(std::span<const int>(&top, 1));
+    *reason = tree_.node(top).trial.outcome;
     if (!tree_.node(top).trial.alive) return false;
   }
   best_ = top;
-  return true;
+  return top > 0;
 }
 
 void TowerSearch::round(std::size_t width) {
@@ -148,6 +157,7 @@ bool TowerSearch::accepts(const Proposal& proposal, bool on_table, Trial* trial)
 }
 
 std::vector<Trial> TowerSearch::offers(int k) {
+  survey();
   const SearchOptions& o = *context_.options;
   const TowerNode& node = tree_.node(k);
   const std::vector<BodyPose> bodies = bodies_of(context_, node.stack);
@@ -167,7 +177,7 @@ std::vector<Trial> TowerSearch::offers(int k) {
     std::vector<int> gone = used;
     gone.push_back(proposal.stone);
     if (stones.size() > 1)
-      proposal.look_ahead = look_ahead_.estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
+      proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
     // On the table every estimate is the friction: the margin tells the stones apart.
     const double base = bodies.empty() ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
                                        : proposal.robust;
@@ -218,7 +228,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
         body_pose(context_.geometry[static_cast<std::size_t>(trial.stone)], trial.placement.T_W_O));
     std::vector<int> used = used_stones(below.stack);
     used.push_back(trial.stone);
-    trial.look_ahead = look_ahead_.estimate(bodies, used, LookAheadEffort::kFull, &counts[k]);
+    trial.look_ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull, &counts[k]);
     trial.placement.terms["look_ahead"] = trial.look_ahead;
   });
   for (std::size_t k = 0; k < made.size(); ++k) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "search/look_ahead.hpp"
 #include "search/tower_tree.hpp"
 
@@ -13,9 +15,9 @@ class TowerSearch {
   TowerSearch(const SearchContext& context, int levels);
 
   void run();
-  /// Tries the problem's plan; true if all of it is reachable, comes to rest in balance and stands its
-  /// judgement.
-  [[nodiscard]] bool follow_plan();
+  /// True if all of a plan is reachable, comes to rest in balance and stands its judgement; else `reason` is
+  /// told why not.
+  [[nodiscard]] bool follow(std::span<const PlacedStone> plan, std::string* reason);
   [[nodiscard]] const TowerTree& tree() const { return tree_; }
   /// The judged node whose tower is highest and, of those, most likely to stand; 0 for none.
   [[nodiscard]] int best() const { return best_; }
@@ -40,6 +42,8 @@ class TowerSearch {
     int node;
     Trial trial;
   };
+  /// What the loose stones offer: made once, when something is searched at all.
+  void survey();
   void grow(std::span<const int> nodes);
   [[nodiscard]] std::vector<Trial> reachable_trials(const std::vector<Proposal>& proposals, bool on_table);
   [[nodiscard]] bool accepts(const Proposal& proposal, bool on_table, Trial* trial);
@@ -49,7 +53,7 @@ class TowerSearch {
   const SearchContext& context_;
   int levels_;
   std::vector<LooseStone> loose_;
-  LookAhead look_ahead_;
+  std::optional<LookAhead> look_ahead_;
   TowerTree tree_;
   int best_ = 0;
   long candidates_ = 0;

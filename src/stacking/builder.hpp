@@ -102,8 +102,11 @@ class Builder {
   /// What the search is told: the stack, and the loose stones that have not been given up on top of it.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
   [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem);
-  /// Of an assumed friction, how likely the stones have it.
-  [[nodiscard]] double trust(double friction) const;
+  /// The frictions that are assumed, rising.
+  [[nodiscard]] std::vector<double> frictions() const;
+  /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
+  /// the stones may have; `level` of them was assumed by the search that found it.
+  [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
   /// How the tower was meant to go on, moved with where its top really came to lie; empty if it did not.
   [[nodiscard]] std::vector<PlacedStone> rest_of_plan() const;
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
@@ -139,7 +142,7 @@ class Builder {
   int failures_ = 0;                        ///< placements that did not hold
   int taken_off_ = 0, turned_over_ = 0;
   Placement last_;              ///< that was carried out last, with how the search meant to go on
-  double last_friction_ = 0.0;  ///< that its search assumed
+  std::size_t last_level_ = 0;  ///< of the assumed frictions, which its search had
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
   std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit
 };

@@ -71,11 +71,31 @@ std::optional<Target> Builder::find_target() {
   return std::nullopt;
 }
 
-double Builder::trust(double friction) const {
-  constexpr double kAtMost = 0.75;  // ours: of the steepest assumption
-  const double low = options_.search.friction, high = options_.most_friction;
-  if (friction <= low || high <= low) return 1.0;
-  return 1.0 - (1.0 - kAtMost) * (friction - low) / (high - low);
+std::vector<double> Builder::frictions() const {
+  std::vector<double> list{options_.search.friction};
+  while (list.back() < options_.most_friction)
+    list.push_back(std::min(options_.most_friction, list.back() + options_.friction_step));
+  return list;
+}
+
+double Builder::outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const {
+  const std::vector<double> assumed = frictions();
+  std::vector<PlacedStone> plan{{found.stone, found.T_W_O}};
+  plan.insert(plan.end(), found.then.begin(), found.then.end());
+  SearchProblem here = problem;
+  here.reachable = nullptr;  // it was asked when the plan was made
+  SearchOptions search = options_.search;
+  double sum = 0.0, weights = 0.0;
+  for (std::size_t k = 0; k < assumed.size(); ++k) {
+    const auto weight = static_cast<double>(k + 1);  // ours: dry stone has more friction rather than less
+    weights += weight;
+    search.friction = assumed[k];
+    if (k == level) sum += weight * found.expected_height;
+    if (k <= level) continue;
+    const SearchResult firmer = follow_plan(here, plan, search);
+    if (!firmer.best.empty()) sum += weight * firmer.best.front().expected_height;
+  }
+  return sum / weights;
 }
 
 std::vector<PlacedStone> Builder::rest_of_plan() const {
@@ -86,36 +106,38 @@ std::vector<PlacedStone> Builder::rest_of_plan() const {
   return rest;
 }
 
-/// What holds with little friction first, and more friction as long as that promises a higher tower. A plan
-/// that still holds needs no search.
+/// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
+/// as long as the tower found so far is not expected to stand whole.
 SearchResult Builder::search_by_friction(const SearchProblem& problem) {
+  const std::vector<double> assumed = frictions();
   SearchOptions search = options_.search;
-  SearchProblem planned = problem;
-  planned.plan = rest_of_plan();
-  if (!planned.plan.empty()) search.friction = last_friction_;
+  if (const auto plan = rest_of_plan(); !plan.empty()) {
+    search.friction = assumed[last_level_];
+    SearchResult found = follow_plan(problem, plan, search);
+    if (!found.best.empty()) {
+      report("the plan still holds");
+      return found;
+    }
+    report("the plan does not hold any more: " + found.reason);
+  }
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
   SearchResult best;
-  double most = 0.0, friction_of_best = search.friction;
-  for (;;) {
-    SearchResult found = find_next_pose(planned, search, hooks_.report);
-    planned.plan.clear();
-    const bool plan_holds = found.plan_holds;
-    const double expected = found.best.empty() ? 0.0 : found.best.front().expected_height;
-    if (best.best.empty() || trust(search.friction) * expected > most) {
-      most = trust(search.friction) * expected;
-      friction_of_best = search.friction;
+  double most = 0.0;
+  for (std::size_t level = 0; level < assumed.size() && most < options_.sure_success * levels; ++level) {
+    search.friction = assumed[level];
+    SearchResult found = find_next_pose(problem, search, hooks_.report);
+    const double expected = found.best.empty() ? 0.0 : outlook(problem, found.best.front(), level);
+    report(concat("friction ", search.friction, ": ",
+                  found.best.empty() ? found.reason
+                                     : concat(std::round(10 * expected) / 10, " of ", levels,
+                                              " stones are expected to stand")));
+    if (best.best.empty() || expected > most) {
+      most = expected;
+      last_level_ = level;
       best = std::move(found);
     }
-    if (plan_holds || expected >= options_.sure_success * levels || search.friction >= options_.most_friction)
-      break;
-    report(concat("friction ", search.friction, ": ",
-                  best.best.empty() ? best.reason
-                                    : concat("expected to stand: ", std::round(10 * expected) / 10, " of ",
-                                             levels, " stones")));
-    search.friction = std::min(options_.most_friction, search.friction + options_.friction_step);
   }
-  last_friction_ = friction_of_best;
   return best;
 }
 

@@ -68,7 +68,7 @@ TEST(FindNextPose, PutsABoxOnABox) {
   }
 }
 
-TEST(FindNextPose, APlanThatStillHoldsIsFollowedWithoutASearch) {
+TEST(FindNextPose, APlanThatStillHoldsNeedsNoSearch) {
   SearchProblem problem = base_stands();
   const SearchResult first = find_next_pose(problem, quick());
   ASSERT_FALSE(first.best.empty()) << first.reason;
@@ -80,32 +80,33 @@ TEST(FindNextPose, APlanThatStillHoldsIsFollowedWithoutASearch) {
 
   problem.stack.stones.push_back({best.stone, best.T_W_O});
   std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == best.stone; });
-  problem.plan = best.then;
-  const SearchResult followed = find_next_pose(problem, quick());
+  const SearchResult followed = follow_plan(problem, best.then, quick());
   ASSERT_EQ(followed.best.size(), 1U) << followed.reason;
-  EXPECT_TRUE(followed.plan_holds);
   EXPECT_EQ(followed.candidates, 0);
   EXPECT_EQ(followed.best.front().stone, best.then.front().stone);
   EXPECT_LT(difference(followed.best.front().T_W_O, best.then.front().T_W_O).translation, 0.003);
   EXPECT_GT(followed.best.front().predicted_success, 0.0);
+  EXPECT_EQ(followed.best.front().expected_height, followed.best.front().predicted_success);
 }
 
-TEST(FindNextPose, APlanThatNoLongerHoldsIsDropped) {
+TEST(FindNextPose, APlanThatNoLongerHoldsSaysWhy) {
   SearchProblem problem = base_stands();
-  problem.plan = {{1, at(0.07, 0, 0.085)}, {2, at(0.07, 0, 0.13)}};  // over the edge
-  const SearchResult anew = find_next_pose(problem, quick());
-  ASSERT_FALSE(anew.best.empty()) << anew.reason;
-  EXPECT_FALSE(anew.plan_holds);
-  EXPECT_GT(anew.candidates, 0);
-  EXPECT_LT(anew.best.front().T_W_O.translation().head<2>().norm(), 0.05);
+  const SearchResult off = follow_plan(problem, {{1, at(0.07, 0, 0.085)}, {2, at(0.07, 0, 0.13)}}, quick());
+  EXPECT_TRUE(off.best.empty());  // over the edge
+  EXPECT_FALSE(off.reason.empty());
+
+  const std::vector<PlacedStone> good{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
+  EXPECT_FALSE(follow_plan(problem, good, quick()).best.empty());
+  problem.reachable = [](int stone, const Pose&) { return stone != 2; };
+  const SearchResult far = follow_plan(problem, good, quick());
+  EXPECT_TRUE(far.best.empty());
+  EXPECT_THAT(far.reason, HasSubstr("reach"));
 
   problem = base_stands();
-  problem.plan = {{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
-  problem.reachable = [](int stone, const Pose&) { return stone != 2; };  // the arm cannot bring the last one
-  const SearchResult lower = find_next_pose(problem, quick());
-  ASSERT_FALSE(lower.best.empty()) << lower.reason;
-  EXPECT_GT(lower.candidates, 0);
-  EXPECT_LE(lower.best.front().expected_height, 1.0);
+  problem.available.pop_back();
+  const SearchResult gone = follow_plan(problem, good, quick());
+  EXPECT_TRUE(gone.best.empty());
+  EXPECT_THAT(gone.reason, HasSubstr("not there"));
 }
 
 TEST(FindNextPose, SameForAnyNumberOfThreads) {

@@ -86,10 +86,6 @@ struct SearchProblem {
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
-  /// Default mode: how the tower was meant to go on when it was last planned, corrected by what was measured
-  /// since. When all of it still holds, settled and judged anew, it is the answer and nothing else is
-  /// searched.
-  std::vector<PlacedStone> plan;
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose? Called
   /// from one thread, best proposals first, before they are verified; what it refuses is counted and dropped.
   std::function<bool(int stone, const Pose& T_W_O)> reachable;
@@ -109,7 +105,6 @@ struct SearchResult {
   std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
   std::string reason;                 ///< when `best` is empty: what stood in the way
   long candidates = 0;                ///< poses evaluated
-  bool plan_holds = false;            ///< `best` is the problem's plan
   int unreachable = 0;                ///< proposals that the arm could not bring about
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
   double seconds = 0.0;
@@ -120,6 +115,12 @@ struct SearchResult {
 /// told about progress from one thread.
 [[nodiscard]] SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options = {},
                                           const std::function<void(const std::string&)>& report = {});
+
+/// Is a plan made before still good on what stands now? Puts the stones of `plan` where it says, one upon the
+/// other, settled and judged; `best` is its first placement, or empty with the reason. Nothing is searched:
+/// this costs a small part of a search. Throws as find_next_pose does.
+[[nodiscard]] SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
+                                       const SearchOptions& options = {});
 
 /// Plans a tower of `levels` more stones as if each placement succeeded, and returns the highest that it
 /// found to stand, from the bottom up; `reason` tells what stood in the way of more. Throws as find_next_pose

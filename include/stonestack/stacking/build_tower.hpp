@@ -36,7 +36,7 @@ struct BuildOptions {
   /// limestone slides at more (ours).
   double most_friction = 0.475;
   double friction_step = 0.125;
-  double sure_success = 0.9;  ///< a pose predicted to hold as often ends the climb in friction
+  double sure_success = 0.8;  ///< share of the tower that is expected to stand, which ends the climb
   int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
   bool refine_camera = true;  ///< two first looks, half a turn apart, tell where the camera really sits
   bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
