@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "stone/blame_file.hpp"
 #include "stone/file_units.hpp"
 #include "stone/mesh_deviation.hpp"
 #include "stone/reduce_mesh.hpp"
@@ -108,23 +109,8 @@ MassProperties weigh(const Mesh& scan, const ModelOptions& options) {
   return mass_properties(scan, density);
 }
 
-}  // namespace
-
-FieldList fields(ModelOptions& o) {
-  return {field("units", o.units, "ours"),
-          field("scale", o.scale, {1e-6, 1e6}, "", "ours"),
-          field("density", o.density, {100.0, 25000.0}, "kg/m^3", "limestone"),
-          field("mass", o.mass, {0.0, 10000.0}, "kg", "0: from density"),
-          field("friction", o.friction, {0.001, 2.0}, "", "paper §4.1"),
-          field("faces", o.faces, {20, 500}, "", "paper §4.1"),
-          field("convex_pieces", o.convex_pieces, {1, 32}, "", "measured: more are 3 to 4 times slower"),
-          field("contact_cell", o.contact_cell, {0.0002, 0.02}, "m", "physics: ShapeOptions::cell")};
-}
-
-ModelResult model_stone(const Mesh& scan, const std::string& name, const std::string& source,
-                        const ModelOptions& options) {
-  check(options);
-  check(scan, source);
+ModelResult model_checked(const Mesh& scan, const std::string& name, const std::string& source,
+                          const ModelOptions& options) {
   FileScale size = file_scale(longest_extent(scan), options.units, options.scale, source);
   ModelResult result;
   result.warnings = size.warnings;
@@ -148,6 +134,26 @@ ModelResult model_stone(const Mesh& scan, const std::string& name, const std::st
   const double cell = cell_for(stone.scan, options.contact_cell, result.warnings);
   stone.contact_deviation = grid_deviation(stone.scan, cell, std::max(kBand, 4.0 * cell), kSampleSpacing);
   return result;
+}
+
+}  // namespace
+
+FieldList fields(ModelOptions& o) {
+  return {field("units", o.units, "ours"),
+          field("scale", o.scale, {1e-6, 1e6}, "", "ours"),
+          field("density", o.density, {100.0, 25000.0}, "kg/m^3", "limestone"),
+          field("mass", o.mass, {0.0, 10000.0}, "kg", "0: from density"),
+          field("friction", o.friction, {0.001, 2.0}, "", "paper §4.1"),
+          field("faces", o.faces, {20, 500}, "", "paper §4.1"),
+          field("convex_pieces", o.convex_pieces, {1, 32}, "", "measured: more are 3 to 4 times slower"),
+          field("contact_cell", o.contact_cell, {0.0002, 0.02}, "m", "physics: ShapeOptions::cell")};
+}
+
+ModelResult model_stone(const Mesh& scan, const std::string& name, const std::string& source,
+                        const ModelOptions& options) {
+  check(options);
+  check(scan, source);
+  return blame_file(source, [&] { return model_checked(scan, name, source, options); });
 }
 
 }  // namespace stonestack

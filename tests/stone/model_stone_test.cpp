@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "stone/blame_file.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -97,6 +98,23 @@ TEST(ModelStone, RefusesWhatIsNoStone) {
   Mesh flat = make_box(kSize);
   for (Eigen::Vector3d& v : flat.vertices) v.z() = 0.0;
   EXPECT_THAT(problem_of(flat), HasSubstr("no volume"));
+}
+
+TEST(ModelStone, WhatAMeshLibraryThrowsIsSaidOfTheFile) {
+  const auto problem = [](const auto& throws) -> std::string {
+    try {
+      blame_file("rock.obj", [&]() -> int { throw throws; });
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problem(std::logic_error("CGAL error: precondition violation!\nExpr: p != q")),
+              testing::AllOf(HasSubstr("rock.obj: "), HasSubstr("violation! Expr: p != q"),
+                             HasSubstr("mesh editor")));
+  EXPECT_THAT(problem(InvalidArgument("no face has an area")), HasSubstr("rock.obj: "));
+  EXPECT_THAT(problem(std::bad_alloc()), HasSubstr("memory"));
+  EXPECT_THROW(blame_file("rock.obj", []() -> int { throw Interrupted(); }), Interrupted);
 }
 
 }  // namespace
