@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
 #include "stonestack/geometry/fit_camera.hpp"
@@ -13,6 +14,7 @@
 namespace stonestack::apps {
 namespace {
 
+constexpr float kNearestSeen = 0.10F;  // m
 constexpr double kCameraHeight = 0.8;  // m above the middle of a world-frame cloud
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const char* form) {
@@ -39,13 +41,24 @@ Pose camera_above(const Cloud& cloud_W) {
   return T_W_C;
 }
 
+/// A camera sees nothing nearer than 10 cm; a table at z = 0 puts most of a cloud below that.
+bool in_world_frame(const Cloud& solid) {
+  const auto below = std::count_if(solid.points.begin(), solid.points.end(),
+                                   [](const Eigen::Vector3f& p) { return p.z() < kNearestSeen; });
+  return 2 * static_cast<std::size_t>(below) > solid.points.size();
+}
+
 SceneView view_of_cloud(const std::string& path, const std::string& camera_pose, bool world) {
   const Cloud cloud = read_cloud(path);
   const Cloud solid = without_gaps(cloud);
   if (solid.points.empty()) throw FileError(path, "has no finite point", "record the scene again");
   SceneView view;
   const auto camera = fit_camera(cloud);
-  if (world || (camera_pose.empty() && !camera)) {
+  if (!world && is_mirrored(cloud))
+    throw FileError(path, "is mirrored: x or y runs against the image",
+                    "export it right-handed (x right, y down, z forward); no stone fits its mirror image");
+  if (world || (camera_pose.empty() && !camera && in_world_frame(solid))) {
+    if (!world) log_info(path + ": most of it lies about z = 0; taken as in the world frame");
     view.T_W_C = camera_pose.empty() ? camera_above(solid) : parse_pose(camera_pose);
     view.image = to_depth_image(transformed(solid, view.T_W_C->inverse()), CameraIntrinsics{});
   } else {

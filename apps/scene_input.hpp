@@ -31,9 +31,9 @@ void register_depth_input(CLI::App& command, DepthInput& input);
 [[nodiscard]] Eigen::Vector2d parse_point(const std::string& text);
 
 /// A depth view from a scene file (depth image or cloud in it), a 16-bit depth PNG, a recording (folder in
-/// the layout of BOP, Open3D or TUM), or from a cloud (PLY, PCD). A cloud is in the camera frame when
-/// `camera_pose` is given or when it is organised like a depth camera's (then its pose stays unknown); any
-/// other is in the world frame, or in the camera frame if `camera_frame` says so. Throws FileError.
+/// the layout of BOP, Open3D or TUM), or from a cloud (PLY, PCD). A cloud is in the camera frame, unless
+/// `world` says otherwise or it cannot be: not organised like a depth camera's, no `camera_pose` given, and
+/// most of it lower than z = 10 cm (a table at z = 0). Throws FileError, also for a mirrored cloud.
 [[nodiscard]] SceneView read_view(const std::string& path, const std::string& camera_pose, bool world = false,
                                   const DepthInput& depth = {});
 

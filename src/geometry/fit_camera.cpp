@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stonestack {
 namespace {
@@ -36,9 +37,8 @@ Line fit_line(const std::vector<double>& t, const std::vector<double>& u) {
   return line;
 }
 
-}  // namespace
-
-std::optional<CameraIntrinsics> fit_camera(const Cloud& cloud) {
+/// Columns over x / z and rows over y / z; empty for a cloud that is not organised or has too few points.
+std::optional<std::pair<Line, Line>> fit_lines(const Cloud& cloud) {
   if (cloud.height < 2 ||
       cloud.points.size() != static_cast<std::size_t>(cloud.width) * static_cast<std::size_t>(cloud.height))
     return std::nullopt;
@@ -54,19 +54,30 @@ std::optional<CameraIntrinsics> fit_camera(const Cloud& cloud) {
       v.push_back(row);
     }
   if (tx.size() < kFewest) return std::nullopt;
-  const Line horizontal = fit_line(tx, u);
-  const Line vertical = fit_line(ty, v);
-  if (horizontal.residual > kLargestResidual || vertical.residual > kLargestResidual || horizontal.f <= 0 ||
-      vertical.f <= 0)
+  const std::pair<Line, Line> lines{fit_line(tx, u), fit_line(ty, v)};
+  if (lines.first.residual > kLargestResidual || lines.second.residual > kLargestResidual)
     return std::nullopt;
+  return lines;
+}
+
+}  // namespace
+
+std::optional<CameraIntrinsics> fit_camera(const Cloud& cloud) {
+  const auto lines = fit_lines(cloud);
+  if (!lines || lines->first.f <= 0 || lines->second.f <= 0) return std::nullopt;
   CameraIntrinsics camera;
   camera.width = cloud.width;
   camera.height = cloud.height;
-  camera.fx = horizontal.f;
-  camera.cx = horizontal.c;
-  camera.fy = vertical.f;
-  camera.cy = vertical.c;
+  camera.fx = lines->first.f;
+  camera.cx = lines->first.c;
+  camera.fy = lines->second.f;
+  camera.cy = lines->second.c;
   return camera;
+}
+
+bool is_mirrored(const Cloud& cloud) {
+  const auto lines = fit_lines(cloud);
+  return lines && lines->first.f * lines->second.f < 0;
 }
 
 }  // namespace stonestack

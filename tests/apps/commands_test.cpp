@@ -9,9 +9,12 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/mesh_file.hpp"
 #include "stonestack/geometry/pose.hpp"
 
 namespace stonestack {
@@ -89,6 +92,89 @@ TEST_F(Commands, RenderedStonesAreDetectedWhereTheyLie) {
     found += error.translation < 0.005 && error.angle < 0.0873 ? 1 : 0;
   }
   EXPECT_EQ(found, 3);
+}
+
+TEST_F(Commands, DetectTakesACloudAsTheCameraSeesItButNotItsMirrorImage) {
+  ASSERT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);
+  const Cloud cloud = read_cloud(folder_ + "/scene/cloud.ply");
+  const auto scaled = [&](float x, float all) {
+    Cloud out = cloud;
+    for (auto& p : out.points) p = all * Eigen::Vector3f(x * p.x(), p.y(), p.z());
+    return out;
+  };
+  write_cloud(folder_ + "/heap.ply", without_gaps(cloud));
+  const Outcome found = run("detect heap.ply --json");
+  EXPECT_EQ(found.code, 0) << found.err;
+  EXPECT_EQ(found.data()["detections"].size(), 2u) << "a cloud without rows is in the camera frame, too";
+  write_cloud(folder_ + "/mirror.ply", scaled(-1, 1));
+  expect_refusal("detect mirror.ply", 3, {"mirror.ply", "mirrored"});
+  write_cloud(folder_ + "/mirrored_heap.ply", without_gaps(scaled(-1, 1)));
+  EXPECT_EQ(run("detect mirrored_heap.ply").code, 4);
+  write_cloud(folder_ + "/millimetres.ply", scaled(1, 1000));
+  const Outcome large = run("detect millimetres.ply");
+  EXPECT_EQ(large.code, 4);
+  EXPECT_THAT(large.err, HasSubstr("millimetres"));
+}
+
+/// The rendered scene and the stones in it as a data set of the BOP layout, in millimetres.
+json write_bop(const std::string& folder, const json& rendered) {
+  const auto json_of = [](const Pose& T) {
+    json R = json::array(), t = json::array();
+    for (int i = 0; i < 9; ++i) R.push_back(T.linear()(i / 3, i % 3));
+    for (int i = 0; i < 3; ++i) t.push_back(1000 * T.translation()(i));
+    return std::pair{R, t};
+  };
+  json truth = json::array();
+  for (const json& stone : rendered["stones"]) {
+    const std::string name = stone["stone"];
+    const int id = name.back() - '0';
+    const Mesh mesh = read_mesh(concat(STONESTACK_SOURCE_DIR, "/data/stones/", name, "/mesh.ply"));
+    write_mesh(concat(folder, "/bop/models/obj_00000", id, ".ply"), scaled(mesh, 1000));
+    const auto [R, t] = json_of(pose_of(stone["T_C_O"]));
+    truth.push_back({{"obj_id", id}, {"cam_R_m2c", R}, {"cam_t_m2c", t}});
+  }
+  const std::string scene = folder + "/bop/test/000002";
+  fs::create_directories(scene + "/depth");
+  fs::copy_file(folder + "/scene/depth.png", scene + "/depth/000007.png");
+  const json camera = {{"cam_K", {475, 0, 319.5, 0, 475, 239.5, 0, 0, 1}}, {"depth_scale", 0.125}};
+  write_file(scene + "/scene_camera.json", json{{"7", camera}}.dump());
+  write_file(scene + "/scene_gt.json", json{{"7", truth}}.dump());
+  return truth;
+}
+
+TEST_F(Commands, BenchScoresADataSetOfTheBopLayout) {
+  const Outcome rendered = run("render --out scene --seed 3 --stones limestone_1,limestone_4 --json");
+  ASSERT_EQ(rendered.code, 0) << rendered.err;
+  const json truth = write_bop(folder_, rendered.data());
+  const Outcome scored = run("bench detection --bop bop --bop-csv results.csv");
+  ASSERT_EQ(scored.code, 0) << scored.err;
+  EXPECT_THAT(scored.out, HasSubstr("of 2 true poses 2 found within 5 deg and 5 mm"));
+  std::istringstream lines(read_file(folder_ + "/results.csv", 1 << 20));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "scene_id,im_id,obj_id,score,R,t,time");
+  int count = 0;
+  for (; std::getline(lines, line); ++count) {
+    int scene = 0, image = 0, object = 0;
+    double score = 0, R[9], t[3];
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%d,%lf,%lf %lf %lf %lf %lf %lf %lf %lf %lf,%lf %lf %lf,",
+                          &scene, &image, &object, &score, R, R + 1, R + 2, R + 3, R + 4, R + 5, R + 6, R + 7,
+                          R + 8, t, t + 1, t + 2),
+              16)
+        << line;
+    EXPECT_EQ(scene, 2);
+    EXPECT_EQ(image, 7);
+    const json& there = truth[object == truth[0]["obj_id"] ? 0 : 1];
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(t[i], there["cam_t_m2c"][i].get<double>(), 2.0) << "mm";
+    for (int i = 0; i < 9; ++i) EXPECT_NEAR(R[i], there["cam_R_m2c"][i].get<double>(), 0.04);
+  }
+  EXPECT_EQ(count, 2);
+  write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 4, "inst_count": 1}])");
+  EXPECT_THAT(run("bench detection --bop bop").out, HasSubstr("1 images, 1 detections"));
+  expect_refusal("bench detection --bop bop --bop-split train", 3, {"bop/train", "--bop-split"});
+  expect_refusal("bench detection --bop nowhere", 3, {"nowhere/models"});
+  write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 9, "inst_count": 1}])");
+  expect_refusal("bench detection --bop bop", 3, {"test_targets_bop19.json", "object 9"});
 }
 
 TEST_F(Commands, SearchesAndPlansFromFiles) {

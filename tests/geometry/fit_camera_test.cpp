@@ -49,5 +49,22 @@ TEST(FitCamera, RefusesWhatIsNotACamerasCloud) {
   EXPECT_FALSE(fit_camera(cloud).has_value());
 }
 
+TEST(FitCamera, TellsAMirroredCloudFromATurnedOne) {
+  CameraIntrinsics camera;
+  camera.width = 160;
+  camera.height = 120;
+  const Cloud cloud = view_of_plane(camera);
+  const auto scaled = [&](float x, float y) {
+    Cloud out = cloud;
+    for (auto& p : out.points) p = Eigen::Vector3f(x * p.x(), y * p.y(), p.z());
+    return out;
+  };
+  EXPECT_FALSE(is_mirrored(cloud));
+  EXPECT_TRUE(is_mirrored(scaled(-1, 1)));
+  EXPECT_TRUE(is_mirrored(scaled(1, -1)));
+  EXPECT_FALSE(is_mirrored(scaled(-1, -1))) << "turned upside down";
+  EXPECT_FALSE(is_mirrored(without_gaps(scaled(-1, 1)))) << "without rows nobody can tell";
+}
+
 }  // namespace
 }  // namespace stonestack

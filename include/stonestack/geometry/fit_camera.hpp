@@ -10,4 +10,8 @@ namespace stonestack {
 /// (median).
 [[nodiscard]] std::optional<CameraIntrinsics> fit_camera(const Cloud& organised_C);
 
+/// True for an organised cloud of which one image axis, but not both, runs against x or y: it shows things as
+/// a mirror would.
+[[nodiscard]] bool is_mirrored(const Cloud& organised_C);
+
 }  // namespace stonestack
