@@ -18,8 +18,9 @@ std::vector<int> choose_keypoints(const SurfacePoints& surface, const DetectionO
 Features describe_points(const SurfacePoints& surface, const DetectionOptions& options) {
   const std::vector<int> keypoints = choose_keypoints(surface, options);
   if (options.descriptor == "shot") return shot_features(surface, keypoints, options.descriptor_radius);
-  require(options.descriptor == "fpfh", "descriptor must be shot, fpfh or rops, got '", options.descriptor,
-          "'");
+  if (options.descriptor == "iss") return iss_features(surface, keypoints, options.descriptor_radius);
+  require(options.descriptor == "fpfh", "descriptor must be shot, fpfh, iss or rops, got '",
+          options.descriptor, "'");
   return fpfh_features(surface, keypoints, options.descriptor_radius);
 }
 
@@ -65,8 +66,11 @@ Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like, const 
 DetectionOptions resolved(DetectionOptions options) {
   require(options.method == "default" || options.method == "paper", "method must be default or paper, got '",
           options.method, "'");
+  require(options.matching == "exact" || options.matching == "kdtree",
+          "matching must be exact or kdtree, got '", options.matching, "'");
   if (options.method == "paper") {
-    options.descriptor = "rops";
+    if (options.descriptor != "iss") options.descriptor = "rops";
+    options.matching = "kdtree";
     options.sweep = false;
   }
   return options;

@@ -21,6 +21,12 @@ namespace stonestack {
 [[nodiscard]] Features rops_features(const TriangulatedSurface& mesh, std::span<const int> keypoints,
                                      double radius);
 
+/// Intrinsic shape signatures (Zhong 2009), the paper's other choice: how the neighbourhood fills 66
+/// directions by 5 distances around the keypoint's principal axes; 330 numbers, unit length. His four
+/// possible frames are one here: signs come from the normal and from the heavier side.
+[[nodiscard]] Features iss_features(const SurfacePoints& surface, std::span<const int> keypoints,
+                                    double radius);
+
 /// Keeps the keypoints whose rows are finite.
 [[nodiscard]] Features finite_features(const SurfacePoints& surface, std::span<const int> keypoints,
                                        const Eigen::MatrixXf& rows);

@@ -22,11 +22,15 @@ std::vector<Correspondence> match_features(const Features& scene, const Features
       matches.push_back({static_cast<int>(s), m, std::max(0.0F, part + scene_norm(s))});
     }
   }
+  nearest_first(matches);
+  return matches;
+}
+
+void nearest_first(std::vector<Correspondence>& matches) {
   std::sort(matches.begin(), matches.end(), [](const Correspondence& a, const Correspondence& b) {
     if (a.distance != b.distance) return a.distance < b.distance;
     return a.scene != b.scene ? a.scene < b.scene : a.model < b.model;
   });
-  return matches;
 }
 
 }  // namespace stonestack

@@ -17,4 +17,11 @@ struct Correspondence {
 [[nodiscard]] std::vector<Correspondence> match_features(const Features& scene, const Features& model,
                                                          int neighbours);
 
+/// The same by a kd-tree in descriptor space (FLANN through PCL, exact), as the paper has it.
+[[nodiscard]] std::vector<Correspondence> match_features_kdtree(const Features& scene, const Features& model,
+                                                                int neighbours);
+
+/// Sorts by distance, then by keypoint.
+void nearest_first(std::vector<Correspondence>& matches);
+
 }  // namespace stonestack

@@ -6,7 +6,8 @@ FieldList fields(DetectionOptions& o) {
   return {
       field("method", o.method, "default, or paper (section 2 to the letter)"),
       field("keypoints", o.keypoints, "voxel or iss; paper section 2"),
-      field("descriptor", o.descriptor, "shot, fpfh or rops; paper section 2: rops"),
+      field("descriptor", o.descriptor, "shot, fpfh, iss or rops; paper section 2: rops (iss if asked for)"),
+      field("matching", o.matching, "exact, or kdtree (paper section 2; the same matches)"),
       field("nearest", o.nearest, {0.02, 10}, "m", "SR300: 0.2 m"),
       field("farthest", o.farthest, {0.1, 20}, "m", "SR300: 1.5 m"),
       field("smoothing_step", o.smoothing_step, {1e-4, 0.1}, "m", "ours"),

@@ -97,7 +97,9 @@ ModelSearch search_model(const DetectionModel& model, int stone, const Detection
                          const Look& look, const DetectionOptions& options) {
   ModelSearch out;
   if (look.seen != nullptr) {
-    out.matches = match_features(*look.seen, model.features, options.neighbours);
+    out.matches = options.matching == "kdtree"
+                      ? match_features_kdtree(*look.seen, model.features, options.neighbours)
+                      : match_features(*look.seen, model.features, options.neighbours);
     ConsistencyOptions grouping;
     grouping.size = options.consistency_size;
     grouping.fewest = options.consistency_fewest;

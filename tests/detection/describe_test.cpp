@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "detection/descriptors.hpp"
 #include "detection/keypoints.hpp"
@@ -48,6 +49,7 @@ double share_matched(const std::string& descriptor) {
     for (int i = 0; i < 200; ++i) keypoints.push_back(i);  // vertices of the mesh: the same places in both
     return descriptor == "rops"   ? rops_features(fine, keypoints, 0.04)
            : descriptor == "shot" ? shot_features(fine.surface, keypoints, 0.04)
+           : descriptor == "iss"  ? iss_features(fine.surface, keypoints, 0.04)
                                   : fpfh_features(fine.surface, keypoints, 0.03);
   };
   const Features a = describe(stone.mesh), b = describe(transformed(stone.mesh, T_B_A));
@@ -64,6 +66,9 @@ TEST(Descriptors, ShotDoesNotDependOnThePose) {
 }
 TEST(Descriptors, FpfhDoesNotDependOnThePose) {
   EXPECT_GT(share_matched("fpfh"), 0.95);
+}
+TEST(Descriptors, IssDoesNotDependOnThePose) {
+  EXPECT_GT(share_matched("iss"), 0.95);
 }
 TEST(Descriptors, RopsDoesNotDependOnThePose) {
   EXPECT_GT(share_matched("rops"), 0.95);
@@ -90,12 +95,38 @@ TEST(Matching, FindsTheNearestAndSortsByDistance) {
                              [](const auto& a, const auto& b) { return a.distance < b.distance; }));
 }
 
+TEST(Matching, AKdTreeFindsTheSame) {
+  Random random = Random::stream(5, "descriptors");
+  const auto features = [&](int count) {
+    Features out;
+    out.descriptors.resize(count, 33);
+    for (Eigen::Index i = 0; i < out.descriptors.size(); ++i)
+      out.descriptors.data()[i] = static_cast<float>(random.uniform());
+    return out;
+  };
+  const Features model = features(80), scene = features(60);
+  for (const int k : {1, 3, 100}) {
+    const auto exact = match_features(scene, model, k), tree = match_features_kdtree(scene, model, k);
+    ASSERT_EQ(exact.size(), tree.size());
+    for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(exact[i].distance, tree[i].distance, 1e-4);
+    std::set<std::pair<int, int>> a, b;
+    for (const auto& m : exact) a.emplace(m.scene, m.model);
+    for (const auto& m : tree) b.emplace(m.scene, m.model);
+    EXPECT_EQ(a, b) << k;
+  }
+  EXPECT_TRUE(match_features_kdtree(scene, {}, 1).empty());
+  EXPECT_TRUE(match_features_kdtree({}, model, 1).empty());
+}
+
 TEST(Options, UnknownNamesAreTheCallersFault) {
   DetectionOptions method, descriptor, keypoints;
   method.method = "best";
   EXPECT_THROW((void)resolved(method), InvalidArgument);
   descriptor.descriptor = "sift";
   EXPECT_THROW((void)describe_model({}, {}, descriptor), InvalidArgument);
+  DetectionOptions matching;
+  matching.matching = "guess";
+  EXPECT_THROW((void)resolved(matching), InvalidArgument);
   keypoints.keypoints = "all";
   EXPECT_THROW((void)describe_model({}, {}, keypoints), InvalidArgument);
 }

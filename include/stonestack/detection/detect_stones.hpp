@@ -44,7 +44,8 @@ struct DepthView {
 struct DetectionOptions {
   std::string method = "default";    ///< default, or paper: section 2 to the letter, for comparison
   std::string keypoints = "voxel";   ///< voxel, iss
-  std::string descriptor = "shot";   ///< shot, fpfh, rops
+  std::string descriptor = "shot";   ///< shot, fpfh, iss, rops; paper: rops unless iss is asked for
+  std::string matching = "exact";    ///< exact, kdtree (the same matches); paper: kdtree
   double nearest = 0.15;             ///< m, depth range that is looked at
   double farthest = 2.0;             ///< m
   double smoothing_step = 0.006;     ///< m, largest depth step within a surface, at up to 1 m; grows with z^2
