@@ -91,10 +91,10 @@ void add_bench_detection(CLI::App& bench) {
       ->capture_default_str();
   sub->add_option("--first", command->first, "Number of the first scene")->check(CLI::NonNegativeNumber);
   sub->add_option("--kinds", command->kinds,
-                  "isolated,touching,stacked,few,d435,copies,hidden,two_views; all if empty")
+                  "isolated,touching,stacked,few,d435,copies,mirrored,hidden,two_views; all if empty")
       ->delimiter(',');
   sub->add_option("--methods", command->methods, "default,paper")->delimiter(',')->capture_default_str();
-  sub->add_flag("--list", command->list, "Every miss, wrong pose and false accept");
+  sub->add_flag("--list", command->list, "Every detection, miss and false accept");
   sub->add_option("--bop", command->bop, "Detect in a data set of the BOP layout in place of our scenes")
       ->type_name("DIR");
   sub->add_option("--bop-split", command->bop_split, "Its folder of scenes")->capture_default_str();

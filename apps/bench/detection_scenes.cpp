@@ -40,6 +40,13 @@ Pose reported(const Pose& T_W_C, const CameraError& error, Random& random) {
   return T_W_C * off;
 }
 
+/// Left for right, as a wrong sign in a driver gives it.
+void mirror(DepthImage& image) {
+  const int width = image.camera.width;
+  image.camera.cx = width - 1 - image.camera.cx;
+  for (auto row = image.z.begin(); row != image.z.end(); row += width) std::reverse(row, row + width);
+}
+
 std::size_t pixels_of(const RenderedView& view, int instance) {
   return static_cast<std::size_t>(std::count(view.instance.begin(), view.instance.end(), instance));
 }
@@ -53,6 +60,7 @@ std::vector<SceneKind> scene_kinds() {
           {"few", 1},
           {"d435", 4, "apart", "d435"},
           {"copies", 4, "apart", "sr300", 2},
+          {"mirrored", 4, "apart", "sr300", 1, 1, 0.0, 0.78, 0.25, true},
           {"hidden", 6, "touching", "sr300", 1, 1, 1.2, 1.35, 0.0},
           {"two_views", 6, "touching", "sr300", 1, 2, 1.2, 1.35, 0.0}};
 }
@@ -157,7 +165,10 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const Cam
     const RenderedView view = render(world, sensor.camera, T_W_C);
     scene.views.push_back(
         {add_noise(view, T_W_C, sensor, random), v == 0 ? T_W_C : reported(T_W_C, error, random)});
-    if (v == 0) scene.truth = truth_of(placed, view, T_W_C, sensor.camera);
+    if (kind.mirrored)
+      mirror(scene.views.back().image);
+    else if (v == 0)
+      scene.truth = truth_of(placed, view, T_W_C, sensor.camera);
   }
   return scene;
 }

@@ -15,7 +15,8 @@ namespace stonestack::bench {
 /// isolated: four stones apart. touching: four in one heap on the table. stacked: three on each other, one
 /// beside, seen from the side. few: one stone; the others are absent. d435: isolated, with another sensor.
 /// copies: isolated, two of the four are the same stone. hidden: a heap of six seen from low down, so that
-/// stones hide each other; two_views: the same heaps, from a second camera pose as well.
+/// stones hide each other; two_views: the same heaps, from a second camera pose as well. mirrored: isolated,
+/// seen in a mirror: no stone is there.
 struct SceneKind {
   std::string name;
   int present = 4;
@@ -26,6 +27,7 @@ struct SceneKind {
   double least_tilt = 0.0;       ///< rad, of the camera off the vertical
   double most_tilt = 0.78;       ///< rad
   double least_unhidden = 0.25;  ///< stones of which the first view shows less do not count
+  bool mirrored = false;         ///< the images, left for right
 };
 [[nodiscard]] std::vector<SceneKind> scene_kinds();
 

@@ -43,11 +43,15 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
   const bool right = off.angle < kRightAngle && off.translation < kRightShift;
   if (truth.unhidden >= kind.least_unhidden) tally.right += right ? 1 : 0;
   (right ? tally.right_scores : tally.bad_scores).push_back(d.score);
+  if (list)
+    std::printf(
+        "    %s: stone %d unhidden %.2f score %.3f visible %.3f off %.1f deg %.1f mm, stated %.1f deg %.1f "
+        "mm\n",
+        right ? "right" : "wrong", d.stone, truth.unhidden, d.score, d.visible, off.angle / kDegree,
+        off.translation * 1000, std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()) / kDegree,
+        1000 * std::sqrt(d.covariance.topLeftCorner<3, 3>().trace()));
   if (!right) {
     ++tally.wrong;
-    if (list)
-      std::printf("    wrong: stone %d unhidden %.2f score %.3f visible %.2f off %.1f deg %.1f mm\n", d.stone,
-                  truth.unhidden, d.score, d.visible, off.angle / kDegree, off.translation * 1000);
     return;
   }
   tally.degrees.push_back(off.angle / kDegree);

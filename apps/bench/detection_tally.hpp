@@ -15,7 +15,7 @@ struct DetectionTally {
 };
 
 /// Compares what was found with the truth. Right: within 5 deg and 5 mm. A stone counts as present if the
-/// kind's share of what faces the first camera is not hidden. With `list`, prints every miss, wrong pose and
+/// kind's share of what faces the first camera is not hidden. With `list`, prints every detection, miss and
 /// false accept.
 void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
            bool list, DetectionTally& tally);
