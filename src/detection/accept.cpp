@@ -9,6 +9,8 @@ namespace stonestack {
 namespace {
 
 constexpr double kLeastVisible = 0.04;   // of the whole surface: less is no evidence
+constexpr double kMuchVisible = 0.13;    // of the whole surface: less must fit the better ...
+constexpr double kLittleVisible = 1.5;   // ... by this much score for all that is missing (bench: hidden)
 constexpr double kLargestOverlap = 0.3;  // of a candidate's pixels that an accepted one explains already
 
 /// Score first, but a large surface that fits is worth more than a small one. The paper has the inlier ratio.
@@ -51,7 +53,8 @@ class Claims {
 
 bool acceptable(const Detection& d, const DetectionOptions& options) {
   if (options.method == "paper") return d.inlier_ratio >= options.accept_inlier_ratio;
-  return d.score >= options.accept_score && d.visible >= kLeastVisible;
+  const double wanted = options.accept_score + kLittleVisible * std::max(0.0, kMuchVisible - d.visible);
+  return d.score >= wanted && d.visible >= kLeastVisible;
 }
 
 std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,

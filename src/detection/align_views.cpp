@@ -1,66 +1,73 @@
 #include "detection/align_views.hpp"
 
+#include <Eigen/Cholesky>
 #include <cmath>
-#include <numeric>
-
-#include "detection/refine.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr float kCell = 0.005F;       // m, of the field over the earlier surface
-constexpr float kBand = 0.020F;       // m
-constexpr float kWidest = 1.8F;       // m: a wider scene is not aligned
-constexpr int kMostPoints = 6000;     // of the further view
-constexpr float kTableStep = 0.010F;  // m, between the points that stand for the table
-constexpr int kFewestShared = 300;    // correspondences
+constexpr double kTableSigma = 0.0003;  // m, of a table's height at a corner: its smooth error averages out
+constexpr double kTableReach = 0.20;    // m, of three corners around the spot that the camera looks at
+constexpr int kSteps = 4;
 
-RefineOptions alignment_steps() {
-  return {15, 0.006, 0.003, 0.001, 0.9};  // tight: opposite sides of a stone are near each other, too
+/// Rotation vector of a rotation.
+Eigen::Vector3d turn_of(const Eigen::Matrix3d& R) {
+  const Eigen::AngleAxisd turn(R);
+  return turn.angle() * turn.axis();
 }
 
-/// The points with some of the table below them.
-SurfacePoints with_table(const ViewSurface& seen, const Eigen::AlignedBox3f& box) {
-  SurfacePoints out = seen.points;
-  if (!seen.table) return out;
-  const Eigen::Vector3f n = seen.table->normal.cast<float>(), x = n.unitOrthogonal(), y = n.cross(x);
-  const Eigen::Vector3f centre =
-      box.center() - static_cast<float>(seen.table->distance(box.center().cast<double>())) * n;
-  const int reach = static_cast<int>(0.5F * box.sizes().norm() / kTableStep);
-  for (int i = -reach; i <= reach; ++i)
-    for (int k = -reach; k <= reach; ++k) {
-      out.points.emplace_back(centre + kTableStep * (static_cast<float>(i) * x + static_cast<float>(k) * y));
-      out.normals.push_back(n);
-      out.areas.push_back(0.0F);
-    }
-  return out;
+/// Three points of the plane, around where the optical axis meets it.
+std::vector<Eigen::Vector3d> corners(const Plane& table_V) {
+  std::vector<Eigen::Vector3d> points;
+  const double slope = table_V.normal.z();
+  const double z = std::abs(slope) > 0.05 ? table_V.offset / slope : 0.0;
+  const Eigen::Vector3d ahead(0, 0, z > 0.1 && z < 3.0 ? z : 0.7);
+  const Eigen::Vector3d foot = ahead - table_V.distance(ahead) * table_V.normal;
+  const Eigen::Vector3d x = table_V.normal.unitOrthogonal(), y = table_V.normal.cross(x);
+  for (int k = 0; k < 3; ++k) {
+    const double angle = 2.0943951 * k;
+    points.emplace_back(foot + kTableReach * (std::cos(angle) * x + std::sin(angle) * y));
+  }
+  return points;
 }
 
 }  // namespace
 
-Pose alignment(const ViewSurface& earlier, const ViewSurface& further, const DetectionOptions& options) {
-  if (options.align_shift <= 0 || earlier.points.points.size() < 100 || further.points.points.size() < 100)
-    return Pose::Identity();
-  Eigen::AlignedBox3f box;
-  for (const auto& p : earlier.points.points) box.extend(p);
-  if (box.sizes().maxCoeff() > kWidest) return Pose::Identity();
-  const bool tables = earlier.table && further.table;
-  const SurfacePoints earlier_C = tables ? with_table(earlier, box) : earlier.points;
-  const SurfacePoints further_C = tables ? with_table(further, box) : further.points;
-  const SurfaceField field(earlier_C.points, kCell, kBand);
-  const RefineTarget target{earlier_C, field, box.center().cast<double>()};
-  std::vector<int> some;
-  const auto count = static_cast<int>(further_C.points.size()), most = std::min(count, kMostPoints);
-  for (int i = 0; i < most; ++i) some.push_back(static_cast<int>(static_cast<long>(i) * count / most));
-  // The earlier surface is the model, in a frame of its own that starts as C: what it is found at, inverted,
-  // is the way of the further points.
-  const Refined refined = refine_pose(target, Pose::Identity(), further_C, some, alignment_steps());
-  if (refined.correspondences < kFewestShared || !is_valid(refined.T_C_O)) return Pose::Identity();
-  const Pose off = refined.T_C_O.inverse();
-  const Eigen::Vector3d centre = target.centre;
-  const double shift = (off * centre - centre).norm(), turn = Eigen::AngleAxisd(off.linear()).angle();
-  if (shift > options.align_shift || turn > options.align_turn) return Pose::Identity();
-  return off;
+ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenView& view, const Pose& T_C_V,
+                               const DetectionOptions& options) {
+  ViewConstraint out;
+  const double shift = std::max(options.view_shift, 1e-6), turn = std::max(options.view_turn, 1e-6);
+  const Pose off = view.T_C_V_reported.inverse() * T_C_V;
+  Eigen::Matrix<double, 6, 1> x, precision;
+  x << off.translation(), turn_of(off.linear());
+  precision << Eigen::Vector3d::Constant(1.0 / (shift * shift)),
+      Eigen::Vector3d::Constant(1.0 / (turn * turn));
+  out.H.diagonal() = precision;
+  out.g = precision.cwiseProduct(x);
+  if (!table_C || !view.table_V) return out;
+  const Eigen::Vector3d n_V = T_C_V.linear().transpose() * table_C->normal;
+  const double weight = 1.0 / (kTableSigma * kTableSigma);
+  for (const auto& p_V : corners(*view.table_V)) {
+    Eigen::Matrix<double, 6, 1> J;
+    J << n_V, p_V.cross(n_V);
+    out.H += weight * J * J.transpose();
+    out.g += weight * table_C->distance(T_C_V * p_V) * J;
+  }
+  return out;
+}
+
+Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view,
+                  const DetectionOptions& options) {
+  Pose T_C_V = view.T_C_V_reported;
+  for (int step = 0; step < kSteps; ++step) {
+    const ViewConstraint held = view_constraint(table_C, view, T_C_V, options);
+    const Eigen::Matrix<double, 6, 1> x = -held.H.ldlt().solve(held.g);
+    const Eigen::Vector3d w = x.tail<3>();
+    Pose move = make_pose(Eigen::Vector3d(x.head<3>()));
+    if (w.norm() > 1e-15) move.rotate(Eigen::AngleAxisd(w.norm(), w.normalized()));
+    T_C_V = orthonormal(T_C_V * move);
+  }
+  return T_C_V;
 }
 
 }  // namespace stonestack

@@ -5,17 +5,20 @@
 
 namespace stonestack {
 
-/// What a view saw, in C as its reported camera pose has it.
-struct ViewSurface {
-  const SurfacePoints& points;
-  std::optional<Plane> table;
+/// What is known of the error of a view's pose before any stone is: half a squared sum x'Hx / 2 + g'x over a
+/// small motion x of the view (translation m, rotation rad, in V), around where it is taken to be now.
+struct ViewConstraint {
+  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
-/// The small motion that carries what a further view saw onto what earlier ones saw, point to plane over the
-/// surfaces that both see, the table among them: hand-eye and arm calibration err, and two views of one stone
-/// must agree to be judged together. Identity if they share too little, if the shared surface does not fix
-/// six degrees of freedom, or if the motion would exceed `align_shift` and `align_turn`.
-[[nodiscard]] Pose alignment(const ViewSurface& earlier, const ViewSurface& further,
-                             const DetectionOptions& options);
+/// The arm's report (errs by `view_shift` and `view_turn` an axis) and the table: what the view takes for it
+/// must be the table of the first view, `table_C`.
+[[nodiscard]] ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenView& view,
+                                             const Pose& T_C_V, const DetectionOptions& options);
+
+/// T_C_V that agrees best with the arm's report and the table, for a view that was reported at view.T_C_V.
+[[nodiscard]] Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view,
+                                const DetectionOptions& options);
 
 }  // namespace stonestack

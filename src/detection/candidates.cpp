@@ -1,6 +1,5 @@
 #include "detection/candidates.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -15,11 +14,8 @@ constexpr std::size_t kKept = 5;            // poses a model that are refined fi
 constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
 constexpr double kSameAngle = 0.10;
 constexpr double kNoiseTolerance = 4.0;  // standard deviations
-constexpr double kUsualNoise = 0.0006;   // m, of smoothed SR300 depth, for which noise_scale is stated
 constexpr double kHiddenWeight =
     0.1;  // of a pixel that something unknown hides: stones may be hidden by three quarters
-
-constexpr RefineOptions kPolish{4, 0.004, 0.004, 0.0015, 0.6};
 
 /// A coarse pose and its score, best first.
 struct Coarse {
@@ -65,17 +61,6 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
   return kept;
 }
 
-Eigen::Matrix<double, 6, 6> covariance(const Refined& refined, double noise,
-                                       const DetectionOptions& options) {
-  // The voxels' noise is correlated and partly common (bias, reduced mesh): noise_scale is calibrated so that
-  // the stated region holds the truth, not taken from the residual alone. Only a part of it grows with the
-  // image's noise, about as its root between SR300 and D435.
-  Eigen::Matrix<double, 6, 6> H = refined.information;
-  H.diagonal().array() += 1e-9 * H.trace() + 1e-12;
-  const double sigma = options.noise_scale * std::sqrt(std::max(1.0, noise / kUsualNoise));
-  return sigma * sigma * H.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity());
-}
-
 }  // namespace
 
 std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
@@ -88,22 +73,12 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, cons
   strict.keep_pixels = true;
   Verdict verdict = verify_pose(model, refined.T_C_O, scene, strict);
   Candidate candidate;
-  candidate.detection = {stone,           refined.T_C_O,
-                         verdict.score,   verdict.inlier_ratio,
-                         verdict.visible, covariance(refined, scene.noise, options)};
+  candidate.detection.stone = stone;
+  candidate.detection.T_C_O = refined.T_C_O;
+  candidate.detection.score = verdict.score;
+  candidate.detection.inlier_ratio = verdict.inlier_ratio;
+  candidate.detection.visible = verdict.visible;
   candidate.pixels = std::move(verdict.pixels);
-  return candidate;
-}
-
-Candidate polished(Candidate candidate, const DetectionModel& model, const DetectionScene& scene,
-                   const DetectionOptions& options) {
-  Detection& d = candidate.detection;
-  const auto near = points_near(model, d.T_C_O, scene.surface, options.icp_gate, kFinePoints);
-  const RefineTarget target{model.surface, model.field, model.centre, &model.tree};
-  const Refined refined = refine_pose(target, d.T_C_O, scene.surface, near, kPolish);
-  if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return candidate;
-  d.T_C_O = refined.T_C_O;
-  d.covariance = covariance(refined, scene.noise, options);
   return candidate;
 }
 

@@ -28,8 +28,4 @@ struct Candidate {
                                                   const DetectionScene& scene,
                                                   const DetectionOptions& options, double hidden_weight);
 
-/// The last steps with exact distances to the mesh, for poses that are right already.
-[[nodiscard]] Candidate polished(Candidate candidate, const DetectionModel& model,
-                                 const DetectionScene& scene, const DetectionOptions& options);
-
 }  // namespace stonestack

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "detection/describe.hpp"
+#include "detection/joint_refine.hpp"
 #include "detection/search_in_turns.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -42,9 +43,10 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   result.note = scene.note;
   if (scene.clusters == 0 || missing.empty()) return result;
   const auto trace = options.trace ? std::make_shared<DetectionTrace>() : nullptr;
-  const auto taken = search_in_turns(data, std::move(missing), std::move(scene), options, trace.get());
+  const auto taken = search_in_turns(data, std::move(missing), scene, options, trace.get());
   result.trace = trace;
   for (const auto& t : taken) result.detections.push_back(t.detection);
+  result.detections = refined_together(std::move(result.detections), data, scene, options);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   if (result.detections.empty()) result.note = "no wanted stone fits what stands on the table";

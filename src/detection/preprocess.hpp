@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "detection/depth_error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/plane.hpp"
@@ -21,6 +22,9 @@ struct SeenView {
   Pose T_C_V = Pose::Identity();
   DepthImage depth;             ///< smoothed; 0 where unknown or out of range
   std::vector<char> explained;  ///< a flag a pixel: it shows a stone whose pose is known; empty if none does
+  Pose T_C_V_reported = Pose::Identity();  ///< before the views were aligned
+  std::optional<Plane> table_V;            ///< as this view sees it
+  DepthError error;                        ///< what the table shows of the depth's smooth error
 };
 
 /// Depth images made ready: smoothed, cropped, the table found, the rest in voxels and clusters. C is the

@@ -17,25 +17,7 @@ struct Normal {
   double squares = 0.0, weights = 0.0;
 };
 
-/// The surface nearest to a point: point and outward normal. False if there is none within the gate.
-bool nearest_surface(const RefineTarget& target, const Eigen::Vector3f& q, double gate,
-                     Eigen::Vector3f& point, Eigen::Vector3f& normal) {
-  if (target.tree != nullptr) {
-    const SurfacePoint found = target.tree->nearest({q.x(), q.y(), q.z()}, gate);
-    const auto narrow = [](const Eigen::Vector3d& v) {
-      return Eigen::Vector3f(static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()));
-    };
-    point = narrow(found.point), normal = narrow(found.normal);
-    return found.face >= 0;
-  }
-  const int k = target.field.nearest(q);
-  if (k < 0) return false;
-  point = target.surface.points[static_cast<std::size_t>(k)];
-  normal = target.surface.normals[static_cast<std::size_t>(k)];
-  return (q - point).squaredNorm() <= static_cast<float>(gate * gate);
-}
-
-Normal accumulate(const RefineTarget& model, const Pose& T_O_C, const SurfacePoints& seen,
+Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfacePoints& seen,
                   std::span<const int> indices, double gate, double robust, double least_cosine) {
   Normal sum;
   const Eigen::Isometry3f T = T_O_C.cast<float>();
@@ -46,7 +28,11 @@ Normal accumulate(const RefineTarget& model, const Pose& T_O_C, const SurfacePoi
   Eigen::Matrix<float, 6, 1> g = Eigen::Matrix<float, 6, 1>::Zero();
   for (const int i : indices) {
     const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
-    if (!nearest_surface(model, q, gate, s, n)) continue;
+    const int k = model.field.nearest(q);
+    if (k < 0) continue;
+    s = model.surface.points[static_cast<std::size_t>(k)];
+    n = model.surface.normals[static_cast<std::size_t>(k)];
+    if ((q - s).squaredNorm() > static_cast<float>(gate * gate)) continue;
     if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(least_cosine))
       continue;
     const float r = n.dot(q - s);
@@ -75,30 +61,9 @@ Pose motion(const Eigen::Matrix<double, 6, 1>& x, const Eigen::Vector3d& centre)
   return T;
 }
 
-/// From (translation, rotation) about the centre in O, of the seen points, to (translation of the stone's
-/// origin, rotation) in C, of the stone. Signs drop out of a quadratic form.
-Eigen::Matrix<double, 6, 6> information_C(const Eigen::Matrix<double, 6, 6>& H_O, const Pose& T_C_O,
-                                          const Eigen::Vector3d& centre) {
-  // A motion (t, w) of the origin moves the centre by t + w x c: columns of the change of variables.
-  Eigen::Matrix<double, 6, 6> A = Eigen::Matrix<double, 6, 6>::Zero();
-  const Eigen::Matrix3d R = T_C_O.linear().transpose();
-  Eigen::Matrix3d cross;
-  const Eigen::Vector3d c = T_C_O.linear() * centre;
-  cross << 0, -c.z(), c.y(), c.z(), 0, -c.x(), -c.y(), c.x(), 0;
-  A.topLeftCorner<3, 3>() = R;
-  A.topRightCorner<3, 3>() = -R * cross;
-  A.bottomRightCorner<3, 3>() = R;
-  return A.transpose() * H_O * A;
-}
-
 }  // namespace
 
 Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
-                    std::span<const int> indices, const RefineOptions& options) {
-  return refine_pose(RefineTarget{model.surface, model.field, model.centre}, T_C_O, seen, indices, options);
-}
-
-Refined refine_pose(const RefineTarget& model, const Pose& T_C_O, const SurfacePoints& seen,
                     std::span<const int> indices, const RefineOptions& options) {
   Refined out{T_C_O};
   Pose T_O_C = T_C_O.inverse();
@@ -111,7 +76,6 @@ Refined refine_pose(const RefineTarget& model, const Pose& T_C_O, const SurfaceP
     out.correspondences = sum.count;
     if (sum.count < kFewest) break;
     out.rms = std::sqrt(sum.squares / std::max(sum.weights, 1e-9));
-    out.information = information_C(sum.H, T_O_C.inverse(), model.centre);
     // A little damping (1e-6 of the trace) keeps directions that the view does not fix where they are.
     Eigen::Matrix<double, 6, 6> H = sum.H;
     H.diagonal().head<3>().array() += 1e-4 * sum.H.topLeftCorner<3, 3>().trace();

@@ -20,21 +20,7 @@ struct Refined {
   Pose T_C_O = Pose::Identity();
   int correspondences = 0;
   double rms = 0.0;  ///< m, robustly weighted point-to-plane residual
-  /// Gauss-Newton matrix of the last step, weights included: (translation, rotation about the stone's
-  /// origin), C.
-  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
 };
-
-/// A surface to align to, in a frame of its own (O for a model).
-struct RefineTarget {
-  const SurfacePoints& surface;
-  const SurfaceField& field;          ///< over it
-  Eigen::Vector3d centre;             ///< that rotations turn about
-  const SurfaceTree* tree = nullptr;  ///< exact in place of the field, for the last steps: ten times the time
-};
-
-[[nodiscard]] Refined refine_pose(const RefineTarget& target, const Pose& T_C_O, const SurfacePoints& seen,
-                                  std::span<const int> indices, const RefineOptions& options);
 
 /// Aligns scene to model, point to plane: seen points look for the nearest model sample, never the other way
 /// round, because unseen parts of a model have nothing to match. Stops early when a step is below 0.01 mm.

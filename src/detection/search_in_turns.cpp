@@ -15,7 +15,9 @@
 namespace stonestack {
 namespace {
 
-constexpr double kWiderGap = 3.0;  // times the gap of clusters
+constexpr double kWiderGap = 3.0;         // times the gap of clusters
+constexpr double kNearlyAccepted = 0.10;  // below the accept score
+constexpr double kWellVisible = 0.13;     // of the whole surface
 
 /// Points of one cluster that one view saw.
 struct SeenCluster {
@@ -175,39 +177,91 @@ std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& op
   return {};
 }
 
+/// How far a search has come.
+struct Search {
+  std::vector<int> missing;
+  DetectionScene scene;  ///< what is still unexplained
+  std::vector<Candidate> taken;
+  std::vector<Candidate> refused;  ///< since something was taken last
+};
+
+void take(Search& search, Candidate candidate) {
+  search.missing.erase(std::find(search.missing.begin(), search.missing.end(), candidate.detection.stone));
+  search.taken.push_back(std::move(candidate));
+}
+
+std::vector<KnownStone> poses_of(std::span<const Candidate> candidates) {
+  std::vector<KnownStone> stones;
+  for (const auto& c : candidates) stones.push_back({c.detection.stone, c.detection.T_C_O});
+  return stones;
+}
+
+/// Turn after turn until nothing more is found.
+void take_turns(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
+                DetectionTrace* trace) {
+  Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
+  while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
+    throw_if_interrupted();
+    Features seen;
+    if (turn == Turn::kDescribe) seen = describe_scene(so_far.scene, data.options);
+    const Look look = look_of(turn, so_far.scene, seen, options);
+    TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
+    if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
+    auto found = search(data, so_far.missing, so_far.scene, look, options, noted);
+    const auto accepted = without_conflicts(found, so_far.missing, so_far.scene, options);
+    if (noted != nullptr) note_candidates(*noted, found, accepted);
+    const std::size_t before = so_far.taken.size();
+    for (const std::size_t i : accepted) take(so_far, found[i]);
+    so_far.scene = without_stones(std::move(so_far.scene), data,
+                                  poses_of(std::span(so_far.taken).subspan(before)), options);
+    if (!accepted.empty())
+      so_far.refused.clear();  // they are judged anew
+    else
+      so_far.refused.insert(so_far.refused.end(), std::make_move_iterator(found.begin()),
+                            std::make_move_iterator(found.end()));
+    const auto next = turn_after(turn, !accepted.empty(), options);
+    if (!next) break;
+    turn = *next;
+  }
+}
+
+/// A stone may be refused because of one before it that was not found either, as the first one stands in its
+/// way: takes the likeliest refused pose for granted, looks for what is left then, and keeps all of it if
+/// that pose stands the check once the others are explained.
+void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options) {
+  auto refused = so_far.refused;
+  std::erase_if(refused, [&](const Candidate& c) {
+    return c.detection.score < options.accept_score - kNearlyAccepted || c.detection.visible < kWellVisible ||
+           std::count(so_far.missing.begin(), so_far.missing.end(), c.detection.stone) == 0;
+  });
+  const auto best = std::max_element(
+      refused.begin(), refused.end(),
+      [](const Candidate& a, const Candidate& b) { return a.detection.score < b.detection.score; });
+  if (best == refused.end()) return;
+  const auto granted = poses_of(std::span(&*best, 1));
+  Search rest{so_far.missing, without_stones(so_far.scene, data, granted, options), {}, {}};
+  take(rest, *best);
+  rest.taken.clear();
+  take_turns(data, rest, options, nullptr);
+  if (rest.taken.empty()) return;
+  const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken), options);
+  const Hypothesis again{best->detection.T_C_O, 1.0};
+  auto judged = judge_hypotheses(data.models[static_cast<std::size_t>(best->detection.stone)],
+                                 best->detection.stone, std::span(&again, 1), alone, options);
+  if (judged.empty() || !acceptable(judged.front().detection, options)) return;
+  take(so_far, std::move(judged.front()));
+  for (auto& c : rest.taken) take(so_far, std::move(c));
+}
+
 }  // namespace
 
 std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<int> missing,
                                        DetectionScene scene, const DetectionOptions& options,
                                        DetectionTrace* trace) {
-  std::vector<Candidate> taken;
-  Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
-  while (!missing.empty() && scene.clusters > 0) {
-    throw_if_interrupted();
-    Features seen;
-    if (turn == Turn::kDescribe) seen = describe_scene(scene, data.options);
-    const Look look = look_of(turn, scene, seen, options);
-    TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
-    if (noted != nullptr) note_scene(*noted, scene, seen);
-    auto found = search(data, missing, scene, look, options, noted);
-    const auto accepted = without_conflicts(found, missing, scene, options);
-    tbb::parallel_for(std::size_t{0}, accepted.size(), [&](std::size_t k) {
-      Candidate& c = found[accepted[k]];
-      c = polished(std::move(c), data.models[static_cast<std::size_t>(c.detection.stone)], scene, options);
-    });
-    if (noted != nullptr) note_candidates(*noted, found, accepted);
-    std::vector<KnownStone> stones;
-    for (const std::size_t i : accepted) {
-      stones.push_back({found[i].detection.stone, found[i].detection.T_C_O});
-      missing.erase(std::find(missing.begin(), missing.end(), found[i].detection.stone));
-      taken.push_back(std::move(found[i]));
-    }
-    scene = without_stones(std::move(scene), data, stones, options);
-    const auto next = turn_after(turn, !accepted.empty(), options);
-    if (!next) break;
-    turn = *next;
-  }
-  return taken;
+  Search so_far{std::move(missing), std::move(scene), {}, {}};
+  take_turns(data, so_far, options, trace);
+  if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options);
+  return std::move(so_far.taken);
 }
 
 }  // namespace stonestack

@@ -75,25 +75,23 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
                      const DetectionOptions& options) {
   std::string problem = unusable(image);
   if (!problem.empty()) return problem;
-  SeenView view{T_C_V, smooth_depth(image, options), {}};
+  SeenView view;
+  view.T_C_V = view.T_C_V_reported = T_C_V;
+  view.depth = smooth_depth(image, options);
   const auto valid = std::count_if(view.depth.z.begin(), view.depth.z.end(), [](float z) { return z > 0; });
   if (valid < kFewestPixels) return nothing_in_range(image, options);
-  std::optional<Plane> expected_V, table_V;
+  std::optional<Plane> expected_V;
   if (expected_table) expected_V = in_view(*expected_table, T_C_V);
-  if (expected_table || look_for_table) table_V = find_table(view.depth, expected_V, options);
-  if (table_V) {
-    if (!scene.table_C) scene.table_C = in_scene(*table_V, T_C_V);
-    const double noise = noise_about(*table_V, view.depth, options.table_tolerance);
+  if (expected_table || look_for_table) view.table_V = find_table(view.depth, expected_V, options);
+  view.error = assumed_depth_error(view.depth.camera, options);
+  if (view.table_V) {
+    view.error = measure_depth_error(view.depth, *view.table_V, options);
+    const double noise = noise_about(*view.table_V, view.depth, options.table_tolerance);
     scene.noise = scene.views.empty() ? noise : std::max(scene.noise, noise);
+    if (scene.views.empty() || !scene.table_C) scene.table_C = in_scene(*view.table_V, T_C_V);
+    if (!scene.views.empty()) view.T_C_V = aligned_view(scene.table_C, view, options);
   }
-  SurfacePoints points = moved(above_table(view.depth, table_V, options), T_C_V);
-  if (!scene.surface.points.empty()) {
-    std::optional<Plane> table_C;
-    if (table_V) table_C = in_scene(*table_V, T_C_V);
-    const Pose off = alignment({scene.surface, scene.table_C}, {points, table_C}, options);
-    view.T_C_V = off * T_C_V;
-    points = moved(std::move(points), off);
-  }
+  const SurfacePoints points = moved(above_table(view.depth, view.table_V, options), view.T_C_V);
   append_points(scene, points, static_cast<int>(scene.views.size()));
   scene.views.push_back(std::move(view));
   return {};
@@ -144,7 +142,8 @@ DetectionScene preprocess(std::span<const DepthView> views, const std::optional<
   DetectionScene scene;
   std::string problem;
   for (const auto& view : views) {
-    const Pose T_C_V = views.front().T_W_C.inverse() * view.T_W_C;
+    const bool first = &view == &views.front();  // exactly C, not but for rounding
+    const Pose T_C_V = first ? Pose::Identity() : views.front().T_W_C.inverse() * view.T_W_C;
     const auto table = expected_table ? expected_table : scene.table_C;
     const std::string one = add_view(scene, view.image, T_C_V, table, look_for_table, options);
     if (!one.empty()) problem = one;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "detection/candidates.hpp"
+#include "detection/joint_refine.hpp"
 #include "detection/models.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
@@ -63,7 +64,7 @@ std::optional<Detection> track_stone(const DepthImage& image, const DetectionMod
     const PoseDifference moved = difference(T_C_O_guess, c.detection.T_C_O);
     if (c.detection.score >= options.accept_score && c.detection.visible >= kLeastVisible &&
         moved.translation < kFurthest && moved.angle < kFurthestAngle)
-      return polished(c, model, scene, options).detection;
+      return refined_together({c.detection}, data, scene, options).front();
   }
   return {};
 }

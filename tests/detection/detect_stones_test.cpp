@@ -155,6 +155,56 @@ TEST_F(Detect, TwoPlanesWithoutStones) {
   EXPECT_TRUE(detect_stones(render(scene, {}, T_W_C).depth, *models()).detections.empty());
 }
 
+TEST_F(Detect, StonesBeforeAWallAreStillFoundOnTheTable) {
+  const Pose T_W_C = test::make_camera_pose(0.6, 0.0);
+  const Pose T_W_O =
+      test::on_table(stones()[1], Eigen::Quaterniond(0.3, 0.8, -0.4, 0.3).normalized(), 0.05, 0.05);
+  RayScene world;
+  world.add(make_box({1.6, 1.6, 0.02}), make_pose({0, 0, -0.01}));
+  world.add(make_box({0.02, 1.6, 0.8}), make_pose({-0.25, 0, 0.4}));
+  world.add(stones()[1].scan, T_W_O);
+  world.commit();
+  const auto found = detect_stones(render(world, {}, T_W_C).depth, *models()).detections;
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].stone, 1);
+  EXPECT_LT(difference(T_W_C * found[0].T_C_O, T_W_O).translation, 0.002);
+}
+
+TEST_F(Detect, WithoutATableStonesAreRightOrNotSeen) {
+  const Scene scene = make_scene(2);
+  DepthImage cut = scene.image;
+  const CameraIntrinsics& camera = cut.camera;
+  for (int v = 0; v < camera.height; ++v)
+    for (int u = 0; u < camera.width; ++u)
+      if (float& z = cut.z[static_cast<std::size_t>(v * camera.width + u)];
+          z > 0 && (scene.T_W_C * (z * deproject(camera, u, v))).z() < 0.008)
+        z = 0;
+  for (const auto& d : detect_stones(cut, *models()).detections)
+    EXPECT_TRUE(right(d, scene)) << "stone " << d.stone << ", score " << d.score;
+}
+
+TEST_F(Detect, LensDistortionIsTakenIntoAccount) {
+  const Pose T_W_C = test::make_camera_pose(0.4, 0.9);
+  const Pose T_W_O =
+      test::on_table(stones()[3], Eigen::Quaterniond(0.2, -0.7, 0.5, 0.4).normalized(), 0.17, 0.12);
+  using Distortion = CameraIntrinsics::Distortion;
+  for (const Distortion kind : {Distortion::kBrownConrady, Distortion::kInverseBrownConrady}) {
+    CameraIntrinsics camera;
+    camera.distortion = kind;
+    const double k[5] = {0.30, -0.25, 0.002, -0.001, 0.04};
+    std::copy(std::begin(k), std::end(k), camera.k);
+    DepthImage image = test::look_at({{&stones()[3], T_W_O}}, T_W_C, camera);
+    const auto off = [&] {
+      const auto found = detect_stones(image, *models()).detections;
+      return found.size() == 1 && found[0].stone == 3 ? difference(T_W_C * found[0].T_C_O, T_W_O).translation
+                                                      : 1.0;
+    };
+    EXPECT_LT(off(), 0.001);
+    image.camera.distortion = Distortion::kNone;
+    EXPECT_GT(off(), 0.002) << "the lens of this test does nothing";
+  }
+}
+
 TEST_F(Detect, PaperModeLooksOnceWithItsOwnDescriptorAndNoSweep) {
   DetectionOptions options;
   options.method = "paper";

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -72,6 +73,23 @@ TEST_F(Views, AnErrorOfTheCameraPoseIsAlignedAway) {
   EXPECT_TRUE(right(detect_stones(views, *models()), views[0].T_W_C, 0));
 }
 
+TEST_F(Views, TheFusedPoseIsAsSureAsItSays) {
+  const Pose off =
+      make_pose({0.001, 0.0012, -0.001}) * Pose(Eigen::AngleAxisd(0.004, Eigen::Vector3d::UnitZ()));
+  const auto views = hidden_scene(off);
+  const auto found = detect_stones(views, *models()).detections;
+  ASSERT_EQ(found.size(), 2U);
+  for (const auto& d : found) {
+    const Pose T_C_O = views[0].T_W_C.inverse() * pose(d.stone);
+    const Eigen::AngleAxisd turn(T_C_O.linear() * d.T_C_O.linear().transpose());
+    Eigen::Matrix<double, 6, 1> e;
+    e << T_C_O.translation() - d.T_C_O.translation(), turn.angle() * turn.axis();
+    EXPECT_LT(e.head<3>().norm(), 0.0008) << "stone " << d.stone;
+    EXPECT_LT(e.dot(d.covariance.ldlt().solve(e)), 22.5) << "beyond 99.9 %";  // chi^2, six degrees
+    EXPECT_LT(std::sqrt(d.covariance.topLeftCorner<3, 3>().trace()), 0.002) << "as good as no statement";
+  }
+}
+
 TEST_F(Views, OneViewGivesTheSameAsTheImageAlone) {
   const auto views = hidden_scene(Pose::Identity());
   const auto alone = detect_stones(views[1].image, *models());
@@ -128,27 +146,30 @@ TEST_F(Views, ATraceHoldsEveryStageAndCanBeWritten) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(AlignViews, FindsASmallMotionAndRefusesALargeOne) {
-  const Stone stone = test::make_test_stone(4);
-  SurfacePoints surface;
-  for (const auto& s : sample_surface(stone.mesh, 0.003)) {
-    surface.points.emplace_back(s.point.cast<float>());
-    surface.normals.emplace_back(s.normal.cast<float>());
-    surface.areas.push_back(0.0F);
-  }
-  const auto carried = [&](const Pose& T) {
-    SurfacePoints out = surface;
-    for (auto& p : out.points) p = T.cast<float>() * p;
-    for (auto& n : out.normals) n = T.linear().cast<float>() * n;
-    return out;
+TEST(AlignViews, TheTableCorrectsHeightAndTiltAndTheReportHoldsTheRest) {
+  const Pose first = test::make_camera_pose(0.6, 0.0), second = test::make_camera_pose(0.9, 2.0);
+  const auto plane_of = [](const Pose& T_W_C) {
+    const Eigen::Vector3d normal = T_W_C.linear().transpose() * Eigen::Vector3d::UnitZ();
+    return Plane{normal, -T_W_C.translation().z()};
   };
-  const Pose small =
-      make_pose({0.002, -0.001, 0.0015}) * Pose(Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY()));
-  const Pose back = alignment({surface, {}}, {carried(small), {}}, {});
-  EXPECT_LT(difference(back * small, Pose::Identity()).translation, 0.0002);
-  EXPECT_LT(difference(back * small, Pose::Identity()).angle, 0.1 * kDegree);
-  const Pose large = make_pose({0.012, 0.0, 0.0});
-  EXPECT_TRUE(alignment({surface, {}}, {carried(large), {}}, {}).isApprox(Pose::Identity()));
+  const Pose off = make_pose({0.001, -0.0015, 0.002}) *
+                   Pose(Eigen::AngleAxisd(0.006, Eigen::Vector3d(1, -2, 1).normalized()));
+  SeenView view;
+  view.T_C_V_reported = first.inverse() * second * off;
+  view.table_V = plane_of(second);
+  const Pose aligned = aligned_view(plane_of(first), view, {});
+  const auto table_off = [&](const Pose& T_C_V) {
+    double worst = 0;
+    for (const Eigen::Vector3d& p_W :
+         {Eigen::Vector3d(0.2, 0.1, 0), Eigen::Vector3d(-0.2, 0.1, 0), Eigen::Vector3d(0, -0.2, 0)})
+      worst = std::max(worst, std::abs(plane_of(first).distance(T_C_V * (second.inverse() * p_W))));
+    return worst;
+  };
+  EXPECT_GT(table_off(view.T_C_V_reported), 0.0015);
+  EXPECT_LT(table_off(aligned), 0.0004);
+  EXPECT_LT(difference(aligned, view.T_C_V_reported).angle, 0.0061) << "further than the report can be off";
+  const Pose blind = aligned_view({}, view, {});
+  EXPECT_LT(difference(blind, view.T_C_V_reported).translation, 1e-12) << "nothing to go by";
 }
 
 }  // namespace

@@ -69,11 +69,12 @@ struct DetectionOptions {
   double accept_score = 0.85;        ///< measured: right poses 0.92 and up, wrong ones up to 0.82
   double accept_inlier_ratio = 0.75;  ///< with paper
   double explained_margin = 0.008;    ///< m, points this near to a stone whose pose is known are its own
-  double noise_scale = 0.0048;  ///< m, of a surface point as ICP's Hessian sees it: calibrates covariance
-  double align_shift =
-      0.010;                 ///< m, how far several views are moved at most so that they agree; 0: not at all
-  double align_turn = 0.02;  ///< rad
-  bool trace = false;        ///< keep what each stage saw
+  double bias_sigma = 0.0005;   ///< m, smooth error of a depth image, where no table shows what it is ...
+  double bias_length = 32.0;    ///< px, ... and how far it reaches
+  double covariance_scale = 1;  ///< of standard deviations: calibrated on the benchmark
+  double view_shift = 0.001;    ///< m, standard deviation an axis of a further view's reported pose ...
+  double view_turn = 0.003;     ///< rad, ... and of its rotation
+  bool trace = false;           ///< keep what each stage saw
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(DetectionOptions& options);

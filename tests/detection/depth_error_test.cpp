@@ -1,0 +1,93 @@
+// The smooth error of a depth image: read off the table, and what that is worth for a stone.
+#include "detection/depth_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "detection/joint_refine.hpp"
+#include "detection/preprocess.hpp"
+#include "detection/test_scene.hpp"
+
+namespace stonestack {
+namespace {
+
+/// m, at a pixel; standard deviation 0.5 mm.
+double bias_at(int u, int v) {
+  return 0.001 * std::sin(0.055 * u + 0.4) * std::cos(0.06 * v - 0.7);
+}
+
+DepthImage with_bias(DepthImage image) {
+  for (int v = 0; v < image.camera.height; ++v)
+    for (int u = 0; u < image.camera.width; ++u)
+      if (float& z = image.z[static_cast<std::size_t>(v * image.camera.width + u)]; z > 0)
+        z += static_cast<float>(bias_at(u, v));
+  return image;
+}
+
+TEST(DepthError, IsReadOffTheTable) {
+  const Pose T_W_C = test::make_camera_pose(0.4, 0.3);
+  const DetectionScene scene =
+      preprocess(test::with_noise(with_bias(test::look_at({}, T_W_C)), 0.0005, 1), {}, true, {});
+  ASSERT_EQ(scene.views.size(), 1U);
+  const DepthError& error = scene.views[0].error;
+  EXPECT_NEAR(error.sigma, 0.0005, 0.0002);
+  EXPECT_GT(error.length, 8);
+  EXPECT_LT(error.length, 60);
+  double squares = 0;
+  int cells = 0;
+  for (int row = 1; row + 1 < error.rows; ++row)
+    for (int column = 1; column + 1 < error.columns; ++column) {
+      const auto i = static_cast<std::size_t>(row * error.columns + column);
+      if (error.count[i] < error.cell * error.cell / 2) continue;
+      double mean = 0;
+      for (int k = 0; k < error.cell * error.cell; ++k)
+        mean += bias_at(error.cell * column + k % error.cell, error.cell * row + k / error.cell);
+      squares += std::pow(error.offset[i] - mean / (error.cell * error.cell), 2);
+      ++cells;
+    }
+  ASSERT_GT(cells, 1000);
+  EXPECT_LT(std::sqrt(squares / cells), 0.00015) << "of 0.5 mm";
+}
+
+TEST(DepthError, APerfectTableHasNone) {
+  const DetectionScene scene = preprocess(test::look_at({}, test::make_camera_pose(0.4, 0.3)), {}, true, {});
+  EXPECT_LT(scene.views.at(0).error.sigma, 0.00005);
+}
+
+TEST(DepthError, WithoutATableItIsAssumed) {
+  DetectionOptions options;
+  options.bias_sigma = 0.0007;
+  const DepthError error = assumed_depth_error({}, options);
+  EXPECT_EQ(error.sigma, 0.0007);
+  EXPECT_EQ(error.offset.size(), static_cast<std::size_t>(error.columns * error.rows));
+}
+
+TEST(JointRefine, TheTableBesideAStoneCorrectsItsPose) {
+  const std::vector<Stone> stones{test::make_test_stone(2)};
+  const DetectionModels models(stones);
+  double with = 0, without = 0;
+  for (int number = 0; number < 6; ++number) {
+    Random random = Random::stream(static_cast<std::uint64_t>(number), "depth error");
+    const Pose T_W_C = test::make_camera_pose(random.uniform(0.1, 0.8), random.uniform(0, 6.28));
+    const Pose T_W_O =
+        test::on_table(stones[0], random.rotation(), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
+    const Pose T_C_O = T_W_C.inverse() * T_W_O;
+    DetectionScene scene = preprocess(with_bias(test::look_at({{&stones[0], T_W_O}}, T_W_C)), {}, true, {});
+    Detection start;
+    start.stone = 0;
+    start.T_C_O = make_pose({0.0005, -0.0005, 0.0005}) * T_C_O;
+    const auto error = [&] {
+      return difference(refined_together({start}, models.data(), scene, {}).front().T_C_O, T_C_O).angle;
+    };
+    with += error();
+    DetectionOptions none;
+    none.bias_sigma = 1e-6;
+    scene.views[0].error = assumed_depth_error(scene.views[0].depth.camera, none);
+    without += error();
+  }
+  EXPECT_LT(with, 0.6 * without) << "rad, sum over scenes";
+}
+
+}  // namespace
+}  // namespace stonestack
