@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <numeric>
 
 namespace stonestack {
 namespace {
@@ -9,6 +10,12 @@ namespace {
 constexpr double kTableSigma = 0.0003;  // m, of a table's height at a corner: its smooth error averages out
 constexpr double kTableReach = 0.20;    // m, of three corners around the spot that the camera looks at
 constexpr int kSteps = 4;
+constexpr int kFewestPixels = 3000;  // of bare table: with fewer it is where it was expected, not seen
+
+bool shows_table(const SeenView& view) {
+  return view.table_V &&
+         std::accumulate(view.error.count.begin(), view.error.count.end(), 0) >= kFewestPixels;
+}
 
 /// Rotation vector of a rotation.
 Eigen::Vector3d turn_of(const Eigen::Matrix3d& R) {
@@ -44,7 +51,7 @@ ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenVi
       Eigen::Vector3d::Constant(1.0 / (turn * turn));
   out.H.diagonal() = precision;
   out.g = precision.cwiseProduct(x);
-  if (!table_C || !view.table_V) return out;
+  if (!table_C || !shows_table(view)) return out;
   const Eigen::Vector3d n_V = T_C_V.linear().transpose() * table_C->normal;
   const double weight = 1.0 / (kTableSigma * kTableSigma);
   for (const auto& p_V : corners(*view.table_V)) {
@@ -68,6 +75,11 @@ Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view,
     T_C_V = orthonormal(T_C_V * move);
   }
   return T_C_V;
+}
+
+std::optional<Plane> seen_table(const DetectionScene& scene) {
+  if (scene.views.empty() || !shows_table(scene.views.front())) return {};
+  return scene.table_C;
 }
 
 }  // namespace stonestack

@@ -21,4 +21,7 @@ struct ViewConstraint {
 [[nodiscard]] Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view,
                                 const DetectionOptions& options);
 
+/// The table, if the first view shows it: what further views can be held to.
+[[nodiscard]] std::optional<Plane> seen_table(const DetectionScene& scene);
+
 }  // namespace stonestack

@@ -18,6 +18,8 @@ constexpr int kMostSamples = 2500;     // of a stone, in all views
 constexpr double kNearby = 0.006;      // m: points further from a stone are not its own
 constexpr double kPriorShift = 0.005;  // m, rad: how right the poses are that come in
 constexpr double kPriorTurn = 0.10;
+constexpr double kFurthest = 0.020;  // m, rad: a pose that runs away stays as it came
+constexpr double kFurthestTurn = 0.25;
 constexpr double kStill = 2e-5;  // m, rad: a step below this is the last
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -115,7 +117,7 @@ LinearSystem joint_system(std::vector<Part>& parts, const std::vector<Pose>& T_C
     }
   for (Eigen::Index v = 1; v < views; ++v) {
     const auto i = static_cast<std::size_t>(v);
-    const ViewConstraint held = view_constraint(scene.table_C, scene.views[i], T_C_V[i], options);
+    const ViewConstraint held = view_constraint(seen_table(scene), scene.views[i], T_C_V[i], options);
     const Eigen::Index w = 6 * (stones + v - 1);
     all.H.block<6, 6>(w, w) += held.H;
     all.g.segment<6>(w) += held.g;
@@ -178,7 +180,8 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
       scale * system.H.ldlt().solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Pose T_C_O = parts[k].T_O_C.inverse();
-    if (!is_valid(T_C_O)) continue;
+    const PoseDifference moved = difference(found[k].T_C_O, T_C_O);
+    if (!is_valid(T_C_O) || moved.translation > kFurthest || moved.angle > kFurthestTurn) continue;
     found[k].T_C_O = T_C_O;
     const auto s = static_cast<Eigen::Index>(6 * k);
     found[k].covariance = covariance_C(P.block<6, 6>(s, s), T_C_O, parts[k].model.centre);

@@ -89,7 +89,7 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
     const double noise = noise_about(*view.table_V, view.depth, options.table_tolerance);
     scene.noise = scene.views.empty() ? noise : std::max(scene.noise, noise);
     if (scene.views.empty() || !scene.table_C) scene.table_C = in_scene(*view.table_V, T_C_V);
-    if (!scene.views.empty()) view.T_C_V = aligned_view(scene.table_C, view, options);
+    if (!scene.views.empty()) view.T_C_V = aligned_view(seen_table(scene), view, options);
   }
   const SurfacePoints points = moved(above_table(view.depth, view.table_V, options), view.T_C_V);
   append_points(scene, points, static_cast<int>(scene.views.size()));

@@ -73,6 +73,7 @@ void StoneInView::lay_patches(const SeenView& view) {
 
 LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Pose& T_O_V) {
   LinearSystem out{Eigen::MatrixXd::Zero(12, 12), Eigen::VectorXd::Zero(12), 0};
+  if (samples_.empty()) return out;
   const Eigen::Index count = weight_.size();
   Eigen::VectorXd D = weight_;
   gradient_ = -weight_.cwiseProduct(table_);
@@ -112,7 +113,7 @@ LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Po
 }
 
 void StoneInView::update_error(const Eigen::VectorXd& step) {
-  error_ = -gain_ * (gradient_ + cross_ * step);
+  if (!samples_.empty()) error_ = -gain_ * (gradient_ + cross_ * step);
 }
 
 }  // namespace stonestack

@@ -177,6 +177,13 @@ TEST_F(Commands, BenchScoresADataSetOfTheBopLayout) {
   expect_refusal("bench detection --bop bop", 3, {"test_targets_bop19.json", "object 9"});
 }
 
+TEST_F(Commands, AStoneBehindAnUnfoundOneIsFoundWithIt) {
+  // Two stones of this stack are refused one by one: each stands in the other's way.
+  const Outcome bench = run("bench detection --seed 2001 --scenes 1 --kinds stacked");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  EXPECT_THAT(bench.out, HasSubstr("4/4"));
+}
+
 TEST_F(Commands, SearchesAndPlansFromFiles) {
   ASSERT_EQ(run("render --out scene --seed 5 --stones limestone_1,limestone_2,limestone_3").code, 0);
   const Outcome searched =

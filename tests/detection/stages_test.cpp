@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "detection/accept.hpp"
 #include "detection/consistency.hpp"
 #include "detection/keypoints.hpp"
 #include "detection/matching.hpp"
@@ -143,6 +144,19 @@ TEST_F(OneStone, VerdictAcceptsTheTruthAndRejectsPosesBehindAndAboveTheTable) {
 TEST_F(OneStone, VerdictIsEmptyOutsideTheImage) {
   EXPECT_LT(verify_pose(model, make_pose({3, 0, 0.7}), scene, {}).score, 0);
   EXPECT_LT(verify_pose(model, make_pose({0, 0, -0.7}), scene, {}).score, 0);
+}
+
+TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {
+  const auto accepted = [](double score, double visible) {
+    Detection d;
+    d.score = score, d.visible = visible;
+    return acceptable(d, {});
+  };
+  EXPECT_TRUE(accepted(0.86, 0.20));
+  EXPECT_FALSE(accepted(0.84, 0.20));
+  EXPECT_FALSE(accepted(0.94, 0.05)) << "wrong poses of hidden stones reached this";
+  EXPECT_TRUE(accepted(0.99, 0.05));
+  EXPECT_FALSE(accepted(1.00, 0.02)) << "no evidence";
 }
 
 }  // namespace

@@ -157,6 +157,7 @@ TEST(AlignViews, TheTableCorrectsHeightAndTiltAndTheReportHoldsTheRest) {
   SeenView view;
   view.T_C_V_reported = first.inverse() * second * off;
   view.table_V = plane_of(second);
+  view.error.count.assign(1, 100000);
   const Pose aligned = aligned_view(plane_of(first), view, {});
   const auto table_off = [&](const Pose& T_C_V) {
     double worst = 0;
