@@ -26,22 +26,29 @@ std::string find_cell(const std::string& name) {
 
 }  // namespace
 
+FieldList cell_fields(CellFile& file) {
+  return join({{field("simulate", file.simulate, "serve the devices here")},
+               nest("simulators", fields(file.servers))});
+}
+
 CellFile read_cell(const std::string& name) {
   CellFile file;
   const std::string& path = file.path = find_cell(name);
-  file.cell = read_cell_file(path, join({{field("simulate", file.simulate, "serve the devices here")},
-                                         nest("simulators", fields(file.servers))}));
+  file.cell = read_cell_file(path, cell_fields(file));
   return file;
 }
 
 void connect_to(const SimulatedServers& servers, CellConfig& cell) {
   const UrPorts& ports = servers.arm_ports();
   cell.arm.address = servers.arm_address();
-  cell.arm.rtde_port = ports.rtde;
-  cell.arm.primary_port = ports.primary;
-  cell.arm.secondary_port = ports.secondary;
-  cell.arm.realtime_port = ports.realtime;
-  cell.arm.dashboard_port = ports.dashboard;
+  const auto set = [](int& port, int open) {
+    if (open > 0) port = open;  // one that a fault has closed stays where the cell file looks for it
+  };
+  set(cell.arm.rtde_port, ports.rtde);
+  set(cell.arm.primary_port, ports.primary);
+  set(cell.arm.secondary_port, ports.secondary);
+  set(cell.arm.realtime_port, ports.realtime);
+  set(cell.arm.dashboard_port, ports.dashboard);
   cell.gripper.modbus.address = servers.gripper().address;
   cell.gripper.modbus.port = servers.gripper().port;
   cell.force_torque.link = "ur_cap";

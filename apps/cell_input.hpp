@@ -15,6 +15,8 @@ struct CellFile {
   CellConfig cell;
   SimulatedServersOptions servers;
 };
+/// `simulate` and the group `simulators`; CellConfig has the rest.
+[[nodiscard]] FieldList cell_fields(CellFile& file);
 /// A path, or the name of a cell that comes with stonestack, "loopback-ur10". Throws FileError.
 [[nodiscard]] CellFile read_cell(const std::string& name);
 

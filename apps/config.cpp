@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "cell_input.hpp"
 #include "commands.hpp"
 #include "settings.hpp"
 
@@ -25,6 +26,12 @@ void show(ConfigCommand& command) {
               << '\n';
 }
 
+/// A cell file with every default, to copy lines from.
+void show_cell() {
+  CellFile file;
+  std::cout << write_fields(cell_fields(file)) << write_fields(fields(file.cell));
+}
+
 }  // namespace
 
 void add_config(CLI::App& app) {
@@ -41,6 +48,10 @@ void add_config(CLI::App& app) {
       "  stonestack config show > stonestack.yaml      an option file to edit\n"
       "  stonestack config show --origin");
   show_command->callback([command] { show(*command); });
+  CLI::App* cell_command =
+      sub->add_subcommand("cell", "All that a cell file may hold: value, range, unit, source");
+  cell_command->footer("Example:\n  stonestack config cell | grep faults    every fault of the simulators");
+  cell_command->callback([] { show_cell(); });
 }
 
 }  // namespace stonestack::apps

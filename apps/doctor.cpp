@@ -20,11 +20,20 @@ struct DoctorCommand {
   std::string cell;
 };
 
+/// What a step found: `to_do` is nothing wrong, but something to know or to do before a run.
+struct Look {
+  Look(std::string all_well) : text(std::move(all_well)) {}  // NOLINT: most looks find only that
+  Look(std::string found, bool something_to_do) : text(std::move(found)), to_do(something_to_do) {}
+  std::string text;
+  bool to_do = false;
+};
+
 /// One thing that was looked at.
 struct Finding {
   std::string device;
   std::string step;
   bool good = false;
+  bool to_do = false;
   std::string text;  ///< what was found, or what is wrong and what to do
 };
 
@@ -32,18 +41,22 @@ struct Finding {
 class Examination {
  public:
   /// `look` returns what it found, or throws with what is wrong. False when it threw.
-  bool step(const std::string& device, const std::string& step, const std::function<std::string()>& look) {
-    Finding finding{device, step, true, ""};
+  bool step(const std::string& device, const std::string& step, const std::function<Look()>& look) {
+    Finding finding{device, step, true, false, ""};
     try {
-      finding.text = look();
+      const Look found = look();
+      finding.text = found.text;
+      finding.to_do = found.to_do;
     } catch (const Interrupted&) {
       throw;
     } catch (const Error& problem) {
       finding.good = false;
       finding.text = problem.what();
     }
-    std::cerr << (finding.good ? "ok    " : "FAIL  ") << device << ", " << step << ": " << finding.text
-              << '\n';
+    std::cerr << (!finding.good   ? "FAIL  "
+                  : finding.to_do ? "note  "
+                                  : "ok    ")
+              << device << ", " << step << ": " << finding.text << '\n';
     findings_.push_back(finding);
     return finding.good;
   }
@@ -97,15 +110,17 @@ std::string listen_rtde(const CellConfig& cell) {
                 " ", q[1], " ", q[2], " ", q[3], " ", q[4], " ", q[5], " rad");
 }
 
-std::string ask_gripper(const CellConfig& cell) {
+Look ask_gripper(const CellConfig& cell) {
   ThreeFingerGripper gripper(cell.gripper);
   const ThreeFingerStatus status = gripper.status();
   const std::string name = "Robotiq gripper";
   if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
     refuse(name, gripper_fault_text(status.fault), "empty the hand and activate the gripper");
-  std::string text = status.active ? "active" : "not activated: `run` does it, with an empty hand only";
+  std::string text = status.active ? "active"
+                                   : "not activated; `run` activates it: it opens and closes fully, so empty "
+                                     "the hand first";
   if (status.fault != 0) text += "; " + gripper_fault_text(status.fault);
-  return text;
+  return {text, !status.active};
 }
 
 std::string read_force(const CellConfig& cell) {
@@ -115,13 +130,22 @@ std::string read_force(const CellConfig& cell) {
                 sensor.firmware().empty() ? "streaming" : sensor.firmware());
 }
 
-std::string look_once(const CellConfig& cell) {
+/// Two frames, so that a camera whose stream or image stands still is found; of a recording the first only.
+std::string look_twice(const CellConfig& cell) {
   const auto describe = [](const DepthFrame& frame) {
     return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
   };
-  if (cell.camera == "v4l2") return describe(V4l2Camera(cell.v4l2).capture());
+  const auto twice = [&](DepthCamera& camera) {
+    const DepthFrame first = camera.capture(), second = camera.capture();
+    return concat(describe(second), ", ", second.device_time - first.device_time, " s after the one before");
+  };
   if (cell.camera == "recorded") return describe(RecordedCamera(cell.recorded).capture());
-  return describe(StreamCamera(cell.stream).capture());
+  if (cell.camera == "v4l2") {
+    V4l2Camera camera(cell.v4l2);
+    return twice(camera);
+  }
+  StreamCamera camera(cell.stream);
+  return twice(camera);
 }
 
 /// The camera sits behind the finger tips and looks where the hand points; the inverse transform does
@@ -144,7 +168,7 @@ void examine(const CellConfig& cell, Examination& examination) {
   examination.step("arm", "RTDE", [&] { return listen_rtde(cell); });
   examination.step("gripper", "status", [&] { return ask_gripper(cell); });
   examination.step("force sensor", "reading", [&] { return read_force(cell); });
-  examination.step("camera", "frame", [&] { return look_once(cell); });
+  examination.step("camera", "frames", [&] { return look_twice(cell); });
 }
 
 void doctor(DoctorCommand& command) {
@@ -168,8 +192,11 @@ void doctor(DoctorCommand& command) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& finding : examination.findings()) {
     bad += finding.good ? 0 : 1;
-    list.push_back(
-        {{"device", finding.device}, {"step", finding.step}, {"good", finding.good}, {"text", finding.text}});
+    list.push_back({{"device", finding.device},
+                    {"step", finding.step},
+                    {"good", finding.good},
+                    {"to_do", finding.to_do},
+                    {"text", finding.text}});
   }
   if (command.common.json)
     std::cout << nlohmann::json{{"schema", "stonestack.doctor/1"}, {"findings", list}}.dump(2) << '\n';

@@ -12,5 +12,6 @@ void add_bench_search(CLI::App& bench);
 void add_bench_calibration(CLI::App& bench);
 void add_bench_equilibrium(CLI::App& bench);
 void add_bench_detection(CLI::App& bench);
+void add_bench_rtde(CLI::App& bench);
 
 }  // namespace stonestack::apps

@@ -116,7 +116,9 @@ void read_fields(const FieldList& list, const std::string& path, const FieldList
     yaml::for_each_scalar(
         root, [&](const std::string& name, const std::string& text) { assign(find(all, name), text); });
   } catch (const InvalidArgument& problem) {
-    throw FileError(path, problem.what(), "`stonestack config show` lists every option with its range");
+    throw FileError(
+        path, problem.what(),
+        "`stonestack config show` lists every option with its range, `config cell` those of cells");
   }
 }
 

@@ -22,6 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 struct Outcome {
@@ -303,6 +304,7 @@ TEST_F(Commands, DoctorNamesWhatIsWrong) {
   const Outcome well = run("doctor --json");
   EXPECT_EQ(well.code, 0) << well.err;
   EXPECT_EQ(well.data()["findings"].size(), 7u);
+  EXPECT_THAT(well.err, HasSubstr("note  gripper, status: not activated"));
   write("ill.yaml",
         "simulate: true\nlayout: {T_T_C: {x: 0, y: 0.1, z: 0.17, qx: 0, qy: 0, qz: 0, qw: 1}}\n"
         "simulators: {arm: {faults: {protective_stop_at: 0.0}}}\n");
@@ -310,6 +312,29 @@ TEST_F(Commands, DoctorNamesWhatIsWrong) {
   EXPECT_EQ(ill.code, 6);
   EXPECT_THAT(ill.err, HasSubstr("inverse"));
   EXPECT_THAT(ill.err, HasSubstr("PROTECTIVE_STOP"));
+  // What else a user meets, two or three to a cell: each line names device, address and next step.
+  write("e_series.yaml",
+        "simulate: true\nsimulators:\n"
+        "  arm: {version: 5.12.2.1101534, faults: {local_mode: true, no_rtde: true}}\n"
+        "  camera: {faults: {repeated: -1}}\n"
+        "  gripper: {faults: {fault: 14}}\n");
+  const Outcome local = run("doctor --cell e_series.yaml");
+  EXPECT_EQ(local.code, 6);
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1.*local mode.*Remote Control"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, RTDE: .*127.0.0.1:30004.*security settings"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1:[0-9]+.*stale"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  gripper, status: .*activate"));
+  write("old_cb3.yaml",
+        "simulate: true\nsimulators:\n"
+        "  arm: {version: 3.8.0.61336, faults: {fieldbus_owns_lower_registers: true, no_dashboard: true}}\n"
+        "  force_torque: {faults: {silent: true}}\n"
+        "  camera: {faults: {no_frame: -1}}\n");
+  const Outcome owned = run("doctor --cell old_cb3.yaml");
+  EXPECT_EQ(owned.code, 6);
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, RTDE: .*input_int_register_0.*EtherNet/IP"));
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
   write("lab.yaml", "arm: {address: 192.0.2.1}\n");
   expect_refusal("run --cell lab.yaml", 2, {"192.0.2.1", "--execute"});
 }
@@ -333,6 +358,25 @@ TEST_F(Commands, RefuseBadInputWithOneLine) {
         "z\nend_header\nnan 0 0\n");
   expect_refusal("detect nan.ply", 3, {"nan.ply"});
   EXPECT_FALSE(fs::exists(folder_ + "/runs")) << "a refused run left something behind";
+}
+
+TEST_F(Commands, CellFilesAreListedWithTheirDefaults) {
+  const Outcome shown = run("config cell > cell.yaml");
+  ASSERT_EQ(shown.code, 0) << shown.err;
+  const std::string text = read_file(folder_ + "/cell.yaml", 1 << 20);
+  EXPECT_THAT(text, HasSubstr("\narm.rtde_port: 30004  # [0, 65535]"));
+  EXPECT_THAT(text, HasSubstr("\nsimulators.arm.faults.local_mode: false"));
+  write("ill.yaml", "arm: {rtde_port: 99999}\n");
+  expect_refusal("doctor --cell ill.yaml", 3, {"ill.yaml", "arm.rtde_port", "config cell"});
+}
+
+TEST_F(Commands, BenchRtdeCountsEverySample) {
+  const Outcome bench = run("bench rtde --seconds 1 --rate 125 --json");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  const json found = bench.data();
+  EXPECT_GT(found["samples"].get<int>(), 10);
+  EXPECT_EQ(found["refused"], 0);
+  EXPECT_GT(found["server_cpu_percent"].get<double>(), 0.0);
 }
 
 TEST_F(Commands, ConfigShowsWhatWon) {

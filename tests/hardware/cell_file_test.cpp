@@ -57,6 +57,7 @@ TEST_F(CellFile, RefusesWhatCannotBe) {
   EXPECT_THAT(problem_of("arm: {rtde_prt: 30004}\n"), HasSubstr("near it: arm.rtde_port"));
   EXPECT_THAT(problem_of("layout: {site: {x: .nan}}\n"), HasSubstr("layout.site.x"));
   EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("900"));
+  EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("config cell"));
   EXPECT_NE(problem_of("arm: [1, 2\n"), "");
   EXPECT_THROW(HardwareCell(CellConfig{}), InvalidArgument) << "no address";
 }

@@ -1,0 +1,184 @@
+// Prints whether RTDE keeps up: samples, missed ones, when they arrive, and the CPU that either end takes.
+// Without an address the simulated controller serves from a process of its own.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "bench.hpp"
+#include "commands.hpp"
+#include "hardware/ur/ur_status.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/ur/ur_controller_server.hpp"
+
+namespace stonestack::apps {
+namespace {
+
+constexpr int kStandardPort = 30004;
+
+struct RtdeBench {
+  std::string address;
+  int port = kStandardPort;
+  double rate = 500.0, seconds = 60.0;
+  bool json = false;
+};
+
+struct Findings {
+  RtdeCounts counts;
+  double seconds = 0.0;
+  std::vector<double> lateness;  ///< s, of the step between two arrivals, sorted by size
+  double client_cpu = 0.0;       ///< s
+  double server_cpu = -1.0;      ///< s; negative: somebody else's server
+  [[nodiscard]] double late(double share) const {
+    if (lateness.empty()) return 0.0;
+    return lateness[static_cast<std::size_t>(share * static_cast<double>(lateness.size() - 1))];
+  }
+};
+
+double cpu_seconds() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// A simulated e-Series controller in a child process, so that its CPU is not the client's.
+class ServerProcess {
+ public:
+  ServerProcess() {
+    if (::pipe(up_) < 0 || ::pipe(down_) < 0) throw Error("no pipes", ExitCode::kExecutionFailed);
+    child_ = ::fork();
+    if (child_ < 0) throw Error("no process for the server", ExitCode::kExecutionFailed);
+    if (child_ == 0) serve();
+    ::close(up_[1]);
+    ::close(down_[0]);
+    if (::read(up_[0], &port_, sizeof port_) != sizeof port_)
+      throw Error("the server did not start", ExitCode::kExecutionFailed);
+  }
+  [[nodiscard]] int port() const { return port_; }
+  /// Ends the server; the CPU seconds that it took.
+  double end() {
+    ::close(down_[1]);
+    double cpu = -1.0;
+    if (::read(up_[0], &cpu, sizeof cpu) != sizeof cpu) cpu = -1.0;
+    ::close(up_[0]);
+    ::waitpid(child_, nullptr, 0);
+    return cpu;
+  }
+
+ private:
+  [[noreturn]] void serve() {
+    ::close(up_[0]);
+    ::close(down_[1]);
+    Joints q;
+    q << 0.1, -1.3, 1.6, -1.8, -1.5, 0.2;
+    UrServerOptions options;
+    options.version = "5.12.2.1101534";
+    IdealPlant plant(q);
+    UrControllerServer server(options, read_robot("ur10"), plant);
+    server.start();
+    const double begin = cpu_seconds();
+    const int port = server.ports().rtde;
+    char end = 0;
+    bool told = ::write(up_[1], &port, sizeof port) == sizeof port;
+    while (told && ::read(down_[0], &end, 1) > 0) continue;  // until the parent closes it
+    const double cpu = cpu_seconds() - begin;
+    told = ::write(up_[1], &cpu, sizeof cpu) == sizeof cpu;
+    ::_exit(told ? 0 : 1);
+  }
+
+  int up_[2] = {-1, -1}, down_[2] = {-1, -1};
+  pid_t child_ = -1;
+  int port_ = 0;
+};
+
+Findings listen(const RtdeBench& bench, const Endpoint& controller) {
+  RtdeOptions options;
+  options.frequency = bench.rate;
+  const RtdeClient client(controller, arm_recipe, options);
+  Findings found;
+  found.lateness.reserve(static_cast<std::size_t>(bench.rate * bench.seconds) + 1);
+  const RtdeCounts before = client.counts();
+  const double cpu = cpu_seconds();
+  const Stopwatch watch;
+  double last = -1.0;
+  while (watch.seconds() < bench.seconds) {
+    throw_if_interrupted();
+    const auto sample = client.wait_for_next(Deadline::in(1.0));
+    if (!sample) continue;
+    if (last >= 0) found.lateness.push_back(std::abs(sample->host_time() - last - 1.0 / bench.rate));
+    last = sample->host_time();
+  }
+  found.seconds = watch.seconds();
+  found.client_cpu = cpu_seconds() - cpu;
+  found.counts = client.counts();
+  found.counts.accepted -= before.accepted;
+  found.counts.skipped -= before.skipped;
+  std::sort(found.lateness.begin(), found.lateness.end());
+  return found;
+}
+
+void print(const RtdeBench& bench, const Findings& f) {
+  const double share = 100.0 / f.seconds;
+  if (bench.json) {
+    nlohmann::json out{
+        {"schema", "stonestack.bench.rtde/1"},
+        {"rate", bench.rate},
+        {"seconds", f.seconds},
+        {"samples", f.counts.accepted},
+        {"missed", f.counts.skipped},
+        {"refused", f.counts.refused},
+        {"jitter_ms",
+         {{"median", 1e3 * f.late(0.5)}, {"p99", 1e3 * f.late(0.99)}, {"most", 1e3 * f.late(1.0)}}},
+        {"client_cpu_percent", f.client_cpu * share}};
+    if (f.server_cpu >= 0) out["server_cpu_percent"] = f.server_cpu * share;
+    std::printf("%s\n", out.dump(2).c_str());
+    return;
+  }
+  std::printf("%.0f Hz for %.1f s: %ld samples, %ld missed, %ld refused, %d session(s)\n", bench.rate,
+              f.seconds, f.counts.accepted, f.counts.skipped, f.counts.refused, f.counts.sessions);
+  std::printf("step between arrivals off by: median %.3f ms, 99 %% %.3f ms, most %.3f ms\n",
+              1e3 * f.late(0.5), 1e3 * f.late(0.99), 1e3 * f.late(1.0));
+  std::printf("CPU: client %.1f %% of a core", f.client_cpu * share);
+  if (f.server_cpu >= 0) std::printf(", simulated controller %.1f %%", f.server_cpu * share);
+  std::printf("\n");
+}
+
+void run(const RtdeBench& bench) {
+  if (!bench.address.empty()) return print(bench, listen(bench, {bench.address, bench.port}));
+  ServerProcess server;
+  Findings found = listen(bench, {"127.0.0.1", server.port()});
+  found.server_cpu = server.end();
+  print(bench, found);
+}
+
+}  // namespace
+
+void add_bench_rtde(CLI::App& bench) {
+  auto command = std::make_shared<RtdeBench>();
+  CLI::App* sub = bench.add_subcommand("rtde", "RTDE at full rate: missed samples, jitter, CPU of both ends");
+  sub->add_option("--rate", command->rate, "Hz")->check(CLI::Range(1.0, 500.0))->capture_default_str();
+  sub->add_option("--seconds", command->seconds, "How long")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  sub->add_option("--address", command->address,
+                  "A controller; it is read from, nothing moves (default: simulated here)");
+  sub->add_option("--port", command->port, "Its RTDE port")
+      ->check(CLI::Range(1, 65535))
+      ->capture_default_str();
+  sub->add_flag("--json", command->json, "Data on stdout");
+  sub->callback([command] { run(*command); });
+}
+
+}  // namespace stonestack::apps
