@@ -142,7 +142,7 @@ const GraspSet& GraspFinder::set() const {
   return *parts_->set;
 }
 
-std::string GraspCheck::text() const {
+const char* to_text(GraspFault fault) {
   static const std::array<const char*, kGraspFaults> what{"could not hold the weight",
                                                           "hit the table at pick",
                                                           "hit another object at pick",
@@ -152,9 +152,14 @@ std::string GraspCheck::text() const {
                                                           "hit another object at the target",
                                                           "are out of reach at the target",
                                                           "bring the arm into something at the target"};
+  return what[static_cast<std::size_t>(fault)];
+}
+
+std::string GraspCheck::text() const {
   std::string parts;
   for (std::size_t i = 0; i < kGraspFaults; ++i)
-    if (refused[i] > 0) parts += concat(parts.empty() ? " " : ", ", refused[i], " ", what[i]);
+    if (refused[i] > 0)
+      parts += concat(parts.empty() ? " " : ", ", refused[i], " ", to_text(static_cast<GraspFault>(i)));
   return concat("of ", total, " grasps", parts.empty() ? " none was refused" : parts);
 }
 

@@ -22,6 +22,8 @@ enum class GraspFault {
   kArmAtPlace,
 };
 inline constexpr std::size_t kGraspFaults = 9;
+/// "hit the table at pick"
+[[nodiscard]] const char* to_text(GraspFault fault);
 
 /// How the grasps of a stone fared.
 struct GraspCheck {
