@@ -96,8 +96,10 @@ void run(RunCommand& command) {
 void add_run(CLI::App& app) {
   auto command = std::make_shared<RunCommand>();
   CLI::App* sub = app.add_subcommand("run", "Build a tower: observe, search, plan, place, observe again");
-  sub->add_option("--robot", command->robot,
-                  "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e or a URDF with UR kinematics")
+  sub->add_option(
+         "--robot", command->robot,
+         "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e, a URDF with UR kinematics, or a YAML of a calibrated "
+         "robot")
       ->capture_default_str();
   sub->add_option("--cell", command->cell,
                   "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "

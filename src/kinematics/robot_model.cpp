@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "kinematics/calibration.hpp"
 #include "kinematics/dh.hpp"
 #include "kinematics/urdf.hpp"
 #include "stonestack/core/data.hpp"
@@ -33,28 +34,58 @@ fs::path urdf_path(const std::string& name_or_path) {
   }
 }
 
-/// What a URDF has no place for, from the YAML of the same name beside it.
-void read_extras(const fs::path& urdf, RobotModel& robot) {
-  fs::path yaml = urdf;
-  yaml.replace_extension(".yaml");
-  std::error_code ignored;
-  if (!fs::exists(yaml, ignored)) return;
+/// What a URDF has no place for, and what was measured on one robot.
+void read_extras(const fs::path& yaml, RobotModel& robot, FieldList more) {
   double acceleration = robot.acceleration[0];
-  read_fields({field("payload", robot.payload, {0.1, 200.0}, "kg", "data sheet"),
-               field("acceleration", acceleration, {0.01, 100.0}, "rad/s^2", "facts: not public")},
+  const Calibration nominal = nominal_calibration(robot);
+  Calibration measured = nominal;
+  read_fields(join({{field("payload", robot.payload, {0.1, 200.0}, "kg", "data sheet"),
+                     field("acceleration", acceleration, {0.01, 100.0}, "rad/s^2", "facts: not public")},
+                    fields(measured),
+                    std::move(more)}),
               yaml.string());
   robot.acceleration.setConstant(acceleration);
+  if (const auto reason = calibrate(robot, nominal, measured); !reason.empty())
+    throw FileError(yaml.string(), "is no calibration of this robot: " + reason,
+                    "give the rows of the controller's DH table, or the output of ur_calibration");
+}
+
+bool is_yaml(const std::string& text) {
+  const auto extension = fs::path(text).extension();
+  return extension == ".yaml" || extension == ".yml";
+}
+
+/// A YAML that names a robot and says how this one differs.
+RobotModel read_own_robot(const std::string& path) {
+  std::string base;
+  Calibration ignored;
+  double number = 0.0;
+  const FieldList named{field("robot", base, "name or URDF")};
+  read_fields(named, path,
+              join({{field("payload", number, {0.1, 200.0}, "kg", ""),
+                     field("acceleration", number, {0.01, 100.0}, "rad/s^2", "")},
+                    fields(ignored)}));
+  if (base.empty() || is_yaml(base))
+    throw FileError(path, "does not say which robot it is about",
+                    "add a line robot: ur10, or the path of a URDF");
+  RobotModel robot = read_robot(base);
+  read_extras(path, robot, named);
+  return robot;
 }
 
 }  // namespace
 
 RobotModel read_robot(const std::string& name_or_path) {
+  if (is_yaml(name_or_path)) return read_own_robot(name_or_path);
   const fs::path path = urdf_path(name_or_path);
   RobotModel robot = parse_urdf(read_file(path.string(), kLargestUrdf), path.string());
   if (const auto reason = derive_dh(robot); !reason.empty())
     throw FileError(path.string(), "is not a robot with UR kinematics: " + reason,
                     "use a UR or a chain like it");
-  read_extras(path, robot);
+  fs::path yaml = path;
+  yaml.replace_extension(".yaml");
+  std::error_code ignored;
+  if (fs::exists(yaml, ignored)) read_extras(yaml, robot, {});
   return robot;
 }
 
