@@ -13,6 +13,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/cell.hpp"
+#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/report/plan_preview.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -31,6 +32,7 @@ struct PlanCommand {
   std::string plot;
   std::string frames;
   int frame_width = 640;  // pixels
+  double jerk = 0.0;      // rad/s^3; 0: as fast as velocities and accelerations allow
   MotionOptions options;
 };
 
@@ -130,6 +132,12 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue, const 
                   make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
                   {}};
   planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
+  if (command.jerk <= 0.0) return planned;
+  planned.plan.seconds = 0.0;
+  for (PlanStep& step : planned.plan.steps) {
+    if (!step.trajectory.time.empty()) step.trajectory = limit_jerk(step.trajectory, command.jerk);
+    planned.plan.seconds += step.trajectory.duration();
+  }
   return planned;
 }
 
@@ -192,10 +200,13 @@ void add_plan(CLI::App& app) {
   auto command = std::make_shared<PlanCommand>();
   CLI::App* sub = app.add_subcommand("plan", "Plan grasp and motion for one stone");
   sub->add_option("SCENE", command->scene, "Scene file with the stones' poses")->required();
-  sub->add_option("--robot", command->robot, "Robot name or URDF")->capture_default_str();
+  sub->add_option("--robot", command->robot, "Robot name, URDF, or YAML of a calibrated robot")
+      ->capture_default_str();
   sub->add_option("--stone", command->stone, "Which stone to move");
   sub->add_option("--target", command->target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
   sub->add_option("--search", command->search, "Take stone and target from this output of `search --json`");
+  sub->add_option("--jerk", command->jerk, "Limit every joint's jerk, rad/s^3 (default: no limit)")
+      ->check(CLI::Range(1.0, 10000.0));
   sub->add_option("--csv", command->csv, "Write the trajectories, sampled every 8 ms");
   sub->add_option("--plot", command->plot, "Write joints, tool speed and clearance over time as SVG");
   sub->add_option("--frames", command->frames, "Write pictures of the key frames (PNG) into this folder");
