@@ -101,7 +101,7 @@ class Builder {
   [[nodiscard]] std::optional<Target> find_target();
   /// What the search is told: the stack, and the loose stones that have not been given up on top of it.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
-  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem);
+  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, const SearchOptions& options);
   /// The frictions that are assumed, rising.
   [[nodiscard]] std::vector<double> frictions() const;
   /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
@@ -116,11 +116,14 @@ class Builder {
   /// False when the run is over.
   [[nodiscard]] bool place(const Target& target);
   void judge(PlacementRecord& record, const Placement& planned, bool released);
-  /// When nothing fits on the stack: puts its top stone back into the field, if the search then promises a
-  /// higher tower another way. False when that is not so, or the arm cannot do it.
+  /// When nothing fits on the stack: puts its top stone, or its top two, back into the field, if the search
+  /// then promises a higher tower another way. False when that is not so, or the arm cannot do it.
   [[nodiscard]] bool take_off();
-  [[nodiscard]] bool promises_more(const Belief& without_top);  ///< counted as search time
+  /// The belief when the top `count` stones lie in the field; empty when there is no room for them.
+  [[nodiscard]] std::optional<Belief> without_top(std::size_t count) const;
   [[nodiscard]] bool can_grow_higher(const Belief& without_top) const;
+  /// Puts the top stone into the field, wherever the arm can.
+  [[nodiscard]] bool set_down_top();
   [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
   /// When the search finds poses but no grasp brings a stone there in one go: lays the stone down in another
   /// pose of rest, so that it can be grasped anew. False when that does not help either.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
@@ -61,30 +62,49 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
 
 }  // namespace
 
+std::optional<Belief> Builder::without_top(std::size_t count) const {
+  Belief belief = belief_;
+  for (std::size_t k = 0; k < count; ++k) {
+    const PlacedStone top = belief.stack.back();
+    const auto places = free_places(shapes_, cell_.layout, belief, top);
+    if (places.empty()) return std::nullopt;
+    belief.stack.pop_back();
+    belief.loose.push_back({top.stone, places.front()});
+  }
+  return belief;
+}
+
 bool Builder::take_off() {
-  if (taken_off_ >= options_.most_taken_off || belief_.stack.empty()) return false;
+  constexpr std::size_t kDeepest = 2;
   throw_if_interrupted();
   std::vector<int> order;
   for (const auto& placed : belief_.stack) order.push_back(placed.stone);
   given_up_.insert(order);
-  const PlacedStone top = belief_.stack.back();
-  const auto places = free_places(shapes_, cell_.layout, belief_, top);
-  if (places.empty()) return false;
-  Belief without = belief_;
-  without.stack.pop_back();
-  without.loose.push_back({top.stone, places.front()});
-  if (!promises_more(without)) return false;
-  report(concat("nothing fits on ", name(top.stone), ": taking it off to try another way"));
-  ++taken_off_;
-  return std::any_of(places.begin(), places.end(),
-                     [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
+  for (std::size_t count = 1; count <= std::min(kDeepest, belief_.stack.size()); ++count) {
+    if (taken_off_ + static_cast<int>(count) > options_.most_taken_off) return false;
+    const Stopwatch watch;
+    const auto lower = without_top(count);
+    const bool more = lower && can_grow_higher(*lower);
+    result_.seconds.search += watch.seconds();
+    if (!more) continue;
+    report(concat("nothing fits on ", name(belief_.stack.back().stone), ": another way promises more, so ",
+                  count, count == 1 ? " stone is taken off" : " stones are taken off"));
+    bool any = false;
+    for (std::size_t k = 0; k < count && !belief_.stack.empty(); ++k) {
+      if (!set_down_top()) return any;
+      any = true;
+      ++taken_off_;
+    }
+    return any;
+  }
+  return false;
 }
 
-bool Builder::promises_more(const Belief& without_top) {
-  const Stopwatch watch;
-  const bool more = can_grow_higher(without_top);
-  result_.seconds.search += watch.seconds();
-  return more;
+bool Builder::set_down_top() {
+  const PlacedStone top = belief_.stack.back();
+  const auto places = free_places(shapes_, cell_.layout, belief_, top);
+  return std::any_of(places.begin(), places.end(),
+                     [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
 }
 
 bool Builder::can_grow_higher(const Belief& without_top) const {
@@ -154,7 +174,9 @@ bool Builder::turn_over() {
   problem.reachable = nullptr;  // what would fit, if only the stone lay otherwise
   if (problem.available.empty()) return false;
   const Stopwatch search;
-  const SearchResult found = search_by_friction(problem);
+  SearchOptions options = options_.search;
+  options.largest_tilt = M_PI;
+  const SearchResult found = search_by_friction(problem, options);
   result_.seconds.search += search.seconds();
   for (const auto& placement : found.best) {
     const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);

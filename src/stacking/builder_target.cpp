@@ -53,7 +53,7 @@ std::optional<Target> Builder::find_target() {
     return std::nullopt;
   }
   const Stopwatch watch;
-  const SearchResult found = search_by_friction(problem);
+  const SearchResult found = search_by_friction(problem, options_.search);
   result_.seconds.search += watch.seconds();
   if (found.best.empty()) {
     result_.end = RunResult::End::kNoPose;
@@ -65,6 +65,11 @@ std::optional<Target> Builder::find_target() {
     std::string refusal;
     if (auto target = plan(placement, &refusal)) return target;
     refusals += concat(refusals.empty() ? "" : "; ", name(placement.stone), ": ", refusal);
+  }
+  if (!last_.then.empty()) {  // the plan that was followed cannot be carried out: whatever else there is
+    last_.then.clear();
+    report("the plan cannot be carried out: " + refusals);
+    return find_target();
   }
   result_.end = RunResult::End::kNoPlan;
   result_.ended = concat("none of ", found.best.size(), " poses can be reached: ", refusals);
@@ -108,9 +113,9 @@ std::vector<PlacedStone> Builder::rest_of_plan() const {
 
 /// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
 /// as long as the tower found so far is not expected to stand whole.
-SearchResult Builder::search_by_friction(const SearchProblem& problem) {
+SearchResult Builder::search_by_friction(const SearchProblem& problem, const SearchOptions& options) {
   const std::vector<double> assumed = frictions();
-  SearchOptions search = options_.search;
+  SearchOptions search = options;
   if (const auto plan = rest_of_plan(); !plan.empty()) {
     search.friction = assumed[last_level_];
     SearchResult found = follow_plan(problem, plan, search);
