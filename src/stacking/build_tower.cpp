@@ -68,6 +68,7 @@ FieldList fields(BuildOptions& o) {
                             field("moved_shift", o.moved_shift, {0.001, 0.2}, "m", "ours"),
                             field("most_friction", o.most_friction, {0, 2}, "", "ours"),
                             field("sure_success", o.sure_success, {0, 1}, "", "ours"),
+                            field("least_expected", o.least_expected, {0, 100}, "", "ours"),
                             field("most_failures", o.most_failures, {1, 100}, "", "paper: 1"),
                             field("refine_camera", o.refine_camera, "ours"),
                             field("correct_aim", o.correct_aim, "ours"),
