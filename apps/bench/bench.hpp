@@ -7,6 +7,7 @@ namespace stonestack::apps {
 
 void add_bench_kinematics(CLI::App& bench);
 void add_bench_motion(CLI::App& bench);
+void add_bench_descent(CLI::App& bench);
 void add_bench_grasp(CLI::App& bench);
 void add_bench_search(CLI::App& bench);
 void add_bench_calibration(CLI::App& bench);

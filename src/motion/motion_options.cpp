@@ -18,6 +18,7 @@ FieldList fields(MotionOptions& o) {
           field("grip_speed", o.grip_speed, {0.022, 0.11}, "m/s", "facts/robot.md: 22 to 110 mm/s"),
           field("loosen", o.loosen, {0, 0.05}, "m", "ours"),
           field("least_threshold", o.least_threshold, {0.5, 100}, "N", "facts/robot.md"),
+          field("threshold_share", o.threshold_share, {0, 1}, "", "measured: bench descent"),
           field("early_threshold", o.early_threshold, {1, 100}, "N", "ours: inertia stays below 10 N"),
           field("least_held", o.least_held, {0, 1}, "", "ours"),
           field("largest_swing", o.largest_swing, {0.001, 1}, "m", "ours"),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "motion/pick_attempt.hpp"
 #include "stonestack/core/clock.hpp"
@@ -20,6 +21,7 @@ constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
 constexpr std::size_t kWaysPerGrasp = 2;
 constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
 constexpr double kGravity = 9.81;
+constexpr double kInTable = 0.010;  ///< m: what pieces and measured poses may reach into the table
 
 using Status = PickAndPlacePlan::Status;
 
@@ -126,6 +128,14 @@ class FaultCounts {
   std::array<int, 7> counts_{};
 };
 
+/// m, by which the stone at its target would reach into the table.
+double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) {
+  double lowest = scene.table_z;
+  for (const Mesh& piece : task.stone->pieces)
+    for (const Eigen::Vector3d& p : piece.vertices) lowest = std::min(lowest, (task.T_W_O_place * p).z());
+  return scene.table_z - lowest;
+}
+
 double total_seconds(const std::vector<PlanStep>& steps) {
   double seconds = 0.0;
   for (const PlanStep& step : steps) seconds += step.trajectory.duration();
@@ -182,6 +192,9 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
   if (stone.mass.mass > scene.gripper.payload)
     return refused(Status::kTooHeavy, concat(stone.name, " weighs ", stone.mass.mass,
                                              " kg; the fingers carry ", scene.gripper.payload, " kg"));
+  if (const double depth = depth_in_table(scene, task); depth > kInTable)
+    return refused(Status::kNoReach, concat("the target puts ", stone.name, ' ', std::lround(1e3 * depth),
+                                            " mm into the table"));
   const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick, options);
   if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
   const GraspCheck check = finder.check(task.T_W_O_place);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "motion/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
@@ -71,6 +72,12 @@ class StepWriter {
 
 }  // namespace
 
+double contact_threshold(double mass, const MotionOptions& options) {
+  require(std::isfinite(mass) && mass > 0, "a stone's mass must be positive, got ", mass, " kg");
+  return std::max(
+      {options.least_threshold, 6 * options.force_noise, options.threshold_share * kGravity * mass});
+}
+
 std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                   const MotionOptions& options, const Grasp& grasp, const Way& way) {
   const std::string& name = task.stone->name;
@@ -85,7 +92,7 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   out.straight(Kind::kApproach, "lower " + name, way.lower, options.approach_speed);
   out.steps().back().threshold = options.early_threshold;
   out.straight(Kind::kDescent, "set " + name + " down", way.descent, options.descent_speed);
-  out.steps().back().threshold = std::max(options.least_threshold, 6 * options.force_noise);
+  out.steps().back().threshold = contact_threshold(task.stone->mass.mass, options);
   const double loose = std::min(grasp.pre_opening, grasp.opening + options.loosen);
   out.hand(hand_step(Kind::kRelease, "let go of " + name, loose, options.grip_speed));
   out.hand(hand_step(Kind::kRelease, "open the hand", grasp.pre_opening, options.finger_speed));

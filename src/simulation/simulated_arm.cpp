@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
@@ -71,6 +72,7 @@ SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const True
       force_torque_(&force_torque),
       random_(Random::stream(static_cast<std::uint64_t>(options.seed), "arm repeatability")),
       repeatability_(options.arm_repeatability),
+      force_delay_(options.force_delay),
       q_(q) {}
 
 Pose SimulatedArm::true_T_W_T(const Joints& q) const {
@@ -155,6 +157,8 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     return sample(trajectory, t).q + (1 - fade) * start_gap;
   };
   int above = 0, tick = 0;
+  // What the guard knows is force_delay old; before the motion the force was the one it started with.
+  std::deque<double> felt(static_cast<std::size_t>(std::lround(force_delay_ / kTick)), 0.0);
   for (double t = 0; t < duration;) {
     throw_if_interrupted();
     const double chunk = std::min(kTick, duration - t);
@@ -171,7 +175,11 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     if (stop_reason_.empty()) stop_reason_ = overspeed(sample(trajectory, t).qd, t);
     if (stop_reason_.empty() && tick++ % kTicksPerLook == 0)
       stop_reason_ = find_link_hit(*world_, robot_, mounting_, q_).value_or("");
-    if (guard) force = resistance(*guard) - start_force;
+    if (guard) {
+      felt.push_back(resistance(*guard) - start_force);
+      force = felt.front();
+      felt.pop_front();
+    }
     if (!stop_reason_.empty()) return {Status::kStopped, q_, force, "protective stop: " + stop_reason_};
     if (guard) above = force > guard->threshold ? above + 1 : 0;
     if (above >= 2) return {Status::kContact, q_, force, concat("contact at ", force, " N")};

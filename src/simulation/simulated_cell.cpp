@@ -42,6 +42,7 @@ FieldList fields(SimulationOptions& o) {
       field("hand_eye_rotation", o.hand_eye_rotation, {0.0, 0.2}, "rad", "ours: 0.3 deg"),
       field("arm_repeatability", o.arm_repeatability, {0.0, 0.01}, "m", "UR10 data sheet"),
       field("arm_residual", o.arm_residual, {0.0, 0.05}, "m", "ours"),
+      field("force_delay", o.force_delay, {0.0, 0.1}, "s", "ours"),
       field("mass_error", o.mass_error, {0.0, 0.5}, "", "ours: share, one sigma"),
       field("com_error", o.com_error, {0.0, 0.02}, "m", "ours"),
       field("step", o.step, {0.0005, 0.01}, "s", "measured: docs/measurements.md, Contact"),

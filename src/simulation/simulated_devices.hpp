@@ -86,6 +86,7 @@ class SimulatedArm final : public Arm {
   SimulatedForceTorque* force_torque_;
   Random random_;
   double repeatability_;
+  double force_delay_;
   Joints q_;
   Joints jitter_ = Joints::Zero();  // rad, of the motion that ended last
   double payload_ = 0.0;

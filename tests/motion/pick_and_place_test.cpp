@@ -98,7 +98,7 @@ TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
   low.task.T_W_O_place.translation().z() = -0.10;
   plan = plan_pick_and_place(low.scene, low.task);
   EXPECT_NE(plan.status, Status::kPlanned);
-  EXPECT_NE(plan.reason.find("hit the table at the target"), std::string::npos) << plan.reason;
+  EXPECT_NE(plan.reason.find("135 mm into the table"), std::string::npos) << plan.reason;
 
   Workplace heavy;
   heavy.stone = block("lead", {0.10, 0.08, 0.07}, 11000.0);
@@ -110,6 +110,37 @@ TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
   wide.stone = block("slab", {0.18, 0.18, 0.18}, 300.0);
   plan = plan_pick_and_place(wide.scene, wide.task);
   EXPECT_EQ(plan.status, Status::kTooWide) << plan.reason;
+}
+
+TEST(PickAndPlace, NamesATargetInTheTable) {
+  Workplace cell;
+  cell.scene.objects.pop_back();
+  cell.task.support = -1;
+  cell.task.T_W_O_place.translation().z() = 0.035 - 0.030;
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  EXPECT_EQ(plan.status, PickAndPlacePlan::Status::kNoReach);
+  EXPECT_EQ(plan.reason, "the target puts block 30 mm into the table");
+  cell.task.T_W_O_place.translation().z() = 0.035 - 0.002;  // what a measured pose may be off by
+  EXPECT_EQ(plan_pick_and_place(cell.scene, cell.task).status, PickAndPlacePlan::Status::kPlanned);
+}
+
+TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
+  const MotionOptions options;
+  EXPECT_DOUBLE_EQ(contact_threshold(0.3, options), options.least_threshold);
+  EXPECT_NEAR(contact_threshold(2.5, options), options.threshold_share * 2.5 * 9.81, 1e-12);
+  MotionOptions noisy;
+  noisy.force_noise = 2.0;
+  EXPECT_DOUBLE_EQ(contact_threshold(0.3, noisy), 12.0);
+  EXPECT_THROW((void)contact_threshold(0.0), InvalidArgument);
+  Workplace cell;  // and that is what a plan says
+  cell.stone = block("block", {0.10, 0.08, 0.07}, 3500.0);
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
+  for (const PlanStep& step : plan.steps)
+    if (step.kind == PlanStep::Kind::kDescent) {
+      EXPECT_DOUBLE_EQ(step.threshold, contact_threshold(cell.stone.mass.mass));
+      EXPECT_GT(step.threshold, options.least_threshold);
+    }
 }
 
 TEST(PickAndPlace, RefusesTasksThatCannotBe) {

@@ -123,6 +123,20 @@ TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
   EXPECT_EQ(nothing.status, Status::kNoContact);
 }
 
+TEST(SimulatedCell, ALateForceLetsTheHandPressHarder) {
+  const auto height_at_contact = [](double delay) {
+    SimulationOptions options;
+    options.force_delay = delay;
+    Bench bench({make_pebble("pebble", 1.2)}, options);
+    EXPECT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
+    const auto contact = bench.cell.arm.follow_guarded({bench.line(tool_down({0.7, 0.3, -0.02}), 0.005)});
+    EXPECT_EQ(contact.status, Status::kContact);
+    return bench.T_W_T(contact.q).translation().z();
+  };
+  // 20 ms at about 5 mm/s.
+  EXPECT_NEAR(height_at_contact(0.0) - height_at_contact(0.020), 0.0001, 0.00006);
+}
+
 TEST(SimulatedCell, ArmRefusesAndStops) {
   Bench bench({make_pebble("pebble", 1.2)});
   auto& arm = bench.cell.arm;

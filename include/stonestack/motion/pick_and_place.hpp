@@ -25,6 +25,8 @@ struct MotionOptions {
   double grip_speed = 0.03;       ///< m/s, closing on the stone and letting go of it
   double loosen = 0.006;          ///< m, opened at grip_speed before the hand opens for the retreat
   double least_threshold = 5.0;   ///< N, contact at the descent
+  double threshold_share = 0.35;  ///< of the stone's weight, contact at the descent: what the arm's own
+                                  ///< motion makes the wrist feel grows with the mass that hangs there
   double early_threshold = 20.0;  ///< N, contact while the stone is lowered towards the guarded descent
   double least_held = 0.6;        ///< share of the stone's weight that the wrist must feel after the lift
   double largest_swing = 0.020;  ///< m, level, between where the stone pulls at the wrist and where it should
@@ -47,6 +49,11 @@ struct PlanStep {
   double force = 0.0;          ///< N a finger, for kGrasp
   double threshold = 0.0;      ///< N, for kDescent, and for kApproach with a stone in the hand
 };
+
+/// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
+/// `least_threshold`, six times `force_noise` and `threshold_share` of its weight. Throws InvalidArgument for
+/// a mass that is none.
+[[nodiscard]] double contact_threshold(double mass, const MotionOptions& options = {});
 
 /// A plan, or why there is none.
 struct PickAndPlacePlan {

@@ -23,6 +23,7 @@ struct SimulationOptions {
   double hand_eye_rotation = 0.0052;    ///< rad (0.3 deg)
   double arm_repeatability = 0.0001;    ///< m
   double arm_residual = 0.001;          ///< m, calibration residual of the arm
+  double force_delay = 0.0;             ///< s, from the wrist's force to the arm that guards a motion by it
   double mass_error = 0.02;             ///< share, one sigma
   double com_error = 0.002;             ///< m, at most
   double step = 0.001;                  ///< s; finer while the fingers touch a stone
