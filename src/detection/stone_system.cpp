@@ -11,6 +11,7 @@ namespace {
 constexpr double kGate = 0.004;       // m: further off is another surface
 constexpr double kRobust = 0.0015;    // m, residual at which a point counts half
 constexpr float kLeastCosine = 0.6F;  // between seen and model normal
+constexpr double kSlantNoise = 1.6;   // variance over that of the table: stone is seen at more of a slant
 constexpr double kMeshSigma =
     0.0017;                        // m, of a point: 500 faces are 0.3 mm off, alike over 15 mm (30 points)
 constexpr int kMostPatches = 150;  // of the stone itself: more are joined
@@ -89,7 +90,7 @@ LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Po
     const double left = r - slope * error_(s.patch);
     if (std::abs(left) > kGate) continue;
     // Off the surface, not along the ray: what a slant takes off the noise, depth cameras add at a slant.
-    const double variance = noise_ / s.pixels + kMeshSigma * kMeshSigma;
+    const double variance = kSlantNoise * noise_ / s.pixels + kMeshSigma * kMeshSigma;
     const double w = 1.0 / (1.0 + left * left / (kRobust * kRobust)) / variance;
     Vector12 J;
     J << near.normal, (q - model.centre).cross(near.normal), n_V, p_V.cross(n_V);
