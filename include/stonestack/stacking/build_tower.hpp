@@ -38,8 +38,8 @@ struct BuildOptions {
   double friction_step = 0.125;
   double sure_success = 0.8;  ///< share of the tower that is expected to stand, which ends the climb
   /// Stones that must be expected to stand by a placement and what follows it, over all frictions; less is
-  /// not tried, as it puts at risk what stands (a try at 0.5 brought a tower of two down).
-  double least_expected = 0.6;
+  /// not tried, as a fall takes the stones below with it.
+  double least_expected = 0.4;
   int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
   bool refine_camera = true;  ///< two first looks, half a turn apart, tell where the camera really sits
   bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
