@@ -15,6 +15,11 @@ constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the ston
 constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
 constexpr double kFingerForce = 60.0;   // N, when the plan names none
 constexpr double kGravity = 9.81;       // m/s^2
+// A stone slips towards the finger tips by up to 2 mm while it is carried, so the hand ends lower than
+// planned: this near the table it goes back a little, with the stone loose, before fingers open into the
+// table.
+constexpr double kNearTable = 0.010;  // m, of the tool's tip
+constexpr double kBackOff = 0.004;    // m
 
 using Status = ExecutionResult::Status;
 
@@ -152,9 +157,19 @@ struct Hands {
 
   /// Out of the hand's own direction, from where the arm really stands.
   [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const {
+    return go_back(step, options.approach);
+  }
+
+  [[nodiscard]] ExecutionResult clear_table(const PlanStep& step) const {
+    const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
+    if ((cell.layout.T_W_R * T_R_T).translation().z() > kNearTable) return {};
+    return go_back(step, kBackOff);
+  }
+
+  [[nodiscard]] ExecutionResult go_back(const PlanStep& step, double distance) const {
     const Joints q = cell.arm.state().q;
     const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
-    const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -options.approach);
+    const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -distance);
     const auto path = straight_path(scene.robot, scene.T_F_T, q, T_R_T_goal);
     if (!path) return {Status::kStopped, 0.0, step.name + ": no straight way back"};
     TimingLimits limits = timing_limits(scene.robot, options);
@@ -177,7 +192,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
                         Cell& cell, const MotionOptions& options, Journal* journal) {
   const Hands hands{plan, stone, scene, cell, options, journal};
   ExecutionResult result;
-  bool lowered = false, touched = false;
+  bool lowered = false, touched = false, loose = false;
   for (const PlanStep& step : plan.steps) {
     throw_if_interrupted();
     hands.intend(step);
@@ -199,6 +214,9 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         if (!touched) result.reason = "no contact where the stone should touch; let go there";
         break;
       case PlanStep::Kind::kRelease:
+        if (loose) now = hands.clear_table(step);
+        if (now.status != Status::kReleased) break;
+        loose = true;
         hands.open(step);
         if (still_holds(cell, stone)) now = {Status::kStopped, 0.0, "the hand is not empty after release"};
         hands.set_payload(false);

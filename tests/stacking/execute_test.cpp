@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <deque>
 
 #include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack {
@@ -146,6 +148,27 @@ TEST(Execute, WhatDoesNotHangInTheHandIsPutBack) {
   EXPECT_THAT(turned.reason, testing::HasSubstr("turned"));
   EXPECT_EQ(hang(1.0, p_F + R_W_F.transpose() * Eigen::Vector3d(0, 0, -0.03)).status,
             ExecutionResult::Status::kReleased);
+}
+
+TEST(Execute, NearTheTableTheHandGoesBackBeforeItOpensWide) {
+  Bench bench;
+  bench.plan.steps.insert(bench.plan.steps.begin() + 4, bench.plan.steps[3]);  // let go, then open wide
+  static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
+  const std::vector<std::string> high = bench.arm.told;
+
+  const auto down = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+  const Pose T_R_F = bench.layout.T_W_R.inverse() * Pose(Eigen::Translation3d(0.7, 0.2, 0.005) * down) *
+                     bench.layout.T_F_T.inverse();
+  const auto near = inverse(bench.scene.robot, T_R_F, home_joints());
+  ASSERT_FALSE(near.empty());
+  bench.arm.q = near.front().q;
+  static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
+  const std::vector<std::string>& low = bench.arm.told;
+  ASSERT_EQ(low.size(), high.size() + 1) << "one more motion";
+  const auto first_open = std::find(low.begin(), low.end(), "open");
+  ASSERT_NE(first_open, low.end());
+  EXPECT_EQ(*(first_open + 1), "follow");
+  EXPECT_EQ(*(first_open + 2), "open");
 }
 
 TEST(Execute, AStopOfTheArmEndsIt) {
