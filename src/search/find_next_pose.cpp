@@ -24,6 +24,22 @@ void search(const SearchContext& context, SearchResult* result) {
   result->seconds = context.watch.seconds();
 }
 
+/// The problem on a stack that is known to stand; empty, with the reason, if it does not.
+std::optional<SearchProblem> let_stand(const SearchProblem& problem, const SearchOptions& options,
+                                       SearchResult* result) {
+  check_problem(problem, options);
+  try {
+    const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result->reason);
+    if (!stack) return std::nullopt;
+    SearchProblem standing = problem;
+    standing.stack = *stack;
+    return standing;
+  } catch (const Interrupted&) {
+    result->reason = "interrupted before a pose was found";
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 SearchResult search_on_stack(const SearchProblem& problem, const SearchOptions& options,
@@ -40,31 +56,18 @@ SearchResult search_on_stack(const SearchProblem& problem, const SearchOptions& 
 
 SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options,
                             const std::function<void(const std::string&)>& report) {
-  check_problem(problem, options);
   SearchResult result;
-  SearchProblem standing = problem;
-  try {
-    const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result.reason);
-    if (!stack) return result;
-    standing.stack = *stack;
-  } catch (const Interrupted&) {
-    result.reason = "interrupted before a pose was found";
-    return result;
-  }
-  return search_on_stack(standing, options, report);
+  const auto standing = let_stand(problem, options, &result);
+  return standing ? search_on_stack(*standing, options, report) : result;
 }
 
 SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                          const SearchOptions& options) {
-  check_problem(problem, options);
   SearchResult result;
-  SearchProblem standing = problem;
+  const auto standing = let_stand(problem, options, &result);
+  if (!standing) return result;
   try {
-    const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result.reason);
-    if (!stack) return result;
-    standing.stack = *stack;
-    const SearchContext context = make_context(standing, options, {});
-    follow_plan(context, plan, &result);
+    follow_plan(make_context(*standing, options, {}), plan, &result);
   } catch (const Interrupted&) {
     result.reason = "interrupted before the plan was judged";
   }

@@ -126,6 +126,7 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   }
   trial->placement.predicted_success =
       o.perturbations > 0 ? static_cast<double>(survived) / o.perturbations : 1.0;
+  trial->placement.expected_height = trial->placement.predicted_success;
   if (trial->placement.predicted_success < o.least_success)
     drop(trial, concat("falls too often when placed with the expected error"));
 }

@@ -143,7 +143,7 @@ SearchResult Builder::search_by_friction(const SearchProblem& problem, const Sea
       best = std::move(found);
     }
   }
-  if (!best.best.empty() && most < options_.least_expected) {
+  if (!best.best.empty() && options.verify && most < options_.least_expected) {
     best.best.clear();
     best.reason = concat("by the best way found only ", std::round(100 * most) / 100,
                          " more stones are expected to stand (least: ", options_.least_expected, ")");

@@ -269,5 +269,20 @@ TEST(PaperMode, FindsAPoseForCubes) {
   for (const CandidateTrace& trace : result.trace) EXPECT_FALSE(trace.path_W_O.empty());
 }
 
+TEST(PaperMode, ExpectsAsManyStonesAsItJudgesLikely) {
+  SearchOptions options = quick();
+  options.method = "paper";
+  options.theta_init = 0.1;
+  options.local_solutions = 2;
+  options.descent_rounds = 3;
+  options.friction = 0.5;
+  const SearchResult result = find_next_pose(base_stands(), options);
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  for (const Placement& placement : result.best) {
+    EXPECT_GT(placement.expected_height, 0.0);
+    EXPECT_EQ(placement.expected_height, placement.predicted_success);
+  }
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -72,8 +72,8 @@ struct Placement {
   std::map<std::string, double>
       terms;  ///< area, kinetic_energy, distance, normal: weighted terms of eq. (2); margin, ...
   double predicted_success = 0.0;  ///< share of perturbed placements that stand
-  /// Default mode: how the search means to go on after it, and how many stones (this one included) it expects
-  /// to stand in the end, each as likely as it was judged.
+  /// How the search means to go on after it (default mode), and how many stones, this one included, it
+  /// expects to stand in the end, each as likely as it was judged. 0 if it was not judged.
   std::vector<PlacedStone> then;
   double expected_height = 0.0;
   SupportPolygon support;
