@@ -154,7 +154,7 @@ std::string mbpoll(const std::string& arguments) {
 }
 
 TEST(GripperSimulator, MbpollDrivesItOnBothWires) {
-  if (std::system("command -v mbpoll >/dev/null 2>&1") != 0) GTEST_SKIP() << "no mbpoll";
+  ASSERT_EQ(std::system("command -v mbpoll >/dev/null 2>&1"), 0) << "./dev packages installs mbpoll";
   IdealGripperPlant plant;
   const GripperSimulator simulator(plant, fast(true));
   const std::string tcp = concat("-m tcp -a 2 -p ", simulator.endpoint().port, ' '), host = " 127.0.0.1";
