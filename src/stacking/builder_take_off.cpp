@@ -110,14 +110,15 @@ bool Builder::set_down_top() {
 bool Builder::can_grow_higher(const Belief& without_top) const {
   const SearchProblem problem = make_problem(without_top);
   if (problem.available.empty()) return false;
+  const auto levels = static_cast<int>(without_top.loose.size());
   SearchOptions search = options_.search;
-  for (;;) {
+  for (const double friction : frictions()) {
+    search.friction = friction;
     std::string reason;
-    const auto tower = plan_tower(problem, static_cast<int>(without_top.loose.size()), search, &reason);
+    const auto tower = plan_tower(problem, levels, search, &reason);
     if (without_top.stack.size() + tower.size() > belief_.stack.size()) return true;
-    if (search.friction >= options_.most_friction) return false;
-    search.friction = std::min(options_.most_friction, search.friction + options_.friction_step);
   }
+  return false;
 }
 
 /// False when no motion was found; a motion that went wrong is seen by the next look.
