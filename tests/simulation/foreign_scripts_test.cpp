@@ -272,6 +272,111 @@ TEST(UrForeignScripts, NewerMotionFunctions) {
   EXPECT_THAT(recent.exceptions, testing::HasSubstr("positions and speeds only"));
 }
 
+TEST(UrForeignScripts, ConditionsGoOnInTheNextLine) {
+  // UR's client library lists kinds of points one below the other, and nests its texts in brackets.
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def lines():\n"
+                      "  kind = 11.0\n"
+                      "  if kind == 3 or\n"
+                      "    kind == 9 or\n"
+                      "    kind == 11:\n"
+                      "    textmsg(\"arc\")\n"
+                      "  elif kind == 5 and\n"
+                      "       kind > 4:\n"
+                      "    textmsg(\"other\")\n"
+                      "  end\n"
+                      "  local str = str_cat(\n"
+                      "    str_cat(\"Velocity \", 2.5), str_cat(\n"
+                      "      str_cat(\" in joint \", 3),\n"
+                      "      \" is too high\"))\n"
+                      "  textmsg(str)\n"
+                      "  textmsg(\"list \",\n"
+                      "    str_cat(True, str_cat(\", \", to_str([1, 2.5]))))\n"
+                      "end\n"),
+            "arc|Velocity 2.5 in joint 3 is too high|list True, [1,2.5]");
+  EXPECT_EQ(bench.exceptions, "");
+}
+
+TEST(UrForeignScripts, NumbersThatWereDividedAreWholeNumbersWhereThoseAreWanted) {
+  // Hosts send micro-units; what comes out of the division is a float, and goes where modes and switches go.
+  ScriptBench bench("5.12.2.1101534");
+  EXPECT_EQ(bench.say("def scaled():\n"
+                      "  MULT = 1000000\n"
+                      "  raw = [1, 24000000, 2000000, 1000000, 0]\n"
+                      "  set_tool_voltage(raw[1] / MULT)\n"
+                      "  has_qnear = raw[3] / MULT\n"
+                      "  if has_qnear:\n"
+                      "    textmsg(\"near\")\n"
+                      "  end\n"
+                      "  force_mode(p[0, 0, 0, 0, 0, 0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0, 0, 0, 0, 0, 0], "
+                      "raw[2] / MULT, [0.1, 0.1, 0.1, 0.1, 0.1, 0.1])\n"
+                      "  end_force_mode()\n"
+                      "  count = 3\n"
+                      "  textmsg(count * get_steptime() % 5.0 == 0)\n"
+                      "  textmsg(7.5 % 5.0)\n"
+                      "  flag = (raw[4] != 0)\n"
+                      "  textmsg(True and (flag == False))\n"
+                      "  textmsg((-3 * [1, 2] + [2, 2] * 3 - [1, 1] * 2 * 0.5) / pow(2, 2))\n"
+                      "end\n"),
+            "near|False|2.5|True|[0.5,-0.25]");
+  EXPECT_EQ(bench.exceptions, "");
+}
+
+TEST(UrForeignScripts, NestedFunctionsSetAndJoinTheProgramsThreads) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def threads():\n"
+                      "  thread_clear = 0\n"
+                      "  thread_move = 0\n"
+                      "  left = 3\n"
+                      "  global busy = False\n"
+                      "  def request():\n"
+                      "    if not busy:\n"
+                      "      busy = True\n"
+                      "      thread_clear = run clear()\n"
+                      "    end\n"
+                      "  end\n"
+                      "  def settle():\n"
+                      "    join thread_clear\n"
+                      "    thread_clear = 0\n"
+                      "  end\n"
+                      "  thread clear():\n"
+                      "    local reads = 0\n"
+                      "    while left > 0:\n"
+                      "      left = left - 1\n"
+                      "      reads = reads + 1\n"
+                      "      if reads >= 2:\n"
+                      "        sync()\n"
+                      "        reads = 0\n"
+                      "      end\n"
+                      "      if left == 0:\n"
+                      "        break\n"
+                      "      end\n"
+                      "    end\n"
+                      "    busy = False\n"
+                      "  end\n"
+                      "  thread mover():\n"
+                      "    enter_critical\n"
+                      "    q = get_target_joint_positions()\n"
+                      "    q[0] = q[0] + 2.0\n"
+                      "    movej(q, a = 1.4, v = 1.0, t = 0.0, r = 0.0)\n"
+                      "    exit_critical\n"
+                      "  end\n"
+                      "  thread_move = run mover()\n"
+                      "  sleep(0.3)\n"
+                      "  kill thread_move\n"
+                      "  request()\n"
+                      "  request()\n"
+                      "  stopj(4.0)\n"
+                      "  settle()\n"
+                      "  textmsg(\"left \", left)\n"
+                      "  textmsg(is_steady())\n"
+                      "  halt\n"
+                      "  textmsg(\"never\")\n"
+                      "end\n"),
+            "left 0|True");
+  EXPECT_EQ(bench.exceptions, "");
+}
+
 TEST(UrForeignScripts, SocketsStayOnThisMachine) {
   ScriptBench bench;
   EXPECT_EQ(bench.value("socket_open(\"192.0.2.1\", 80)"), "False");

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 #include <vector>
 
@@ -107,6 +108,16 @@ TEST(FtSimulator, LibmodbusReadsWhoItIsAndTheJamStopsTheStream) {
   EXPECT_EQ(modbus_read_registers(master, 900, 1, words.data()), -1);
   modbus_close(master);
   modbus_free(master);
+}
+
+TEST(FtSimulator, ADriverThatFindsTheSensorStreamingOrNotStartsIt) {
+  ASSERT_EQ(std::system("command -v python3 >/dev/null 2>&1"), 0) << "./dev packages installs python3";
+  for (const bool streaming : {false, true}) {
+    Bench bench("serial", streaming);
+    bench.push(-12.5);
+    const std::string peer = "python3 " STONESTACK_SOURCE_DIR "/tests/simulation/robotiq/peer_ft.py ";
+    EXPECT_EQ(std::system((peer + bench.simulator->serial_path() + " -12.5").c_str()), 0) << streaming;
+  }
 }
 
 TEST(FtSimulator, TheCapZeroesItsOwnStreamOnCommand) {

@@ -174,6 +174,16 @@ TEST(GripperSimulator, MbpollDrivesItOnBothWires) {
   EXPECT_THAT(mbpoll(rtu + "-t 4:hex -r 1000 -c 3" + line), HasSubstr("[1001]: \t0x00FF"));
 }
 
+TEST(GripperSimulator, PymodbusDrivesItAsRobotiqsNodesDo) {
+  const std::string python = "/usr/bin/python3 ";  // Debian's, which has Debian's pymodbus
+  ASSERT_EQ(std::system((python + "-c 'import pymodbus, serial' 2>/dev/null").c_str()), 0)
+      << "./dev packages installs python3-pymodbus and python3-serial";
+  IdealGripperPlant plant;
+  const GripperSimulator simulator(plant, fast(true));
+  const std::string peer = python + STONESTACK_SOURCE_DIR "/tests/simulation/robotiq/peer_pymodbus.py ";
+  EXPECT_EQ(std::system(concat(peer, simulator.endpoint().port, ' ', simulator.serial_path()).c_str()), 0);
+}
+
 TEST(GripperSimulator, LibmodbusDrivesItOverTheSerialLine) {
   IdealGripperPlant plant;
   const GripperSimulator simulator(plant, fast(true));
