@@ -286,6 +286,18 @@ TEST(UrWire, DashboardLines) {
   EXPECT_TRUE(answer_dashboard(bench.controller, "quit").closes);
 }
 
+TEST(UrWire, AStopThatCannotBeAcknowledged) {
+  ControllerFaults faults;
+  faults.refuse_unlock = true;
+  ScriptBench bench("3.15.8.106339", faults);
+  bench.controller.protective_stop(153, "test");
+  bench.run(6.0);
+  EXPECT_NE(answer_dashboard(bench.controller, "unlock protective stop").line, "Protective stop releasing");
+  EXPECT_EQ(answer_dashboard(bench.controller, "safetymode").line, "Safetymode: PROTECTIVE_STOP");
+  bench.controller.faults.refuse_unlock = false;
+  EXPECT_EQ(answer_dashboard(bench.controller, "unlock protective stop").line, "Protective stop releasing");
+}
+
 TEST(UrWire, ScriptsAreCutFromTheStream) {
   ScriptCollector collector;
   std::vector<std::string> got;

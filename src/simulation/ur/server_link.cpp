@@ -25,11 +25,11 @@ ServerLink::ServerLink(TcpStream stream, UrController& controller)
 }
 
 void ServerLink::pump() {
-  if (dead_ || mute_) return;
+  if (dead_) return;
   std::array<std::uint8_t, 8192> buffer;
   for (int k = 0; k < kReadsAStep && !dead_; ++k) {
     const IoResult result = stream_.read_some(buffer, Deadline::in(0));
-    if (result.bytes > 0) receive({reinterpret_cast<const char*>(buffer.data()), result.bytes});
+    if (result.bytes > 0 && !mute_) receive({reinterpret_cast<const char*>(buffer.data()), result.bytes});
     if (result.status == IoStatus::kClosed) dead_ = true;
     if (result.status != IoStatus::kDone) break;
   }

@@ -20,7 +20,8 @@ class ServerLink {
   virtual void after_step() {}
   [[nodiscard]] bool dead() const { return dead_; }
   void close() { dead_ = true; }
-  /// The link stays open, but from now on nothing is read or written: a session that died silently.
+  /// The link stays open, but from now on nothing is heeded or written: a session that died silently. It ends
+  /// when the client closes it.
   void mute() { mute_ = true; }
   /// Packages that were left out because the client did not read.
   [[nodiscard]] long skipped() const { return skipped_; }
