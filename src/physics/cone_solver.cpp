@@ -79,7 +79,8 @@ ConeSolver::Row ConeSolver::make_row(int a, int b, Touch& touch, double friction
   };
   const double mean = 0.5 * (1.0 / row.mass[1] + 1.0 / row.mass[2]);
   const double half = 0.5 * (1.0 / row.mass[1] - 1.0 / row.mass[2]);
-  row.mass[1] = row.mass[2] = 1.0 / (mean + std::hypot(half, response(1, 2)));
+  const double skew = response(1, 2);
+  row.mass[1] = row.mass[2] = 1.0 / (mean + std::sqrt(half * half + skew * skew));
   row.impulse[0] = touch.impulse;
   row.impulse[1] = touch.friction.dot(row.axis[1]);
   row.impulse[2] = touch.friction.dot(row.axis[2]);
@@ -129,7 +130,8 @@ double ConeSolver::solve_row(Row& row, double dt) {
   const double old1 = row.impulse[1], old2 = row.impulse[2];
   double f1 = old1 - row.mass[1] * speed(row, 1);
   double f2 = old2 - row.mass[2] * speed(row, 2);
-  const double limit = row.friction * row.impulse[0], length = std::hypot(f1, f2);
+  const double limit = row.friction * row.impulse[0],
+               length = std::sqrt(f1 * f1 + f2 * f2);  // std::hypot took 4 % of a run
   if (length > limit) {
     f1 *= limit / length;
     f2 *= limit / length;

@@ -9,7 +9,8 @@
 namespace stonestack {
 namespace {
 
-constexpr double kSample = 0.1;            // s, between looks at a stack that is judged
+constexpr double kSample = 0.05;           // s, between looks at a stack that is judged
+constexpr double kStillSeconds = 0.1;      // s, in which less motion than StandOptions::still is none
 constexpr double kFall = 1.0;              // s that a stack which moved is given to show which stones stay
 constexpr int kStill = 3;                  // samples without motion that end a verdict
 constexpr double kFineStep = 0.001;        // s, while contacts for an equilibrium are found
@@ -120,7 +121,7 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
   while (world.time() < end - 1e-9 && still < kStill) {
     throw_if_interrupted();
     world.run(std::min(kSample, end - world.time()));
-    still = motion(shapes, stack, world, last) < options.still ? still + 1 : 0;
+    still = motion(shapes, stack, world, last) < options.still * kSample / kStillSeconds ? still + 1 : 0;
     int worst = -1;
     double excess = 1.0;
     for (int i = 0; i < n; ++i) {

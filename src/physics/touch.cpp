@@ -12,6 +12,9 @@ constexpr double kDeepest = 0.003;    // m: features tell depths down to here, b
 constexpr double kDeep = 0.0025;      // m: vertices at least as deep touch by the signed distance too
 constexpr double kSlack = 0.002;      // m: motion after which candidates are looked for again
 constexpr double kTurn = 0.02;        // rad: the same
+constexpr double kNearSlack = 2e-4;   // m: motion after which those that may touch soon are chosen again
+constexpr double kNearTurn = 0.002;   // rad: the same
+constexpr double kSecondOrder = 1.5;  // what crossing edges may move and turn more than the bodies
 constexpr double kCone = 0.02;        // sine: how far out of a normal cone still counts
 constexpr double kRim = 1e-5;         // m: how far beside a face or beyond an edge's end still counts
 constexpr double kParallel = 0.02;    // sine between edges: below it their ends touch, not they
@@ -73,13 +76,22 @@ bool near_edge(const Vector& p, const EdgeFeature& e, double reach) {
   return (p - e.p0 - s * e.d).squaredNorm() <= reach * reach;
 }
 
-/// Touch of vertex x of X on face y of Y, all in Y; false if they cannot be the first to touch.
+/// Touch of vertex x of X on face y of Y, all in Y; false if they cannot be the first to touch, even after
+/// some motion and turn.
 bool vertex_on_face(const SurfaceFeatures& X, int x, const Pose& T_Y_X, const FaceFeature& face, Vector* p,
-                    double* gap) {
+                    double* gap, double motion = 0.0, double turn = 0.0) {
   *p = T_Y_X * X.vertices[static_cast<std::size_t>(x)];
   *gap = face.n.dot(*p) - face.offset;
-  return *gap <= kTouchGap && *gap >= -kDeepest && in_face(face, *p, kRim) &&
-         leads(X, x, T_Y_X.linear().transpose() * face.n, kCone);
+  return *gap <= kTouchGap + motion && *gap >= -kDeepest - motion && in_face(face, *p, kRim + motion) &&
+         leads(X, x, T_Y_X.linear().transpose() * face.n, kCone + turn);
+}
+
+/// Edges that may touch after some motion and turn; those that are nearly parallel always may.
+bool may_cross(const EdgeFeature& a, const EdgeFeature& b, double motion, double turn) {
+  const double sine = a.d.cross(b.d).norm();
+  if (sine < 0.05) return true;
+  const Crossing c = cross(a, b, kRim + motion / sine, kCone + turn / sine, 0.0);
+  return c.valid && c.gap <= kTouchGap + motion && c.gap >= -kDeepest - motion;
 }
 
 void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose& T_Y_X, const Pose& T_W_Y,
@@ -133,10 +145,10 @@ void drop_twins(std::vector<Touch>& touches) {
   touches = std::move(kept);
 }
 
-bool moved_enough(const Pose& before, const Pose& now, double radius) {
+bool moved_enough(const Pose& before, const Pose& now, double radius, double motion, double turn_limit) {
   const Eigen::Matrix3d turn = before.linear().transpose() * now.linear();
   const double angle = std::sqrt(std::max(0.0, 3.0 - turn.trace()));  // 2 sin(angle / 2) to first order
-  return angle > kTurn || (now.translation() - before.translation()).norm() + angle * radius > kSlack;
+  return angle > turn_limit || (now.translation() - before.translation()).norm() + angle * radius > motion;
 }
 
 double radius_about_origin(const SurfaceFeatures& features) {
@@ -164,24 +176,27 @@ double signed_distance(const Surface& surface, const Vector& p, Vector* gradient
 std::vector<Touch> FeaturePairs::touches(const Surface& A, const Surface& B, const Pose& T_W_A,
                                          const Pose& T_W_B) {
   const Pose T_B_A = T_W_B.inverse() * T_W_A;
-  if (!fresh_ || moved_enough(T_B_A_, T_B_A, radius_about_origin(*A.features))) refresh(A, B, T_B_A);
+  const double radius = radius_about_origin(*A.features);
+  const bool stale = !fresh_ || moved_enough(T_B_A_, T_B_A, radius, kSlack, kTurn);
+  if (stale) refresh(A, B, T_B_A);
+  if (stale || moved_enough(T_near_, T_B_A, radius, kNearSlack, kNearTurn)) choose_near(A, B, T_B_A);
   const Pose T_A_B = T_B_A.inverse();
   std::vector<Touch> out;
   Vector p;
   double gap = 0.0;
-  for (const Pair& pair : vertices_of_a_) {
+  for (const Pair& pair : near_.vertices_of_a) {
     const FaceFeature& face = B.features->faces[static_cast<std::size_t>(pair.b)];
     if (!vertex_on_face(*A.features, pair.a, T_B_A, face, &p, &gap)) continue;
     out.push_back({TouchKind::kVertexOfA, pair.a, pair.b, T_W_B * (p - gap * face.n), T_W_B.linear() * face.n,
                    gap, Vector::Zero()});
   }
-  for (const Pair& pair : vertices_of_b_) {
+  for (const Pair& pair : near_.vertices_of_b) {
     const FaceFeature& face = A.features->faces[static_cast<std::size_t>(pair.a)];
     if (!vertex_on_face(*B.features, pair.b, T_A_B, face, &p, &gap)) continue;
     out.push_back(
         {TouchKind::kVertexOfB, pair.a, pair.b, T_W_A * p, -(T_W_A.linear() * face.n), gap, Vector::Zero()});
   }
-  for (const Pair& pair : edges_) {
+  for (const Pair& pair : near_.edges) {
     const EdgeFeature a = moved(A.features->edges[static_cast<std::size_t>(pair.a)], T_B_A);
     const Crossing c = cross(a, B.features->edges[static_cast<std::size_t>(pair.b)], kRim, kCone, kParallel);
     if (!c.valid || c.gap > kTouchGap || c.gap < -kDeepest) continue;
@@ -200,15 +215,36 @@ std::vector<Touch> FeaturePairs::touches(const Surface& A, const Surface& B, con
 void FeaturePairs::refresh(const Surface& A, const Surface& B, const Pose& T_B_A) {
   fresh_ = true;
   T_B_A_ = T_B_A;
-  for (auto* list : {&vertices_of_a_, &vertices_of_b_, &edges_}) list->clear();
+  for (auto* list : {&all_.vertices_of_a, &all_.vertices_of_b, &all_.edges}) list->clear();
   deep_a_.clear();
   deep_b_.clear();
   look_up(A, B, T_B_A, false);
   look_up(B, A, T_B_A.inverse(), true);
-  for (auto* list : {&vertices_of_a_, &vertices_of_b_, &edges_}) {
+  for (auto* list : {&all_.vertices_of_a, &all_.vertices_of_b, &all_.edges}) {
     std::sort(list->begin(), list->end());
     list->erase(std::unique(list->begin(), list->end()), list->end());
   }
+}
+
+void FeaturePairs::choose_near(const Surface& A, const Surface& B, const Pose& T_B_A) {
+  T_near_ = T_B_A;
+  const Pose T_A_B = T_B_A.inverse();
+  Vector p;
+  double gap = 0.0;
+  near_ = {};
+  for (const Pair& pair : all_.vertices_of_a)
+    if (vertex_on_face(*A.features, pair.a, T_B_A, B.features->faces[static_cast<std::size_t>(pair.b)], &p,
+                       &gap, kNearSlack, kNearTurn))
+      near_.vertices_of_a.push_back(pair);
+  for (const Pair& pair : all_.vertices_of_b)
+    if (vertex_on_face(*B.features, pair.b, T_A_B, A.features->faces[static_cast<std::size_t>(pair.a)], &p,
+                       &gap, kNearSlack, kNearTurn))
+      near_.vertices_of_b.push_back(pair);
+  for (const Pair& pair : all_.edges)
+    if (may_cross(moved(A.features->edges[static_cast<std::size_t>(pair.a)], T_B_A),
+                  B.features->edges[static_cast<std::size_t>(pair.b)], kSecondOrder * kNearSlack,
+                  kSecondOrder * kNearTurn))
+      near_.edges.push_back(pair);
 }
 
 void FeaturePairs::look_up(const Surface& X, const Surface& Y, const Pose& T_Y_X, bool swapped) {
@@ -240,9 +276,9 @@ void FeaturePairs::look_up_ball(const Surface& X, const Surface& Y, const Pose& 
             !leads(x, sample.vertex, T_Y_X.linear().transpose() * face.n, kCone + kTurn))
           continue;
         if (swapped)
-          vertices_of_b_.push_back({*f, sample.vertex});
+          all_.vertices_of_b.push_back({*f, sample.vertex});
         else
-          vertices_of_a_.push_back({sample.vertex, *f});
+          all_.vertices_of_a.push_back({sample.vertex, *f});
       }
       if (y.box.contains(p) && signed_distance(Y, p, nullptr) < kSlack - kDeep)
         (swapped ? deep_b_ : deep_a_).push_back(sample.vertex);
@@ -262,13 +298,13 @@ void FeaturePairs::look_up_edges(const EdgeFeature& own, const FeatureSample& sa
     if (edge.length == 0.0) edge = moved(own, T_Y_X);
     const double sine = edge.d.cross(other.d).norm();
     if (sine > 0.2 && !cross(edge, other, kSlack / sine, kCone + 1.5 * kTurn / sine, 0.0).valid) continue;
-    edges_.push_back({sample.edge, *e});
+    all_.edges.push_back({sample.edge, *e});
   }
 }
 
 std::vector<Touch> TablePairs::touches(const Surface& A, const Pose& T_W_A) {
   const SurfaceFeatures& x = *A.features;
-  if (!fresh_ || moved_enough(T_W_A_, T_W_A, radius_about_origin(x))) {
+  if (!fresh_ || moved_enough(T_W_A_, T_W_A, radius_about_origin(x), kSlack, kTurn)) {
     fresh_ = true;
     T_W_A_ = T_W_A;
     vertices_.clear();
@@ -296,85 +332,6 @@ std::vector<Touch> TablePairs::touches(const Surface& A, const Pose& T_W_A) {
     out.push_back({TouchKind::kVertexOfA, v, -1, {p.x(), p.y(), 0.0}, Vector::UnitZ(), p.z(), p_A});
   }
   return out;
-}
-
-namespace {
-/// How alike two touches are as a place and a direction, m.
-double apart(const Touch& a, const Touch& b) {
-  return (a.p_A - b.p_A).norm() + 0.02 * (a.n_W - b.n_W).norm();
-}
-bool same(const Touch& a, const Touch& b) {
-  if (a.kind != b.kind) return false;
-  switch (a.kind) {  // a vertex that crosses a seam is the same touch
-    case TouchKind::kVertexOfA:
-    case TouchKind::kDeepA:
-      return a.a == b.a && a.n_W.dot(b.n_W) > 0.99;
-    case TouchKind::kVertexOfB:
-    case TouchKind::kDeepB:
-      return a.b == b.b && a.n_W.dot(b.n_W) > 0.99;
-    case TouchKind::kEdges:
-      return a.a == b.a && a.b == b.b;
-  }
-  return false;
-}
-}  // namespace
-
-void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::size_t most) {
-  if (touches.size() <= most) return;
-  const std::size_t count = touches.size();
-  std::vector<double> bonus(count, 0.0), nearest(count, 1e9);
-  for (std::size_t i = 0; i < count; ++i) {
-    const bool kept =
-        std::any_of(before.begin(), before.end(), [&](const Touch& o) { return same(touches[i], o); });
-    bonus[i] = (kept ? 0.004 : 0.0) - 4.0 * std::max(touches[i].gap, 0.0);
-  }
-  std::vector<char> taken(count, 0);
-  std::size_t next = 0;
-  for (std::size_t i = 1; i < count; ++i)
-    if (touches[i].gap < touches[next].gap) next = i;
-  std::vector<std::size_t> chosen;
-  while (chosen.size() < most) {
-    chosen.push_back(next);
-    taken[next] = 1;
-    double best = -1e9;
-    const std::size_t last = next;
-    for (std::size_t i = 0; i < count; ++i) {
-      nearest[i] = std::min(nearest[i], apart(touches[i], touches[last]));
-      if (!taken[i] && nearest[i] + bonus[i] > best) {
-        best = nearest[i] + bonus[i];
-        next = i;
-      }
-    }
-  }
-  std::sort(chosen.begin(), chosen.end());
-  std::vector<Touch> kept;
-  for (const std::size_t i : chosen) kept.push_back(touches[i]);
-  touches = std::move(kept);
-}
-
-void carry_over(std::vector<Touch>& touches, const std::vector<Touch>& before) {
-  std::vector<char> used(before.size(), 0);
-  std::vector<char> done(touches.size(), 0);
-  const auto take = [&](std::size_t i, std::size_t j) {
-    touches[i].impulse = before[j].impulse;
-    touches[i].friction = before[j].friction;
-    used[j] = done[i] = 1;
-  };
-  for (std::size_t i = 0; i < touches.size(); ++i)
-    for (std::size_t j = 0; j < before.size() && !done[i]; ++j)
-      if (!used[j] && same(touches[i], before[j])) take(i, j);
-  for (std::size_t i = 0; i < touches.size(); ++i) {
-    if (done[i]) continue;
-    std::size_t best = before.size();
-    double nearest = 0.001;
-    for (std::size_t j = 0; j < before.size(); ++j)
-      if (!used[j] && touches[i].n_W.dot(before[j].n_W) > 0.95 &&
-          (touches[i].p_A - before[j].p_A).norm() < nearest) {
-        nearest = (touches[i].p_A - before[j].p_A).norm();
-        best = j;
-      }
-    if (best < before.size()) take(i, best);
-  }
 }
 
 }  // namespace stonestack

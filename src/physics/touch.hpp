@@ -52,7 +52,14 @@ class FeaturePairs {
     bool operator<(const Pair& o) const { return a != o.a ? a < o.a : b < o.b; }
     bool operator==(const Pair& o) const { return a == o.a && b == o.b; }
   };
+  struct Lists {
+    std::vector<Pair> vertices_of_a;  ///< (vertex of A, face of B)
+    std::vector<Pair> vertices_of_b;  ///< (face of A, vertex of B)
+    std::vector<Pair> edges;
+  };
   void refresh(const Surface& A, const Surface& B, const Pose& T_B_A);
+  /// Of all pairs those that may touch after a motion too small to matter for a stone at rest.
+  void choose_near(const Surface& A, const Surface& B, const Pose& T_B_A);
   /// Candidates from the samples of X near Y; `swapped`: X is B.
   void look_up(const Surface& X, const Surface& Y, const Pose& T_Y_X, bool swapped);
   void look_up_ball(const Surface& X, const Surface& Y, const Pose& T_Y_X, const SampleBall& ball,
@@ -61,10 +68,8 @@ class FeaturePairs {
                      const SurfaceFeatures& y, const Pose& T_Y_X);
 
   bool fresh_ = false;
-  Pose T_B_A_ = Pose::Identity();
-  std::vector<Pair> vertices_of_a_;  ///< (vertex of A, face of B)
-  std::vector<Pair> vertices_of_b_;  ///< (face of A, vertex of B)
-  std::vector<Pair> edges_;
+  Pose T_B_A_ = Pose::Identity(), T_near_ = Pose::Identity();  ///< when all and near were chosen
+  Lists all_, near_;
   std::vector<int> deep_a_, deep_b_;  ///< vertices far inside the other body
 };
 
