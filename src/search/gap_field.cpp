@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace stonestack {
 namespace {
@@ -12,44 +13,43 @@ constexpr float kPadding = -1e9F;
 constexpr float kOffLine = 0.0137F;
 constexpr double kViolation = 1e-5;      ///< m
 constexpr double kArtificialRim = 0.12;  ///< m, radius of the three artificial cells
+constexpr double kDeepestStart = 0.1;    ///< m below the largest gap: what lies deeper says nothing
 constexpr int kMostPivots = 60;
 
-/// Highest of the eight, without being told that floats associate, so that the compiler may do it at once.
-float highest_of(const float* values) {
-  float v[kRun / 2];
-  for (int k = 0; k < 4; ++k) v[k] = values[k] < values[k + 4] ? values[k + 4] : values[k];
-  for (int k = 0; k < 2; ++k) v[k] = v[k] < v[k + 2] ? v[k + 2] : v[k];
-  return v[0] < v[1] ? v[1] : v[0];
+using Run = Eigen::Array<float, kRun, 1>;
+Eigen::Map<const Run> run_of(const std::vector<float>& values, std::size_t run) {
+  return Eigen::Map<const Run>(values.data() + run * kRun);
 }
 
-/// The cell that lies highest above the plane a x + b y. Runs that cannot hold it are passed over.
-std::size_t most_violated(const GapField& field, float a, float b, float* value) {
+/// The cell that lies highest above the plane a x + b y, if one lies above it by more than *value, which
+/// becomes its height; -1 if none does. Runs that cannot hold it are passed over.
+int most_violated(const GapField& field, float a, float b, float* value) {
   const Underside& side = *field.underside;
   const float slack = std::abs(a) * static_cast<float>(side.run_reach);
-  float best = kPadding;
-  std::size_t best_run = 0;
-  for (const int r : field.runs) {
-    const auto run = static_cast<std::size_t>(r);
-    const float at_most = field.highest_d[run] - a * side.middle_x[run] - b * side.row_y[run] + slack;
-    if (at_most < best) continue;
-    const std::size_t start = run * kRun;
-    float over[kRun];
-    for (std::size_t k = 0; k < kRun; ++k)
-      over[k] = field.d[start + k] - a * side.x[start + k] - b * side.y[start + k];
-    const float highest = highest_of(over);
-    if (highest > best) {
-      best = highest;
-      best_run = run;
+  float best = *value;
+  int best_run = -1;
+  for (std::size_t block = 0; block < field.active_d.size(); block += kRun) {
+    const std::size_t k = block / kRun;
+    const Run at_most =
+        run_of(field.active_d, k) - a * run_of(field.active_x, k) - b * run_of(field.active_y, k) + slack;
+    if (at_most.maxCoeff() <= best) continue;
+    for (std::size_t m = 0; m < kRun; ++m) {
+      if (at_most[static_cast<Eigen::Index>(m)] <= best) continue;
+      const int r = field.runs[block + m];
+      const auto run = static_cast<std::size_t>(r);
+      const float highest = (run_of(field.d, run) - a * run_of(side.x, run)).maxCoeff() - b * side.row_y[run];
+      if (highest > best) {
+        best = highest;
+        best_run = r;
+      }
     }
   }
-  std::size_t arg = best_run * kRun;
-  for (std::size_t k = arg; k < (best_run + 1) * kRun; ++k)
-    if (field.d[k] - a * side.x[k] - b * side.y[k] == best) {
-      arg = k;
-      break;
-    }
+  if (best_run < 0) return -1;
   *value = best;
-  return arg;
+  const auto run = static_cast<std::size_t>(best_run);
+  Eigen::Index arg = 0;
+  (run_of(field.d, run) - a * run_of(side.x, run)).maxCoeff(&arg);
+  return best_run * kRun + static_cast<int>(arg);
 }
 
 /// Three cells around the centre of mass and the plane through them.
@@ -58,6 +58,12 @@ struct Basis {
   std::array<int, 3> cell{-1, -1, -1};  ///< -1: artificial
   double c = 0.0, a = 0.0, b = 0.0;
 
+  void set(std::size_t k, const Eigen::Vector3d& q, int index) {
+    p[k] = q;
+    cell[k] = index;
+  }
+  /// Height of a point over the plane a x + b y.
+  [[nodiscard]] double over_slope(const Eigen::Vector3d& q) const { return q.z() - a * q.x() - b * q.y(); }
   /// Barycentric coordinates of a point of the plane z = 0. False if the three are on one line.
   bool weights(double x, double y, std::array<double, 3>* w) const {
     const double ux = p[1].x() - p[0].x(), uy = p[1].y() - p[0].y();
@@ -96,8 +102,7 @@ struct Basis {
       }
     }
     if (leaving == 3) return false;
-    p[leaving] = q;
-    cell[leaving] = index;
+    set(leaving, q, index);
     return true;
   }
 };
@@ -174,40 +179,63 @@ void lay(const TopSurface& top, const Underside& underside, int i, int j, double
   field->highest_d.resize(runs);
   field->highest = kPadding;
   const float* z_top = top.heights.z.data() + field->centre;
-  const float* z_side = underside.z.data();
   float* d = field->d.data();
-  for (std::size_t run = 0; run < runs; ++run, z_side += kRun, d += kRun) {
-    const float* z = z_top + underside.step[run];
-    for (std::size_t k = 0; k < kRun; ++k) d[k] = z[k] - z_side[k];
-    field->highest_d[run] = highest_of(d);
+  for (std::size_t run = 0; run < runs; ++run, d += kRun) {
+    const Run gap = Eigen::Map<const Run>(z_top + underside.step[run]) - run_of(underside.z, run);
+    Eigen::Map<Run>{d} = gap;
+    field->highest_d[run] = gap.maxCoeff();
     field->highest = std::max(field->highest, field->highest_d[run]);
   }
   const float least = field->highest - static_cast<float>(active);
   field->runs.clear();
   for (std::size_t run = 0; run < runs; ++run)
     if (field->highest_d[run] >= least) field->runs.push_back(static_cast<int>(run));
+  while (field->runs.size() % kRun != 0) field->runs.push_back(field->runs.back());
+  const std::size_t kept = field->runs.size();
+  field->active_d.resize(kept);
+  field->active_x.resize(kept);
+  field->active_y.resize(kept);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const auto run = static_cast<std::size_t>(field->runs[k]);
+    field->active_d[k] = field->highest_d[run];
+    field->active_x[k] = underside.middle_x[run];
+    field->active_y[k] = underside.row_y[run];
+  }
 }
 
-GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope) {
+GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope,
+                   const std::array<int, 3>& start) {
   GapRest rest;
   if (field.runs.empty()) return rest;
-  Basis basis = artificial_basis(field.highest, largest_slope);
+  const Basis rim = artificial_basis(field.highest, largest_slope);
+  Basis basis = rim;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (start[k] >= 0) basis.set(k, field.point(start[k]), start[k]);
+  const double lowest = static_cast<double>(field.highest) - kDeepestStart;
+  if (std::any_of(basis.p.begin(), basis.p.end(), [&](const auto& p) { return p.z() < lowest; })) basis = rim;
   for (int pivot = 0; pivot < kMostPivots; ++pivot) {
     if (!basis.fit_plane()) return rest;
-    float over = 0.0F;
-    const std::size_t k =
-        most_violated(field, static_cast<float>(basis.a), static_cast<float>(basis.b), &over);
-    if (static_cast<double>(over) - basis.c <= kViolation) break;
-    const Underside& side = *field.underside;
-    const Eigen::Vector3d q(static_cast<double>(side.x[k]), static_cast<double>(side.y[k]),
-                            static_cast<double>(field.d[k]));
-    if (!basis.enter(q, static_cast<int>(k))) return rest;
+    auto over = static_cast<float>(basis.c + kViolation);
+    int entering = most_violated(field, static_cast<float>(basis.a), static_cast<float>(basis.b), &over);
+    bool optimal = entering < 0;
+    Eigen::Vector3d q = optimal ? Eigen::Vector3d::Zero() : field.point(entering);
+    for (const Eigen::Vector3d& artificial : rim.p)
+      if (const auto at = static_cast<float>(basis.over_slope(artificial)); at > over) {
+        over = at;
+        entering = -1;
+        q = artificial;
+        optimal = false;
+      }
+    if (optimal) {
+      rest.rests = std::all_of(basis.cell.begin(), basis.cell.end(), [](int cell) { return cell >= 0; });
+      break;
+    }
+    if (!basis.enter(q, entering)) return rest;
   }
   rest.height = basis.c;
   rest.a = basis.a;
   rest.b = basis.b;
   rest.cells = basis.cell;
-  rest.rests = std::all_of(basis.cell.begin(), basis.cell.end(), [](int cell) { return cell >= 0; });
   rest.clean =
       rest.rests && std::all_of(basis.cell.begin(), basis.cell.end(), [&](int cell) {
         return top.may_touch[static_cast<std::size_t>(field.node(static_cast<std::size_t>(cell)))] != 0;
@@ -233,7 +261,9 @@ GapContact contact_of(const GapField& field, const GapRest& rest, const TopSurfa
   const auto a = static_cast<float>(rest.a), b = static_cast<float>(rest.b);
   const Underside& side = *field.underside;
   const float slack = std::abs(a) * static_cast<float>(side.run_reach);
+  int last = -1;
   for (const int r : field.runs) {
+    if (r == std::exchange(last, r)) break;  // filled up
     const auto run = static_cast<std::size_t>(r);
     if (field.highest_d[run] < c + a * side.middle_x[run] + b * side.row_y[run] - slack) continue;
     for (std::size_t k = run * kRun; k < (run + 1) * kRun; ++k) {

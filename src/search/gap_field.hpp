@@ -48,11 +48,18 @@ struct GapField {
   int centre = 0;                ///< node of the TopSurface below the centre of mass
   std::vector<float> d;          ///< each node's of the underside
   std::vector<float> highest_d;  ///< each run's
-  std::vector<int> runs;         ///< that may touch
+  std::vector<int> runs;         ///< that may touch, the last repeated up to a multiple of kRun, and of each
+  std::vector<float> active_d, active_x, active_y;  ///< its highest d, its middle's x and its row's y
   float highest = kNoSurface;
 
   [[nodiscard]] int node(std::size_t cell) const {
     return centre + underside->step[cell / kRun] + static_cast<int>(cell % kRun);
+  }
+  /// x, y and gap of a node of the underside.
+  [[nodiscard]] Eigen::Vector3d point(int cell) const {
+    const auto k = static_cast<std::size_t>(cell);
+    return {static_cast<double>(underside->x[k]), static_cast<double>(underside->y[k]),
+            static_cast<double>(d[k])};
   }
 };
 /// Lays the underside over the surface with the centre of mass above node (i, j), which must be at least the
@@ -67,12 +74,15 @@ struct GapRest {
   bool clean = false;       ///< and all three may be touched
   double height = 0.0;      ///< c, m
   double a = 0.0, b = 0.0;  ///< tilt that is still needed, rise over run
-  std::array<int, 3> cells{};  ///< nodes of the underside
+  std::array<int, 3> cells{-1, -1, -1};  ///< nodes of the underside
 };
 /// min c subject to c + a x + b y >= D everywhere: a linear programme in three variables, by the dual simplex
 /// method. Its basis is the upper hull facet of D above the centre of mass, so the contacts enclose it. Tilts
-/// up to about `largest_slope`.
-[[nodiscard]] GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope);
+/// up to about `largest_slope`: three artificial cells far out bear what would tilt further. `start`: the
+/// cells of a rest of the same underside, say on the node beside, where the search for these begins; they
+/// enclose the centre of mass whatever lies below them. The result does not depend on it, but for ties.
+[[nodiscard]] GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope,
+                                 const std::array<int, 3>& start = {-1, -1, -1});
 
 /// How well a resting pose is carried.
 struct GapContact {

@@ -11,9 +11,12 @@ constexpr double kLargestSlope = 0.2;   ///< about 11 deg of tilt (measured)
 constexpr double kTouch = 0.0006;       ///< m: cells nearer than this to the resting plane carry (measured)
 constexpr double kDoesNotHold = -0.25;  ///< g
 
-Landing set_down(const StackField& stack, const Underside& underside, int i, int j, GapField* buffer) {
+/// `cells`: where the search for a rest begins, and the rest's cells.
+Landing set_down(const StackField& stack, const Underside& underside, int i, int j, GapField* buffer,
+                 std::array<int, 3>* cells) {
   lay(stack.surface, underside, i, j, kActive, buffer);
-  const GapRest rest = solve_rest(*buffer, stack.surface, kLargestSlope);
+  const GapRest rest = solve_rest(*buffer, stack.surface, kLargestSlope, *cells);
+  *cells = rest.cells;
   Landing landing;
   landing.holds = rest.clean;
   landing.height = rest.height;
@@ -31,13 +34,26 @@ Landing set_down(const StackField& stack, const Underside& underside, int i, int
 
 LandingGrid land(const StackField& stack, const Underside& underside, double mass, const OffsetGrid& offsets,
                  GapField* buffer) {
-  LandingGrid grid{offsets, {}};
   const int n = offsets.n, width = 2 * n + 1;
-  grid.landings.reserve(static_cast<std::size_t>(width * width));
+  LandingGrid grid{offsets, std::vector<Landing>(static_cast<std::size_t>(width * width))};
+  const auto at = [&](int u, int v) { return static_cast<std::size_t>((v + n) * width + u + n); };
+  std::array<int, 3> cells{-1, -1, -1};  // each rest is sought from that of the node before
+  const auto fill = [&](int u, int v) {
+    grid.landings[at(u, v)] = set_down(stack, underside, offsets.i + u * offsets.step,
+                                       offsets.j + v * offsets.step, buffer, &cells);
+  };
+  for (int v = 1 - n; v < n; ++v)
+    for (int k = 1 - n; k < n; ++k) fill((v + n) % 2 == 0 ? -k : k, v);  // to and fro
+  // The rim says only how heights go on from the nodes within that hold.
+  const auto wanted = [&](int u, int v) {
+    for (int y = std::max(v - 1, 1 - n); y <= std::min(v + 1, n - 1); ++y)
+      for (int x = std::max(u - 1, 1 - n); x <= std::min(u + 1, n - 1); ++x)
+        if (grid.at(x, y).holds) return true;
+    return false;
+  };
   for (int v = -n; v <= n; ++v)
     for (int u = -n; u <= n; ++u)
-      grid.landings.push_back(
-          set_down(stack, underside, offsets.i + u * offsets.step, offsets.j + v * offsets.step, buffer));
+      if (std::max(std::abs(u), std::abs(v)) == n && wanted(u, v)) fill(u, v);
   const double pitch = offsets.step * stack.surface.heights.cell;
   for (int v = 1 - n; v < n; ++v) {
     for (int u = 1 - n; u < n; ++u) {
@@ -63,7 +79,8 @@ LandingGrid land(const StackField& stack, const Underside& underside, double mas
 }
 
 Landing land_on_table(const StackField& table, const Underside& underside, GapField* buffer) {
-  Landing landing = set_down(table, underside, 0, 0, buffer);
+  std::array<int, 3> cells{-1, -1, -1};
+  Landing landing = set_down(table, underside, 0, 0, buffer, &cells);
   if (landing.holds) landing.estimate = std::min(table.friction, landing.margin / landing.lever);
   return landing;
 }

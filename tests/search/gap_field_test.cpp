@@ -100,6 +100,30 @@ TEST(GapField, OverhangingBoxTips) {
   EXPECT_TRUE(solve_rest(field, ledge, 0.2).rests);
 }
 
+TEST(GapField, RestDoesNotDependOnWhereItsSearchBegins) {
+  Random random = Random::stream(9, "gap field");
+  int rested = 0;
+  for (int trial = 0; trial < 100; ++trial) {
+    const double p = random.uniform(10, 40), s = random.uniform(0, 6);
+    const TopSurface top = surface_of([&](double x, double y) {
+      return 0.004 * (std::sin(p * x + s) + std::cos(30 * y + p * x * y * 20));
+    });
+    const Underside side = underside_of(make_sphere(0.3, 3));
+    std::array<int, 3> cells{-1, -1, -1};
+    for (int i = -6; i <= 6; i += 2) {
+      GapField field;
+      lay(top, side, i, 1, 0.022, &field);
+      const GapRest anew = solve_rest(field, top, 0.2);
+      const GapRest from = solve_rest(field, top, 0.2, cells);
+      ASSERT_EQ(anew.rests, from.rests);
+      ASSERT_NEAR(anew.height, from.height, 2e-5);
+      if (anew.rests) ++rested;
+      cells = from.cells;
+    }
+  }
+  EXPECT_GT(rested, 200);
+}
+
 TEST(GapField, RestingPlaneLiesAboveEveryCellAndEnclosesTheCentre) {
   Random random = Random::stream(7, "gap field");
   int rested = 0;
