@@ -91,6 +91,7 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
   require(problem.site.allFinite(), "site must be finite, got ", problem.site.transpose());
   check_placed(problem.stack.stones, problem.shapes->size(), "stack");
   check_placed(problem.available, problem.shapes->size(), "available stones");
+  check_placed(problem.way_up, problem.shapes->size(), "way up");
   for (const auto* list : {&problem.stack.stones, &problem.available})
     for (const PlacedStone& placed : *list) {
       const auto& shape = (*problem.shapes)[static_cast<std::size_t>(placed.stone)];
@@ -108,6 +109,7 @@ std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
   StandOptions stand;
   stand.friction = options.friction;
   stand.seconds = kStandSeconds;
+  stand.still = kStill;
   if (const StandVerdict verdict = judge_stack(shapes, stack, stand); verdict.stands && verdict.clean)
     return stack;
   Stack let_down;

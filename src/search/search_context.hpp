@@ -30,6 +30,9 @@ struct SearchContext {
 /// The loose stones with every orientation that the tilt limit allows.
 [[nodiscard]] std::vector<LooseStone> loose_stones(const SearchContext& context);
 
+/// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
+inline constexpr double kStill = 1e-7;
+
 /// Throws InvalidArgument for stones and options that cannot be.
 void check_problem(const SearchProblem& problem, const SearchOptions& options);
 /// The stack if it stands as given; else the stack that results when each stone in turn is let down from just

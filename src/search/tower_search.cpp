@@ -60,6 +60,7 @@ void TowerSearch::survey() {
 void TowerSearch::run() {
   survey();
   const SearchOptions& o = *context_.options;
+  if (finish_way_up()) return;
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);
@@ -73,37 +74,61 @@ void TowerSearch::run() {
   }
 }
 
+int TowerSearch::climb(int node, const PlacedStone& next, std::string* reason) {
+  const auto& left = tree_.node(node).left;
+  const auto& reachable = context_.problem->reachable;
+  if (std::none_of(left.begin(), left.end(), [&](const auto& s) { return s.stone == next.stone; })) {
+    *reason = "a stone of the plan is not there any more";
+    return -1;
+  }
+  if (reachable && !reachable(next.stone, next.T_W_O)) {
+    *reason = "the arm does not reach the plan any more";
+    return -1;
+  }
+  Trial trial;
+  trial.stone = next.stone;
+  trial.T_W_O = next.T_W_O;
+  settle_trial(context_, tree_.node(node).stack, &trial);
+  *reason = trial.outcome;
+  if (!trial.alive) return -1;
+  const int higher = tree_.add(node, std::move(trial), 0.0);
+  judge(std::span<const int>(&higher, 1));
+  *reason = tree_.node(higher).trial.outcome;
+  return tree_.node(higher).trial.alive ? higher : -1;
+}
+
 bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason) {
   int top = 0;
   for (const PlacedStone& next : plan) {
-    const auto& left = tree_.node(top).left;
-    const auto& reachable = context_.problem->reachable;
-    if (std::none_of(left.begin(), left.end(), [&](const auto& s) { return s.stone == next.stone; })) {
-      *reason = "a stone of the plan is not there any more";
-      return false;
-    }
-    if (reachable && !reachable(next.stone, next.T_W_O)) {
-      *reason = "the arm does not reach the plan any more";
-      return false;
-    }
-    Trial trial;
-    trial.stone = next.stone;
-    trial.T_W_O = next.T_W_O;
-    settle_trial(context_, tree_.node(top).stack, &trial);
-    *reason = trial.outcome;
-    if (!trial.alive) return false;
-    top = tree_.add(top, std::move(trial), 0.0);
-    judge(std::span<const int>(&top, 1));
-    *reason = tree_.node(top).trial.outcome;
-    if (!tree_.node(top).trial.alive) return false;
+    top = climb(top, next, reason);
+    if (top < 0) return false;
   }
   best_ = top;
   return top > 0;
 }
 
-void TowerSearch::round(std::size_t width) {
+bool TowerSearch::finish_way_up() {
+  std::string reason;
+  int top = 0;
+  for (const PlacedStone& next : context_.problem->way_up) {
+    const int higher = climb(top, next, &reason);
+    if (higher < 0) break;
+    top = higher;
+    tree_.set_grown(top);
+    note_best(std::span<const int>(&top, 1));
+  }
+  const int level = tree_.node(top).level;
+  if (top == 0 || level == levels_) return top > 0;
+  grow(std::span<const int>(&top, 1));
+  round(static_cast<std::size_t>(context_.options->beam), level + 1);
+  context_.say(concat("from the way found before: the highest of ", tree_.node(best_).level, " of ", levels_,
+                      " stones"));
+  return tree_.node(best_).level == levels_;
+}
+
+void TowerSearch::round(std::size_t width, int first) {
   const double step = kCrowding * context_.options->friction;
-  for (int level = 1; level <= levels_; ++level) {
+  for (int level = first; level <= levels_; ++level) {
     std::vector<int> ready;
     // What does not bear judgement makes room for the next.
     for (std::size_t tries = 0; tries < 4 && ready.size() < width && !context_.out_of_time(); ++tries) {

@@ -47,7 +47,12 @@ class TowerSearch {
   void grow(std::span<const int> nodes);
   [[nodiscard]] std::vector<Trial> reachable_trials(const std::vector<Proposal>& proposals, bool on_table);
   [[nodiscard]] bool accepts(const Proposal& proposal, bool on_table, Trial* trial);
-  void round(std::size_t width);
+  /// Settles and judges a placement on a node's tower; the new node, or -1 with the reason.
+  [[nodiscard]] int climb(int node, const PlacedStone& next, std::string* reason);
+  /// The problem's way up as far as it holds, and on from its top. True if that finished a tower.
+  [[nodiscard]] bool finish_way_up();
+  /// Judges and grows the best towers of each level from `first` on.
+  void round(std::size_t width, int first = 1);
   void note_best(std::span<const int> nodes);
 
   const SearchContext& context_;

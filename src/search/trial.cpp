@@ -13,7 +13,6 @@ namespace stonestack {
 namespace {
 
 constexpr double kDrop = 0.001;  ///< m above the first touch
-constexpr double kStill = 1e-7;  ///< m in 0.1 s: what moves less has come to rest (10 um in 10 s)
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
   Stack higher = stack;

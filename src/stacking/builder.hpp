@@ -107,8 +107,16 @@ class Builder {
   /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
   /// the stones may have; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
-  /// How the tower was meant to go on, moved with where its top really came to lie; empty if it did not.
+  /// The share of the stones at most that `outlook` gives to a plan found at this level: it counts nothing
+  /// for less friction.
+  [[nodiscard]] double largest_outlook(std::size_t level) const;
+  /// How the tower was meant to go on, moved with where its top really came to lie; the same as before if the
+  /// stone was not picked; empty if something else happened.
   [[nodiscard]] std::vector<PlacedStone> rest_of_plan() const;
+  /// That, if it still holds: at the friction it was found with, or at a higher one where the whole of it is
+  /// still expected to stand.
+  [[nodiscard]] std::optional<SearchResult> rest_that_holds(const SearchProblem& problem,
+                                                            SearchOptions search, double levels);
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
   /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
   /// the same way each time, and the camera tells by how much.
@@ -145,6 +153,7 @@ class Builder {
   int failures_ = 0;                        ///< placements that did not hold
   int taken_off_ = 0, turned_over_ = 0;
   Placement last_;              ///< that was carried out last, with how the search meant to go on
+  std::size_t last_below_ = 0;  ///< stones that stood before it
   std::size_t last_level_ = 0;  ///< of the assumed frictions, which its search had
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
   std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit

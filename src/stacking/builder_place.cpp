@@ -13,6 +13,7 @@ bool Builder::place(const Target& target) {
                 ", predicted success ", placement.predicted_success));
   record("target", placement_json(catalogue_, placement));
   last_ = placement;
+  last_below_ = belief_.stack.size();
   const double start = cell_.clock.now();
   const ExecutionResult done =
       execute(target.plan, catalogue_.stones[static_cast<std::size_t>(placement.stone)], target.scene, cell_,

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 
+#include "search/parallel.hpp"
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/grasp_check.hpp"
@@ -16,6 +17,17 @@ struct Reach {
   Joints q;
   std::map<int, GraspFinder> finders;
 };
+
+/// Of an assumed friction in the outlook; ours: dry stone has more friction rather than less.
+double weight_of(std::size_t level) {
+  return static_cast<double>(level + 1);
+}
+
+std::vector<PlacedStone> plan_of(const Placement& first) {
+  std::vector<PlacedStone> plan{{first.stone, first.T_W_O}};
+  plan.insert(plan.end(), first.then.begin(), first.then.end());
+  return plan;
+}
 
 }  // namespace
 
@@ -66,8 +78,8 @@ std::optional<Target> Builder::find_target() {
     if (auto target = plan(placement, &refusal)) return target;
     refusals += concat(refusals.empty() ? "" : "; ", name(placement.stone), ": ", refusal);
   }
-  if (!last_.then.empty()) {  // the plan that was followed cannot be carried out: whatever else there is
-    last_.then.clear();
+  if (!rest_of_plan().empty()) {  // the plan that was followed cannot be carried out: whatever else there is
+    last_ = {};
     report("the plan cannot be carried out: " + refusals);
     return find_target();
   }
@@ -85,53 +97,89 @@ std::vector<double> Builder::frictions() const {
 
 double Builder::outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const {
   const std::vector<double> assumed = frictions();
-  std::vector<PlacedStone> plan{{found.stone, found.T_W_O}};
-  plan.insert(plan.end(), found.then.begin(), found.then.end());
+  const std::vector<PlacedStone> plan = plan_of(found);
   SearchProblem here = problem;
   here.reachable = nullptr;  // it was asked when the plan was made
   SearchOptions search = options_.search;
+  search.threads = 1;
+  std::vector<double> expected(assumed.size(), 0.0);
+  expected[level] = found.expected_height;
+  run_tasks(options_.search.threads, assumed.size() - level - 1, [&](std::size_t task) {
+    const std::size_t k = level + 1 + task;
+    SearchOptions firmer = search;
+    firmer.friction = assumed[k];
+    const SearchResult result = follow_plan(here, plan, firmer);
+    if (!result.best.empty()) expected[k] = result.best.front().expected_height;
+  });
   double sum = 0.0, weights = 0.0;
   for (std::size_t k = 0; k < assumed.size(); ++k) {
-    const auto weight = static_cast<double>(k + 1);  // ours: dry stone has more friction rather than less
-    weights += weight;
-    search.friction = assumed[k];
-    if (k == level) sum += weight * found.expected_height;
-    if (k <= level) continue;
-    const SearchResult firmer = follow_plan(here, plan, search);
-    if (!firmer.best.empty()) sum += weight * firmer.best.front().expected_height;
+    weights += weight_of(k);
+    sum += weight_of(k) * expected[k];
   }
   return sum / weights;
 }
 
+double Builder::largest_outlook(std::size_t level) const {
+  double share = 0.0, weights = 0.0;
+  for (std::size_t k = 0; k < frictions().size(); ++k) {
+    weights += weight_of(k);
+    if (k >= level) share += weight_of(k);
+  }
+  return share / weights;
+}
+
 std::vector<PlacedStone> Builder::rest_of_plan() const {
-  if (belief_.stack.empty() || belief_.stack.back().stone != last_.stone) return {};
+  const auto is_last = [&](const PlacedStone& stone) { return stone.stone == last_.stone; };
+  if (belief_.stack.size() == last_below_ && std::any_of(belief_.loose.begin(), belief_.loose.end(), is_last))
+    return plan_of(last_);  // it was not picked: another grasp may do
+  if (belief_.stack.empty() || !is_last(belief_.stack.back())) return {};
   const Pose moved = belief_.stack.back().T_W_O * last_.T_W_O.inverse();
   std::vector<PlacedStone> rest = last_.then;
   for (PlacedStone& next : rest) next.T_W_O = moved * next.T_W_O;
   return rest;
 }
 
+std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& problem, SearchOptions search,
+                                                     double levels) {
+  const std::vector<double> assumed = frictions();
+  const std::vector<PlacedStone> plan = rest_of_plan();
+  for (std::size_t level = last_level_; !plan.empty() && level < assumed.size(); ++level) {
+    search.friction = assumed[level];
+    SearchResult found = follow_plan(problem, plan, search);
+    if (found.best.empty()) {
+      report(concat("friction ", search.friction, ": the plan does not hold any more: ", found.reason));
+      continue;
+    }
+    if (level > last_level_ && outlook(problem, found.best.front(), level) < options_.sure_success * levels)
+      break;
+    report("the plan still holds");
+    last_level_ = level;
+    return found;
+  }
+  return std::nullopt;
+}
+
 /// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
 /// as long as the tower found so far is not expected to stand whole.
 SearchResult Builder::search_by_friction(const SearchProblem& problem, const SearchOptions& options) {
   const std::vector<double> assumed = frictions();
-  SearchOptions search = options;
-  if (const auto plan = rest_of_plan(); !plan.empty()) {
-    search.friction = assumed[last_level_];
-    SearchResult found = follow_plan(problem, plan, search);
-    if (!found.best.empty()) {
-      report("the plan still holds");
-      return found;
-    }
-    report("the plan does not hold any more: " + found.reason);
-  }
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
+  if (auto found = rest_that_holds(problem, options, levels)) return *found;
+  SearchOptions search = options;
+  SearchProblem here = problem;
   SearchResult best;
   double most = 0.0;
-  for (std::size_t level = 0; level < assumed.size() && most < options_.sure_success * levels; ++level) {
+  for (std::size_t level = 0; level < assumed.size(); ++level) {
+    const double hoped = std::min(options_.sure_success, largest_outlook(level));
+    if (most >= hoped * levels) break;
     search.friction = assumed[level];
-    SearchResult found = find_next_pose(problem, search, hooks_.report);
+    search.rounds = options.rounds;
+    if (level + 1 < assumed.size()) search.rounds = std::min(options.rounds, options_.first_rounds);
+    here.way_up.clear();
+    if (!best.best.empty()) here.way_up = plan_of(best.best.front());
+    if (static_cast<double>(here.way_up.size()) >= levels) here.way_up.clear();  // it is whole, but doubtful
+    SearchResult found = find_next_pose(here, search, hooks_.report);
     const double expected = found.best.empty() ? 0.0 : outlook(problem, found.best.front(), level);
     report(concat("friction ", search.friction, ": ",
                   found.best.empty() ? found.reason

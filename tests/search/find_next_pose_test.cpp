@@ -109,6 +109,32 @@ TEST(FindNextPose, APlanThatNoLongerHoldsSaysWhy) {
   EXPECT_THAT(gone.reason, HasSubstr("not there"));
 }
 
+TEST(FindNextPose, GoesOnFromAWayUpThatWasFoundBefore) {
+  SearchProblem problem = base_stands();
+  const SearchResult anew = find_next_pose(problem, quick());
+  ASSERT_FALSE(anew.best.empty()) << anew.reason;
+  // A corner of the base that no search would choose first, but where the stone stands.
+  const Pose beside = at(0.012, -0.011, 0.085);
+  problem.way_up = {{1, beside}};
+  const SearchResult result = find_next_pose(problem, quick());
+  ASSERT_EQ(result.best.size(), 1U) << result.reason;
+  EXPECT_EQ(result.best.front().stone, 1);
+  EXPECT_LT(difference(result.best.front().T_W_O, beside).translation, 0.002);
+  ASSERT_EQ(result.best.front().then.size(), 1U);
+  EXPECT_EQ(result.best.front().then.front().stone, 2);
+  EXPECT_LT(result.candidates, anew.candidates);
+}
+
+TEST(FindNextPose, SearchesElsewhereWhereAWayUpDoesNotLeadToTheTop) {
+  SearchProblem problem = base_stands();
+  problem.way_up = {{2, at(0, 0, 0.08)}, {1, at(0.2, 0, 0.125)}};  // the second falls
+  const SearchResult result = find_next_pose(problem, quick());
+  ASSERT_FALSE(result.best.empty()) << result.reason;
+  EXPECT_EQ(result.best.front().then.size(), 1U);
+  problem.way_up = {{7, at(0, 0, 0.08)}};
+  EXPECT_THROW(static_cast<void>(find_next_pose(problem, quick())), InvalidArgument);
+}
+
 TEST(FindNextPose, SameForAnyNumberOfThreads) {
   SearchOptions options = quick();
   std::vector<SearchResult> results;

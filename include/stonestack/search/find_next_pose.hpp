@@ -86,6 +86,9 @@ struct SearchProblem {
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
+  /// A way up that was found before, say with less friction, one stone upon the other: the default search
+  /// looks first whether it leads to the top from where it ends, and at other ways only if not. May be empty.
+  std::vector<PlacedStone> way_up;
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose? Called
   /// from one thread, best proposals first, before they are verified; what it refuses is counted and dropped.
   std::function<bool(int stone, const Pose& T_W_O)> reachable;
