@@ -6,6 +6,8 @@
 #include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "hardware/ur/ur_status.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -14,6 +16,8 @@
 
 namespace stonestack::apps {
 namespace {
+
+constexpr double kListen = 1.0;  // s to RTDE
 
 struct DoctorCommand {
   CommonOptions common;
@@ -96,18 +100,25 @@ std::string hear_primary(const CellConfig& cell) {
   return concat("scripts go to port ", primary.port());
 }
 
-std::string listen_rtde(const CellConfig& cell) {
-  const auto recipe = [](const UrVersion& version) {
-    const bool upper = version.has({3, 9, 0, 0}, {5, 3, 0, 0});
-    return RtdeRecipe{{"actual_q", "robot_mode"},
-                      {"speed_scaling"},
-                      {{upper ? "input_int_register_24" : "input_int_register_0"}}};
-  };
-  const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, recipe, cell.arm.rtde);
-  const auto sample = rtde.sample();
-  const auto& q = sample.get<std::array<double, 6>>("actual_q");
-  return concat("protocol ", rtde.protocol(), ", controller time ", sample.device_time(), " s, joints ", q[0],
-                " ", q[1], " ", q[2], " ", q[3], " ", q[4], " ", q[5], " rad");
+/// For a while, so that a stream that breaks again and again is found; with all that a run reads and writes.
+Look listen_rtde(const CellConfig& cell) {
+  const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, arm_recipe, cell.arm.rtde);
+  for (const Stopwatch watch; watch.seconds() < kListen;) {
+    throw_if_interrupted();
+    (void)rtde.wait_for_next(Deadline::in(kListen));
+  }
+  const RtdeSample sample = rtde.sample();
+  if (const int lost = rtde.counts().sessions - 1; lost > 0)
+    refuse(concat("UR RTDE at ", cell.arm.address, ":", cell.arm.rtde_port),
+           concat("the stream broke ", lost, " times within ", kListen, " s"),
+           "look at cable and switch, and at the controller's log");
+  const UrStatus status = read_status(sample, first_register(rtde.version()));
+  std::string text = concat("protocol ", rtde.protocol(), ", controller time ", sample.device_time(),
+                            " s, joints ", status.q.transpose(), " rad");
+  for (const std::string& name : rtde.missing()) text += "; this controller has no " + name;
+  if (!status.is_paused()) return text;
+  return {"the speed slider stands at 0 or a program is paused: nothing moves until a person changes that",
+          true};
 }
 
 Look ask_gripper(const CellConfig& cell) {
@@ -123,11 +134,18 @@ Look ask_gripper(const CellConfig& cell) {
   return {text, !status.active};
 }
 
+/// As many readings as it takes to tell a sensor that repeats one from one at rest.
 std::string read_force(const CellConfig& cell) {
   RobotiqFtSensor sensor(cell.force_torque);
-  const Wrench wrench = sensor.read();
+  Wrench wrench = sensor.read();
+  const long wanted = cell.force_torque.stuck_samples + 10;
+  for (const Deadline limit = Deadline::in(3.0); sensor.health().readings < wanted && !limit.over();) {
+    throw_if_interrupted();
+    wrench = sensor.read();
+  }
   return concat("force ", wrench.force.x(), " ", wrench.force.y(), " ", wrench.force.z(), " N, ",
-                sensor.firmware().empty() ? "streaming" : sensor.firmware());
+                sensor.firmware().empty() ? "streaming" : sensor.firmware(), ", ", sensor.health().rate,
+                " readings/s");
 }
 
 /// Two frames, so that a camera whose stream or image stands still is found; of a recording the first only.

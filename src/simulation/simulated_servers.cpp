@@ -83,11 +83,17 @@ std::string SimulatedServers::text() const {
              p.secondary, ", realtime ", p.realtime, ", read-only ", p.primary_read_only, " ",
              p.secondary_read_only, " ", p.realtime_read_only, ", Dashboard ", p.dashboard, "\n");
   if (o.gripper.tcp) text += concat("gripper        ", to_text(gripper()), "  Modbus/TCP\n");
-  if (o.gripper.rtu) text += concat("gripper        ", parts_->gripper.serial_path(), "  Modbus/RTU\n");
+  const auto line = [](const std::string& link, const std::string& path) {
+    return link.empty() ? path : concat(link, " (", path, ")");
+  };
+  if (o.gripper.rtu)
+    text += concat("gripper        ", line(o.gripper.link, parts_->gripper.serial_path()), "  Modbus/RTU\n");
   if (o.force_torque.cap)
-    text += concat("force sensor   ", to_text(force_torque()), "  stream of the UR cap\n");
+    text += concat("force sensor   ", to_text(force_torque()), "  stream of the UR cap, commands on ",
+                   parts_->force_torque.command_endpoint().port, "\n");
   if (o.force_torque.serial)
-    text += concat("force sensor   ", parts_->force_torque.serial_path(), "  serial stream\n");
+    text += concat("force sensor   ", line(o.force_torque.link, parts_->force_torque.serial_path()),
+                   "  Modbus/RTU and stream\n");
   return text + concat("depth camera   ", to_text(camera()), "  frames\n");
 }
 

@@ -335,6 +335,21 @@ TEST_F(Commands, DoctorNamesWhatIsWrong) {
   EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
   EXPECT_THAT(owned.err, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
   EXPECT_THAT(owned.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
+  // What shows only when one listens for a while.
+  write("odd.yaml",
+        "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nforce_torque: {stale: "
+        "0.5}\nsimulators:\n"
+        "  arm: {faults: {speed_slider: 0, missing_fields: tcp_offset}}\n"
+        "  force_torque: {faults: {stuck: true}}\n");
+  const Outcome odd = run("doctor --cell odd.yaml");
+  EXPECT_THAT(odd.err, ContainsRegex("note  arm, RTDE: the speed slider stands at 0"));
+  EXPECT_THAT(odd.err, ContainsRegex("FAIL  force sensor, reading: .*repeats one reading"));
+  write("broken.yaml",
+        "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nsimulators:\n"
+        "  arm: {faults: {out_of_step: true}}\n  gripper: {wire_faults: {exceptions: -1}}\n");
+  const Outcome broken = run("doctor --cell broken.yaml");
+  EXPECT_THAT(broken.err, ContainsRegex("FAIL  arm, RTDE: .*the stream broke [0-9]+ times"));
+  EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
   write("lab.yaml", "arm: {address: 192.0.2.1}\n");
   expect_refusal("run --cell lab.yaml", 2, {"192.0.2.1", "--execute"});
 }

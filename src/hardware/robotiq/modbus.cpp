@@ -66,8 +66,12 @@ modbus::Reply ModbusClient::Link::call(const modbus::Request& request) {
     }
     if (result.reply && result.reply->kind == modbus::Reply::Kind::kDone) return *result.reply;
     problem = result.reply ? "exception " + modbus::exception_text(result.reply->exception) : result.problem;
-    remedy = result.reply ? "check the register layout (preset) of this gripper" : result.remedy;
-    if (result.reply && !may_pass(result.reply->exception)) break;
+    remedy = result.remedy;
+    if (!result.reply) continue;
+    const bool passes = may_pass(result.reply->exception);
+    remedy = passes ? "see what else uses the gripper, then try again"
+                    : "check the register layout (preset) of this gripper";
+    if (!passes) break;
   }
   throw DeviceError(name,
                     concat("function ", static_cast<int>(request.function), " at register ", request.address,
