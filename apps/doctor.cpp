@@ -162,6 +162,10 @@ std::string look_twice(const CellConfig& cell) {
     V4l2Camera camera(cell.v4l2);
     return twice(camera);
   }
+  if (cell.camera == "realsense") {
+    RealsenseCamera camera(cell.realsense);
+    return twice(camera);
+  }
   StreamCamera camera(cell.stream);
   return twice(camera);
 }

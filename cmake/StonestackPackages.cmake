@@ -12,6 +12,13 @@ find_package(PNG REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(CGAL 5.5 REQUIRED QUIET)  # header only; its targets bring GMP and MPFR
 find_package(Threads REQUIRED)
+if(STONESTACK_REALSENSE)
+  find_package(realsense2 QUIET)
+  if(NOT realsense2_FOUND)
+    message(FATAL_ERROR "STONESTACK_REALSENSE=ON needs librealsense 2, which Debian 12 has no package of: build it from "
+      "source and name its prefix in CMAKE_PREFIX_PATH, or leave the option off (camera.driver: v4l2 needs no library)")
+  endif()
+endif()
 if(STONESTACK_TESTS)
   find_package(GTest REQUIRED)
   pkg_check_modules(MODBUS REQUIRED IMPORTED_TARGET libmodbus)

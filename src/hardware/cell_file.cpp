@@ -46,8 +46,9 @@ FieldList layout_fields(CellConfig& c) {
 std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
   if (config.camera == "stream") return std::make_unique<StreamCamera>(config.stream);
   if (config.camera == "v4l2") return std::make_unique<V4l2Camera>(config.v4l2);
-  require(config.camera == "recorded", "camera.driver must be stream, v4l2 or recorded, got '", config.camera,
-          "'");
+  if (config.camera == "realsense") return std::make_unique<RealsenseCamera>(config.realsense);
+  require(config.camera == "recorded", "camera.driver must be stream, v4l2, realsense or recorded, got '",
+          config.camera, "'");
   return std::make_unique<RecordedCamera>(config.recorded);
 }
 
@@ -70,9 +71,10 @@ FieldList fields(CellConfig& c) {
                nest("arm", fields(c.arm)),
                nest("gripper", fields(c.gripper)),
                nest("force_torque", fields(c.force_torque)),
-               {field("camera.driver", c.camera, "stream, v4l2 or recorded")},
+               {field("camera.driver", c.camera, "stream, v4l2, realsense or recorded")},
                nest("camera.stream", fields(c.stream)),
                nest("camera.v4l2", fields(c.v4l2)),
+               nest("camera.realsense", fields(c.realsense)),
                nest("camera.recorded", fields(c.recorded)),
                nest("layout", layout_fields(c))});
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "stonestack/hardware/camera/realsense_camera.hpp"
 #include "stonestack/hardware/camera/recorded_camera.hpp"
 #include "stonestack/hardware/camera/stream_camera.hpp"
 #include "stonestack/hardware/camera/v4l2_camera.hpp"
@@ -23,9 +24,10 @@ struct CellConfig {
   UrArmOptions arm;
   ThreeFingerOptions gripper;
   FtSensorOptions force_torque;
-  std::string camera = "stream";  ///< driver: stream, v4l2 or recorded
+  std::string camera = "stream";  ///< driver: stream, v4l2, realsense or recorded
   StreamCameraOptions stream;
   V4l2CameraOptions v4l2;
+  RealsenseCameraOptions realsense;
   RecordedCameraOptions recorded;
   PoseNumbers T_W_R{0, 0, 0, 0, 0, 0, 1};
   PoseNumbers T_F_T;  ///< tool tip in the flange
