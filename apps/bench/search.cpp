@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "bench.hpp"
+#include "ode_witness.hpp"
 #include "put_down.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
@@ -23,6 +24,7 @@ using bench::StonePool;
 struct BenchOptions {
   int draws = 10, stones = 4, seed = 1;
   bool paper = true;
+  bool ode = false;
   double witness_seconds = 60.0;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
   bench::PoolOptions pools;
@@ -35,6 +37,7 @@ struct Outcome {
   int clean = 0;
   double cpu = 0.0, wall = 0.0;
   double margin = 0.0;
+  bench::OdeVerdict ode;
   std::string reason;
 };
 
@@ -52,6 +55,9 @@ Outcome witness(const BenchOptions& options, const StonePool& pool, const Stack&
   EquilibriumOptions statics;
   statics.friction = options.search.friction;
   outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
+  bench::OdeOptions other;
+  other.friction = options.search.friction;
+  if (options.ode) outcome.ode = bench::stand_in_ode(pool.fine, tower, other);
   return outcome;
 }
 
@@ -150,12 +156,26 @@ void print_row(const BenchOptions& options, const std::string& pool, const char*
   std::printf("%-10s %-8s %6d %10.2f %6.0f %% %12.0f %% %11.1f %9.1f   %s\n", pool.c_str(), method,
               static_cast<int>(outcomes.size()), sum / n, 100 * whole / n, 100 * firm / n, cpu / n, wall / n,
               heights.c_str());
+  if (options.ode) {
+    int planned = 0, standing = 0;
+    for (const Outcome& outcome : outcomes) {
+      if (outcome.clean != options.stones) continue;
+      ++planned;
+      standing += outcome.ode.standing == options.stones ? 1 : 0;
+    }
+    std::printf("%-10s %-8s of %d whole towers %d stand in ODE for 5 s within 2 mm and 2 deg\n", pool.c_str(),
+                method, planned, standing);
+  }
   std::fflush(stdout);
 }
 
-void describe(const char* method, int k, const Outcome& outcome) {
-  std::fprintf(stderr, "%s draw %d: planned %d, clean %d, margin %.3f g, CPU %.1f s%s%s\n", method, k,
-               outcome.planned, outcome.clean, outcome.margin, outcome.cpu,
+void describe(const BenchOptions& options, const char* method, int k, const Outcome& outcome) {
+  std::string ode;
+  if (options.ode)
+    ode = concat(", ODE ", outcome.ode.standing, " (", 1e3 * outcome.ode.shift, " mm, ",
+                 outcome.ode.turn * 180 / M_PI, " deg)");
+  std::fprintf(stderr, "%s draw %d: planned %d, clean %d, margin %.3f g, CPU %.1f s%s%s%s\n", method, k,
+               outcome.planned, outcome.clean, outcome.margin, outcome.cpu, ode.c_str(),
                outcome.reason.empty() ? "" : "; ", outcome.reason.c_str());
 }
 
@@ -193,10 +213,10 @@ void measure(const BenchOptions& options) {
     std::vector<Outcome> of_default, of_paper;
     for (int k = 0; k < options.draws; ++k) {
       of_default.push_back(run_default(options, pool, k));
-      describe("default", k, of_default.back());
+      describe(options, "default", k, of_default.back());
       if (!options.paper) continue;
       of_paper.push_back(run_paper(options, pool, k, of_default.back().cpu));
-      describe("paper", k, of_paper.back());
+      describe(options, "paper", k, of_paper.back());
     }
     print_row(options, pool.name, "default", of_default);
     if (options.paper) print_row(options, pool.name, "paper", of_paper);
@@ -228,6 +248,8 @@ void add_bench_search(CLI::App& bench) {
   options->pools.register_on(*sub);
   sub->add_option("--paper", options->paper, "Beside it the paper's search at the same processor time")
       ->capture_default_str();
+  sub->add_flag("--ode", options->ode,
+                "Let each tower stand in another engine too (ODE, concave meshes, 5 s)");
   sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
@@ -237,6 +259,7 @@ void add_bench_search(CLI::App& bench) {
       "Examples:\n"
       "  stonestack bench search --draws 40\n"
       "  stonestack bench search --draws 40 --generated 0 --friction 0.5 --stones 6\n"
+      "  stonestack bench search --draws 10 --generated 0 --paper 0 --ode\n"
       "  stonestack bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
   sub->callback([options] {
     options->settings.apply(nest("search", fields(options->search)));
