@@ -7,7 +7,7 @@ namespace stonestack::bench {
 struct OdeOptions {
   double friction = 0.1;
   double seconds = 5.0;            ///< simulated
-  double step = 0.001;             ///< s
+  double step = 0.0005;            ///< s
   double largest_shift = 0.002;    ///< m, of a centre of mass
   double largest_turn = 0.034907;  ///< rad (2 deg)
 };

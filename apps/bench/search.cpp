@@ -25,6 +25,7 @@ struct BenchOptions {
   int draws = 10, stones = 4, seed = 1;
   bool paper = true;
   bool ode = false;
+  bench::OdeOptions in_ode;
   double witness_seconds = 60.0;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
   bench::PoolOptions pools;
@@ -55,9 +56,9 @@ Outcome witness(const BenchOptions& options, const StonePool& pool, const Stack&
   EquilibriumOptions statics;
   statics.friction = options.search.friction;
   outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
-  bench::OdeOptions other;
-  other.friction = options.search.friction;
-  if (options.ode) outcome.ode = bench::stand_in_ode(pool.fine, tower, other);
+  bench::OdeOptions in_ode = options.in_ode;
+  in_ode.friction = options.search.friction;
+  if (options.ode) outcome.ode = bench::stand_in_ode(pool.fine, tower, in_ode);
   return outcome;
 }
 
@@ -163,8 +164,8 @@ void print_row(const BenchOptions& options, const std::string& pool, const char*
       ++planned;
       standing += outcome.ode.standing == options.stones ? 1 : 0;
     }
-    std::printf("%-10s %-8s of %d whole towers %d stand in ODE for 5 s within 2 mm and 2 deg\n", pool.c_str(),
-                method, planned, standing);
+    std::printf("%-10s %-8s of %d whole towers %d stand in ODE for 5 s within 2 mm and 2 deg (step %g ms)\n",
+                pool.c_str(), method, planned, standing, 1e3 * options.in_ode.step);
   }
   std::fflush(stdout);
 }
@@ -250,6 +251,9 @@ void add_bench_search(CLI::App& bench) {
       ->capture_default_str();
   sub->add_flag("--ode", options->ode,
                 "Let each tower stand in another engine too (ODE, concave meshes, 5 s)");
+  sub->add_option("--ode-step", options->in_ode.step, "Of that engine, s")
+      ->check(CLI::Range(1e-5, 0.02))
+      ->capture_default_str();
   sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

@@ -104,6 +104,8 @@ class Builder {
   [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, const SearchOptions& options);
   /// The frictions that are assumed, rising.
   [[nodiscard]] std::vector<double> frictions() const;
+  /// How a search at one of them goes about it.
+  [[nodiscard]] SearchOptions search_at(std::size_t level) const;
   /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
   /// the stones may have; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;

@@ -108,15 +108,16 @@ bool Builder::set_down_top() {
 }
 
 bool Builder::can_grow_higher(const Belief& without_top) const {
-  const SearchProblem problem = make_problem(without_top);
+  SearchProblem problem = make_problem(without_top);
   if (problem.available.empty()) return false;
   const auto levels = static_cast<int>(without_top.loose.size());
-  SearchOptions search = options_.search;
-  for (const double friction : frictions()) {
-    search.friction = friction;
+  const std::vector<double> assumed = frictions();
+  for (std::size_t level = 0; level < assumed.size(); ++level) {
     std::string reason;
-    const auto tower = plan_tower(problem, levels, search, &reason);
+    const auto tower = plan_tower(problem, levels, search_at(level), &reason);
     if (without_top.stack.size() + tower.size() > belief_.stack.size()) return true;
+    problem.way_up.clear();
+    for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
   }
   return false;
 }

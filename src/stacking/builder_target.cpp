@@ -95,6 +95,14 @@ std::vector<double> Builder::frictions() const {
   return list;
 }
 
+SearchOptions Builder::search_at(std::size_t level) const {
+  const std::vector<double> assumed = frictions();
+  SearchOptions search = options_.search;
+  search.friction = assumed[level];
+  if (level + 1 < assumed.size()) search.rounds = std::min(search.rounds, options_.first_rounds);
+  return search;
+}
+
 double Builder::outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const {
   const std::vector<double> assumed = frictions();
   const std::vector<PlacedStone> plan = plan_of(found);
@@ -166,16 +174,14 @@ SearchResult Builder::search_by_friction(const SearchProblem& problem, const Sea
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
   if (auto found = rest_that_holds(problem, options, levels)) return *found;
-  SearchOptions search = options;
   SearchProblem here = problem;
   SearchResult best;
   double most = 0.0;
   for (std::size_t level = 0; level < assumed.size(); ++level) {
     const double hoped = std::min(options_.sure_success, largest_outlook(level));
     if (most >= hoped * levels) break;
-    search.friction = assumed[level];
-    search.rounds = options.rounds;
-    if (level + 1 < assumed.size()) search.rounds = std::min(options.rounds, options_.first_rounds);
+    SearchOptions search = search_at(level);
+    search.largest_tilt = options.largest_tilt;
     here.way_up.clear();
     if (!best.best.empty()) here.way_up = plan_of(best.best.front());
     if (static_cast<double>(here.way_up.size()) >= levels) here.way_up.clear();  // it is whole, but doubtful
