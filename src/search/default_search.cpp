@@ -107,7 +107,9 @@ void trace(const TowerSearch& search, SearchResult* result) {
 void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result) {
   const auto levels = static_cast<int>(plan.size());
   TowerSearch search(context, levels);
-  if (search.follow(plan, &result->reason)) {
+  const bool whole = search.follow(plan, &result->reason);
+  result->held = search.tree().expected_height(0);
+  if (whole) {
     collect(context, search, levels, result);
     result->reason.clear();
   }

@@ -60,7 +60,7 @@ void TowerSearch::survey() {
 void TowerSearch::run() {
   survey();
   const SearchOptions& o = *context_.options;
-  if (finish_way_up()) return;
+  if (finish_way_up() || context_.problem->way_up_only) return;
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);

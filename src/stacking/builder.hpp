@@ -1,7 +1,6 @@
 #pragma once
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -99,9 +98,12 @@ class Builder {
   /// taken to sit, in the layout and in the looks; the second look is added to them.
   void refine_camera(std::vector<Look>& looks);
   [[nodiscard]] std::optional<Target> find_target();
-  /// What the search is told: the stack, and the loose stones that have not been given up on top of it.
+  /// What the search is told: the stack, the loose stones, and as out of reach what the arm does not reach
+  /// and what was given up.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
-  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, const SearchOptions& options);
+  /// Nothing was found to fit on that stone when it lay nearly there.
+  [[nodiscard]] bool was_given_up(int stone, const Pose& T_W_O) const;
+  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, double largest_tilt);
   /// The frictions that are assumed, rising.
   [[nodiscard]] std::vector<double> frictions() const;
   /// How a search at one of them goes about it.
@@ -109,16 +111,13 @@ class Builder {
   /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
   /// the stones may have; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
-  /// The share of the stones at most that `outlook` gives to a plan found at this level: it counts nothing
-  /// for less friction.
-  [[nodiscard]] double largest_outlook(std::size_t level) const;
   /// How the tower was meant to go on, moved with where its top really came to lie; the same as before if the
   /// stone was not picked; empty if something else happened.
   [[nodiscard]] std::vector<PlacedStone> rest_of_plan() const;
   /// That, if it still holds: at the friction it was found with, or at a higher one where the whole of it is
   /// still expected to stand.
-  [[nodiscard]] std::optional<SearchResult> rest_that_holds(const SearchProblem& problem,
-                                                            SearchOptions search, double levels);
+  [[nodiscard]] std::optional<SearchResult> rest_that_holds(const SearchProblem& problem, double largest_tilt,
+                                                            double levels);
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
   /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
   /// the same way each time, and the camera tells by how much.
@@ -158,7 +157,7 @@ class Builder {
   std::size_t last_below_ = 0;  ///< stones that stood before it
   std::size_t last_level_ = 0;  ///< of the assumed frictions, which its search had
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
-  std::set<std::vector<int>> given_up_;  ///< stacks, from the table up, on which nothing was found to fit
+  std::vector<PlacedStone> given_up_;               ///< tops of stacks on which nothing was found to fit
 };
 
 }  // namespace stonestack

@@ -77,9 +77,7 @@ std::optional<Belief> Builder::without_top(std::size_t count) const {
 bool Builder::take_off() {
   constexpr std::size_t kDeepest = 2;
   throw_if_interrupted();
-  std::vector<int> order;
-  for (const auto& placed : belief_.stack) order.push_back(placed.stone);
-  given_up_.insert(order);
+  if (!belief_.stack.empty()) given_up_.push_back(belief_.stack.back());
   for (std::size_t count = 1; count <= std::min(kDeepest, belief_.stack.size()); ++count) {
     if (taken_off_ + static_cast<int>(count) > options_.most_taken_off) return false;
     const Stopwatch watch;
@@ -173,12 +171,11 @@ bool Builder::turn_over() {
   if (turned_over_ >= options_.most_turned_over) return false;
   throw_if_interrupted();
   SearchProblem problem = make_problem(belief_);
-  problem.reachable = nullptr;  // what would fit, if only the stone lay otherwise
+  // What would fit, if only the stone lay otherwise.
+  problem.reachable = [this](int stone, const Pose& T_W_O) { return !was_given_up(stone, T_W_O); };
   if (problem.available.empty()) return false;
   const Stopwatch search;
-  SearchOptions options = options_.search;
-  options.largest_tilt = M_PI;
-  const SearchResult found = search_by_friction(problem, options);
+  const SearchResult found = search_by_friction(problem, M_PI);
   result_.seconds.search += search.seconds();
   for (const auto& placement : found.best) {
     const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);

@@ -10,6 +10,9 @@
 namespace stonestack {
 namespace {
 
+constexpr double kSamePlace = 0.012;  // m, of the centre of mass: nearer is what was tried before
+constexpr double kSameTurn = 0.26;    // rad: the same
+
 /// What the search asks the arm: the pick side of each stone is worked out once.
 struct Reach {
   Belief belief;
@@ -36,16 +39,11 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
   problem.shapes = &shapes_;
   problem.stack.stones = belief.stack;
   problem.site = cell_.layout.site;
-  std::vector<int> order;
-  for (const auto& placed : belief.stack) order.push_back(placed.stone);
-  for (const auto& loose : belief.loose) {
-    order.push_back(loose.stone);
-    if (!given_up_.contains(order)) problem.available.push_back(loose);
-    order.pop_back();
-  }
+  problem.available = belief.loose;
   auto reach = std::make_shared<Reach>(
       Reach{belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief), cell_.arm.state().q, {}});
   problem.reachable = [this, reach](int stone, const Pose& T_W_O) {
+    if (was_given_up(stone, T_W_O)) return false;
     auto finder = reach->finders.find(stone);
     if (finder == reach->finders.end()) {
       const auto task = make_task(catalogue_, reach->belief, stone, T_W_O, reach->q);
@@ -57,15 +55,19 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
   return problem;
 }
 
+bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
+  return std::any_of(given_up_.begin(), given_up_.end(), [&](const PlacedStone& top) {
+    if (top.stone != stone) return false;
+    const Eigen::Vector3d& p_O_M = shapes_[static_cast<std::size_t>(stone)]->mass.p_O_M;
+    return (top.T_W_O * p_O_M - T_W_O * p_O_M).norm() < kSamePlace &&
+           difference(top.T_W_O, T_W_O).angle < kSameTurn;
+  });
+}
+
 std::optional<Target> Builder::find_target() {
   const SearchProblem problem = make_problem(belief_);
-  if (problem.available.empty()) {
-    result_.end = RunResult::End::kNoPose;
-    result_.ended = "no feasible pose: each stone that is left was tried on this stack";
-    return std::nullopt;
-  }
   const Stopwatch watch;
-  const SearchResult found = search_by_friction(problem, options_.search);
+  const SearchResult found = search_by_friction(problem, options_.search.largest_tilt);
   result_.seconds.search += watch.seconds();
   if (found.best.empty()) {
     result_.end = RunResult::End::kNoPose;
@@ -110,14 +112,12 @@ double Builder::outlook(const SearchProblem& problem, const Placement& found, st
   here.reachable = nullptr;  // it was asked when the plan was made
   SearchOptions search = options_.search;
   search.threads = 1;
-  std::vector<double> expected(assumed.size(), 0.0);
-  expected[level] = found.expected_height;
-  run_tasks(options_.search.threads, assumed.size() - level - 1, [&](std::size_t task) {
-    const std::size_t k = level + 1 + task;
-    SearchOptions firmer = search;
-    firmer.friction = assumed[k];
-    const SearchResult result = follow_plan(here, plan, firmer);
-    if (!result.best.empty()) expected[k] = result.best.front().expected_height;
+  std::vector<double> expected(assumed.size(), found.expected_height);
+  run_tasks(options_.search.threads, assumed.size(), [&](std::size_t k) {
+    if (k == level) return;
+    SearchOptions other = search;
+    other.friction = assumed[k];
+    expected[k] = follow_plan(here, plan, other).held;
   });
   double sum = 0.0, weights = 0.0;
   for (std::size_t k = 0; k < assumed.size(); ++k) {
@@ -125,15 +125,6 @@ double Builder::outlook(const SearchProblem& problem, const Placement& found, st
     sum += weight_of(k) * expected[k];
   }
   return sum / weights;
-}
-
-double Builder::largest_outlook(std::size_t level) const {
-  double share = 0.0, weights = 0.0;
-  for (std::size_t k = 0; k < frictions().size(); ++k) {
-    weights += weight_of(k);
-    if (k >= level) share += weight_of(k);
-  }
-  return share / weights;
 }
 
 std::vector<PlacedStone> Builder::rest_of_plan() const {
@@ -147,9 +138,11 @@ std::vector<PlacedStone> Builder::rest_of_plan() const {
   return rest;
 }
 
-std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& problem, SearchOptions search,
+std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& problem, double largest_tilt,
                                                      double levels) {
   const std::vector<double> assumed = frictions();
+  SearchOptions search = options_.search;
+  search.largest_tilt = largest_tilt;
   const std::vector<PlacedStone> plan = rest_of_plan();
   for (std::size_t level = last_level_; !plan.empty() && level < assumed.size(); ++level) {
     search.friction = assumed[level];
@@ -168,36 +161,44 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
 }
 
 /// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
-/// as long as the tower found so far is not expected to stand whole.
-SearchResult Builder::search_by_friction(const SearchProblem& problem, const SearchOptions& options) {
-  const std::vector<double> assumed = frictions();
+/// as long as the tower found so far is not expected to stand whole: first to go on from where it ends, then
+/// for other ways.
+SearchResult Builder::search_by_friction(const SearchProblem& problem, double largest_tilt) {
+  const std::size_t count = frictions().size();
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
-  if (auto found = rest_that_holds(problem, options, levels)) return *found;
-  SearchProblem here = problem;
+  if (auto found = rest_that_holds(problem, largest_tilt, levels)) return *found;
   SearchResult best;
   double most = 0.0;
-  for (std::size_t level = 0; level < assumed.size(); ++level) {
-    const double hoped = std::min(options_.sure_success, largest_outlook(level));
-    if (most >= hoped * levels) break;
-    SearchOptions search = search_at(level);
-    search.largest_tilt = options.largest_tilt;
-    here.way_up.clear();
+  const auto sure = [&] { return most >= options_.sure_success * levels; };
+  const auto search = [&](std::size_t level, bool way_up_only) {
+    SearchProblem here = problem;
+    here.way_up_only = way_up_only;
     if (!best.best.empty()) here.way_up = plan_of(best.best.front());
     if (static_cast<double>(here.way_up.size()) >= levels) here.way_up.clear();  // it is whole, but doubtful
-    SearchResult found = find_next_pose(here, search, hooks_.report);
+    if (way_up_only && here.way_up.empty()) return;
+    SearchOptions options = search_at(level);
+    options.largest_tilt = largest_tilt;
+    SearchResult found = find_next_pose(here, options, hooks_.report);
+    if (way_up_only && (found.best.empty() || plan_of(found.best.front()).size() <= here.way_up.size()))
+      return;
     const double expected = found.best.empty() ? 0.0 : outlook(problem, found.best.front(), level);
-    report(concat("friction ", search.friction, ": ",
+    report(concat("friction ", options.friction, ": ",
                   found.best.empty() ? found.reason
                                      : concat(std::round(10 * expected) / 10, " of ", levels,
                                               " stones are expected to stand")));
-    if (best.best.empty() || expected > most) {
-      most = expected;
-      last_level_ = level;
-      best = std::move(found);
-    }
+    if (!best.best.empty() && expected <= most) return;
+    most = expected;
+    last_level_ = level;
+    best = std::move(found);
+  };
+  for (std::size_t level = 0; level < count && !sure(); ++level) {
+    const double before = most;
+    search(level, false);
+    for (std::size_t higher = level + 1; higher < count && most > before && !sure(); ++higher)
+      search(higher, true);
   }
-  if (!best.best.empty() && options.verify && most < options_.least_expected) {
+  if (!best.best.empty() && options_.search.verify && most < options_.least_expected) {
     best.best.clear();
     best.reason = concat("by the best way found only ", std::round(100 * most) / 100,
                          " more stones are expected to stand (least: ", options_.least_expected, ")");

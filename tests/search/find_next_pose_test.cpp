@@ -125,6 +125,26 @@ TEST(FindNextPose, GoesOnFromAWayUpThatWasFoundBefore) {
   EXPECT_LT(result.candidates, anew.candidates);
 }
 
+TEST(FindNextPose, CountsHowMuchOfAPlanHolds) {
+  const std::vector<PlacedStone> falls{{1, at(0, 0, 0.085)}, {2, at(0.1, 0, 0.13)}};
+  const SearchResult partly = follow_plan(base_stands(), falls, quick());
+  EXPECT_TRUE(partly.best.empty());
+  EXPECT_GT(partly.held, 0.4);
+  EXPECT_LE(partly.held, 1.0);
+  const std::vector<PlacedStone> stands{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
+  EXPECT_GT(follow_plan(base_stands(), stands, quick()).held, partly.held);
+}
+
+TEST(FindNextPose, LooksAtNoOtherWaysWhereOnlyTheWayUpIsAskedFor) {
+  SearchProblem problem = base_stands();
+  problem.way_up = {{2, at(0, 0, 0.08)}};  // the larger stone does not stand on the smaller
+  problem.way_up_only = true;
+  const SearchResult result = find_next_pose(problem, quick());
+  for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2);
+  problem.way_up = {{1, at(0.2, 0, 0.085)}};  // in the air
+  EXPECT_TRUE(find_next_pose(problem, quick()).best.empty());
+}
+
 TEST(FindNextPose, SearchesElsewhereWhereAWayUpDoesNotLeadToTheTop) {
   SearchProblem problem = base_stands();
   problem.way_up = {{2, at(0, 0, 0.08)}, {1, at(0.2, 0, 0.125)}};  // the second falls

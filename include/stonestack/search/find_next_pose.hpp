@@ -89,6 +89,7 @@ struct SearchProblem {
   /// A way up that was found before, say with less friction, one stone upon the other: the default search
   /// looks first whether it leads to the top from where it ends, and at other ways only if not. May be empty.
   std::vector<PlacedStone> way_up;
+  bool way_up_only = false;  ///< no other ways
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose? Called
   /// from one thread, best proposals first, before they are verified; what it refuses is counted and dropped.
   std::function<bool(int stone, const Pose& T_W_O)> reachable;
@@ -105,10 +106,11 @@ struct CandidateTrace {
 };
 
 struct SearchResult {
-  std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
-  std::string reason;                 ///< when `best` is empty: what stood in the way
-  long candidates = 0;                ///< poses evaluated
-  int unreachable = 0;                ///< proposals that the arm could not bring about
+  std::vector<Placement> best;  ///< best first, over all stones; several so that motion can refuse some
+  std::string reason;           ///< when `best` is empty: what stood in the way
+  long candidates = 0;          ///< poses evaluated
+  int unreachable = 0;          ///< proposals that the arm could not bring about
+  double held = 0.0;            ///< follow_plan: stones expected to stand, of as much of the plan as holds
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
   double seconds = 0.0;
 };
@@ -120,8 +122,8 @@ struct SearchResult {
                                           const std::function<void(const std::string&)>& report = {});
 
 /// Is a plan made before still good on what stands now? Puts the stones of `plan` where it says, one upon the
-/// other, settled and judged; `best` is its first placement, or empty with the reason. Nothing is searched:
-/// this costs a small part of a search. Throws as find_next_pose does.
+/// other, settled and judged; `best` is its first placement, or empty with the reason if not all of it holds.
+/// Nothing is searched: this costs a small part of a search. Throws as find_next_pose does.
 [[nodiscard]] SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                                        const SearchOptions& options = {});
 
