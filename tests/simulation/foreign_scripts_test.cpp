@@ -377,6 +377,21 @@ TEST(UrForeignScripts, NestedFunctionsSetAndJoinTheProgramsThreads) {
   EXPECT_EQ(bench.exceptions, "");
 }
 
+TEST(UrForeignScripts, LinesMayEndAsOnWindows) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def windows():\r\n"
+                      "  # a remark\r\n"
+                      "\r\n"
+                      "  if True:\r\n"
+                      "    textmsg(\"there\")\r\n"
+                      "  else:\r\n"
+                      "    textmsg(\"not there\")\r\n"
+                      "  end\r\n"
+                      "end\r\n"),
+            "there");
+  EXPECT_EQ(bench.exceptions, "");
+}
+
 TEST(UrForeignScripts, SocketsStayOnThisMachine) {
   ScriptBench bench;
   EXPECT_EQ(bench.value("socket_open(\"192.0.2.1\", 80)"), "False");

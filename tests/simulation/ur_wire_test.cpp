@@ -309,6 +309,8 @@ TEST(UrWire, ScriptsAreCutFromTheStream) {
   EXPECT_THAT(got, ElementsAre("power on", "def a():\n  if True:\n    sync()\n  end\nend\n", "run program",
                                "set_tcp(p[0,0,0,0,0,0])"));
   EXPECT_THAT(collector.feed("def b():\n  while True:\n  end\n"), ElementsAre());
+  EXPECT_THAT(ScriptCollector().feed("def c():\r\n  sync()\r\nend\r\nstop program\r\n"),
+              ElementsAre("def c():\r\n  sync()\r\nend\r\n", "stop program\r"));
   EXPECT_TRUE(collector.inside_program());
   EXPECT_EQ(collector.give_up(), "def b():\n  while True:\n  end\n");
   EXPECT_FALSE(collector.inside_program());
