@@ -9,8 +9,10 @@
 
 namespace stonestack {
 
-/// Accepts TCP clients and serves each in a thread of its own. `serve` returns when its stream is closed;
-/// destroying the service shuts all streams and waits for the threads.
+/// For devices whose clients may be waited for; the simulated UR controller, which hears all of its own
+/// between two control steps, has ServerPort. Accepts TCP clients and serves each in a thread of its own.
+/// `serve` returns when its stream is closed; destroying the service shuts all streams and waits for the
+/// threads.
 class TcpService {
  public:
   using Serve = std::function<void(TcpStream&)>;
