@@ -40,13 +40,6 @@ double least_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
 constexpr double kNearGrasp = 0.020;     ///< m: a grasp that near to one that failed would fail as well
 constexpr double kNearGraspTurn = 0.35;  ///< rad
 
-bool failed_before(const PickAndPlaceTask& task, const Grasp& grasp) {
-  return std::any_of(task.avoid.begin(), task.avoid.end(), [&](const Pose& T_O_T) {
-    const auto apart = difference(T_O_T, grasp.T_O_T);
-    return apart.translation < kNearGrasp && apart.angle < kNearGraspTurn;
-  });
-}
-
 /// Cheapest first. Every usable grasp gives a few.
 std::vector<Candidate> rank(const PlanningScene& scene, const PickAndPlaceTask& task,
                             const MotionOptions& options, const GraspSet& set, const GraspCheck& check) {
@@ -56,7 +49,7 @@ std::vector<Candidate> rank(const PlanningScene& scene, const PickAndPlaceTask& 
   for (const int index : check.usable) {
     throw_if_interrupted();
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
-    if (failed_before(task, grasp)) continue;
+    if (is_near_grasp(task.avoid, grasp.T_O_T)) continue;
     std::vector<Candidate> own;
     auto picks = inverse(scene.robot, T_R_W * task.T_W_O_pick * grasp.T_O_T * T_T_F, task.q_start);
     picks.resize(std::min(picks.size(), kSolutionsAtPick));
@@ -184,6 +177,13 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
 }
 
 }  // namespace
+
+bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T) {
+  return std::any_of(failed.begin(), failed.end(), [&](const Pose& before) {
+    const auto apart = difference(before, T_O_T);
+    return apart.translation < kNearGrasp && apart.angle < kNearGraspTurn;
+  });
+}
 
 PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPlaceTask& task,
                                      const MotionOptions& options) {

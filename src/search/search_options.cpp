@@ -32,6 +32,8 @@ FieldList fields(SearchOptions& o) {
       field("horizon", o.horizon, {1, 100}, "", "ours; 1: greedy"),
       field("beam", o.beam, {1, 100}, "", "measured: bench search"),
       field("rounds", o.rounds, {1, 1000}, "", "measured: bench search"),
+      field("firm_margin", o.firm_margin, {0.0, 1.0}, "g", "measured: bench search --ode"),
+      field("firm_rounds", o.firm_rounds, {0, 1000}, "", "measured: bench search --ode"),
       field("largest_tilt", o.largest_tilt, {0.0, pi}, "rad", "ours: free; the robot loop sets its own"),
       field("verify", o.verify, "ours"),
       field("least_margin", o.least_margin, {0.0, 1.0}, "g", "measured"),

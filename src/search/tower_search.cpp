@@ -64,13 +64,17 @@ void TowerSearch::run() {
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);
+  int more = o.firm_rounds;
   for (int k = 0; k < o.rounds && !context_.out_of_time(); ++k) {
     const std::size_t before = static_cast<std::size_t>(tree_.size()) + dropped_.size();
     round(static_cast<std::size_t>(o.beam));
     context_.say(concat("round ", k + 1, ": ", tree_.size() - 1, " towers grown, the highest of ",
                         tree_.node(best_).level, " of ", levels_, " stones"));
     const bool exhausted = static_cast<std::size_t>(tree_.size()) + dropped_.size() == before;
-    if (tree_.node(best_).level == levels_ || exhausted) break;
+    const bool finished = tree_.node(best_).level == levels_;
+    const bool firm = finished && (tree_.node(best_).trial.margin >= o.firm_margin || more == 0);
+    if (firm || exhausted) break;
+    if (finished) --more;
   }
 }
 

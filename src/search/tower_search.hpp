@@ -8,7 +8,7 @@ namespace stonestack {
 
 /// Grows towers on the given stack: in every round and on every level the `beam` most promising towers get
 /// their next stones (gap field proposals, look-ahead, settling, equilibrium, judgement), then the round
-/// begins again with what was left aside. The first round that finishes a tower of all `levels` ends the
+/// begins again with what was left aside. The first round that finishes a firm tower of all `levels` ends the
 /// search; so do the rounds, the budget and Ctrl-C.
 class TowerSearch {
  public:

@@ -12,6 +12,9 @@ constexpr double kPlanHolds = 0.5;
 /// Steps that a tower loses each time it is grown: what was tried of it was the best.
 constexpr double kAgain = 3.0;
 
+/// g and stones: a reserve beyond it is not worth a stone that may fall.
+constexpr double kReserve = 0.1;
+
 /// Lowest new stone and top stone: what towers are told apart by.
 struct Ends {
   int first = 0;  ///< node
@@ -120,19 +123,20 @@ double TowerTree::expected_height(int k) const {
 }
 
 std::vector<int> TowerTree::best_way_from(int k) const {
-  std::vector<int> way;
-  for (;;) {
-    int best = -1;
-    double most = 0.0;
-    for (const int c : children(k))
-      if (const double height = expected_height(c); height > most) {
-        most = height;
-        best = c;
-      }
-    if (best < 0) return way;
-    way.push_back(best);
-    k = best;
+  std::vector<int> best;
+  double most = 0.0;
+  for (const int c : children(k)) {
+    if (expected_height(c) <= 0.0) continue;
+    std::vector<int> way = best_way_from(c);
+    way.insert(way.begin(), c);
+    // Among ways of the same height the reserve of the finished tower decides.
+    const double value = expected_height(c) + std::min(node(way.back()).trial.margin, kReserve);
+    if (value > most) {
+      most = value;
+      best = std::move(way);
+    }
   }
+  return best;
 }
 
 int TowerTree::reach(int k) const {

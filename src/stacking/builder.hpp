@@ -39,7 +39,7 @@ class Builder {
     while (!high_enough()) {
       throw_if_interrupted();
       const auto target = find_target();
-      if (!target && (turn_over() || take_off())) continue;
+      if (!target && (turn_over() || take_off() || dare_failed_grasps())) continue;
       if (!target || !place(*target)) break;
     }
     return std::move(result_);
@@ -101,6 +101,8 @@ class Builder {
   /// What the search is told: the stack, the loose stones, and as out of reach what the arm does not reach
   /// and what was given up.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
+  /// Forgets which grasps failed: better one of these once more than none. False if none did.
+  [[nodiscard]] bool dare_failed_grasps();
   /// Nothing was found to fit on that stone when it lay nearly there.
   [[nodiscard]] bool was_given_up(int stone, const Pose& T_W_O) const;
   [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, double largest_tilt);

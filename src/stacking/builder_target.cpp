@@ -50,9 +50,22 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
       GraspFinder made(reach->scene, *task.stone, task.object, task.T_W_O_pick, options_.motion);
       finder = reach->finders.emplace(stone, std::move(made)).first;
     }
-    return finder->second.serves(T_W_O);
+    const auto failed = failed_grasps_.find(stone);
+    if (failed == failed_grasps_.end()) return finder->second.serves(T_W_O);
+    const GraspCheck check = finder->second.check(T_W_O);
+    return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
+      const Grasp& grasp = finder->second.set().grasps[static_cast<std::size_t>(k)];
+      return !is_near_grasp(failed->second, grasp.T_O_T);
+    });
   };
   return problem;
+}
+
+bool Builder::dare_failed_grasps() {
+  if (failed_grasps_.empty()) return false;
+  report("no other way is left than grasps that failed before: they are tried again");
+  failed_grasps_.clear();
+  return true;
 }
 
 bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
@@ -215,10 +228,6 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   if (const auto failed = failed_grasps_.find(placement.stone); failed != failed_grasps_.end())
     task.avoid = failed->second;
   target.plan = plan_pick_and_place(target.scene, task, options_.motion);
-  if (target.plan.status != PickAndPlacePlan::Status::kPlanned && !task.avoid.empty()) {
-    task.avoid.clear();  // better the grasp that failed once more than none
-    target.plan = plan_pick_and_place(target.scene, task, options_.motion);
-  }
   result_.seconds.planning += watch.seconds();
   if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;
   *refusal = target.plan.reason;

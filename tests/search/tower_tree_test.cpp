@@ -72,5 +72,20 @@ TEST(TowerTree, ChanceGrowsWithWaysToFinishAndFallsWithRisk) {
   EXPECT_LT(tree.chance(b, 2, 0.1), one_way);
 }
 
+TEST(TowerTree, OfWaysAsHighTheFirmerIsBest) {
+  TowerTree tree = four_stones();
+  const int a = tree.add(0, trial_of(0), 0.1);
+  const int weak = tree.add(a, trial_of(1, 0.02), 0.1), firm = tree.add(a, trial_of(2, 0.06), 0.1);
+  const int likelier = tree.add(a, trial_of(3, 0.02), 0.1);
+  tree.node(likelier).trial.placement.predicted_success = 1.0;
+  for (const int k : {a, weak, firm, likelier}) {
+    tree.node(k).judged = true;
+    tree.node(k).trial.placement.predicted_success = k == likelier || k == a ? 1.0 : 0.75;
+  }
+  EXPECT_EQ(tree.best_way_from(a), std::vector<int>{likelier});  // a quarter of a stone more
+  tree.node(likelier).trial.placement.predicted_success = 0.75;
+  EXPECT_EQ(tree.best_way_from(a), std::vector<int>{firm});
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -98,5 +99,8 @@ struct PickAndPlaceTask {
 [[nodiscard]] std::optional<JointTrajectory> plan_transit(const PlanningScene& scene, const Joints& q_start,
                                                           const Pose& T_W_F_goal,
                                                           const MotionOptions& options = {});
+
+/// A grasp so near to one of `failed` (T_O_T) that it would fail as well: 20 mm and 0.35 rad.
+[[nodiscard]] bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T);
 
 }  // namespace stonestack

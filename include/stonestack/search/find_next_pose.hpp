@@ -42,7 +42,9 @@ struct SearchOptions {
   int settled = 12;                  ///< proposals for each tower that are let fall in simulation, at most
   int horizon = 4;                   ///< levels that find_next_pose plans ahead; 1: greedy
   int beam = 4;                      ///< towers that get their next stones, each level and round
-  int rounds = 6;                    ///< at most; the first that finishes a tower ends the search
+  int rounds = 6;                    ///< at most; the first that finishes a firm tower ends the search
+  double firm_margin = 0.04;         ///< g: a finished tower with less is not firm,
+  int firm_rounds = 2;               ///< and so many more rounds may find a better one
   double largest_tilt = 3.14159266;  ///< rad, between the world's up axis seen from the stone as it lies
                                      ///< now and as it will lie; yaw is free (one grasp serves both)
 
