@@ -51,6 +51,10 @@ void collect(const SearchContext& context, TowerSearch& search, int levels, Sear
     if (next.empty()) break;
     search.judge(next);
   }
+  std::vector<int> offered;
+  for (const int k : ranked_firsts(search.tree(), levels, o.friction))
+    if (search.tree().node(k).judged && offered.size() < wanted) offered.push_back(k);
+  search.judge_longer(offered);
   for (const int k : ranked_firsts(search.tree(), levels, o.friction)) {
     const TowerNode& node = search.tree().node(k);
     if (!node.judged || result->best.size() == wanted) continue;
@@ -111,7 +115,7 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
   result->held = search.tree().expected_height(0);
   if (whole) {
     collect(context, search, levels, result);
-    result->reason.clear();
+    if (!result->best.empty()) result->reason.clear();
   }
 }
 

@@ -108,6 +108,7 @@ bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason)
     if (top < 0) return false;
   }
   best_ = top;
+  *reason = "it falls too often";  // if a closer look should say so
   return top > 0;
 }
 
@@ -156,6 +157,15 @@ void TowerSearch::judge(std::span<const int> nodes) {
     if (node.judged) return;
     judge_trial(context_, tree_.node(node.parent).stack, &node.trial);
     node.judged = true;
+  });
+  for (const int k : nodes)
+    if (!tree_.node(k).trial.alive) dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});
+}
+
+void TowerSearch::judge_longer(std::span<const int> nodes) {
+  run_tasks(context_.options->threads, nodes.size(), [&](std::size_t k) {
+    TowerNode& node = tree_.node(nodes[k]);
+    if (node.judged) stonestack::judge_longer(context_, tree_.node(node.parent).stack, &node.trial);
   });
   for (const int k : nodes)
     if (!tree_.node(k).trial.alive) dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});

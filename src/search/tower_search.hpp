@@ -23,6 +23,9 @@ class TowerSearch {
   [[nodiscard]] int best() const { return best_; }
   /// Judges nodes (all at once) that are not judged yet; some die.
   void judge(std::span<const int> nodes);
+  /// Looks closer at those that were judged and do not always stand: eight perturbations tell a chance from a
+  /// half by luck. Some die.
+  void judge_longer(std::span<const int> nodes);
 
   [[nodiscard]] long candidates() const { return candidates_; }
   [[nodiscard]] int unreachable() const { return unreachable_; }

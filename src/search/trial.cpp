@@ -13,6 +13,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kDrop = 0.001;  ///< m above the first touch
+constexpr int kLonger = 4;       ///< times the perturbations, where the first of them disagree
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
   Stack higher = stack;
@@ -128,6 +129,20 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   trial->placement.expected_height = trial->placement.predicted_success;
   if (trial->placement.predicted_success < o.least_success)
     drop(trial, concat("falls too often when placed with the expected error"));
+}
+
+void judge_longer(const SearchContext& context, const Stack& below, Trial* trial) {
+  const SearchOptions& o = *context.options;
+  Placement& placement = trial->placement;
+  if (!trial->alive || placement.predicted_success >= 1.0 || o.perturbations == 0) return;
+  int survived = static_cast<int>(std::lround(placement.predicted_success * o.perturbations));
+  const int all = kLonger * o.perturbations;
+  for (int k = o.perturbations; k < all; ++k)
+    if (survives(context, below, *trial, k)) ++survived;
+  placement.predicted_success = static_cast<double>(survived) / all;
+  placement.expected_height = placement.predicted_success;
+  if (placement.predicted_success < o.least_success)
+    drop(trial, "falls too often when placed with the expected error");
 }
 
 double worth(const SearchContext& context, const Trial& trial) {
