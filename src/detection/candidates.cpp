@@ -10,7 +10,9 @@ namespace {
 
 constexpr int kCoarsePoints = 200;  // per pose: enough to fall into the basin
 constexpr int kFinePoints = 3000;
-constexpr std::size_t kKept = 5;            // poses a model that are refined finely
+constexpr std::size_t kKept = 5;            // poses a model that are refined finely, ...
+constexpr std::size_t kMostKept = 24;       // ... or this many if nothing sets them apart: a cube has as many
+constexpr double kLikelyAsWell = 0.04;      // of the coarse score
 constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
 constexpr double kSameAngle = 0.10;
 constexpr double kNoiseTolerance = 4.0;  // standard deviations
@@ -55,8 +57,10 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
       const PoseDifference d = difference(k.T_C_O, pose.T_C_O);
       return d.translation < kSameTranslation && d.angle < kSameAngle;
     });
-    if (!known) kept.push_back(pose);
-    if (kept.size() >= kKept) break;
+    if (known) continue;
+    const bool tie = pose.score > poses.front().score - kLikelyAsWell;
+    if (kept.size() >= (tie ? kMostKept : kKept)) break;
+    kept.push_back(pose);
   }
   return kept;
 }
@@ -70,7 +74,7 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, cons
   const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement(options));
   if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return {};
   VerifyOptions strict{tolerance(scene, options), hidden_weight};
-  strict.keep_pixels = true;
+  strict.keep_pixels = strict.contour = true;
   Verdict verdict = verify_pose(model, refined.T_C_O, scene, strict);
   Candidate candidate;
   candidate.detection.stone = stone;

@@ -18,6 +18,11 @@ namespace {
 constexpr double kWiderGap = 3.0;         // times the gap of clusters
 constexpr double kNearlyAccepted = 0.10;  // below the accept score
 constexpr double kWellVisible = 0.13;     // of the whole surface
+// Another stone of like shape scores up to 0.94 (limestones, seed 77), and what it explains would be lost to
+// the right one: a score below this waits until everything has been tried.
+constexpr double kBeyondDoubt = 0.95;
+constexpr double kUsualNoise = 0.0006;  // m: noisier images fit right poses the worse, ...
+constexpr double kNoiseCosts = 50.0;    // ... by this much score a metre (bench: d435)
 
 /// Points of one cluster that one view saw.
 struct SeenCluster {
@@ -65,6 +70,7 @@ std::vector<SeenCluster> with_parts(const DetectionScene& scene, const Detection
 /// What one turn tries.
 enum class Turn {
   kSweep,     ///< some orientations on each cluster
+  kParts,     ///< and on parts of clusters
   kDescribe,  ///< descriptors
   kThorough,  ///< more orientations, also on parts of clusters
 };
@@ -165,6 +171,7 @@ void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
 Look look_of(Turn turn, const DetectionScene& scene, const Features& seen, const DetectionOptions& options) {
   if (turn == Turn::kDescribe) return {&seen, {}, {}};
   if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene, options), {}};
+  if (turn == Turn::kParts) return {nullptr, with_parts(scene, options), {}};
   return {nullptr, with_parts(scene, options), thorough_sweep()};
 }
 
@@ -172,9 +179,17 @@ Look look_of(Turn turn, const DetectionScene& scene, const Features& seen, const
 std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& options) {
   if (!options.sweep) return {};  // the paper looks once
   if (found) return Turn::kSweep;
-  if (turn == Turn::kSweep) return Turn::kDescribe;
+  if (turn == Turn::kSweep) return Turn::kParts;
+  if (turn == Turn::kParts) return Turn::kDescribe;
   if (turn == Turn::kDescribe) return Turn::kThorough;
   return {};
+}
+
+/// What is accepted though something else has not been tried yet.
+DetectionOptions beyond_doubt(DetectionOptions options, const DetectionScene& scene) {
+  const double bar = kBeyondDoubt - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise);
+  options.accept_score = std::max(options.accept_score, bar);
+  return options;
 }
 
 /// How far a search has come.
@@ -208,17 +223,19 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
     auto found = search(data, so_far.missing, so_far.scene, look, options, noted);
-    const auto accepted = without_conflicts(found, so_far.missing, so_far.scene, options);
+    auto accepted =
+        without_conflicts(found, so_far.missing, so_far.scene, beyond_doubt(options, so_far.scene));
+    if (accepted.empty() && !turn_after(turn, false, options)) {
+      found.insert(found.end(), so_far.refused.begin(), so_far.refused.end());
+      accepted = without_conflicts(found, so_far.missing, so_far.scene, options);
+    }
     if (noted != nullptr) note_candidates(*noted, found, accepted);
     const std::size_t before = so_far.taken.size();
     for (const std::size_t i : accepted) take(so_far, found[i]);
     so_far.scene = without_stones(std::move(so_far.scene), data,
                                   poses_of(std::span(so_far.taken).subspan(before)), options);
-    if (!accepted.empty())
-      so_far.refused.clear();  // they are judged anew
-    else
-      so_far.refused.insert(so_far.refused.end(), std::make_move_iterator(found.begin()),
-                            std::make_move_iterator(found.end()));
+    so_far.refused.clear();  // where something was found, they are judged anew
+    if (accepted.empty()) so_far.refused = std::move(found);
     const auto next = turn_after(turn, !accepted.empty(), options);
     if (!next) break;
     turn = *next;

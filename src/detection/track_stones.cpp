@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "detection/models.hpp"
+#include "detection/preprocess.hpp"
 
 namespace stonestack {
 namespace {
@@ -59,16 +60,17 @@ std::vector<TrackedStone> track_stones(const DepthImage& image, const DetectionM
       missing.push_back(e.stone);
     all.push_back(tracked);
   }
-  Eigen::Vector3d up_C = Eigen::Vector3d::Zero();
-  if (known.table_C) up_C = known.table_C->normal;
+  std::optional<Plane> table_C = known.table_C;
   if (!missing.empty()) {
     const DetectionResult result = detect_stones(image, models, missing, options, rest);
-    if (result.table_C) up_C = result.table_C->normal;
+    if (result.table_C) table_C = result.table_C;
     for (const auto& d : result.detections)
       std::find_if(all.begin(), all.end(), [&](const TrackedStone& t) {
         return t.stone == d.stone && !t.detection;
       })->detection = d;
   }
+  if (!table_C) table_C = preprocess(image, {}, true, options).table_C;
+  const Eigen::Vector3d up_C = table_C ? table_C->normal : Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i].detection)
       compare(all[i], expected[i].T_C_O, models.data().models[static_cast<std::size_t>(all[i].stone)].centre,

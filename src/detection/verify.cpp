@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/contour.hpp"
 #include "detection/draw_model.hpp"
+#include "detection/seen_normal.hpp"
 
 namespace stonestack {
 namespace {
@@ -11,12 +13,13 @@ namespace {
 constexpr double kJustInFront =
     0.030;  // m: nearer than this in front of the model is a wrong pose, not a hider
 constexpr double kJustInFrontWeight = 0.6;
-constexpr int kNormalSpan = 4;             // px to each side
 constexpr double kCosineNone = 0.5;        // between normals: agrees not at all ...
 constexpr double kCosineFull = 0.85;       // ... and fully: flat faces stand for curved stone
 constexpr double kBeyond = 0.012;          // m off the surface: further is another thing
 constexpr double kBeyondTolerated = 0.15;  // share: neighbours that touch
 constexpr double kBeyondWeight = 1.0;
+constexpr double kGoesOnTolerated = 0.2;  // share of the outline: stones that lie flush
+constexpr double kGoesOnWeight = 1.0;
 constexpr double kLeastSeen = 0.10;         // of the drawn pixels must fit
 constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that cost one full score
 
@@ -24,6 +27,7 @@ constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that 
 struct Tally {
   double fits = 0, quality = 0, through = 0, just_in_front = 0, hidden = 0;
   double drawn = 0, area = 0;
+  ContourTally contour;
 };
 
 /// A drawn pixel with an undrawn neighbour: the silhouette of 500 faces is a pixel or two off.
@@ -46,24 +50,6 @@ double below_table(const DetectionModel& model, const Pose& T_C_O, const Plane& 
   double deepest = 0;
   for (const auto& p : model.mesh.vertices) deepest = std::min(deepest, table_C.distance(T_C_O * p));
   return -deepest;
-}
-
-/// Normal of the seen surface from pixels a few steps away; zero where there is an edge or a hole.
-Eigen::Vector3d seen_normal(const DepthImage& depth, int u, int v) {
-  if (u < kNormalSpan || v < kNormalSpan || u + kNormalSpan >= depth.camera.width ||
-      v + kNormalSpan >= depth.camera.height)
-    return Eigen::Vector3d::Zero();
-  const double z = depth.at(u, v);
-  const auto point = [&](int du, int dv) -> Eigen::Vector3d {
-    const double at = depth.at(u + du, v + dv);
-    return std::abs(at - z) < 0.02 ? Eigen::Vector3d(at * deproject(depth.camera, u + du, v + dv))
-                                   : Eigen::Vector3d::Constant(std::nan(""));
-  };
-  const Eigen::Vector3d across = point(kNormalSpan, 0) - point(-kNormalSpan, 0);
-  const Eigen::Vector3d down = point(0, kNormalSpan) - point(0, -kNormalSpan);
-  const Eigen::Vector3d normal = down.cross(across);  // towards the camera: x right, y down, z forward
-  return normal.allFinite() && normal.norm() > 1e-12 ? Eigen::Vector3d(normal.normalized())
-                                                     : Eigen::Vector3d::Zero();
 }
 
 /// Adds one drawn pixel with a depth to the tally; true if it fits.
@@ -131,6 +117,10 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
                                     drawn.normals_C[static_cast<std::size_t>(drawn.face[i])], options, tally);
       if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel)});
     }
+  if (options.contour) {
+    const ContourTally contour = compare_contour(view, drawn);
+    tally.contour.seen += contour.seen, tally.contour.goes_on += contour.goes_on;
+  }
   verdict.visible =
       std::max(verdict.visible, std::min(1.0, (tally.area - area_before) * step * step / model.area));
 }
@@ -152,6 +142,9 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
   verdict.inlier_ratio = tally.fits / (seen + tally.hidden);
   const double beyond = share_beyond(model, T_C_O, scene.surface, options);
   verdict.score -= kBeyondWeight * std::max(0.0, beyond - kBeyondTolerated);
+  if (tally.contour.seen > 0)
+    verdict.score -=
+        kGoesOnWeight * std::max(0.0, tally.contour.goes_on / tally.contour.seen - kGoesOnTolerated);
   if (scene.table_C)
     verdict.score -=
         std::max(0.0, below_table(model, T_C_O, *scene.table_C) - options.below_table) / kBelowTableScale;

@@ -28,13 +28,15 @@ struct VerifyOptions {
   double below_table = 0.008;  ///< m, how deep a vertex may lie below the table
   int drawn_pixels = 1500;     ///< about, for a pose in full view, in each view
   bool keep_pixels = false;    ///< fill Verdict::pixels
+  bool contour = false;        ///< check the outline as well
 };
 
 /// Draws the model at the pose into each view and compares it with what was seen, pixel by pixel. A pixel
 /// fits the better, the nearer it lies and the better the normals agree; it contradicts if the surface behind
 /// is seen (one would look through stone) or one just in front; far in front something may hide the model.
 /// Seen points just off the model's surface contradict too (the surface goes on where the model ends), and so
-/// does a pose below the table. Pixels that are explained by known stones say nothing.
+/// does a pose below the table. With `contour`, what is seen must end or bend where the model ends
+/// (compare_contour). Pixels that are explained by known stones say nothing.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
 

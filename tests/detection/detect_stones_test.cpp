@@ -19,22 +19,8 @@ namespace {
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
 /// Five test stones; the last is never in a scene.
-class Detect : public ::testing::Test {
+class Detect : public test::StonesOnce<5> {
  protected:
-  static void SetUpTestSuite() {
-    for (int seed = 1; seed <= 5; ++seed) stones().push_back(test::make_test_stone(seed));
-    models() = std::make_unique<DetectionModels>(stones());
-  }
-  static void TearDownTestSuite() { models().reset(); }
-  static std::vector<Stone>& stones() {
-    static std::vector<Stone> all;
-    return all;
-  }
-  static std::unique_ptr<DetectionModels>& models() {
-    static std::unique_ptr<DetectionModels> all;
-    return all;
-  }
-
   /// Stones 0 to 3 apart on the table, in random orientations.
   struct Scene {
     Pose T_W_C;
@@ -295,6 +281,14 @@ TEST_F(Detect, TrackedStonesAreInPlaceMovedFallenOrUnseen) {
   EXPECT_EQ(track_stones(scene.image, *models(), std::span(expected).subspan(2, 1), {}, {held, {}})[0].status,
             Status::kUnseen)
       << "a held stone is not searched on the table";
+}
+
+TEST_F(Detect, AStoneThatFellByLittleIsFallenToo) {
+  const Scene scene = make_scene(3);
+  const Pose before = scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.020}) * scene.T_W_O[0];
+  const auto tracked = track_stones(scene.image, *models(), std::vector<KnownStone>{{0, before}});
+  EXPECT_EQ(tracked[0].status, TrackedStone::Status::kFallen) << to_text(tracked[0].status);
+  EXPECT_NEAR(tracked[0].moved.translation, 0.020, 0.001);
 }
 
 TEST_F(Detect, AHeldStoneIsNotSearchedOnTheTable) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "detection/accept.hpp"
+#include "detection/candidates.hpp"
 #include "detection/consistency.hpp"
 #include "detection/keypoints.hpp"
 #include "detection/matching.hpp"
@@ -144,6 +145,73 @@ TEST_F(OneStone, VerdictAcceptsTheTruthAndRejectsPosesBehindAndAboveTheTable) {
 TEST_F(OneStone, VerdictIsEmptyOutsideTheImage) {
   EXPECT_LT(verify_pose(model, make_pose({3, 0, 0.7}), scene, {}).score, 0);
   EXPECT_LT(verify_pose(model, make_pose({0, 0, -0.7}), scene, {}).score, 0);
+}
+
+Stone make_slab(const Eigen::Vector3d& size) {
+  Stone slab;
+  slab.name = "slab";
+  slab.mesh = slab.scan = make_box(size);
+  return slab;
+}
+
+TEST(Verify, AFlatStoneThatFitsIntoTheFaceOfALargerOneIsRefutedByItsOutline) {
+  const Stone large = make_slab({0.16, 0.12, 0.02}), small = make_slab({0.09, 0.07, 0.02});
+  const Pose T_W_C = test::make_camera_pose(0.3, 0.5), T_W_O = make_pose({0, 0, 0.01});
+  const DepthImage image = test::with_noise(test::look_at({{&large, T_W_O}}, T_W_C), 0.0006, 1);
+  const DetectionOptions options;
+  const DetectionScene scene = preprocess(image, {}, true, options);
+  const auto score = [&](const Stone& stone, bool contour) {
+    VerifyOptions strict;
+    strict.contour = contour;
+    return verify_pose(make_detection_model(stone, options), T_W_C.inverse() * T_W_O, scene, strict).score;
+  };
+  EXPECT_GT(score(small, false), options.accept_score)
+      << "the trap is gone: no pixel contradicts the small one";
+  EXPECT_LT(score(small, true), 0.5);
+  EXPECT_GT(score(large, true), 0.95);
+}
+
+TEST(Candidates, EveryPoseOfANearlySymmetricStoneIsJudgedFinely) {
+  Stone cube = make_slab(Eigen::Vector3d::Constant(0.1));
+  for (auto& p : cube.mesh.vertices)
+    if (p.minCoeff() > 0) p *= 0.92;  // one corner of eight, on top and towards the camera
+  cube.scan = cube.mesh;
+  const Pose T_W_C = test::make_camera_pose(0.5, 0.7), T_W_O = make_pose({0, 0, 0.05});
+  const DetectionOptions options;
+  const DetectionScene scene =
+      preprocess(test::with_noise(test::look_at({{&cube, T_W_O}}, T_W_C), 0.0006, 1), {}, true, options);
+  std::vector<Hypothesis> turned;
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()})
+    for (int side = 0; side < 4; ++side)
+      for (int turn = 0; turn < 4; ++turn)
+        turned.push_back({T_W_C.inverse() * T_W_O * Eigen::AngleAxisd(side * M_PI_2, axis) *
+                              Eigen::AngleAxisd(turn * M_PI_2, Eigen::Vector3d::UnitZ()),
+                          1.0});
+  const auto judged = judge_hypotheses(make_detection_model(cube, options), 0, turned, scene, options);
+  EXPECT_GT(judged.size(), 5U);
+  ASSERT_FALSE(judged.empty());
+  const Eigen::Vector3d corner = Eigen::Vector3d::Constant(0.046);  // about its diagonal all turns are alike
+  EXPECT_LT((judged.front().detection.T_C_O * corner - T_W_C.inverse() * T_W_O * corner).norm(), 0.004);
+}
+
+TEST(Accept, OfTwoPosesAtOnePlaceTheOneThatLacksLessIsTaken) {
+  DetectionScene scene;
+  scene.views.emplace_back();
+  scene.views[0].depth.z.assign(
+      static_cast<std::size_t>(scene.views[0].depth.camera.width * scene.views[0].depth.camera.height), 0.7F);
+  const auto pose = [](int stone, double score, int pixels) {
+    Candidate c;
+    c.detection.stone = stone;
+    c.detection.score = score;
+    c.detection.visible = 0.4;
+    for (int i = 0; i < pixels; ++i) c.pixels.push_back({0, 640 * 100 + 5 * i});
+    return c;
+  };
+  const auto taken = without_conflicts({pose(0, 0.96, 100), pose(1, 0.995, 85)}, {0, 1}, scene, {});
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0], 1U) << "a wrong flat stone covered more of the right one's face";
+  EXPECT_EQ(without_conflicts({pose(0, 0.96, 100), pose(1, 0.99, 8)}, {0, 1}, scene, {})[0], 0U)
+      << "a speck that fits is no evidence";
 }
 
 TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {

@@ -1,4 +1,7 @@
 #pragma once
+#include <gtest/gtest.h>
+
+#include <memory>
 #include <vector>
 
 #include "stonestack/core/random.hpp"
@@ -11,6 +14,26 @@ namespace stonestack::test {
 /// An irregular stone, 13 to 18 cm long: an ellipsoid with waves and flat cuts. `mesh` has 1280 faces, `scan`
 /// 20480.
 [[nodiscard]] Stone make_test_stone(int seed);
+
+/// Makes the first `Count` test stones and their models once for all tests of a suite.
+template <int Count>
+class StonesOnce : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    stones().clear();
+    for (int seed = 1; seed <= Count; ++seed) stones().push_back(make_test_stone(seed));
+    models() = std::make_unique<DetectionModels>(stones());
+  }
+  static void TearDownTestSuite() { models().reset(); }
+  static std::vector<Stone>& stones() {
+    static std::vector<Stone> all;
+    return all;
+  }
+  static std::unique_ptr<DetectionModels>& models() {
+    static std::unique_ptr<DetectionModels> all;
+    return all;
+  }
+};
 
 /// A stone standing somewhere.
 struct StandingStone {

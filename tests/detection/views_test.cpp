@@ -19,21 +19,8 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
 
-class Views : public ::testing::Test {
+class Views : public test::StonesOnce<3> {
  protected:
-  static void SetUpTestSuite() {
-    for (int seed = 1; seed <= 3; ++seed) stones().push_back(test::make_test_stone(seed));
-    models() = std::make_unique<DetectionModels>(stones());
-  }
-  static void TearDownTestSuite() { models().reset(); }
-  static std::vector<Stone>& stones() {
-    static std::vector<Stone> all;
-    return all;
-  }
-  static std::unique_ptr<DetectionModels>& models() {
-    static std::unique_ptr<DetectionModels> all;
-    return all;
-  }
   /// Stone 0 behind stone 1, as the first camera sees it; both before the second one.
   static std::vector<DepthView> hidden_scene(const Pose& off) {
     const Pose first = test::make_camera_pose(1.15, 0.0, 0.6), second = test::make_camera_pose(1.0, 1.8, 0.6);
