@@ -126,12 +126,19 @@ void default_search(const SearchContext& context, SearchResult* result) {
   if (!o.verify) {
     propose_only(search, result);
   } else {
-    try {
-      search.run();
-    } catch (const Interrupted&) {
-      context.say("interrupted; keeping what was found");
-    }
-    collect(context, search, levels, result);
+    const auto look_for = [&](TowerSearch::Ways ways) {
+      try {
+        search.run(ways);
+      } catch (const Interrupted&) {
+        context.say("interrupted; keeping what was found");
+      }
+      collect(context, search, levels, result);
+    };
+    look_for(context.problem->way_up_only ? TowerSearch::Ways::kFoundBefore : TowerSearch::Ways::kAll);
+    // The way found before led to the top, but did not bear a closer look.
+    if (result->best.empty() && !context.problem->way_up.empty() && !context.problem->way_up_only &&
+        !context.out_of_time() && !interrupt_noted())
+      look_for(TowerSearch::Ways::kNew);
     add_turned(context, result);
   }
   result->candidates = search.candidates();

@@ -57,10 +57,10 @@ void TowerSearch::survey() {
   store_survey(&loose_, *context_.options);
 }
 
-void TowerSearch::run() {
+void TowerSearch::run(Ways ways) {
   survey();
   const SearchOptions& o = *context_.options;
-  if (finish_way_up() || context_.problem->way_up_only) return;
+  if (ways != Ways::kNew && (finish_way_up() || ways == Ways::kFoundBefore)) return;
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);

@@ -14,7 +14,10 @@ class TowerSearch {
  public:
   TowerSearch(const SearchContext& context, int levels);
 
-  void run();
+  /// Which ways are looked for: on from the problem's way up, from the bottom, or, where the first does not
+  /// lead to the top, both.
+  enum class Ways { kFoundBefore, kNew, kAll };
+  void run(Ways ways = Ways::kAll);
   /// True if all of a plan is reachable, comes to rest in balance and stands its judgement; else `reason` is
   /// told why not.
   [[nodiscard]] bool follow(std::span<const PlacedStone> plan, std::string* reason);

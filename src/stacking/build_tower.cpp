@@ -7,6 +7,18 @@
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
+namespace {
+
+/// Where a stone that fell off the tower may have rolled to and no other look reaches.
+std::vector<Eigen::Vector3d> beside_the_site(const CellLayout& layout) {
+  constexpr double kBeside = 0.22;  // m
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& [x, y] : {std::pair(0, 1), std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1)})
+    places.emplace_back(layout.site.x() + kBeside * x, layout.site.y() + kBeside * y, 0.04);
+  return places;
+}
+
+}  // namespace
 
 Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool field_unknown) {
   return look_from(look_poses(cell_.layout, p_W_target, options_.look_distance), field_unknown);
@@ -21,6 +33,25 @@ Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
   return look;
 }
 
+std::optional<Look> Builder::look_if_possible(const Eigen::Vector3d& p_W_target) {
+  const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
+  const Pose T_C_F = (cell_.layout.T_F_T * cell_.layout.T_T_C).inverse();
+  for (const Pose& T_W_C : look_poses(cell_.layout, p_W_target, options_.look_distance))
+    if (plan_transit(scene, cell_.arm.state().q, Pose(T_W_C * T_C_F), options_.motion))
+      return look_from({T_W_C}, false);
+  return std::nullopt;
+}
+
+std::vector<int> Builder::out_of_sight() const {
+  std::vector<int> missing;
+  const auto here = [&](const std::vector<PlacedStone>& list, int stone) {
+    return std::any_of(list.begin(), list.end(), [&](const PlacedStone& s) { return s.stone == stone; });
+  };
+  for (const int stone : seen_before_)
+    if (!here(belief_.stack, stone) && !here(belief_.loose, stone)) missing.push_back(stone);
+  return missing;
+}
+
 void Builder::look_around() {
   const bool first = belief_.stack.empty() && belief_.loose.empty();
   const Eigen::Vector2d& field = cell_.layout.field_centre;
@@ -31,12 +62,25 @@ void Builder::look_around() {
   if (!expected.empty())
     looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
 
-  const Stopwatch watch;
   std::vector<int> wanted;
   for (int i = 0; i < static_cast<int>(catalogue_.stones.size()); ++i) wanted.push_back(i);
-  const auto sightings = find_in_looks(looks, models_, wanted, expected, options_.detection);
-  belief_ = believe(shapes_, cell_.layout, expected, sightings);
-  result_.seconds.detection += watch.seconds();
+  const auto see = [&] {
+    const Stopwatch watch;
+    const auto sightings = find_in_looks(looks, models_, wanted, expected, options_.detection);
+    belief_ = believe(shapes_, cell_.layout, expected, sightings);
+    result_.seconds.detection += watch.seconds();
+  };
+  see();
+  for (const auto& beside : beside_the_site(cell_.layout)) {
+    if (out_of_sight().empty()) break;
+    report("looking for " + name(out_of_sight().front()) + " beside the site");
+    auto look = look_if_possible(beside);
+    if (!look) continue;
+    looks.push_back(std::move(*look));
+    see();
+  }
+  for (const auto* list : {&belief_.stack, &belief_.loose})
+    for (const PlacedStone& stone : *list) seen_before_.insert(stone.stone);
   report(describe(catalogue_, belief_));
   record("observed", belief_json(catalogue_, belief_));
   report_moved(expected);

@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -88,12 +89,17 @@ class Builder {
     return false;
   }
 
-  /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site.
+  /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site,
+  /// then beside the site if a stone is missing.
   void look_around();
   /// Tells of stones of the stack that are no longer where they were.
   void report_moved(const std::vector<PlacedStone>& expected) const;
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
   [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool field_unknown);
+  /// Nothing if no pose for that look can be reached.
+  [[nodiscard]] std::optional<Look> look_if_possible(const Eigen::Vector3d& p_W_target);
+  /// Stones that were seen before and are not now.
+  [[nodiscard]] std::vector<int> out_of_sight() const;
   /// Looks at the field once more, half a turn about the optical axis away, and corrects where the camera is
   /// taken to sit, in the layout and in the looks; the second look is added to them.
   void refine_camera(std::vector<Look>& looks);
@@ -151,6 +157,7 @@ class Builder {
   ShapeList shapes_;
   DetectionModels models_;
   Belief belief_;
+  std::set<int> seen_before_;
   RunResult result_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
