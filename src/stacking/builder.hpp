@@ -109,7 +109,7 @@ class Builder {
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
   /// Forgets which grasps failed: better one of these once more than none. False if none did.
   [[nodiscard]] bool dare_failed_grasps();
-  /// Nothing was found to fit on that stone when it lay nearly there.
+  /// Nothing was found to fit on that stone when it lay nearly there, or no motion brings it there.
   [[nodiscard]] bool was_given_up(int stone, const Pose& T_W_O) const;
   [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, double largest_tilt);
   /// The frictions that are assumed, rising.
@@ -166,7 +166,8 @@ class Builder {
   std::size_t last_below_ = 0;  ///< stones that stood before it
   std::size_t last_level_ = 0;  ///< of the assumed frictions, which its search had
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
-  std::vector<PlacedStone> given_up_;               ///< tops of stacks on which nothing was found to fit
+  std::vector<PlacedStone> refused_;   ///< poses to which no motion was found, since the last look
+  std::vector<PlacedStone> given_up_;  ///< tops of stacks on which nothing was found to fit
 };
 
 }  // namespace stonestack

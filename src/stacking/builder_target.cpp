@@ -10,8 +10,9 @@
 namespace stonestack {
 namespace {
 
-constexpr double kSamePlace = 0.012;  // m, of the centre of mass: nearer is what was tried before
-constexpr double kSameTurn = 0.26;    // rad: the same
+constexpr std::size_t kMostRefused = 12;  // poses without a motion, after which no others are looked for
+constexpr double kSamePlace = 0.012;      // m, of the centre of mass: nearer is what was tried before
+constexpr double kSameTurn = 0.26;        // rad: the same
 
 /// What the search asks the arm: the pick side of each stone is worked out once.
 struct Reach {
@@ -69,12 +70,14 @@ bool Builder::dare_failed_grasps() {
 }
 
 bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
-  return std::any_of(given_up_.begin(), given_up_.end(), [&](const PlacedStone& top) {
+  const auto same = [&](const PlacedStone& top) {
     if (top.stone != stone) return false;
     const Eigen::Vector3d& p_O_M = shapes_[static_cast<std::size_t>(stone)]->mass.p_O_M;
     return (top.T_W_O * p_O_M - T_W_O * p_O_M).norm() < kSamePlace &&
            difference(top.T_W_O, T_W_O).angle < kSameTurn;
-  });
+  };
+  return std::any_of(given_up_.begin(), given_up_.end(), same) ||
+         std::any_of(refused_.begin(), refused_.end(), same);
 }
 
 std::optional<Target> Builder::find_target() {
@@ -96,6 +99,11 @@ std::optional<Target> Builder::find_target() {
   if (!rest_of_plan().empty()) {  // the plan that was followed cannot be carried out: whatever else there is
     last_ = {};
     report("the plan cannot be carried out: " + refusals);
+    return find_target();
+  }
+  if (refused_.size() < kMostRefused) {  // other poses then, of other stones perhaps
+    for (const auto& placement : found.best) refused_.push_back({placement.stone, placement.T_W_O});
+    report(concat("none of ", found.best.size(), " poses can be reached, looking for others: ", refusals));
     return find_target();
   }
   result_.end = RunResult::End::kNoPlan;
