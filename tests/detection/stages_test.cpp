@@ -181,7 +181,7 @@ TEST(Candidates, EveryPoseOfANearlySymmetricStoneIsJudgedFinely) {
   const DetectionScene scene =
       preprocess(test::with_noise(test::look_at({{&cube, T_W_O}}, T_W_C), 0.0006, 1), {}, true, options);
   std::vector<Hypothesis> turned;
-  for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()})
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)})
     for (int side = 0; side < 4; ++side)
       for (int turn = 0; turn < 4; ++turn)
         turned.push_back({T_W_C.inverse() * T_W_O * Eigen::AngleAxisd(side * M_PI_2, axis) *
