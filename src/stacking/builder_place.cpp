@@ -41,7 +41,10 @@ bool Builder::place(const Target& target) {
          concat("{\"stone\": \"", entry.stone, "\", \"outcome\": \"", to_text(entry.outcome), "\"}"));
   report(concat(entry.stone, ": ", to_text(entry.outcome), entry.note.empty() ? "" : ", " + entry.note));
   update_height();
-  if (entry.outcome == PlacementRecord::Outcome::kPlaced) return true;
+  using Outcome = PlacementRecord::Outcome;
+  if (entry.outcome == Outcome::kFallen || entry.outcome == Outcome::kLost)
+    last_ = {};  // a plan that failed is not followed again
+  if (entry.outcome == Outcome::kPlaced) return true;
   if (entry.outcome == PlacementRecord::Outcome::kNotPicked) {
     failed_grasps_[placement.stone].push_back(target.plan.T_O_T);
     const auto misses =

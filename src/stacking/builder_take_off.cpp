@@ -157,6 +157,7 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
   if (!picked) failed_grasps_[stone].push_back(plan.T_O_T);
   // What the hand missed is still expected where it was, on the stack maybe.
   if (picked) std::erase_if(belief_.stack, [&](const PlacedStone& s) { return s.stone == stone; });
+  if (outcome == PlacementRecord::Outcome::kTakenOff) last_ = {};  // its plan led nowhere
   look_around();
   PlacementRecord entry{name(stone), down, std::nullopt,
                         picked ? outcome : PlacementRecord::Outcome::kNotPicked, done.reason};

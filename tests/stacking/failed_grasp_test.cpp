@@ -81,6 +81,54 @@ TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
   EXPECT_EQ(missed, 2);
 }
 
+/// Throws the first stone that it lets go of at the site back into the field.
+class ClumsyGripper : public Gripper {
+ public:
+  ClumsyGripper(Cell cell, SimulatedCell& world) : cell_(cell), world_(world) {}
+
+  [[nodiscard]] GripperState state() override { return cell_.gripper.state(); }
+  GripperState move(double opening, double speed, double force) override {
+    const GripperState moved = cell_.gripper.move(opening, speed, force);
+    const Truth truth = world_.truth();
+    for (std::size_t k = 0; opening > 0.0 && !thrown_ && k < truth.T_W_O.size(); ++k) {
+      Pose T_W_O = truth.T_W_O[k];
+      if ((T_W_O.translation().head<2>() - cell_.layout.site).norm() > 0.1) continue;
+      T_W_O.translation().head<2>() += cell_.layout.field_centre - cell_.layout.site;
+      world_.place(static_cast<int>(k), T_W_O);
+      thrown_ = true;
+    }
+    return moved;
+  }
+  [[nodiscard]] bool has_thrown() const { return thrown_; }
+
+ private:
+  Cell cell_;
+  SimulatedCell& world_;
+  bool thrown_ = false;
+};
+
+TEST(FailedPlacement, ItsPlanIsNotFollowedAgain) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  SimulationOptions world_options;
+  world_options.seed = 7;
+  SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, world_options);
+  const Cell devices = world.cell();
+  ClumsyGripper gripper(devices, world);
+  Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
+  BuildOptions options;
+  options.search.horizon = 1;
+  std::string said;
+  BuildHooks hooks;
+  hooks.report = [&](const std::string& line) { said += line + "\n"; };
+  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  ASSERT_TRUE(gripper.has_thrown());
+  ASSERT_FALSE(result.placements.empty());
+  EXPECT_EQ(result.placements.front().outcome, PlacementRecord::Outcome::kFallen);
+  EXPECT_EQ(said.find("the plan still holds"), std::string::npos) << said;
+  EXPECT_EQ(result.height, 1) << result.ended;
+}
+
 TEST(FailedGrasp, NearIsTwentyMillimetresAndTwentyDegrees) {
   const std::vector<Pose> failed{Pose::Identity()};
   Pose near = Pose::Identity();
