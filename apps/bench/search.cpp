@@ -164,8 +164,11 @@ void print_row(const BenchOptions& options, const std::string& pool, const char*
       ++planned;
       standing += outcome.ode.standing == options.stones ? 1 : 0;
     }
-    std::printf("%-10s %-8s of %d whole towers %d stand in ODE for 5 s within 2 mm and 2 deg (step %g ms)\n",
-                pool.c_str(), method, planned, standing, 1e3 * options.in_ode.step);
+    const bench::OdeOptions& o = options.in_ode;
+    std::printf(
+        "%-10s %-8s of %d whole towers %d stand in ODE for %g s within %g mm and %.3g deg (step %g ms)\n",
+        pool.c_str(), method, planned, standing, o.seconds, 1e3 * o.largest_shift,
+        o.largest_turn * 180 / M_PI, 1e3 * o.step);
   }
   std::fflush(stdout);
 }
