@@ -13,7 +13,6 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/report/plan_preview.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -32,7 +31,6 @@ struct PlanCommand {
   std::string plot;
   std::string frames;
   int frame_width = 640;  // pixels
-  double jerk = 0.0;      // rad/s^3; 0: as fast as velocities and accelerations allow
   MotionOptions options;
 };
 
@@ -95,11 +93,8 @@ nlohmann::json step_json(const PlanStep& step) {
     points.push_back({{"t", t.time[i]},
                       {"q", std::vector<double>(t.q[i].begin(), t.q[i].end())},
                       {"qd", std::vector<double>(t.qd[i].begin(), t.qd[i].end())}});
-  return {{"kind", kind_text(step.kind)},
-          {"name", step.name},
-          {"opening", step.opening},
-          {"threshold", step.threshold},
-          {"trajectory", points}};
+  return {{"kind", kind_text(step.kind)}, {"name", step.name},           {"opening", step.opening},
+          {"spacing", step.spacing},      {"threshold", step.threshold}, {"trajectory", points}};
 }
 
 /// All motions one after the other, sampled at the control period.
@@ -132,12 +127,6 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue, const 
                   make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
                   {}};
   planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
-  if (command.jerk <= 0.0) return planned;
-  planned.plan.seconds = 0.0;
-  for (PlanStep& step : planned.plan.steps) {
-    if (!step.trajectory.time.empty()) step.trajectory = limit_jerk(step.trajectory, command.jerk);
-    planned.plan.seconds += step.trajectory.duration();
-  }
   return planned;
 }
 
@@ -205,8 +194,10 @@ void add_plan(CLI::App& app) {
   sub->add_option("--stone", command->stone, "Which stone to move");
   sub->add_option("--target", command->target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
   sub->add_option("--search", command->search, "Take stone and target from this output of `search --json`");
-  sub->add_option("--jerk", command->jerk, "Limit every joint's jerk, rad/s^3 (default: no limit)")
-      ->check(CLI::Range(1.0, 10000.0));
+  command->common.settings.bind(sub->add_option("--jerk", command->options.jerk,
+                                                "Limit every joint's jerk, rad/s^3 (default: no limit)")
+                                    ->check(CLI::Range(1.0, 10000.0)),
+                                "motion.jerk");
   sub->add_option("--csv", command->csv, "Write the trajectories, sampled every 8 ms");
   sub->add_option("--plot", command->plot, "Write joints, tool speed and clearance over time as SVG");
   sub->add_option("--frames", command->frames, "Write pictures of the key frames (PNG) into this folder");

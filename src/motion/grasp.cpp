@@ -28,11 +28,12 @@ std::vector<Eigen::Vector3d> sphere_directions(int count) {
 /// The stone's surface, once per stone, and what never changes between samples.
 struct Sampler {
   const Stone& stone;
-  const GripperModel& gripper;
-  const GraspOptions& options;
-  std::vector<SurfaceSample> surface;
+  const GripperModel gripper;  ///< at one spacing of its fingers
+  GraspOptions options;
+  const std::vector<SurfaceSample>& surface;
+  GraspSet& set;
+  double score_factor = 1.0;
   double palm_front = 0.0;  ///< m, z of the palm's front in T (negative)
-  GraspSet set{};
 };
 
 /// What one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
@@ -155,7 +156,7 @@ void judge(Sampler& s, Grasp grasp, const std::array<Touch, 3>& touch) {
     ++s.set.too_heavy;
     return;
   }
-  grasp.score = score(s, grasp, touch);
+  grasp.score = s.score_factor * score(s, grasp, touch);
   s.set.grasps.push_back(grasp);
 }
 
@@ -171,6 +172,7 @@ void try_grasp(Sampler& s, const View& view, const std::array<Strip, 3>& strips,
   }
   const double left = height[0], right = -std::max(height[1], height[2]);
   Grasp grasp;
+  grasp.spacing = s.gripper.finger_spacing;
   grasp.opening = left - right;
   grasp.pre_opening = std::min(s.gripper.largest_opening, grasp.opening + 2 * s.options.finger_clearance);
   if (s.set.narrowest == 0.0 || grasp.opening < s.set.narrowest) s.set.narrowest = grasp.opening;
@@ -227,6 +229,24 @@ void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
   }
 }
 
+/// All directions and yaws at one spacing of the fingers.
+void sample_grasps(Sampler s) {
+  s.palm_front = -1e300;
+  for (const GripperBox& box : s.gripper.boxes)
+    if (box.finger_side == 0.0) s.palm_front = std::max(s.palm_front, box.p_T_centre.z() + box.size.z() / 2);
+  for (const Eigen::Vector3d& z : sphere_directions(s.options.directions)) {
+    throw_if_interrupted();
+    const Eigen::Vector3d across = z.unitOrthogonal();
+    for (int i = 0; i < s.options.yaws; ++i) {
+      Eigen::Matrix3d R_O_T;
+      R_O_T.col(0) = Eigen::AngleAxisd(2 * std::numbers::pi * i / s.options.yaws, z) * across;
+      R_O_T.col(2) = z;
+      R_O_T.col(1) = z.cross(R_O_T.col(0));
+      try_orientation(s, equalised(s, R_O_T));
+    }
+  }
+}
+
 }  // namespace
 
 FieldList fields(GraspOptions& o) {
@@ -242,7 +262,8 @@ FieldList fields(GraspOptions& o) {
           field("finger_clearance", o.finger_clearance, {0, 0.05}, "m", "ours"),
           field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "ours"),
           field("friction_share", o.friction_share, {0.05, 1}, "", "ours"),
-          field("force_factor", o.force_factor, {1, 10}, "", "facts/robot.md: holds with a factor 2")};
+          field("force_factor", o.force_factor, {1, 10}, "", "facts/robot.md: holds with a factor 2"),
+          field("narrow_score", o.narrow_score, {0, 1}, "", "ours")};
 }
 
 double holding_force(const Grasp& grasp, double weight, const Eigen::Vector3d& n_T_down) {
@@ -257,24 +278,18 @@ GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper, const
   require(!stone.scan.faces.empty() && stone.mass.mass > 0, "stone ", stone.name,
           " cannot be grasped without a scan and a mass; it has ", stone.scan.faces.size(), " faces and ",
           stone.mass.mass, " kg");
-  Sampler s{stone, gripper, options, sample_surface(stone.scan, options.spacing)};
-  s.palm_front = -1e300;
-  for (const GripperBox& box : gripper.boxes)
-    if (box.finger_side == 0.0) s.palm_front = std::max(s.palm_front, box.p_T_centre.z() + box.size.z() / 2);
-  for (const Eigen::Vector3d& z : sphere_directions(options.directions)) {
-    throw_if_interrupted();
-    const Eigen::Vector3d across = z.unitOrthogonal();
-    for (int i = 0; i < options.yaws; ++i) {
-      Eigen::Matrix3d R_O_T;
-      R_O_T.col(0) = Eigen::AngleAxisd(2 * std::numbers::pi * i / options.yaws, z) * across;
-      R_O_T.col(2) = z;
-      R_O_T.col(1) = z.cross(R_O_T.col(0));
-      try_orientation(s, equalised(s, R_O_T));
-    }
+  const auto surface = sample_surface(stone.scan, options.spacing);
+  GraspSet set;
+  sample_grasps({stone, gripper, options, surface, set});
+  if (gripper.narrow_spacing > 0) {
+    Sampler narrow{stone, with_spacing(gripper, gripper.narrow_spacing), options, surface, set};
+    narrow.score_factor = options.narrow_score;
+    narrow.options.unequal *= gripper.narrow_spacing / gripper.finger_spacing;  // the same turn of the stone
+    sample_grasps(std::move(narrow));
   }
-  std::stable_sort(s.set.grasps.begin(), s.set.grasps.end(),
+  std::stable_sort(set.grasps.begin(), set.grasps.end(),
                    [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
-  return std::move(s.set);
+  return set;
 }
 
 }  // namespace stonestack

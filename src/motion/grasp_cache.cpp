@@ -32,13 +32,15 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
   key.add(static_cast<std::uint64_t>(stone.scan.faces.size()));
   key.add(stone.mass.mass);
   key.add(stone.mass.p_O_M);
-  for (const double v : {gripper.largest_opening, gripper.smallest_object, gripper.finger_width,
-                         gripper.finger_spacing, gripper.pad_length, gripper.force, gripper.friction})
+  for (const double v :
+       {gripper.largest_opening, gripper.smallest_object, gripper.finger_width, gripper.finger_spacing,
+        gripper.narrow_spacing, gripper.pad_length, gripper.force, gripper.friction})
     key.add(v);
   for (const GripperBox& box : gripper.boxes) {
     key.add(box.size);
     key.add(box.p_T_centre);
     key.add(box.finger_side);
+    key.add(box.spread);
   }
   for (const Field& field : fields(options)) {
     if (const auto* number = std::get_if<double*>(&field.value)) key.add(**number);

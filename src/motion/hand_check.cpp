@@ -38,10 +38,13 @@ HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double paddin
   const auto placed = [&](const Part& part) {
     return T_W_T * Pose(Eigen::Translation3d(part.finger_side * opening / 2, 0, 0));
   };
+  // Most grasps of a stone fall here, so only heights are worked out.
+  const Eigen::RowVector3d up_T = T_W_T.linear().row(2);
   for (const Part& part : parts_) {
-    const Pose T_W_part = placed(part);
+    const double least =
+        table_z_ + padding - T_W_T.translation().z() - up_T.x() * part.finger_side * opening / 2;
     for (const Eigen::Vector3d& p : part.core.points)
-      if ((T_W_part * p).z() < table_z_ + padding) return {Hit::What::kTableObject, -1};
+      if (up_T.dot(p) < least) return {Hit::What::kTableObject, -1};
   }
   for (const Part& part : parts_) {
     const Pose T_W_part = placed(part);

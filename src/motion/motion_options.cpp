@@ -5,6 +5,7 @@ namespace stonestack {
 FieldList fields(MotionOptions& o) {
   return {field("speed_scale", o.speed_scale, {0.01, 1}, "", "ours"),
           field("acceleration", o.acceleration, {0.05, 20}, "rad/s^2", "facts/robot.md: not public, 1.4"),
+          field("jerk", o.jerk, {0, 10000}, "rad/s^3", "ours: 0, no limit"),
           field("approach", o.approach, {0.01, 0.5}, "m", "facts/robot.md: 8 to 12 cm"),
           field("lift", o.lift, {0.01, 0.5}, "m", "ours"),
           field("descent_speed", o.descent_speed, {0.0005, 0.05}, "m/s", "facts/robot.md"),

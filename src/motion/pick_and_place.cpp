@@ -11,6 +11,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -129,6 +130,28 @@ double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) 
   return scene.table_z - lowest;
 }
 
+/// Why one end of the task is out of reach whatever the grasp; empty if it may not be.
+std::string too_far(const PlanningScene& scene, const PickAndPlaceTask& task) {
+  const RobotModel& robot = scene.robot;
+  const Pose T_W_D = scene.T_W_R * robot.T_R_D;
+  const Eigen::Vector3d p_W_shoulder = T_W_D * Eigen::Vector3d(0, 0, robot.d1);
+  // No joint angles bring the tool's tip further from the shoulder than all lengths in one line.
+  const double reach = std::abs(robot.a2) + std::abs(robot.a3) + std::abs(robot.d4) + std::abs(robot.d5) +
+                       std::abs(robot.d6) + (robot.T_D6_F * scene.T_F_T).translation().norm();
+  double radius = 0.0;
+  for (const Eigen::Vector3d& v : task.stone->scan.vertices)
+    radius = std::max(radius, (v - task.stone->mass.p_O_M).norm());
+  for (const bool place : {false, true}) {
+    const Pose& T_W_O = place ? task.T_W_O_place : task.T_W_O_pick;
+    const double away = (T_W_O * task.stone->mass.p_O_M - p_W_shoulder).norm();
+    if (away > reach + radius)
+      return concat(place ? "the target of " : "", task.stone->name, " is ", std::lround(1e3 * away),
+                    " mm from the robot's shoulder; stretched out, arm and hand reach ",
+                    std::lround(1e3 * reach), " mm");
+  }
+  return {};
+}
+
 double total_seconds(const std::vector<PlanStep>& steps) {
   double seconds = 0.0;
   for (const PlanStep& step : steps) seconds += step.trajectory.duration();
@@ -155,6 +178,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     ++found;
     PickAndPlacePlan plan;
     plan.T_O_T = grasp.T_O_T;
+    plan.spacing = grasp.spacing;
     plan.steps = timed_steps(scene, task, options, grasp, result.way);
     plan.seconds = total_seconds(plan.steps);
     if (best.status != Status::kPlanned || plan.seconds < best.seconds) best = std::move(plan);
@@ -195,6 +219,7 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
   if (const double depth = depth_in_table(scene, task); depth > kInTable)
     return refused(Status::kNoReach, concat("the target puts ", stone.name, ' ', std::lround(1e3 * depth),
                                             " mm into the table"));
+  if (std::string far = too_far(scene, task); !far.empty()) return refused(Status::kNoReach, std::move(far));
   const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick, options);
   if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
   const GraspCheck check = finder.check(task.T_W_O_place);
@@ -214,7 +239,8 @@ std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Jo
   if (!path || !is_free(CollisionChecker(scene, rules), *path)) return std::nullopt;
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = options.approach_speed;
-  return time_path(*path, limits, scene.robot, scene.T_F_T);
+  JointTrajectory way = time_path(*path, limits, scene.robot, scene.T_F_T);
+  return options.jerk > 0 ? limit_jerk(way, options.jerk) : way;
 }
 
 }  // namespace stonestack

@@ -42,6 +42,11 @@ JointPath joined(JointPath a, const JointPath& b) {
   return a;
 }
 
+PlanningScene spaced(PlanningScene scene, double spacing) {
+  scene.gripper = with_spacing(std::move(scene.gripper), spacing);
+  return scene;
+}
+
 }  // namespace
 
 const char* to_text(WayFault fault) {
@@ -71,21 +76,21 @@ bool is_free(const CollisionChecker& checker, const JointPath& path) {
 
 PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task,
                          const MotionOptions& options, const Grasp& grasp)
-    : scene_(scene),
+    : scene_(spaced(scene, grasp.spacing)),
       task_(task),
       options_(options),
       T_W_T_pick_(task.T_W_O_pick * grasp.T_O_T),
       T_W_T_place_(task.T_W_O_place * grasp.T_O_T),
-      open_(scene, rules(options.approach_padding, grasp.pre_opening, task.object)),
-      open_wide_(scene, rules(options.transit_padding, grasp.pre_opening, -1)),
-      open_tight_(scene, rules(options.approach_padding, grasp.pre_opening, -1)),
+      open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
+      open_wide_(scene_, rules(options.transit_padding, grasp.pre_opening, -1)),
+      open_tight_(scene_, rules(options.approach_padding, grasp.pre_opening, -1)),
       held_([&] {
         const HeldObject held = held_stone(*task.stone, grasp);
-        return CollisionChecker(scene, rules(options.approach_padding, grasp.opening, task.object), &held);
+        return CollisionChecker(scene_, rules(options.approach_padding, grasp.opening, task.object), &held);
       }()),
       held_wide_([&] {
         const HeldObject held = held_stone(*task.stone, grasp);
-        return CollisionChecker(scene, rules(options.transit_padding, grasp.opening, task.object), &held);
+        return CollisionChecker(scene_, rules(options.transit_padding, grasp.opening, task.object), &held);
       }()) {}
 
 std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_T) const {

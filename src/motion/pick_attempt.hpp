@@ -47,7 +47,7 @@ class PickAttempt {
   [[nodiscard]] std::optional<Transit> transit(const CollisionChecker& wide, const CollisionChecker& tight,
                                                const Joints& a, const Joints& b) const;
 
-  const PlanningScene& scene_;
+  PlanningScene scene_;  ///< with the fingers as the grasp wants them
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   Pose T_W_T_pick_, T_W_T_place_;

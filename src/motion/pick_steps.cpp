@@ -3,6 +3,7 @@
 
 #include "motion/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -37,7 +38,7 @@ double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, con
 class StepWriter {
  public:
   StepWriter(const PlanningScene& scene, const MotionOptions& options)
-      : scene_(scene), limits_(timing_limits(scene.robot, options)) {}
+      : scene_(scene), limits_(timing_limits(scene.robot, options)), jerk_(options.jerk) {}
 
   void hand(PlanStep step) { steps_.push_back(std::move(step)); }
   void transit(std::string name, const Transit& transit) {
@@ -62,11 +63,12 @@ class StepWriter {
     PlanStep step;
     step.kind = kind;
     step.name = std::move(name);
-    step.trajectory = std::move(trajectory);
+    step.trajectory = jerk_ > 0 ? limit_jerk(trajectory, jerk_) : std::move(trajectory);
     steps_.push_back(std::move(step));
   }
   const PlanningScene& scene_;
   TimingLimits limits_;
+  double jerk_;
   std::vector<PlanStep> steps_;
 };
 
@@ -83,6 +85,7 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   const std::string& name = task.stone->name;
   StepWriter out(scene, options);
   out.hand(hand_step(Kind::kOpen, "open the hand", grasp.pre_opening, options.finger_speed));
+  out.steps().back().spacing = grasp.spacing;
   out.transit("move to " + name, way.to_pick);
   out.straight(Kind::kApproach, "approach " + name, way.approach, options.approach_speed);
   out.hand(hand_step(Kind::kGrasp, "grasp " + name, grasp.opening, options.grip_speed));

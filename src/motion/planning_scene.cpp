@@ -1,5 +1,7 @@
 #include "stonestack/motion/planning_scene.hpp"
 
+#include "stonestack/core/error.hpp"
+
 namespace stonestack {
 namespace {
 
@@ -8,15 +10,31 @@ constexpr double kPalmFront = 0.112;
 constexpr double kPalmBack = 0.223;
 constexpr double kFlange = 0.264;
 constexpr double kFingerThickness = 0.020;
+constexpr double kKnuckle =
+    0.056;  // ours: half way; fingers B and C turn at the palm, so their bases move less
+constexpr double kBaseSpread =
+    0.5;  // of what the pads move; with the base's middle 35 mm in front of the palm
 
 /// A box that fills x and y as given and z from `back` to `front` behind the tips.
 GripperBox box_behind_tip(double size_x, double size_y, double front, double back) {
   return {{size_x, size_y, back - front}, {0.0, 0.0, -0.5 * (front + back)}, 0.0};
 }
 
-/// A finger from palm to tip whose pad lies on x = 0 when closed and that opens towards `side`.
-GripperBox finger(double width, double y, double side) {
-  return {{kFingerThickness, width, kPalmFront}, {0.5 * side * kFingerThickness, y, -0.5 * kPalmFront}, side};
+/// A finger from `front` to `back` behind the tip whose pad lies on x = 0 when closed and that opens towards
+/// `side`.
+GripperBox finger(double width, double y, double side, double front, double back) {
+  return {{kFingerThickness, width, back - front},
+          {0.5 * side * kFingerThickness, y, -0.5 * (front + back)},
+          side};
+}
+
+/// Finger B (`y` > 0) or C in two parts: its base stands closer to where it turns than its tip.
+void add_turning_finger(std::vector<GripperBox>& boxes, double width, double y) {
+  const double side = y > 0 ? 0.5 : -0.5;
+  boxes.push_back(finger(width, y, -1.0, 0.0, kKnuckle));
+  boxes.back().spread = side;
+  boxes.push_back(finger(width, y, -1.0, kKnuckle, kPalmFront));
+  boxes.back().spread = side * kBaseSpread;
 }
 
 }  // namespace
@@ -25,15 +43,26 @@ GripperModel make_robotiq_3f() {
   GripperModel gripper;
   const double half_spacing = 0.5 * gripper.finger_spacing;
   gripper.boxes = {
-      finger(gripper.finger_width, 0.0, 1.0),
-      finger(gripper.finger_width, half_spacing, -1.0),
-      finger(gripper.finger_width, -half_spacing, -1.0),
+      finger(gripper.finger_width, 0.0, 1.0, 0.0, kPalmFront),
       box_behind_tip(0.135, 0.130, kPalmFront, kPalmBack),
       box_behind_tip(0.120, 0.120, kPalmBack, kFlange),
       // Camera with its bracket, beside the palm at +y and wholly behind the optical centre of the default
       // mount (CellLayout::make_default_T_T_C), so that it stays out of the view.
       {{0.110, 0.060, 0.042}, {0.0, 0.095, -0.193}, 0.0},
   };
+  add_turning_finger(gripper.boxes, gripper.finger_width, half_spacing);
+  add_turning_finger(gripper.boxes, gripper.finger_width, -half_spacing);
+  return gripper;
+}
+
+GripperModel with_spacing(GripperModel gripper, double spacing) {
+  require(spacing == gripper.finger_spacing ||
+              (gripper.narrow_spacing > 0 && spacing >= gripper.narrow_spacing - 1e-9 &&
+               spacing < gripper.finger_spacing),
+          "fingers B and C can be from ", gripper.narrow_spacing, " to ", gripper.finger_spacing,
+          " m apart, not ", spacing, " m");
+  for (GripperBox& box : gripper.boxes) box.p_T_centre.y() += box.spread * (spacing - gripper.finger_spacing);
+  gripper.finger_spacing = spacing;
   return gripper;
 }
 

@@ -1,139 +1,155 @@
 #include "stonestack/motion/regrasp.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <numbers>
+#include <memory>
+#include <numeric>
 
+#include "motion/grasp_end.hpp"
+#include "motion/rest_graph.hpp"
+#include "motion/set_down.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/collision.hpp"
-#include "stonestack/motion/grasp_check.hpp"
 
 namespace stonestack {
 namespace {
 
-/// The stone with orientation R_W_O on the table, its centre of mass above `at`.
-Pose standing(const Stone& stone, const Eigen::Quaterniond& R_W_O, const Eigen::Vector2d& at,
-              double table_z) {
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const auto& v : stone.scan.vertices) lowest = std::min(lowest, (R_W_O * v).z());
-  const Eigen::Vector3d p_W_M = R_W_O * stone.mass.p_O_M;
-  return make_pose({at.x() - p_W_M.x(), at.y() - p_W_M.y(), table_z - lowest}, R_W_O);
-}
+constexpr std::size_t kEnough = 24;         ///< grasps that serve one link: more do not make it surer
+constexpr std::size_t kMostTests = 40'000;  ///< of grasps at places, over all chains: about a second
 
-/// A circle seen from above around things.
-struct Footprint {
-  Eigen::Vector2d centre;
-  double radius = 0.0;
-};
-
-Footprint footprint(const std::vector<Mesh>& pieces, const Pose& T_W_object) {
-  Eigen::AlignedBox2d box;
-  for (const auto& piece : pieces)
-    for (const auto& v : piece.vertices) box.extend((T_W_object * v).head<2>());
-  Footprint print{box.center(), 0.0};
-  for (const auto& piece : pieces)
-    for (const auto& v : piece.vertices)
-      print.radius = std::max(print.radius, ((T_W_object * v).head<2>() - print.centre).norm());
-  return print;
-}
-
-bool has_room(const PlanningScene& scene, const PickAndPlaceTask& task, const Pose& T_W_O, double apart) {
-  const Footprint own = footprint(task.stone->pieces, T_W_O);
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
-    if (static_cast<int>(i) == task.object || scene.objects[i].pieces.empty()) continue;
-    const Footprint other = footprint(scene.objects[i].pieces, scene.objects[i].T_W_object);
-    if ((own.centre - other.centre).norm() < own.radius + other.radius + apart) return false;
-  }
-  return true;
-}
-
-/// Where the stone could be set down: in every other pose of rest, turned about the vertical, first where it
-/// lies, then beside.
-std::vector<Pose> places(const PlanningScene& scene, const PickAndPlaceTask& task,
-                         const RegraspOptions& regrasp) {
-  const Eigen::Vector2d here = (task.T_W_O_pick * task.stone->mass.p_O_M).head<2>();
-  const auto rests = rest_orientations(*task.stone, regrasp);
-  std::vector<Pose> all;
-  for (const Eigen::Vector2d& side : {Eigen::Vector2d(0, 0), Eigen::Vector2d(0, 1), Eigen::Vector2d(0, -1),
-                                      Eigen::Vector2d(1, 0), Eigen::Vector2d(-1, 0)}) {
-    for (const auto& rest : rests) {
-      for (int k = 0; k < regrasp.turns; ++k) {
-        const Eigen::AngleAxisd turn(2 * std::numbers::pi * k / regrasp.turns, Eigen::Vector3d::UnitZ());
-        const Pose T = standing(*task.stone, turn * rest, here + regrasp.beside * side, scene.table_z);
-        if (has_room(scene, task, T, regrasp.apart)) all.push_back(T);
-      }
-    }
-  }
-  return all;
-}
-
-/// The second half of the task, and the scene in which it begins.
-PickAndPlaceTask onward(const PickAndPlaceTask& task, const Pose& T_W_O_between, const Joints& q_start) {
-  PickAndPlaceTask second = task;
-  second.T_W_O_pick = T_W_O_between;
-  second.q_start = q_start;
-  return second;
-}
 PlanningScene with_stone_at(PlanningScene scene, const PickAndPlaceTask& task, const Pose& T_W_O) {
   if (task.object >= 0) scene.objects[static_cast<std::size_t>(task.object)].T_W_object = T_W_O;
   return scene;
 }
 
-/// Both plans over one place; says in `reason` which half has none.
-RegraspPlan both_plans(const PlanningScene& scene, const PickAndPlaceTask& task, const Pose& T_W_O_between,
-                       const MotionOptions& options) {
-  using Status = PickAndPlacePlan::Status;
-  RegraspPlan plan;
-  plan.T_W_O_between = T_W_O_between;
-  PickAndPlaceTask aside = task;
-  aside.T_W_O_place = T_W_O_between;
-  aside.support = kTableObject;
-  plan.first = plan_pick_and_place(scene, aside, options);
-  if (plan.first.status != Status::kPlanned) {
-    plan.reason = "setting it down: " + plan.first.reason;
-    return plan;
+/// Looks for places where the stone can be set down so that grasps lead on, then for plans.
+class RegraspSearch {
+ public:
+  RegraspSearch(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
+                const RegraspOptions& regrasp)
+      : scene_(scene),
+        task_(task),
+        options_(options),
+        regrasp_(regrasp),
+        set_(cached_grasps(*task.stone, scene.gripper)),
+        end_(scene, *task.stone, task.object, options),
+        places_(scene, task, regrasp) {}
+
+  RegraspPlan plan();
+
+ private:
+  [[nodiscard]] bool over() const {
+    return attempts_ >= regrasp_.attempts || tests_ >= kMostTests || plan_.planned;
   }
-  const Joints q = plan.first.steps.back().trajectory.q.back();
-  plan.second =
-      plan_pick_and_place(with_stone_at(scene, task, T_W_O_between), onward(task, T_W_O_between, q), options);
-  plan.planned = plan.second.status == Status::kPlanned;
-  if (!plan.planned) plan.reason = "after setting it down: " + plan.second.reason;
-  return plan;
+  void place_next(const std::vector<int>& chain, const std::vector<int>& arriving);
+  void make_plans();
+  [[nodiscard]] std::string why(std::size_t from, std::size_t to, std::size_t chains) const;
+
+  const PlanningScene& scene_;
+  const PickAndPlaceTask& task_;
+  const MotionOptions& options_;
+  const RegraspOptions& regrasp_;
+  std::shared_ptr<const GraspSet> set_;
+  GraspEnd end_;
+  SetDownPlaces places_;
+  RestGraph graph_;
+  std::vector<int> to_;        ///< grasps that serve at the target
+  std::vector<Pose> between_;  ///< the places of a chain so far
+  std::size_t tests_ = 0;      ///< of grasps
+  int attempts_ = 0;
+  RegraspPlan plan_;
+};
+
+RegraspPlan RegraspSearch::plan() {
+  std::vector<int> all(set_->grasps.size());
+  std::iota(all.begin(), all.end(), 0);
+  const auto from = end_.serving(set_->grasps, all, task_.T_W_O_pick);
+  to_ = end_.serving(set_->grasps, all, task_.T_W_O_place);
+  graph_ = make_rest_graph(scene_, *task_.stone, set_->grasps, options_, regrasp_);
+  const auto chains = rest_chains(graph_, from, to_, regrasp_.most);
+  for (const auto& chain : chains) {
+    if (over()) break;
+    place_next(chain, from);
+  }
+  if (!plan_.planned) plan_.reason = why(from.size(), to_.size(), chains.size());
+  return std::move(plan_);
+}
+
+/// Finds where the next pose of rest of the chain can stand. `arriving`: grasps that serve where the stone is
+/// before.
+void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<int>& arriving) {
+  const std::size_t k = between_.size();
+  if (k == chain.size()) return make_plans();
+  const auto& here = graph_.grasps[static_cast<std::size_t>(chain[k])];
+  const auto& next = k + 1 < chain.size() ? graph_.grasps[static_cast<std::size_t>(chain[k + 1])] : to_;
+  const auto in = common(arriving, here), out = common(here, next);
+  for (const Pose& T_W_O : places_.poses(graph_.R_W_O[static_cast<std::size_t>(chain[k])])) {
+    throw_if_interrupted();
+    if (over()) return;
+    tests_ += in.size();
+    if (end_.serving(set_->grasps, in, T_W_O, 1).empty()) continue;
+    tests_ += out.size();
+    const auto leaving = end_.serving(set_->grasps, out, T_W_O, kEnough);
+    if (leaving.empty()) continue;
+    between_.push_back(T_W_O);
+    place_next(chain, leaving);
+    between_.pop_back();
+  }
+}
+
+/// All plans over the places found; says in `reason` which one there is none for.
+void RegraspSearch::make_plans() {
+  ++attempts_;
+  RegraspPlan plan;
+  plan.T_W_O_between = between_;
+  PickAndPlaceTask leg = task_;
+  for (std::size_t k = 0; k <= between_.size(); ++k) {
+    const bool last = k == between_.size();
+    leg.T_W_O_place = last ? task_.T_W_O_place : between_[k];
+    leg.support = last ? task_.support : kTableObject;
+    plan.plans.push_back(plan_pick_and_place(with_stone_at(scene_, task_, leg.T_W_O_pick), leg, options_));
+    if (plan.plans.back().status != PickAndPlacePlan::Status::kPlanned) {
+      plan_.reason = concat(last ? "then: " : "setting it down: ", plan.plans.back().reason);
+      return;
+    }
+    leg.T_W_O_pick = leg.T_W_O_place;
+    leg.q_start = plan.plans.back().steps.back().trajectory.q.back();
+  }
+  plan.planned = true;
+  plan_ = std::move(plan);
+}
+
+std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t chains) const {
+  return concat(task_.stone->name, ": ", from, " grasps serve where it lies, ", to,
+                " at the target; over its ", graph_.R_W_O.size(), " poses of rest ", chains,
+                " ways join them; ", attempts_,
+                " of them could be stood on the table with grasps for every part",
+                plan_.reason.empty() ? "" : "; ", plan_.reason);
 }
 
 }  // namespace
 
 FieldList fields(RegraspOptions& o) {
   return {field("rest_margin", o.rest_margin, {0, 0.1}, "m", "ours: a stone set down a little askew stays"),
+          field("least_margin", o.least_margin, {0, 0.1}, "m",
+                "ours: a stone that falls over lies in another pose, and is looked at again"),
           field("flat", o.flat, {0, 0.02}, "m", "ours"),
           field("turns", o.turns, {1, 64}, "", "ours"),
-          field("beside", o.beside, {0, 0.5}, "m", "ours"),
+          field("around", o.around, {0, 2}, "m", "ours"),
+          field("spacing", o.spacing, {0.005, 1}, "m", "ours"),
           field("apart", o.apart, {0, 0.2}, "m", "ours"),
+          field("most", o.most, {1, 4}, "", "measured: bench grasp"),
           field("attempts", o.attempts, {1, 1000}, "", "ours")};
 }
 
 RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& task,
                          const MotionOptions& options, const RegraspOptions& regrasp) {
-  const GraspFinder lying(scene, *task.stone, task.object, task.T_W_O_pick, options);
-  RegraspPlan last;
-  const auto candidates = places(scene, task, regrasp);
-  int attempts = 0, served = 0;
-  for (const Pose& T_W_O_between : candidates) {
-    throw_if_interrupted();
-    if (attempts >= regrasp.attempts) break;
-    if (!lying.serves(T_W_O_between)) continue;
-    ++served;
-    const PlanningScene then = with_stone_at(scene, task, T_W_O_between);
-    const GraspFinder anew(then, *task.stone, task.object, T_W_O_between, options);
-    if (!anew.serves(task.T_W_O_place)) continue;
-    ++attempts;
-    last = both_plans(scene, task, T_W_O_between, options);
-    if (last.planned) return last;
-  }
-  last.reason = concat(task.stone->name, ": of ", candidates.size(), " places to set it down ", served,
-                       " tried can be reached with a grasp, ", attempts, " also serve the target",
-                       last.reason.empty() ? "" : "; ", last.reason);
-  return last;
+  require(task.stone != nullptr, "a task needs a stone");
+  require(is_valid(task.T_W_O_pick) && is_valid(task.T_W_O_place), "the poses of ", task.stone->name,
+          " are not poses: ", to_text(task.T_W_O_pick), " and ", to_text(task.T_W_O_place));
+  RegraspPlan firm = RegraspSearch(scene, task, options, regrasp).plan();
+  if (firm.planned || regrasp.least_margin >= regrasp.rest_margin) return firm;
+  RegraspOptions shaky = regrasp;
+  shaky.rest_margin = regrasp.least_margin;
+  return RegraspSearch(scene, task, options, shaky).plan();
 }
 
 }  // namespace stonestack

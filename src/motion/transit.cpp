@@ -8,6 +8,7 @@
 #include "motion/shorten_path.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -157,7 +158,9 @@ std::optional<JointTrajectory> plan(const PlanningScene& scene, const Joints& st
     rules.self_padding = std::min(rules.self_padding, padding);
     rules.opening = scene.gripper.largest_opening;
     if (const auto path = find_path(CollisionChecker(scene, rules), start, goals, options))
-      return time_path(*path, timing_limits(scene.robot, options));
+      return options.jerk > 0
+                 ? limit_jerk(time_path(*path, timing_limits(scene.robot, options)), options.jerk)
+                 : time_path(*path, timing_limits(scene.robot, options));
   }
   return std::nullopt;
 }

@@ -40,10 +40,16 @@ PlanningScene scene_at(PlanningScene scene, const PickAndPlaceTask& task, const 
   return scene;
 }
 
-CollisionChecker checker_of(const PlanningScene& scene, const PickAndPlaceTask& task,
-                            const PickAndPlacePlan& plan, std::size_t step) {
+/// The hand with its fingers as the plan wants them.
+GripperModel hand_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
+  return plan.spacing > 0 ? with_spacing(scene.gripper, plan.spacing) : scene.gripper;
+}
+
+CollisionChecker checker_of(PlanningScene scene, const PickAndPlaceTask& task, const PickAndPlacePlan& plan,
+                            std::size_t step) {
   const Stage stage = stage_of(plan, step);
   const Kind kind = plan.steps[step].kind;
+  scene.gripper = hand_of(scene, plan);
   CollisionRules rules;
   rules.opening = stage.opening;
   if (stage.held) {
@@ -122,7 +128,7 @@ std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPla
     meshes.push_back(
         {capsule_mesh(capsule), scene.T_W_R * links[static_cast<std::size_t>(capsule.link)], kArmColour});
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, moment.q) * scene.T_F_T;
-  for (const auto& box : scene.gripper.boxes) {
+  for (const auto& box : hand_of(scene, plan).boxes) {
     const Eigen::Vector3d centre =
         box.p_T_centre + 0.5 * stage.opening * box.finger_side * Eigen::Vector3d::UnitX();
     meshes.push_back({make_box(box.size), T_W_T * Pose(Eigen::Translation3d(centre)), kHandColour});

@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::array<double, kFingers> kSide{1.0, -1.0, -1.0};
 
-double finger_y(const GripperModel& gripper, int finger) {
+double finger_y(const GripperModel& gripper, int finger, double narrowed) {
   if (finger == 0) return 0.0;
-  return (finger == 1 ? 0.5 : -0.5) * gripper.finger_spacing;
+  return (finger == 1 ? 0.5 : -0.5) * (gripper.finger_spacing - narrowed);
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ HandModel make_hand(const GripperModel& gripper) {
   model.pad.length = gripper.pad_length;
   model.pad.friction = gripper.friction;
   for (const auto& box : gripper.boxes) {
-    HandBox part{box.size, box.p_T_centre, -1, box.finger_side};
+    HandBox part{box.size, box.p_T_centre, -1, box.spread, box.finger_side};
     if (box.finger_side != 0.0) {
       part.finger = box.finger_side > 0 ? 0 : box.p_T_centre.y() > 0 ? 1 : 2;
       part.size.x() -= model.pad.thickness;
@@ -38,6 +38,7 @@ HandModel make_hand(const GripperModel& gripper) {
 
 Pose box_pose(const HandBox& box, const HandPose& hand) {
   Eigen::Vector3d p_T = box.p_T_centre;
+  p_T.y() -= box.spread * hand.narrowed;
   if (box.finger >= 0) p_T.x() += box.side * hand.finger[static_cast<std::size_t>(box.finger)];
   return hand.T_W_T * make_pose(p_T);
 }
@@ -45,8 +46,9 @@ Pose box_pose(const HandBox& box, const HandPose& hand) {
 Pose pad_pose(const HandModel& model, int finger, const HandPose& hand) {
   const auto f = static_cast<std::size_t>(finger);
   Pose T_T_P = Pose::Identity();
-  T_T_P.translation() = Eigen::Vector3d(kSide[f] * hand.finger[f], finger_y(model.gripper, finger),
-                                        -0.5 * model.gripper.pad_length);
+  T_T_P.translation() =
+      Eigen::Vector3d(kSide[f] * hand.finger[f], finger_y(model.gripper, finger, hand.narrowed),
+                      -0.5 * model.gripper.pad_length);
   const Eigen::Vector3d z(-kSide[f], 0, 0), x(0, 0, 1);
   T_T_P.linear() << x, z.cross(x), z;
   return hand.T_W_T * T_T_P;

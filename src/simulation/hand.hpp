@@ -15,6 +15,7 @@ inline constexpr int kFingers = 3;
 struct HandPose {
   Pose T_W_T = Pose::Identity();
   std::array<double, kFingers> finger{};  ///< m, 0 when closed
+  double narrowed = 0.0;                  ///< m, by which B and C stand closer than the model has them
 };
 /// The hand over time, by seconds from the start of a motion.
 using HandPath = std::function<HandPose(double seconds)>;
@@ -27,6 +28,7 @@ struct HandBox {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_T_centre = Eigen::Vector3d::Zero();  ///< fingers closed
   int finger = -1;                                       ///< moves with that finger; -1: fixed
+  double spread = 0.0;                                   ///< along y, of what `narrowed` takes away
   double side = 0.0;                                     ///< along x of T
 };
 

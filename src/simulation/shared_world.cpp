@@ -33,12 +33,14 @@ Progress SharedWorld::advance(const Pose& T_W_T, double seconds) {
   for (int k = 0; k < ticks && total.stopped.empty(); ++k) {
     const double tick = seconds / ticks;
     const HandPose from = world_->hand();
-    const auto finger = drive_ ? drive_(*world_, tick) : from.finger;
+    const FingerPlaces to = drive_ ? drive_(*world_, tick) : FingerPlaces{from.finger, from.narrowed};
     const auto path = [&](double s) {
       HandPose hand = from;
       const double share = std::clamp(s / tick, 0.0, 1.0);
       if (moves) hand.T_W_T = interpolate(start, T_W_T, (k + share) / ticks);
-      for (std::size_t f = 0; f < finger.size(); ++f) hand.finger[f] += share * (finger[f] - from.finger[f]);
+      for (std::size_t f = 0; f < to.finger.size(); ++f)
+        hand.finger[f] += share * (to.finger[f] - from.finger[f]);
+      hand.narrowed += share * (to.narrowed - from.narrowed);
       return hand;
     };
     const Progress progress = world_->advance(tick, path);

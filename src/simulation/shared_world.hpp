@@ -10,9 +10,14 @@
 
 namespace stonestack {
 
-/// Next places of the fingers (HandPose::finger), `seconds` from now; called once a tick with the world
-/// locked. It must not call back into the SharedWorld.
-using FingerDrive = std::function<std::array<double, kFingers>(const TrueWorld& world, double seconds)>;
+/// Where fingers are (HandPose).
+struct FingerPlaces {
+  std::array<double, kFingers> finger{};
+  double narrowed = 0.0;
+};
+/// Next places of the fingers, `seconds` from now; called once a tick with the world locked. It must not call
+/// back into the SharedWorld.
+using FingerDrive = std::function<FingerPlaces(const TrueWorld& world, double seconds)>;
 
 /// One true world for several simulated devices, each with a thread of its own. One of them lets time pass:
 /// the arm's controller with `move_arm`, or, when no arm is simulated, the loop that `start` runs. The others

@@ -101,6 +101,7 @@ class SimulatedGripper final : public Gripper {
   [[nodiscard]] GripperState state() override;
   /// Force and speed are clamped to what the device can (15 to 60 N, 22 to 110 mm/s), as it does itself.
   GripperState move(double opening, double speed, double force) override;
+  void spread(double spacing) override;
 
  private:
   TrueWorld* world_;

@@ -13,6 +13,7 @@ constexpr double kLeastSpeed = 0.022, kMostSpeed = 0.110;  // m/s, of the openin
 constexpr double kTick = 0.002;                            // s
 constexpr double kStalled = 0.15;                          // s without motion until the drives report rest
 constexpr double kDeadline = 20.0;                         // s
+constexpr double kSpread = 1.0;       // s, for fingers B and C to draw together or apart; ours
 constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep towards the force is faster
 
 }  // namespace
@@ -61,6 +62,22 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
   }
   for (const auto& drive : drives) object_ = object_ || drive.holding;
   return state();
+}
+
+void SimulatedGripper::spread(double spacing) {
+  const GripperModel& gripper = world_->hand_model().gripper;
+  (void)with_spacing(gripper, spacing);  // throws for what cannot be
+  const HandPose from = world_->hand();
+  const double narrowed = gripper.finger_spacing - spacing;
+  if (narrowed == from.narrowed) return;
+  const auto path = [&](double s) {
+    HandPose hand = from;
+    hand.narrowed += (narrowed - from.narrowed) * std::clamp(s / kSpread, 0.0, 1.0);
+    return hand;
+  };
+  const Progress progress = world_->advance(kSpread, path);
+  if (!progress.stopped.empty())
+    throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
 }
 
 }  // namespace stonestack

@@ -189,7 +189,8 @@ bool Builder::turn_over() {
     if (!plan.planned) continue;
     report(concat("no grasp brings ", name(placement.stone), " there in one go: laying it down another way"));
     ++turned_over_;
-    lay_down(plan.first, scene, placement.stone, plan.T_W_O_between, PlacementRecord::Outcome::kTurnedOver);
+    lay_down(plan.plans.front(), scene, placement.stone, plan.T_W_O_between.front(),
+             PlacementRecord::Outcome::kTurnedOver);
     return true;
   }
   return false;

@@ -6,6 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -176,6 +177,7 @@ struct Hands {
     limits.tool_speed = kRetreatSpeed;
     PlanStep actual = step;
     actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+    if (options.jerk > 0) actual.trajectory = limit_jerk(actual.trajectory, options.jerk);
     return follow(actual);
   }
 };
@@ -199,6 +201,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
     ExecutionResult now;
     switch (step.kind) {
       case PlanStep::Kind::kOpen:
+        if (step.spacing > 0) cell.gripper.spread(step.spacing);
         hands.open(step);
         break;
       case PlanStep::Kind::kGrasp:

@@ -70,10 +70,32 @@ TEST(Grasp, TooWideAndTooHeavyAreCounted) {
   EXPECT_GT(heavy.too_heavy, 0);
 }
 
+/// Apart, fingers B and C go past a stone that is shorter than the gap of 42 mm between them; drawn together
+/// they hold it.
 TEST(Grasp, NeedsBothFingersBAndC) {
-  const GraspSet set = grasp_candidates(box_stone({0.022, 0.022, 0.022}), kGripper, few());
-  EXPECT_TRUE(set.grasps.empty());
-  EXPECT_GT(set.no_contact, 0);
+  const Stone stone = box_stone({0.028, 0.026, 0.024});
+  GripperModel stiff = kGripper;
+  stiff.narrow_spacing = 0.0;
+  const GraspSet apart = grasp_candidates(stone, stiff, few());
+  EXPECT_TRUE(apart.grasps.empty());
+  EXPECT_GT(apart.no_contact, 0);
+  const GraspSet set = grasp_candidates(stone, kGripper, few());
+  ASSERT_FALSE(set.grasps.empty());
+  for (const Grasp& grasp : set.grasps) {
+    EXPECT_EQ(grasp.spacing, kGripper.narrow_spacing);
+    const Pose T_T_O = grasp.T_O_T.inverse();
+    EXPECT_GT((T_T_O * grasp.p_O_contact[1]).y(), (T_T_O * grasp.p_O_contact[2]).y());
+  }
+}
+
+TEST(Grasp, SpacedFingersArePreferred) {
+  const GraspSet set = grasp_candidates(box_stone({0.12, 0.09, 0.06}), kGripper, few());
+  double wide = 0.0, narrow = 0.0;
+  for (const Grasp& grasp : set.grasps)
+    (grasp.spacing == kGripper.finger_spacing ? wide : narrow) =
+        std::max(grasp.spacing == kGripper.finger_spacing ? wide : narrow, grasp.score);
+  EXPECT_GT(narrow, 0.0);
+  EXPECT_GT(wide, narrow);
 }
 
 TEST(Grasp, SameStoneSameGrasps) {

@@ -76,6 +76,31 @@ TEST(PickAndPlace, PlansTheWholeWay) {
   EXPECT_LT(plan.seconds, 60.0);
 }
 
+/// Largest change of acceleration over 1 ms, rad/s^3, from the velocities alone.
+double largest_jerk(const JointTrajectory& t) {
+  double largest = 0.0;
+  for (double at = 0.002; at < t.duration(); at += 0.001) {
+    const Joints third = sample(t, at).qd - 2.0 * sample(t, at - 0.001).qd + sample(t, at - 0.002).qd;
+    largest = std::max(largest, third.cwiseAbs().maxCoeff() / 1e-6);
+  }
+  return largest;
+}
+
+TEST(PickAndPlace, KeepsTheJerkInEveryMotion) {
+  const Workplace cell;
+  MotionOptions smooth;
+  smooth.jerk = 30.0;
+  const PickAndPlacePlan fast = plan_pick_and_place(cell.scene, cell.task);
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task, smooth);
+  ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
+  double without = 0.0;
+  for (const PlanStep& step : fast.steps) without = std::max(without, largest_jerk(step.trajectory));
+  EXPECT_GT(without, 100.0) << "or there is nothing to limit";
+  for (const PlanStep& step : plan.steps)
+    EXPECT_LE(largest_jerk(step.trajectory), 30.0 * (1 + 1e-6)) << step.name;
+  EXPECT_GT(plan.seconds, fast.seconds);
+}
+
 TEST(PickAndPlace, SameSeedSamePlan) {
   const Workplace cell;
   const PickAndPlacePlan a = plan_pick_and_place(cell.scene, cell.task);
@@ -91,7 +116,8 @@ TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
   cell.task.T_W_O_place.translation().x() = 2.5;
   PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
   EXPECT_NE(plan.status, Status::kPlanned);
-  EXPECT_NE(plan.reason.find("out of reach at the target"), std::string::npos) << plan.reason;
+  EXPECT_EQ(plan.status, Status::kNoReach);
+  EXPECT_NE(plan.reason.find("the target of block is 2"), std::string::npos) << plan.reason;
   EXPECT_FALSE(can_grasp(cell.scene, cell.task));
 
   Workplace low;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stonestack/core/error.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell.hpp"
 
@@ -32,7 +33,7 @@ bool hits(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& p, const Eigen:
 
 TEST(Gripper, FingersMeetAtTheToolAxisAndEndAtTheTip) {
   const GripperModel gripper = make_robotiq_3f();
-  int fingers = 0;
+  int fingers = 0, tips = 0;
   for (const auto& box : gripper.boxes) {
     const auto closed = box_T(box, 0.0);
     EXPECT_LE(closed.max().z(), 1e-12);
@@ -40,11 +41,36 @@ TEST(Gripper, FingersMeetAtTheToolAxisAndEndAtTheTip) {
     ++fingers;
     const double pad = box.finger_side > 0 ? closed.min().x() : closed.max().x();
     EXPECT_NEAR(pad, 0.0, 1e-12);
-    EXPECT_NEAR(closed.max().z(), 0.0, 1e-12);
+    tips += std::abs(closed.max().z()) < 1e-12 ? 1 : 0;
     const auto open = box_T(box, gripper.largest_opening);
     EXPECT_NEAR((box.finger_side > 0 ? open.min().x() : -open.max().x()), 0.0775, 1e-12);
   }
-  EXPECT_EQ(fingers, 3);
+  EXPECT_EQ(fingers, 5) << "B and C have two parts each";
+  EXPECT_EQ(tips, 3);
+}
+
+TEST(Gripper, FingersBAndCDrawTogether) {
+  const GripperModel wide = make_robotiq_3f();
+  const GripperModel narrow = with_spacing(wide, wide.narrow_spacing);
+  EXPECT_EQ(narrow.finger_spacing, wide.narrow_spacing);
+  double most_wide = 0.0, most_narrow = 0.0;
+  for (std::size_t i = 0; i < wide.boxes.size(); ++i) {
+    const auto a = box_T(wide.boxes[i], 0.0), b = box_T(narrow.boxes[i], 0.0);
+    if (wide.boxes[i].finger_side >= 0) {
+      EXPECT_TRUE(a.isApprox(b)) << "finger A, palm, sensor and camera stay";
+    }
+    if (a.max().z() > -1e-12) {
+      most_wide = std::max(most_wide, a.max().y());
+      most_narrow = std::max(most_narrow, b.max().y());
+    }
+  }
+  EXPECT_NEAR(most_wide - most_narrow, 0.5 * (0.073 - 0.042), 1e-12);
+  EXPECT_TRUE(with_spacing(wide, wide.finger_spacing).boxes[0].p_T_centre.isApprox(wide.boxes[0].p_T_centre));
+  EXPECT_THROW((void)with_spacing(wide, 0.030), InvalidArgument) << "they would cut each other";
+  EXPECT_THROW((void)with_spacing(wide, 0.090), InvalidArgument);
+  GripperModel stiff = wide;
+  stiff.narrow_spacing = 0.0;
+  EXPECT_THROW((void)with_spacing(stiff, 0.05), InvalidArgument);
 }
 
 TEST(Gripper, ReachesFromFlangeToTip) {

@@ -59,7 +59,7 @@ TEST(RestOrientations, ABoxStandsOnItsSixFaces) {
 }
 
 TEST(RestOrientations, ASlabDoesNotStandOnItsEdge) {
-  EXPECT_EQ(rest_orientations(block("slab", {0.10, 0.10, 0.010})).size(), 2u);
+  EXPECT_EQ(rest_orientations(block("slab", {0.10, 0.10, 0.006})).size(), 2u);
   EXPECT_THROW((void)rest_orientations(Stone{}), InvalidArgument);
 }
 
@@ -68,20 +68,20 @@ TEST(Regrasp, TurnsAStoneOver) {
   ASSERT_FALSE(can_grasp(cell.scene, cell.task)) << "or this test tries nothing";
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
   ASSERT_TRUE(plan.planned) << plan.reason;
-  EXPECT_EQ(plan.first.status, Status::kPlanned);
-  EXPECT_EQ(plan.second.status, Status::kPlanned);
-  EXPECT_NEAR(lowest(cell.stone, plan.T_W_O_between), 0.0, 1e-9) << "it stands on the table";
+  EXPECT_EQ(plan.plans.front().status, Status::kPlanned);
+  EXPECT_EQ(plan.plans.back().status, Status::kPlanned);
+  EXPECT_NEAR(lowest(cell.stone, plan.T_W_O_between.front()), 0.0, 1e-9) << "it stands on the table";
 
   // The second half starts where the first ends, and takes the stone where the first put it.
-  const Joints end = plan.first.steps.back().trajectory.q.back();
+  const Joints end = plan.plans.front().steps.back().trajectory.q.back();
   bool moved = false, grasped = false;
   Joints before = end;
-  for (const auto& step : plan.second.steps) {
+  for (const auto& step : plan.plans.back().steps) {
     if (step.kind == PlanStep::Kind::kGrasp) {
       const Pose T_W_T = forward(cell.scene.robot, before) * cell.scene.T_F_T;
-      const Pose T_W_O = T_W_T * plan.second.T_O_T.inverse();
-      EXPECT_LT(difference(T_W_O, plan.T_W_O_between).translation, 1e-5);
-      EXPECT_LT(difference(T_W_O, plan.T_W_O_between).angle, 1e-4);
+      const Pose T_W_O = T_W_T * plan.plans.back().T_O_T.inverse();
+      EXPECT_LT(difference(T_W_O, plan.T_W_O_between.front()).translation, 1e-5);
+      EXPECT_LT(difference(T_W_O, plan.T_W_O_between.front()).angle, 1e-4);
       grasped = true;
     }
     if (step.trajectory.time.empty()) continue;
@@ -99,7 +99,7 @@ TEST(Regrasp, SaysWhyItCannotHelp) {
   cell.task.T_W_O_place.translation().x() = 2.5;
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
   EXPECT_FALSE(plan.planned);
-  EXPECT_NE(plan.reason.find("0 also serve the target"), std::string::npos) << plan.reason;
+  EXPECT_NE(plan.reason.find("0 at the target"), std::string::npos) << plan.reason;
 }
 
 TEST(Regrasp, KeepsAwayFromOtherStones) {
@@ -109,7 +109,7 @@ TEST(Regrasp, KeepsAwayFromOtherStones) {
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
   ASSERT_TRUE(plan.planned) << plan.reason;
   for (const auto& v : cell.stone.scan.vertices) {
-    const Eigen::Vector3d p = plan.T_W_O_between * v - Eigen::Vector3d(0.70, -0.05, 0.03);
+    const Eigen::Vector3d p = plan.T_W_O_between.front() * v - Eigen::Vector3d(0.70, -0.05, 0.03);
     EXPECT_GT(p.cwiseAbs().maxCoeff(), 0.03);
   }
 }

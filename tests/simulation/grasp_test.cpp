@@ -2,6 +2,7 @@
 
 #include "pebble.hpp"
 #include "simulation/simulated_devices.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
@@ -70,6 +71,24 @@ TEST_P(Grasp, HoldsThroughLiftTurnAndTenSeconds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Masses, Grasp, testing::Values(0.4, 1.5, 3.0));
+
+TEST(Grasp, FingersBAndCDrawTogetherAndStillHold) {
+  Bench bench(0.8);
+  const double before = bench.world.time();
+  const GripperModel& model = bench.world.hand_model().gripper;
+  bench.gripper.spread(model.narrow_spacing);
+  EXPECT_GT(bench.world.time(), before) << "it takes a while";
+  const HandPose hand = bench.world.hand();
+  const double apart = (pad_pose(bench.world.hand_model(), 1, hand).translation() -
+                        pad_pose(bench.world.hand_model(), 2, hand).translation())
+                           .norm();
+  EXPECT_NEAR(apart, model.narrow_spacing, 1e-9);
+  EXPECT_TRUE(bench.grip().object);
+  ASSERT_EQ(bench.carry(tool_down({0, 0, 0.25}), 1.5).stopped, "");
+  ASSERT_EQ(bench.world.wait(5.0).stopped, "");
+  EXPECT_GT(bench.world.centre_of_mass(0).z(), 0.2) << "it hangs in the hand";
+  EXPECT_THROW(bench.gripper.spread(0.02), InvalidArgument);
+}
 
 TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {
   Bench bench(3.0);

@@ -29,7 +29,7 @@ TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
     ++ticks;
     auto finger = world.hand().finger;
     for (auto& place : finger) place -= 0.02 * seconds;
-    return finger;
+    return FingerPlaces{finger, 0.010};
   });
   Pose goal = before.T_W_T;
   goal.translation().z() += 0.001;
@@ -38,6 +38,7 @@ TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
   const HandPose after = bench.world.lock().world.hand();
   EXPECT_NEAR(after.T_W_T.translation().z(), goal.translation().z(), 1e-12);
   EXPECT_NEAR(after.finger[0], before.finger[0] - 0.02 * 0.008, 1e-12);
+  EXPECT_NEAR(after.narrowed, 0.010, 1e-12);
   EXPECT_NEAR(bench.world.time(), start + 0.008, 1e-12);
 }
 

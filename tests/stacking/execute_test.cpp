@@ -49,6 +49,7 @@ struct EmptyGripper : Gripper {
     told->push_back("open");
     return {};
   }
+  void spread(double) override { told->push_back("spread"); }
 };
 
 struct ScriptedForce : ForceTorqueSensor {
@@ -100,6 +101,19 @@ TEST(Execute, DescendsUntilItTouchesAndLetsGo) {
   EXPECT_EQ(done.reason, "");
   EXPECT_EQ(done.contact_force, 7.0);
   EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "descend", "open", "follow"));
+}
+
+TEST(Execute, FingersAreSpacedBeforeTheHandOpens) {
+  Bench bench;
+  PlanStep open;
+  open.kind = Kind::kOpen;
+  open.spacing = 0.042;
+  bench.plan.steps = {open};
+  (void)bench.run({});
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("spread", "open"));
+  bench.plan.steps[0].spacing = 0.0;  // a plan of a hand that has one spacing only
+  (void)bench.run({});
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("open"));
 }
 
 TEST(Execute, WhatTouchesEarlyIsLetGoThere) {

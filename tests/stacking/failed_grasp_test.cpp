@@ -27,6 +27,7 @@ class SlipperyGripper : public Gripper {
     if (slips_-- > 0) static_cast<void>(cell_.gripper.move(0.14, speed, force));
     return moved;
   }
+  void spread(double spacing) override { cell_.gripper.spread(spacing); }
   /// Stone and T_O_T of each grasp.
   [[nodiscard]] const std::vector<std::pair<int, Pose>>& grasps() const { return grasps_; }
 

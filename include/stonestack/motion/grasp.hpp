@@ -24,6 +24,8 @@ struct GraspOptions {
   double palm_clearance = 0.005;    ///< m, between palm and stone
   double friction_share = 0.8;      ///< of the pad friction that the squeeze alone may use
   double force_factor = 2.0;        ///< grip force over what friction needs
+  double narrow_score = 0.7;        ///< of a grasp's score when fingers B and C are drawn together: they hold
+                                    ///< less against turning, and the hand takes a second to do it
 };
 [[nodiscard]] FieldList fields(GraspOptions& options);
 
@@ -33,6 +35,7 @@ struct Grasp {
   Pose T_O_T = Pose::Identity();
   double opening = 0.0;      ///< m, between the pads when closed
   double pre_opening = 0.0;  ///< m, on approach and after release
+  double spacing = 0.0;      ///< m, of fingers B and C
   /// A, B, C: middle of the touched surface, and its mean outward unit normal.
   std::array<Eigen::Vector3d, 3> p_O_contact{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                              Eigen::Vector3d::Zero()};
@@ -59,9 +62,10 @@ struct GraspSet {
 };
 /// Samples grasps over the whole stone. Deterministic. Contacts come from the scan.
 ///
-/// The hand works in its basic mode: fingers B and C stay `finger_spacing` apart. Both must touch, so a stone
-/// has to be about 50 mm long across the closing direction; there is no two-point pinch.
-/// Throws InvalidArgument for a stone without scan or mass.
+/// Fingers B and C are `finger_spacing` apart, or drawn together to `narrow_spacing`: that hand is 62 mm
+/// smaller across and comes nearer to the table at a tilt. Both fingers must touch, so a stone has to be
+/// about 50 mm long across the closing direction, or 30 mm; there is no two-point pinch. Throws
+/// InvalidArgument for a stone without scan or mass.
 [[nodiscard]] GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper,
                                         const GraspOptions& options = {});
 /// The same, made once for each stone, gripper and options, and kept for the life of the process.

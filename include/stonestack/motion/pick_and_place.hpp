@@ -13,6 +13,7 @@ namespace stonestack {
 struct MotionOptions {
   double speed_scale = 0.5;         ///< of the joint velocity limits
   double acceleration = 1.4;        ///< rad/s^2
+  double jerk = 0.0;                ///< rad/s^3, of every joint in every motion of a plan; 0: no limit
   double approach = 0.10;           ///< m, straight approach and retreat
   double lift = 0.10;               ///< m
   double descent_speed = 0.005;     ///< m/s, guarded
@@ -46,6 +47,7 @@ struct PlanStep {
   JointTrajectory trajectory;  ///< for motions
   double opening = 0.0;        ///< m, for kOpen (before the hand goes near the stone) and kRelease: target;
                                ///< for kGrasp: expected between the pads once closed
+  double spacing = 0.0;        ///< m, of fingers B and C, for kOpen
   double finger_speed = 0.0;   ///< m/s, for kOpen, kGrasp and kRelease
   double force = 0.0;          ///< N a finger, for kGrasp
   double threshold = 0.0;      ///< N, for kDescent, and for kApproach with a stone in the hand
@@ -63,6 +65,7 @@ struct PickAndPlacePlan {
   std::string reason;  ///< "of 212 grasps 140 hit the table at pick, ..."
   std::vector<PlanStep> steps;
   Pose T_O_T = Pose::Identity();  ///< the grasp: tool in the stone's frame
+  double spacing = 0.0;           ///< m, of fingers B and C during it
   double seconds = 0.0;           ///< of motion
 };
 

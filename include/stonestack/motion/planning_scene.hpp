@@ -15,6 +15,7 @@ struct GripperBox {
   Eigen::Vector3d size;
   Eigen::Vector3d p_T_centre;  ///< with the fingers closed (opening 0)
   double finger_side = 0.0;    ///< +1 or -1: moves by that times opening / 2 along x; 0: fixed
+  double spread = 0.0;         ///< moves along y by that times the change of the spacing of B and C
 };
 
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
@@ -23,7 +24,8 @@ struct GripperModel {
   double largest_opening = 0.155;  ///< m
   double smallest_object = 0.020;  ///< m
   double finger_width = 0.031;     ///< m, along y
-  double finger_spacing = 0.073;   ///< m, between B and C
+  double finger_spacing = 0.073;   ///< m, between B and C where their pads are
+  double narrow_spacing = 0.042;   ///< m, the same with B and C drawn together; 0: the hand cannot
   double pad_length = 0.040;       ///< m, along z, ends at the tip (z of T = 0)
   double force = 60.0;             ///< N a finger
   double friction = 0.5;           ///< rubber on stone
@@ -33,6 +35,9 @@ struct GripperModel {
 };
 /// With its boxes.
 [[nodiscard]] GripperModel make_robotiq_3f();
+/// The hand with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing that
+/// is not between `narrow_spacing` and `finger_spacing`.
+[[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);
 
 /// A convex obstacle or one convex piece of a stone, with its own name for messages.
 struct SceneObject {

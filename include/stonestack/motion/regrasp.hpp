@@ -8,12 +8,15 @@ namespace stonestack {
 
 /// How a stone is turned over. Numbers without a source are ours.
 struct RegraspOptions {
-  double rest_margin = 0.006;  ///< m, centre of mass inside the support polygon of a pose of rest, least
-  double flat = 0.0015;        ///< m, scan points that near the table carry the stone
-  int turns = 8;               ///< about the vertical, each pose of rest
-  double beside = 0.10;        ///< m, from where it lies to the other places that are tried
-  double apart = 0.01;         ///< m, between the stone where it is set down and everything else
-  int attempts = 6;            ///< pairs of plans made, most
+  double rest_margin = 0.004;   ///< m, centre of mass inside the support polygon of a pose of rest, least
+  double least_margin = 0.002;  ///< m, the same where no way leads over firmer poses of rest
+  double flat = 0.0015;         ///< m, scan points that near the table carry the stone
+  int turns = 8;                ///< about the vertical, each pose of rest
+  double around = 0.30;         ///< m, from where it lies to the farthest place to set it down, along x and y
+  double spacing = 0.06;        ///< m, between these places
+  double apart = 0.01;          ///< m, between the stone where it is set down and everything else
+  int most = 2;                 ///< times that the stone is set down on the way
+  int attempts = 8;             ///< times that plans are made, most
 };
 [[nodiscard]] FieldList fields(RegraspOptions& options);
 
@@ -22,18 +25,19 @@ struct RegraspOptions {
 [[nodiscard]] std::vector<Eigen::Quaterniond> rest_orientations(const Stone& stone,
                                                                 const RegraspOptions& options = {});
 
-/// Two plans, one after the other; or why there are none.
+/// Plans that follow each other; or why there are none.
 struct RegraspPlan {
   bool planned = false;
   std::string reason;
-  Pose T_W_O_between = Pose::Identity();  ///< where the stone is set down on the table
-  PickAndPlacePlan first;                 ///< from where it lies to T_W_O_between
-  PickAndPlacePlan second;                ///< from there to the target, the arm starting where `first` ends
+  std::vector<Pose> T_W_O_between;      ///< where the stone is set down on the table, in order
+  std::vector<PickAndPlacePlan> plans;  ///< one more than `T_W_O_between`; each starts where the arm was left
 };
 
-/// For a stone that no grasp brings to its target in one go: sets it down in another pose of rest near where
-/// it lies and grasps it anew. Deterministic. Between the two plans the caller looks where the stone really
-/// came to lie; `second` holds for a stone that lies exactly at T_W_O_between. Throws InvalidArgument as
+/// For a stone that no grasp brings to its target in one go: sets it down on the table in another pose of
+/// rest and grasps it anew, as seldom as possible. Which grasps the hand can take in which pose of rest makes
+/// a graph (Tournassoud, Lozano-Perez and Mazer 1987); its shortest ways are tried first, at free places near
+/// where the stone lies. Deterministic. Between plans the caller looks where the stone really came to lie: a
+/// later plan holds for a stone that lies exactly at its `T_W_O_between`. Throws InvalidArgument as
 /// `plan_pick_and_place`.
 [[nodiscard]] RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& task,
                                        const MotionOptions& options = {}, const RegraspOptions& regrasp = {});

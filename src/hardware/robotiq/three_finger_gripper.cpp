@@ -45,6 +45,10 @@ FieldList fields(ThreeFingerOptions& o) {
       field("largest_opening", o.largest_opening, {0.01, 0.3}, "m", "data sheet"),
       field("open_count", o.open_count, {0.0, 255.0}, "count", "calibrate with a gauge"),
       field("closed_count", o.closed_count, {0.0, 255.0}, "count", "calibrate with a gauge"),
+      field("wide_spacing", o.wide_spacing, {0.01, 0.2}, "m", "facts/robot.md"),
+      field("wide_count", o.wide_count, {0.0, 255.0}, "count", "Robotiq manual: 0x89 in basic mode"),
+      field("narrow_spacing", o.narrow_spacing, {0.01, 0.2}, "m", "ours: fingers side by side"),
+      field("narrow_count", o.narrow_count, {0.0, 255.0}, "count", "ours; calibrate with a gauge"),
       field("object_margin", o.object_margin, {0.0, 100.0}, "count", "ours"),
       field("activation_timeout", o.activation_timeout, seconds, "s", "ours: it takes 5 to 10 s"),
       field("mode_timeout", o.mode_timeout, seconds, "s", "Robotiq manual: fault after 20 s"),
@@ -64,6 +68,7 @@ struct ThreeFingerGripper::Link {
   ModbusClient client;
   GripperRequest last;  // what was written last
   bool commanded = false;
+  std::optional<int> scissor;  // count that `spread` asked for; empty: as the mode has it
 
   explicit Link(const ThreeFingerOptions& o)
       : options(o), layout(gripper_layout(o.preset)), client("Robotiq gripper", resolve(o, layout)) {}
@@ -241,7 +246,34 @@ GripperState ThreeFingerGripper::move(double opening, double speed, double force
   request.go = true;
   request.axes.fill({static_cast<int>(std::lround(count)), to_count(speed, kSlowest, kFastest),
                      to_count(force, kWeakest, kStrongest)});
+  if (link.scissor) {
+    request.individual_scissor = true;
+    request.axes[3] = {*link.scissor, 255, 0};
+  }
   return link.judge(link.move(request));
+}
+
+void ThreeFingerGripper::spread(double spacing) {
+  Link& link = *link_;
+  const ThreeFingerOptions& o = link.options;
+  require(std::isfinite(spacing) && spacing >= std::min(o.narrow_spacing, o.wide_spacing) - 1e-9 &&
+              spacing <= std::max(o.narrow_spacing, o.wide_spacing) + 1e-9,
+          "fingers B and C go from ", o.narrow_spacing, " to ", o.wide_spacing, " m apart, asked for ",
+          spacing, " m");
+  const ThreeFingerStatus status = link.read();
+  link.require_ready(status);
+  const double share = (spacing - o.wide_spacing) / (o.narrow_spacing - o.wide_spacing);
+  const int count = static_cast<int>(std::lround(o.wide_count + share * (o.narrow_count - o.wide_count)));
+  const int now = link.scissor.value_or(static_cast<int>(std::lround(o.wide_count)));
+  if (count == now) return;
+  GripperRequest request;
+  request.mode = status.mode;
+  request.go = true;
+  request.individual_scissor = true;
+  for (std::size_t i = 0; i < 3; ++i) request.axes[i] = {status.axes[i].request, 255, 0};
+  request.axes[3] = {count, 255, 0};
+  link.scissor = count;
+  link.move(request);
 }
 
 ThreeFingerStatus ThreeFingerGripper::move_fingers(const std::array<FingerRequest, 3>& fingers,

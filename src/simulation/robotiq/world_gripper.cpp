@@ -9,11 +9,12 @@
 namespace stonestack {
 namespace {
 
-constexpr double kStalled = 0.15;        // s without motion until a drive reports rest
-constexpr double kPositioned = 2.5e-4;   // m/s: slower is rest; the creep towards the force is faster
-constexpr double kAtTarget = 1e-5;       // m
-constexpr double kMovingCurrent = 0.15;  // A
-constexpr double kScissorStart = 137.0;  // counts: basic mode
+constexpr double kStalled = 0.15;         // s without motion until a drive reports rest
+constexpr double kPositioned = 2.5e-4;    // m/s: slower is rest; the creep towards the force is faster
+constexpr double kAtTarget = 1e-5;        // m
+constexpr double kMovingCurrent = 0.15;   // A
+constexpr double kScissorStart = 137.0;   // counts: basic mode
+constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; ours
 constexpr double kCounts = 255.0;
 
 bool same(const AxisCommand& a, const AxisCommand& b) {
@@ -25,6 +26,8 @@ class WorldGripper final : public GripperPlant {
   explicit WorldGripper(SharedWorld& world) : world_(&world) {
     {
       const auto access = world.lock();
+      const GripperModel& gripper = access.world.hand_model().gripper;
+      most_narrowed_ = std::max(0.0, gripper.finger_spacing - gripper.narrow_spacing);
       half_stroke_ = 0.5 * access.world.hand_model().gripper.largest_opening;
       place_ = access.world.hand().finger;
     }
@@ -59,7 +62,7 @@ class WorldGripper final : public GripperPlant {
   [[nodiscard]] double place_of(double count) const { return half_stroke_ * (1.0 - count / kCounts); }
 
   // With the world locked.
-  std::array<double, kFingers> drive(const TrueWorld& now, double seconds) {
+  FingerPlaces drive(const TrueWorld& now, double seconds) {
     const std::lock_guard lock(mutex_);
     std::array<double, kFingers> next = now.hand().finger;
     for (std::size_t f = 0; f < next.size(); ++f) {
@@ -69,7 +72,8 @@ class WorldGripper final : public GripperPlant {
       still_[f] = rests ? still_[f] + seconds : 0.0;
     }
     place_ = next;
-    return next;
+    const double share = (scissor_ - kScissorStart) / (kScissorNarrow - kScissorStart);
+    return {next, most_narrowed_ * std::clamp(share, 0.0, 1.0)};
   }
 
   [[nodiscard]] AxisReport finger_report(std::size_t f) const {
@@ -96,8 +100,9 @@ class WorldGripper final : public GripperPlant {
   }
 
   SharedWorld* world_;
-  double half_stroke_ = 0.0;  // m
-  std::mutex mutex_;          // of all below; taken after the world's, never before
+  double half_stroke_ = 0.0;    // m
+  double most_narrowed_ = 0.0;  // m
+  std::mutex mutex_;            // of all below; taken after the world's, never before
   std::array<AxisCommand, kGripperAxes> command_{};
   std::array<FingerDriveState, kFingers> drives_{};
   std::array<double, kFingers> place_{};  // m

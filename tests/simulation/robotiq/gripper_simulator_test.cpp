@@ -251,6 +251,21 @@ TEST(GripperSimulator, ModesAndIndividualFingers) {
   EXPECT_NEAR(gripper.move(0.1, 0.11, 15).opening, 0.1, 0.001) << "simple control works again afterwards";
 }
 
+TEST(GripperSimulator, FingersBAndCDrawTogetherAndStaySo) {
+  IdealGripperPlant plant;
+  const GripperSimulator simulator(plant, fast(false));
+  ThreeFingerGripper gripper(client_options(simulator, "tcp2018"));
+  gripper.activate();
+  gripper.move(0.155, 0.11, 15);
+  gripper.spread(0.042);
+  EXPECT_NEAR(gripper.status().axes[3].position, 220, 1);
+  EXPECT_NEAR(gripper.move(0.1, 0.11, 15).opening, 0.1, 0.001);
+  EXPECT_NEAR(gripper.status().axes[3].position, 220, 1) << "also when the fingers move";
+  gripper.spread(0.073);
+  EXPECT_NEAR(gripper.status().axes[3].position, 137, 1);
+  EXPECT_THAT([&] { gripper.spread(0.02); }, ThrowsMessage<InvalidArgument>(HasSubstr("asked for 0.02")));
+}
+
 TEST(GripperSimulator, ARestartedProgramStillKnowsThatItHoldsAStone) {
   IdealGripperPlant plant;
   const GripperSimulator simulator(plant, fast(false));

@@ -32,6 +32,10 @@ struct ThreeFingerOptions {
   double largest_opening = 0.155;    ///< m between the pads at `open_count`
   double open_count = 0.0;           ///< request that opens fully
   double closed_count = 255.0;       ///< request at which the pads meet
+  double wide_spacing = 0.073;       ///< m between the pads of B and C at `wide_count`
+  double wide_count = 137.0;         ///< of the scissor
+  double narrow_spacing = 0.042;     ///< m at `narrow_count`
+  double narrow_count = 220.0;       ///< of the scissor
   double object_margin = 6.0;        ///< counts short of the request that an object needs at least
   double activation_timeout = 20.0;  ///< s
   double mode_timeout = 25.0;        ///< s
@@ -89,6 +93,8 @@ class ThreeFingerGripper final : public Gripper {
   /// stopped short of the request. Throws DeviceError when not activated, on a fault, and when the request is
   /// not repeated or the fingers do not come to rest in time.
   GripperState move(double opening, double speed, double force) override;
+  /// By individual control of the scissor axis; it stays so in later moves.
+  void spread(double spacing) override;
 
   /// Activates (after a reset when there is a major fault) and takes up the mode of the options. With an
   /// empty hand only.

@@ -1,0 +1,100 @@
+#include "motion/grasp_end.hpp"
+
+#include "motion/grasp_wrench.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+bool within_limits(const RobotModel& robot, const Joints& q) {
+  return (q.array() >= robot.lower.array()).all() && (q.array() <= robot.upper.array()).all();
+}
+
+/// The closed fingers fill nothing but the space of the stone between them, so this checker sees the arm and
+/// the palm; HandCheck sees the open fingers.
+CollisionRules arm_rules(const MotionOptions& options, int object) {
+  CollisionRules rules;
+  rules.padding = options.approach_padding;
+  rules.opening = 0.0;
+  rules.left_out = object;
+  return rules;
+}
+
+bool has_branch(const IkBranches& all, int branch) {
+  for (int i = 0; i < all.count; ++i)
+    if (all.solutions[static_cast<std::size_t>(i)].branch == branch) return true;
+  return false;
+}
+
+}  // namespace
+
+GraspEnd::GraspEnd(const PlanningScene& scene, const Stone& stone, int object, const MotionOptions& options)
+    : scene_(scene), stone_(stone), options_(options) {
+  const auto add = [&](double spacing) {
+    PlanningScene spaced = scene;
+    spaced.gripper = with_spacing(scene.gripper, spacing);
+    hands_.push_back({spacing, HandCheck(spaced, options.approach, object),
+                      CollisionChecker(spaced, arm_rules(options, object))});
+  };
+  add(scene.gripper.finger_spacing);
+  if (scene.gripper.narrow_spacing > 0) add(scene.gripper.narrow_spacing);
+}
+
+const GraspEnd::Hand& GraspEnd::hand(const Grasp& grasp) const {
+  return hands_.size() > 1 && grasp.spacing == hands_[1].spacing ? hands_[1] : hands_[0];
+}
+
+bool GraspEnd::too_weak(const Grasp& grasp, const Pose& T_W_T) const {
+  const Eigen::Vector3d n_T_down = -T_W_T.linear().row(2).transpose();
+  const double weight = kGravity * stone_.mass.mass;
+  const double most = scene_.gripper.force / GraspOptions{}.force_factor;
+  return holding_force(grasp, weight, n_T_down) > most &&  // a quick bound
+         exact_holding_force(grasp, stone_.mass.p_O_M, scene_.gripper.friction, weight, n_T_down) > most;
+}
+
+std::optional<EndFault> GraspEnd::hand_fault(const Grasp& grasp, const Pose& T_W_O) const {
+  const Pose T_W_T = T_W_O * grasp.T_O_T;
+  const HandCheck::Hit hit = hand(grasp).check.sweep(T_W_T, grasp.pre_opening, options_.approach_padding);
+  if (hit.what == HandCheck::Hit::What::kTableObject) return EndFault::kTable;
+  if (hit.what == HandCheck::Hit::What::kObject) return EndFault::kObject;
+  if (too_weak(grasp, T_W_T)) return EndFault::kTooWeak;
+  return std::nullopt;
+}
+
+std::optional<EndFault> GraspEnd::arm_fault(const CollisionChecker& arm, const Pose& T_W_T) const {
+  const Pose T_R_W = scene_.T_W_R.inverse(), T_T_F = scene_.T_F_T.inverse();
+  const auto branches = [&](const Pose& T_W_tool) {
+    return inverse_branches(scene_.robot, T_R_W * T_W_tool * T_T_F, Joints::Zero());
+  };
+  const IkBranches at = branches(T_W_T);
+  const IkBranches back = branches(T_W_T * Pose(Eigen::Translation3d(0, 0, -options_.approach)));
+  const IkBranches up = branches(Pose(Eigen::Translation3d(0, 0, options_.lift)) * T_W_T);
+  bool reached = false;
+  for (int i = 0; i < at.count; ++i) {
+    const IkSolution& s = at.solutions[static_cast<std::size_t>(i)];
+    if (!within_limits(scene_.robot, s.q) || !has_branch(back, s.branch) || !has_branch(up, s.branch))
+      continue;
+    reached = true;
+    if (!arm.collides(s.q)) return std::nullopt;
+  }
+  return reached ? EndFault::kArm : EndFault::kReach;
+}
+
+std::optional<EndFault> GraspEnd::fault(const Grasp& grasp, const Pose& T_W_O) const {
+  if (const auto hand = hand_fault(grasp, T_W_O)) return hand;
+  return arm_fault(hand(grasp).arm, T_W_O * grasp.T_O_T);
+}
+
+std::vector<int> GraspEnd::serving(std::span<const Grasp> grasps, std::span<const int> among,
+                                   const Pose& T_W_O, std::size_t enough) const {
+  std::vector<int> found;
+  for (const int i : among) {
+    if (enough > 0 && found.size() >= enough) break;
+    if (!fault(grasps[static_cast<std::size_t>(i)], T_W_O)) found.push_back(i);
+  }
+  return found;
+}
+
+}  // namespace stonestack

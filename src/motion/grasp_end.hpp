@@ -1,0 +1,50 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "motion/hand_check.hpp"
+#include "stonestack/motion/collision.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+
+namespace stonestack {
+
+/// What stands in the way of a grasp at one end of its way.
+enum class EndFault { kTooWeak, kTable, kObject, kReach, kArm };
+
+/// Whether grasps of a stone serve where it lies or is to lie: the straight way of the hand, the grip's
+/// strength, inverse kinematics of the grasp and of the ends of approach and lift, the arm. One scene, any
+/// number of poses; const methods may be called from several threads.
+class GraspEnd {
+ public:
+  /// `object`: the stone's index in scene.objects (it does not count), or -1. What is passed must outlive
+  /// this.
+  GraspEnd(const PlanningScene& scene, const Stone& stone, int object, const MotionOptions& options);
+
+  /// Why the grasp does not serve with the stone at T_W_O; empty: it does.
+  [[nodiscard]] std::optional<EndFault> fault(const Grasp& grasp, const Pose& T_W_O) const;
+  /// The first tests alone: hand against table and objects, and the grip's strength. They do not change when
+  /// the stone is turned about the vertical on an empty table.
+  [[nodiscard]] std::optional<EndFault> hand_fault(const Grasp& grasp, const Pose& T_W_O) const;
+  /// Those of the grasps with the indices `among` that serve, until `enough` are found (0: all).
+  [[nodiscard]] std::vector<int> serving(std::span<const Grasp> grasps, std::span<const int> among,
+                                         const Pose& T_W_O, std::size_t enough = 0) const;
+
+ private:
+  /// The hand at one spacing of its fingers.
+  struct Hand {
+    double spacing = 0.0;
+    HandCheck check;
+    CollisionChecker arm;
+  };
+  [[nodiscard]] const Hand& hand(const Grasp& grasp) const;
+  [[nodiscard]] bool too_weak(const Grasp& grasp, const Pose& T_W_T) const;
+  [[nodiscard]] std::optional<EndFault> arm_fault(const CollisionChecker& arm, const Pose& T_W_T) const;
+
+  const PlanningScene& scene_;
+  const Stone& stone_;
+  MotionOptions options_;
+  std::vector<Hand> hands_;
+};
+
+}  // namespace stonestack

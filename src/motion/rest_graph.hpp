@@ -1,0 +1,28 @@
+#pragma once
+#include <vector>
+
+#include "stonestack/motion/grasp.hpp"
+#include "stonestack/motion/regrasp.hpp"
+
+namespace stonestack {
+
+/// Poses of rest of a stone and the grasps that hand, grip and table allow in each, wherever on an empty
+/// table the stone stands and however it is turned about the vertical. Two poses are joined if they share a
+/// grasp.
+struct RestGraph {
+  std::vector<Eigen::Quaterniond> R_W_O;
+  std::vector<std::vector<int>> grasps;  ///< for each pose: indices into the grasp set, ascending
+};
+[[nodiscard]] RestGraph make_rest_graph(const PlanningScene& scene, const Stone& stone,
+                                        const std::vector<Grasp>& grasps, const MotionOptions& options,
+                                        const RegraspOptions& regrasp);
+
+/// Sequences of 1 to `most` poses (indices, none twice) that lead from the grasps `from` to the grasps `to`:
+/// neighbours share a grasp. Shortest first; of equal length the one whose scarcest link has most grasps.
+[[nodiscard]] std::vector<std::vector<int>> rest_chains(const RestGraph& graph, const std::vector<int>& from,
+                                                        const std::vector<int>& to, int most);
+
+/// What both ascending lists have.
+[[nodiscard]] std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
+
+}  // namespace stonestack
