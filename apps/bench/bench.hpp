@@ -7,6 +7,9 @@ namespace stonestack::apps {
 
 void add_bench_kinematics(CLI::App& bench);
 void add_bench_motion(CLI::App& bench);
+void add_bench_collision(CLI::App& bench);
+void add_bench_cartesian(CLI::App& bench);
+void add_bench_timing(CLI::App& bench);
 void add_bench_descent(CLI::App& bench);
 void add_bench_grasp(CLI::App& bench);
 void add_bench_search(CLI::App& bench);

@@ -9,16 +9,15 @@
 #include <optional>
 
 #include "bench.hpp"
+#include "grasp_problems.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/execute.hpp"
-#include "stonestack/stone/limestone.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -36,21 +35,6 @@ struct Tally {
   int descents = 0, missed = 0, early = 0, stopped = 0, hard = 0, on_stone = 0;
   std::vector<double> peaks, depths;
 };
-
-Stone random_stone(std::uint64_t seed, const std::string& name, double smallest, double largest) {
-  LimestoneOptions shape;
-  shape.smallest = smallest;
-  shape.largest = largest;
-  shape.faces = 1000;
-  Stone stone;
-  stone.name = name;
-  const Mesh scan = make_limestone(seed, shape);
-  stone.scan = transformed(scan, make_pose(Eigen::Vector3d(-mass_properties(scan, stone.density).p_O_M)));
-  stone.mesh = stone.scan;
-  stone.mass = mass_properties(stone.scan, stone.density);
-  stone.pieces = convex_pieces(stone.scan);
-  return stone;
-}
 
 double lowest(const Stone& stone, const Pose& T_W_O) {
   double z = 1e9;
@@ -218,8 +202,8 @@ void measure(int descents, int each, std::uint64_t seed) {
     require(not_picked < 10 + 10 * picked, "no stone can be picked up: ", not_picked, " failed");
     Random random = Random::stream(seed, n);
     const std::vector<Stone> stones{
-        random_stone(static_cast<std::uint64_t>(random.index(1000000000)), "carried", 0.07, 0.14),
-        random_stone(static_cast<std::uint64_t>(random.index(1000000000)), "support", 0.12, 0.16)};
+        bench::random_stone(static_cast<std::uint64_t>(random.index(1000000000)), "carried", 0.07, 0.14),
+        bench::random_stone(static_cast<std::uint64_t>(random.index(1000000000)), "support", 0.12, 0.16)};
     SimulationOptions simulation;
     simulation.seed = static_cast<int>(seed % 10000 * 100000 + n);
     simulation.force_delay = random.uniform(0.0, kMostDelay);

@@ -1,131 +1,50 @@
 // Prints how often a stone can be grasped where it lies and set on a tower, and what planning it costs.
 // Loose stones lie in the field in poses of rest; the tower is another stone at the site with, on top, the
 // target: the stone as it lies, turned about the vertical ("turned"), or in another pose of rest ("tipped").
+// Tipped targets are also listed by the angle between the stone's ups at both ends, beside what the hand
+// alone (no arm) could do: a grasp that the table forbids at one end helps no planner.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <vector>
 
 #include "bench.hpp"
 #include "common_options.hpp"
-#include "stonestack/core/clock.hpp"
+#include "grasp_problems.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/random.hpp"
-#include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/regrasp.hpp"
-#include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::apps {
 namespace {
 
-/// Height of the centre of mass over the lowest point, m.
-double standing_height(const Stone& stone, const Eigen::Quaterniond& R_W_O) {
-  double lowest = 0.0;
-  for (const Eigen::Vector3d& p : stone.mesh.vertices)
-    lowest = std::min(lowest, (R_W_O * (p - stone.mass.p_O_M)).z());
-  return -lowest;
-}
+constexpr double kQuickMs = 300.0;                   // the mark for a plan
+constexpr std::size_t kAngles = 6;                   // ranges of 30 deg
+constexpr double kSmallest = 0.07, kLargest = 0.14;  // m, of generated stones
 
-/// A random orientation rolled downhill until the centre of mass is at a local low.
-Eigen::Quaterniond rest(const Stone& stone, Random& random) {
-  Eigen::Quaterniond R = random.rotation();
-  double height = standing_height(stone, R);
-  for (double step = 0.3; step > 0.003; step *= 0.93) {
-    for (int i = 0; i < 8; ++i) {
-      Eigen::Vector3d axis = random.unit_vector();
-      axis.z() = 0.0;
-      const Eigen::Quaterniond turned(Eigen::AngleAxisd(step, axis.normalized()) * R);
-      if (const double h = standing_height(stone, turned); h < height) {
-        height = h;
-        R = turned;
-      }
-    }
-  }
-  return R;
-}
-
-Pose standing(const Stone& stone, const Eigen::Quaterniond& R_W_O, const Eigen::Vector2d& at, double z) {
-  Pose T = make_pose({at.x(), at.y(), z + standing_height(stone, R_W_O)}, R_W_O);
-  T.translation() -= R_W_O * stone.mass.p_O_M;
-  return T;
-}
-
-/// True if some vertical plane has the two on its two sides, `gap` (m) apart.
-bool lie_apart(const SceneObject& a, const SceneObject& b, double gap) {
-  constexpr int kDirections = 48;
-  const auto along = [](const SceneObject& object, const Eigen::Vector3d& n_W) {
-    Eigen::AlignedBox1d range;
-    for (const Mesh& piece : object.pieces)
-      for (const Eigen::Vector3d& p : piece.vertices)
-        range.extend(Eigen::Matrix<double, 1, 1>(n_W.dot(object.T_W_object * p)));
-    return range;
-  };
-  for (int i = 0; i < kDirections; ++i) {
-    const double turn = 2.0 * std::numbers::pi * i / kDirections;
-    const Eigen::Vector3d n_W(std::cos(turn), std::sin(turn), 0.0);
-    if (along(a, n_W).max()(0) + gap < along(b, n_W).min()(0)) return true;
-  }
-  return false;
-}
-
-double top(const SceneObject& object) {
-  double z = 0.0;
-  for (const Mesh& piece : object.pieces)
-    for (const Eigen::Vector3d& p : piece.vertices) z = std::max(z, (object.T_W_object * p).z());
-  return z;
-}
-
-/// Up to six loose stones and one at the site; object i is loose stone i, the last object is the tower.
-struct Problem {
-  PlanningScene scene;
-  std::vector<int> loose;  ///< index of the stone
+/// How tasks of one range of angles went.
+struct AngleTally {
+  int tasks = 0, hand = 0, planned = 0, once = 0, twice = 0;
 };
 
-Problem make_problem(const std::vector<Stone>& stones, Random& random) {
-  const CellLayout layout;
-  Problem problem;
-  problem.scene.robot = read_robot("ur10");
-  problem.scene.T_F_T = layout.T_F_T;
-  std::vector<int> order(stones.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
-  random.shuffle(order.begin(), order.end());
-  const auto stone = [&](int i) -> const Stone& { return stones[static_cast<std::size_t>(i)]; };
-  constexpr double kGap = 0.005;  // m: they lie as they fell, nobody made room for fingers
-  for (std::size_t n = 1; n < order.size() && n <= 6; ++n) {
-    const Stone& s = stone(order[n]);
-    for (int attempt = 0; attempt < 60; ++attempt) {
-      const Eigen::Vector2d at(layout.field_centre.x() + layout.field_size.x() * random.uniform(-0.5, 0.5),
-                               layout.field_centre.y() + layout.field_size.y() * random.uniform(-0.5, 0.5));
-      const SceneObject object{s.name, s.pieces, standing(s, rest(s, random), at, 0.0)};
-      const auto& others = problem.scene.objects;
-      if (!std::all_of(others.begin(), others.end(),
-                       [&](const SceneObject& other) { return lie_apart(object, other, kGap); }))
-        continue;
-      problem.scene.objects.push_back(object);
-      problem.loose.push_back(order[n]);
-      break;
-    }
-  }
-  const Stone& base = stone(order[0]);
-  problem.scene.objects.push_back(
-      {base.name, base.pieces, standing(base, rest(base, random), layout.site, 0.0)});
-  return problem;
-}
-
-constexpr double kQuickMs = 300.0;  // the mark for a plan
-
 struct Tally {
-  int tasks = 0, graspable = 0, planned = 0, quick = 0, turned_over = 0;
+  int tasks = 0, graspable = 0, planned = 0, quick = 0, quick_with = 0;
+  std::array<int, 4> set_down{};  ///< plans with that many stops on the way
+  std::array<AngleTally, kAngles> angles{};
   std::vector<double> check_ms, plan_ms, motion_s, regrasp_ms;
   std::array<long, kGraspFaults> refused{};  ///< grasps of all tasks, by test
   long grasps = 0;
   std::map<std::string, int> reasons;
 };
+
+/// Of this process, which runs one thread.
+double processor_ms() {
+  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0.0;
@@ -135,14 +54,17 @@ double quantile(std::vector<double> values, double share) {
 
 void print(const char* name, const Tally& t) {
   const auto share = [&](int count) { return 100.0 * count / std::max(1, t.tasks); };
+  const int turned_over = t.set_down[1] + t.set_down[2];
+  std::printf("%-7s %3d tasks  grasp %5.1f %%  planned %5.1f %%, within %.0f ms %5.1f %%\n", name, t.tasks,
+              share(t.graspable), share(t.planned), kQuickMs, share(t.quick));
+  std::printf("    with regrasp %5.1f %% (%d set down once, %d twice), all within %.0f ms %5.1f %%\n",
+              share(t.planned + turned_over), t.set_down[1], t.set_down[2], kQuickMs, share(t.quick_with));
   std::printf(
-      "%-7s %3d tasks  grasp %5.1f %%  planned %5.1f %%, within %.0f ms %5.1f %%, with regrasp %5.1f %%  "
-      "check "
-      "ms %.1f / %.1f  plan ms %.0f / %.0f  regrasp ms %.0f / %.0f  motion s %.1f / %.1f  (median / 95 %%)\n",
-      name, t.tasks, share(t.graspable), share(t.planned), kQuickMs, share(t.quick),
-      share(t.planned + t.turned_over), quantile(t.check_ms, 0.5), quantile(t.check_ms, 0.95),
-      quantile(t.plan_ms, 0.5), quantile(t.plan_ms, 0.95), quantile(t.regrasp_ms, 0.5),
-      quantile(t.regrasp_ms, 0.95), quantile(t.motion_s, 0.5), quantile(t.motion_s, 0.95));
+      "    check ms %.1f / %.1f  plan ms %.0f / %.0f  regrasp ms %.0f / %.0f  motion s %.1f / %.1f "
+      "(median / 95 %%)\n",
+      quantile(t.check_ms, 0.5), quantile(t.check_ms, 0.95), quantile(t.plan_ms, 0.5),
+      quantile(t.plan_ms, 0.95), quantile(t.regrasp_ms, 0.5), quantile(t.regrasp_ms, 0.95),
+      quantile(t.motion_s, 0.5), quantile(t.motion_s, 0.95));
   std::printf("    of %ld grasps", t.grasps);
   for (std::size_t i = 0; i < kGraspFaults; ++i)
     std::printf("%s %.1f %% %s", i == 0 ? "" : ",",
@@ -152,64 +74,100 @@ void print(const char* name, const Tally& t) {
   for (const auto& [reason, count] : t.reasons) std::printf("    %3d  %s\n", count, reason.c_str());
 }
 
-void run_task(const Problem& problem, std::size_t i, const Stone& stone, const Pose& T_W_O_place,
-              Tally& tally) {
-  PickAndPlaceTask task;
-  task.stone = &stone;
-  task.object = static_cast<int>(i);
-  task.support = static_cast<int>(problem.scene.objects.size()) - 1;
-  task.T_W_O_pick = problem.scene.objects[i].T_W_object;
-  task.T_W_O_place = T_W_O_place;
-  task.q_start << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
+void print_angles(const Tally& t) {
+  std::printf("    angle between ups, deg   tasks   hand alone   planned   set down once   twice   none\n");
+  for (std::size_t i = 0; i < kAngles; ++i) {
+    const AngleTally& a = t.angles[i];
+    std::printf("    %3zu to %3zu %18d %12d %9d %15d %7d %6d\n", 30 * i, 30 * (i + 1), a.tasks, a.hand,
+                a.planned, a.once, a.twice, a.tasks - a.planned - a.once - a.twice);
+  }
+}
+
+/// rad, between the directions of the stone that are up before and after.
+double between_ups(const PickAndPlaceTask& task) {
+  const double c = task.T_W_O_pick.linear().row(2).dot(task.T_W_O_place.linear().row(2));
+  return std::acos(std::clamp(c, -1.0, 1.0));
+}
+
+void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, Tally& tally) {
+  AngleTally& angle =
+      tally.angles[std::min(kAngles - 1, static_cast<std::size_t>(6.0 * between_ups(task) / M_PI))];
   ++tally.tasks;
-  const Stopwatch check;
-  const bool graspable = can_grasp(problem.scene, task);
-  tally.check_ms.push_back(1e3 * check.seconds());
+  ++angle.tasks;
+  angle.hand += hand_can_grasp(scene, task) ? 1 : 0;
+  const double check = processor_ms();
+  const bool graspable = can_grasp(scene, task);
+  tally.check_ms.push_back(processor_ms() - check);
   tally.graspable += graspable ? 1 : 0;
-  const GraspCheck all = check_grasps(problem.scene, task);
+  const GraspCheck all = check_grasps(scene, task);
   tally.grasps += all.total;
   for (std::size_t k = 0; k < kGraspFaults; ++k) tally.refused[k] += all.refused[k];
-  const Stopwatch plan_time;
-  const PickAndPlacePlan plan = plan_pick_and_place(problem.scene, task);
-  tally.plan_ms.push_back(1e3 * plan_time.seconds());
+  const double plan_time = processor_ms();
+  const PickAndPlacePlan plan = plan_pick_and_place(scene, task);
+  tally.plan_ms.push_back(processor_ms() - plan_time);
   if (plan.status == PickAndPlacePlan::Status::kPlanned) {
     ++tally.planned;
+    ++angle.planned;
     tally.quick += tally.plan_ms.back() <= kQuickMs ? 1 : 0;
+    tally.quick_with += tally.plan_ms.back() <= kQuickMs ? 1 : 0;
     tally.motion_s.push_back(plan.seconds);
     return;
   }
-  if (!all.usable.empty()) ++tally.reasons[plan.reason];  // the others fell to the tests that are counted
-  const Stopwatch regrasp_time;
-  tally.turned_over += plan_regrasp(problem.scene, task).planned ? 1 : 0;
-  tally.regrasp_ms.push_back(1e3 * regrasp_time.seconds());
+  const double regrasp_time = processor_ms();
+  const RegraspPlan regrasp = plan_regrasp(scene, task);
+  tally.regrasp_ms.push_back(processor_ms() - regrasp_time);
+  if (!regrasp.planned) {
+    ++tally.reasons[regrasp.reason];
+    return;
+  }
+  const std::size_t stops = regrasp.T_W_O_between.size();
+  ++tally.set_down[std::min<std::size_t>(stops, 2)];
+  ++(stops == 1 ? angle.once : angle.twice);
+  tally.quick_with += tally.plan_ms.back() + tally.regrasp_ms.back() <= kQuickMs ? 1 : 0;
+}
+
+void sample_grasps(const std::vector<Stone>& stones) {
+  const double sampling = processor_ms();
+  std::size_t grasps = 0;
+  for (const Stone& stone : stones) {
+    const auto set = cached_grasps(stone, make_robotiq_3f());
+    const Eigen::Vector3d size = bounds(stone.scan).sizes();
+    std::printf("%-16s %.0f x %.0f x %.0f mm  %.2f kg  %4zu grasps\n", stone.name.c_str(), 1e3 * size.x(),
+                1e3 * size.y(), 1e3 * size.z(), stone.mass.mass, set->grasps.size());
+    grasps += set->grasps.size();
+  }
+  std::printf("%zu grasps of %zu stones sampled in %.1f s\n", grasps, stones.size(),
+              1e-3 * (processor_ms() - sampling));
 }
 
 void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
-  const Stopwatch sampling;
-  int grasps = 0;
-  for (const Stone& stone : stones) {
-    const auto set = cached_grasps(stone, make_robotiq_3f());
-    std::printf("%-16s %.2f kg  %4zu grasps\n", stone.name.c_str(), stone.mass.mass, set->grasps.size());
-    grasps += static_cast<int>(set->grasps.size());
-  }
-  std::printf("%d grasps of %zu stones sampled in %.1f s\n", grasps, stones.size(), sampling.seconds());
+  sample_grasps(stones);
   Tally turned, tipped;
   for (std::uint64_t n = 0; turned.tasks < tasks; ++n) {
     throw_if_interrupted();
     Random random = Random::stream(seed, n);
-    const Problem problem = make_problem(stones, random);
+    const bench::GraspProblem problem = bench::make_grasp_problem(stones, random);
     const SceneObject& tower = problem.scene.objects.back();
     const Eigen::Vector2d site = tower.T_W_object.translation().head<2>();
     for (std::size_t i = 0; i < problem.loose.size() && turned.tasks < tasks; ++i) {
       const Stone& stone = stones[static_cast<std::size_t>(problem.loose[i])];
+      PickAndPlaceTask task;
+      task.stone = &stone;
+      task.object = static_cast<int>(i);
+      task.support = static_cast<int>(problem.scene.objects.size()) - 1;
+      task.T_W_O_pick = problem.scene.objects[i].T_W_object;
+      task.q_start << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
       const Eigen::Quaterniond yaw(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
-      const Eigen::Quaterniond lying(problem.scene.objects[i].T_W_object.linear());
-      run_task(problem, i, stone, standing(stone, yaw * lying, site, top(tower)), turned);
-      run_task(problem, i, stone, standing(stone, rest(stone, random), site, top(tower)), tipped);
+      const Eigen::Quaterniond lying(task.T_W_O_pick.linear());
+      task.T_W_O_place = bench::standing_at(stone, yaw * lying, site, bench::top(tower));
+      run_task(problem.scene, task, turned);
+      task.T_W_O_place = bench::standing_at(stone, bench::rest(stone, random), site, bench::top(tower));
+      run_task(problem.scene, task, tipped);
     }
   }
   print("turned", turned);
   print("tipped", tipped);
+  print_angles(tipped);
 }
 
 }  // namespace
@@ -218,6 +176,7 @@ void add_bench_grasp(CLI::App& bench) {
   struct Command {
     CommonOptions common;
     int tasks = 40;
+    int generated = 0;
   };
   auto command = std::make_shared<Command>();
   CLI::App* sub =
@@ -225,11 +184,22 @@ void add_bench_grasp(CLI::App& bench) {
   sub->add_option("--tasks", command->tasks, "Stone and target pairs a kind")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
+  sub->add_option("--generated", command->generated,
+                  "That many limestones of 7 to 14 cm made from the seed, instead of a catalogue")
+      ->check(CLI::Range(7, 1000));
   command->common.register_bench(*sub);
-  sub->footer("Example:\n  stonestack bench grasp --catalogue rocks --tasks 200");
+  sub->footer(
+      "Examples:\n  stonestack bench grasp --generated 12 --tasks 200\n"
+      "  stonestack bench grasp --catalogue rocks --tasks 200");
   sub->callback([command] {
+    const auto seed = static_cast<std::uint64_t>(command->common.seed);
     std::printf("%d tasks a kind, seed %d\n", command->tasks, command->common.seed);
-    measure(command->common.read().stones, command->tasks, static_cast<std::uint64_t>(command->common.seed));
+    if (command->generated == 0) return measure(command->common.read().stones, command->tasks, seed);
+    std::vector<Stone> stones;
+    for (int k = 0; k < command->generated; ++k)
+      stones.push_back(bench::random_stone(100 * seed + static_cast<std::uint64_t>(k),
+                                           concat("limestone ", k), kSmallest, kLargest));
+    measure(stones, command->tasks, seed);
   });
 }
 

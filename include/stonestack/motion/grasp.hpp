@@ -24,8 +24,8 @@ struct GraspOptions {
   double palm_clearance = 0.005;    ///< m, between palm and stone
   double friction_share = 0.8;      ///< of the pad friction that the squeeze alone may use
   double force_factor = 2.0;        ///< grip force over what friction needs
-  double narrow_score = 0.7;        ///< of a grasp's score when fingers B and C are drawn together: they hold
-                                    ///< less against turning, and the hand takes a second to do it
+  double narrow_score = 0.4;        ///< of a grasp's score when fingers B and C are drawn together: they hold
+                                    ///< less against turning, so they are taken where little else serves
 };
 [[nodiscard]] FieldList fields(GraspOptions& options);
 
