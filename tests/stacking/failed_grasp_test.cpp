@@ -101,6 +101,7 @@ class ClumsyGripper : public Gripper {
     return moved;
   }
   [[nodiscard]] bool has_thrown() const { return thrown_; }
+  void spread(double spacing) override { cell_.gripper.spread(spacing); }
 
  private:
   Cell cell_;

@@ -274,6 +274,9 @@ void ThreeFingerGripper::spread(double spacing) {
   request.axes[3] = {count, 255, 0};
   link.scissor = count;
   link.move(request);
+  // The gripper's status speaks of the three fingers; the scissor has its own.
+  link.wait(o.mode_timeout, "drawing fingers B and C together or apart",
+            [](const ThreeFingerStatus& s) { return s.axes[3].object != Object::kMoving; });
 }
 
 ThreeFingerStatus ThreeFingerGripper::move_fingers(const std::array<FingerRequest, 3>& fingers,
