@@ -10,7 +10,8 @@ constexpr double kCreep = 0.05;  // share of the speed that is left just before 
 
 double next_finger_place(FingerDriveState& drive, double place, double force, double seconds) {
   const double way = drive.target - place;
-  drive.holding = way < 0 && force >= drive.force;
+  const double enough = !drive.holding ? drive.force : drive.regrip ? kRegripBelow * drive.force : 0.0;
+  drive.holding = way < 0 && force >= enough;
   if (drive.holding) return place;
   const double ease = way < 0 ? std::max(kCreep, 1.0 - force / drive.force) : 1.0;
   const double step = drive.speed * ease * seconds;

@@ -45,6 +45,7 @@ FieldList fields(SimulationOptions& o) {
       field("force_delay", o.force_delay, {0.0, 0.1}, "s", "ours"),
       field("mass_error", o.mass_error, {0.0, 0.5}, "", "ours: share, one sigma"),
       field("com_error", o.com_error, {0.0, 0.02}, "m", "ours"),
+      field("regrip", o.regrip, "Robotiq 3-finger manual 2014: rGTO, rFRA"),
       field("step", o.step, {0.0005, 0.01}, "s", "measured: docs/measurements.md, Contact"),
       field("clearance", o.clearance, {0.0, 0.3}, "m", "width of a finger and a half"),
   };

@@ -21,7 +21,10 @@ constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep tow
 GripperState SimulatedGripper::state() {
   GripperState state;
   state.opening = opening(world_->hand());
-  state.object = object_;
+  // A stone that was lost lets the fingers close to the end.
+  const auto& drives = world_->finger_drives();
+  state.object = object_ && drives &&
+                 std::any_of(drives->begin(), drives->end(), [](const auto& d) { return d.holding; });
   return state;
 }
 
@@ -34,7 +37,8 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
   speed = std::clamp(speed, kLeastSpeed, kMostSpeed);
   std::array<FingerDriveState, kFingers> drives;
   for (std::size_t f = 0; f < drives.size(); ++f)
-    drives[f] = {0.5 * target, 0.5 * speed, f == 0 ? force : 0.5 * force, false};
+    drives[f] = {0.5 * target, 0.5 * speed, f == 0 ? force : 0.5 * force, world_->options().regrip};
+  world_->drive_fingers(drives);
   object_ = false;
   double still = 0.0;
   for (double t = 0; still < kStalled; t += kTick) {
@@ -43,24 +47,15 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
       throw DeviceError("simulated gripper", concat("still moving after ", kDeadline, " s"),
                         "look what hinders the fingers");
     const HandPose from = world_->hand();
-    HandPose to = from;
-    double largest_move = 0.0;
-    for (std::size_t f = 0; f < drives.size(); ++f) {
-      to.finger[f] = next_finger_place(drives[f], from.finger[f], world_->finger_force()[f], kTick);
-      largest_move = std::max(largest_move, std::abs(to.finger[f] - from.finger[f]));
-    }
-    const auto path = [&](double s) {
-      HandPose hand = from;
-      for (std::size_t f = 0; f < drives.size(); ++f)
-        hand.finger[f] += (to.finger[f] - from.finger[f]) * std::min(1.0, s / kTick);
-      return hand;
-    };
-    const Progress progress = world_->advance(kTick, path);
+    const Progress progress = world_->wait(kTick);
     if (!progress.stopped.empty())
       throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
+    double largest_move = 0.0;
+    for (std::size_t f = 0; f < drives.size(); ++f)
+      largest_move = std::max(largest_move, std::abs(world_->hand().finger[f] - from.finger[f]));
     still = largest_move < kPositioned ? still + kTick : 0.0;
   }
-  for (const auto& drive : drives) object_ = object_ || drive.holding;
+  for (const auto& drive : *world_->finger_drives()) object_ = object_ || drive.holding;
   return state();
 }
 

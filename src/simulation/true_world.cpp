@@ -267,8 +267,16 @@ HandLoad TrueWorld::table_load() const {
   return load;
 }
 
-void TrueWorld::step_engine(const HandPose& next) {
+// The hand's next pose with the fingers where their drives bring them.
+HandPose TrueWorld::driven(HandPose next, double seconds) {
+  for (std::size_t f = 0; drives_ && f < drives_->size(); ++f)
+    next.finger[f] = next_finger_place((*drives_)[f], hand_.finger[f], finger_force_[f], seconds);
+  return next;
+}
+
+void TrueWorld::step_engine(const HandPose& wanted) {
   const double step = engine_->step;
+  const HandPose next = driven(wanted, step);
   press_pads(next, step);
   for (std::size_t b = 0; b < model_.boxes.size(); ++b)
     engine_->world.move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
@@ -302,9 +310,9 @@ Progress TrueWorld::advance(double seconds, const HandPath& path) {
     const auto in_play = stones_in_play(next);
     if (std::find(in_play.begin(), in_play.end(), true) == in_play.end()) {
       engine_.reset();
-      hand_ = next;
-      time_ += chunk;
       finger_force_ = {};
+      hand_ = driven(next, chunk);
+      time_ += chunk;
       sum.add(table_load(), chunk);
       weight += chunk;
       for (const int i : present_) state(i).rest += chunk;

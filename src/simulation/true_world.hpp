@@ -1,8 +1,10 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "simulation/finger_drive.hpp"
 #include "simulation/hand.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -43,11 +45,17 @@ class TrueWorld {
   ~TrueWorld();
   TrueWorld(TrueWorld&&) noexcept;
 
+  [[nodiscard]] const SimulationOptions& options() const { return options_; }
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] const HandModel& hand_model() const { return model_; }
   [[nodiscard]] const HandPose& hand() const { return hand_; }
   /// Puts the hand somewhere at once. For setting up.
   void set_hand(const HandPose& hand);
+  /// From now on the fingers go where these drives bring them, whatever a path says of them.
+  void drive_fingers(const std::array<FingerDriveState, kFingers>& drives) { drives_ = drives; }
+  [[nodiscard]] const std::optional<std::array<FingerDriveState, kFingers>>& finger_drives() const {
+    return drives_;
+  }
   /// Lets `seconds` pass while the hand follows `path`. Ends early when the hand hits something hard.
   Progress advance(double seconds, const HandPath& path);
   /// The same with the hand where it is.
@@ -91,7 +99,8 @@ class TrueWorld {
   [[nodiscard]] World make_world(double step, int iterations, double damping,
                                  const std::vector<bool>& in_play) const;
   void prepare_engine(const std::vector<bool>& in_play, double step);
-  void step_engine(const HandPose& next);
+  void step_engine(const HandPose& wanted);
+  [[nodiscard]] HandPose driven(HandPose next, double seconds);
   void press_pads(const HandPose& next, double step);
   void read_stones(double step);
   [[nodiscard]] HandLoad read_contacts(double step);
@@ -105,6 +114,7 @@ class TrueWorld {
   std::vector<StoneState> states_;  // by catalogue index
   std::vector<double> friction_;    // by pair of catalogue indices, row by row; last column: the table
   HandPose hand_;
+  std::optional<std::array<FingerDriveState, kFingers>> drives_;
   HandLoad load_;
   HandLoad pad_load_;
   std::array<double, kFingers> finger_force_{};

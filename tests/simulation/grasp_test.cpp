@@ -15,8 +15,10 @@ struct Bench {
   TrueWorld world;
   SimulatedGripper gripper;
 
-  explicit Bench(double mass)
-      : world({make_pebble("pebble", mass)}, {0}, make_robotiq_3f(), options), gripper(world) {
+  explicit Bench(double mass, const SimulationOptions& simulation = {})
+      : options(simulation),
+        world({make_pebble("pebble", mass)}, {0}, make_robotiq_3f(), options),
+        gripper(world) {
     Pose T_W_O = Pose::Identity();
     double lowest = 0;
     for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
@@ -96,6 +98,21 @@ TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {
   (void)bench.gripper.move(0.0, 0.05, 15.0);  // bears 2 * 0.5 * 15 N of 29 N
   (void)bench.carry(tool_down({0, 0, 0.3}), 1.5);
   EXPECT_LT(bench.world.centre_of_mass(0).z(), 0.1);
+}
+
+TEST(Grasp, FingersCloseOnWhenTheStoneIsTakenOutUnlessTheyAreLocked) {
+  for (const bool regrip : {true, false}) {
+    SimulationOptions options;
+    options.regrip = regrip;
+    Bench bench(1.5, options);
+    const GripperState gripped = bench.grip();
+    ASSERT_TRUE(gripped.object);
+    bench.world.place(0, make_pose(Eigen::Vector3d(0.5, 0.0, 0.1)));
+    (void)bench.world.wait(3.0);
+    const GripperState now = bench.gripper.state();
+    EXPECT_EQ(now.object, !regrip);
+    EXPECT_NEAR(now.opening, regrip ? 0.0 : gripped.opening, 1e-6);
+  }
 }
 
 TEST(Grasp, OpeningLetsTheStoneDownWhereItIs) {

@@ -26,6 +26,7 @@ struct SimulationOptions {
   double force_delay = 0.0;             ///< s, from the wrist's force to the arm that guards a motion by it
   double mass_error = 0.02;             ///< share, one sigma
   double com_error = 0.002;             ///< m, at most
+  bool regrip = true;                   ///< fingers close on when what they hold gives way (rGTO stays set)
   double step = 0.001;                  ///< s; finer while the fingers touch a stone
   double clearance = 0.045;             ///< m between loose stones, so that the fingers find room
 };

@@ -46,7 +46,7 @@ class WorldGripper final : public GripperPlant {
       still_[i] = 0.0;
       // A stands alone against B and C, which share its force.
       drives_[i] = {place_of(axes[i].target), axes[i].speed / kCounts * half_stroke_,
-                    i == 0 ? axes[i].force : 0.5 * axes[i].force, false};
+                    i == 0 ? axes[i].force : 0.5 * axes[i].force, world_->options().regrip};
     }
   }
 
