@@ -55,6 +55,7 @@ std::vector<Variant> cell_variants() {
           only("arm error only", {"simulation.arm_repeatability=0.0001", "simulation.arm_residual=0.001"}),
           only("mass and centre only", {"simulation.mass_error=0.02", "simulation.com_error=0.002"}),
           only("friction 0.35 to 0.65 only", {"simulation.friction_spread=0.15"}),
+          only("fingers locked only", {"simulation.regrip=false"}),
           only("friction 0.2 only", {"simulation.friction=0.2"}),
           only("friction 0.1 only", {"simulation.friction=0.1"})};
 }
@@ -67,6 +68,7 @@ std::vector<Variant> design_variants() {
           {"no stone taken off again", {"run.most_taken_off=0"}},
           {"no stone turned over", {"run.most_turned_over=0"}},
           {"friction 0.1 only", {"run.most_friction=0.1"}},
+          {"grasps by three contacts", {"motion.press_pads=false"}},
           {"no perturbed verdicts", {"search.perturbations=0"}},
           {"aim not corrected", {"run.correct_aim=false"}}};
 }

@@ -24,6 +24,7 @@ FieldList fields(MotionOptions& o) {
           field("least_held", o.least_held, {0, 1}, "", "ours"),
           field("largest_swing", o.largest_swing, {0.001, 1}, "m", "ours"),
           field("force_noise", o.force_noise, {0, 10}, "N", "facts/robot.md: resolution 0.1 N"),
+          field("press_pads", o.press_pads, "measured: bench hold"),
           field("alternatives", o.alternatives, {1, 100}, "", "measured: bench motion"),
           field("planning_seconds", o.planning_seconds, {0.01, 600}, "s", "ours"),
           field("seed", o.seed, {0, 2147483647}, "", "ours")};

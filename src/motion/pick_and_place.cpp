@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "motion/pick_attempt.hpp"
+#include "motion/pick_candidates.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -17,61 +18,13 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest inverse solutions looked at, each grasp
-constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
-constexpr std::size_t kWaysPerGrasp = 2;
-constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
 constexpr double kGravity = 9.81;
 constexpr double kInTable = 0.010;  ///< m: what pieces and measured poses may reach into the table
 
 using Status = PickAndPlacePlan::Status;
 
-/// A grasp with joint angles at both ends, and what it promises to cost.
-struct Candidate {
-  int grasp = -1;
-  Joints q_pick, q_place;
-  double cost = 0.0;  ///< s
-};
-
-/// Seconds at the joints' full speed, without acceleration: a lower bound.
-double least_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
-  return (a - b).cwiseAbs().cwiseQuotient(velocity).maxCoeff();
-}
-
 constexpr double kNearGrasp = 0.020;     ///< m: a grasp that near to one that failed would fail as well
 constexpr double kNearGraspTurn = 0.35;  ///< rad
-
-/// Cheapest first. Every usable grasp gives a few.
-std::vector<Candidate> rank(const PlanningScene& scene, const PickAndPlaceTask& task,
-                            const MotionOptions& options, const GraspSet& set, const GraspCheck& check) {
-  const Joints velocity = timing_limits(scene.robot, options).velocity;
-  const Pose T_R_W = scene.T_W_R.inverse(), T_T_F = scene.T_F_T.inverse();
-  std::vector<Candidate> all;
-  for (const int index : check.usable) {
-    throw_if_interrupted();
-    const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
-    if (is_near_grasp(task.avoid, grasp.T_O_T)) continue;
-    std::vector<Candidate> own;
-    auto picks = inverse(scene.robot, T_R_W * task.T_W_O_pick * grasp.T_O_T * T_T_F, task.q_start);
-    picks.resize(std::min(picks.size(), kSolutionsAtPick));
-    for (const IkSolution& pick : picks) {
-      auto places = inverse(scene.robot, T_R_W * task.T_W_O_place * grasp.T_O_T * T_T_F, pick.q);
-      places.resize(std::min(places.size(), kSolutionsAtPlace));
-      for (const IkSolution& place : places) {
-        const double seconds =
-            least_seconds(task.q_start, pick.q, velocity) + least_seconds(pick.q, place.q, velocity);
-        own.push_back({index, pick.q, place.q, seconds + kScoreWorth * (1.0 - grasp.score)});
-      }
-    }
-    const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
-    std::stable_sort(own.begin(), own.end(), cheaper);
-    own.resize(std::min(own.size(), kWaysPerGrasp));
-    all.insert(all.end(), own.begin(), own.end());
-  }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
-  return all;
-}
 
 PickAndPlacePlan refused(Status status, std::string reason) {
   PickAndPlacePlan plan;
@@ -160,19 +113,22 @@ double total_seconds(const std::vector<PlanStep>& steps) {
 
 /// Tries candidates in order until enough have a free way; the quickest wins.
 PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& task,
-                           const MotionOptions& options, const GraspSet& set,
-                           const std::vector<Candidate>& candidates) {
+                           const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
   const Stopwatch watch;
   FaultCounts faults;
   PickAndPlacePlan best = refused(Status::kNoTransit, "");
   int found = 0, tried = 0;
-  for (const Candidate& candidate : candidates) {
+  bool in_time = true;
+  double best_cost = 0.0;  // s
+  while (found < options.alternatives) {
     throw_if_interrupted();
-    if (found >= options.alternatives || watch.seconds() > options.planning_seconds) break;
+    in_time = watch.seconds() <= options.planning_seconds;
+    const auto candidate = in_time ? candidates.next() : std::nullopt;
+    if (!candidate) break;
     ++tried;
-    const Grasp& grasp = set.grasps[static_cast<std::size_t>(candidate.grasp)];
+    const Grasp& grasp = set.grasps[static_cast<std::size_t>(candidate->grasp)];
     const PickAttempt attempt(scene, task, options, grasp);
-    const PickAttempt::Result result = attempt.try_joints(candidate.q_pick, candidate.q_place);
+    const PickAttempt::Result result = attempt.try_joints(candidate->q_pick, candidate->q_place);
     faults.add(result.fault);
     if (result.fault != WayFault::kNone) continue;
     ++found;
@@ -181,11 +137,13 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     plan.spacing = grasp.spacing;
     plan.steps = timed_steps(scene, task, options, grasp, result.way);
     plan.seconds = total_seconds(plan.steps);
-    if (best.status != Status::kPlanned || plan.seconds < best.seconds) best = std::move(plan);
+    if (best.status == Status::kPlanned && plan.seconds + candidate->price >= best_cost) continue;
+    best_cost = plan.seconds + candidate->price;
+    best = std::move(plan);
   }
   if (best.status != Status::kPlanned)
     best.reason = concat(task.stone->name, ": of ", tried, " ways tried with usable grasps ", faults.text(),
-                         tried < static_cast<int>(candidates.size()) ? "; then planning time was over" : "");
+                         !in_time ? "; then planning time was over" : "");
   return best;
 }
 
@@ -224,7 +182,8 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
   if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
   const GraspCheck check = finder.check(task.T_W_O_place);
   if (check.usable.empty()) return none_usable(stone, check);
-  return plan_ways(scene, task, options, finder.set(), rank(scene, task, options, finder.set(), check));
+  return plan_ways(scene, task, options, finder.set(),
+                   PickCandidates(scene, task, options, finder.set(), check));
 }
 
 std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q, double opening,

@@ -33,6 +33,7 @@ struct MotionOptions {
   double least_held = 0.6;        ///< share of the stone's weight that the wrist must feel after the lift
   double largest_swing = 0.020;  ///< m, level, between where the stone pulls at the wrist and where it should
   double force_noise = 0.15;     ///< N, one sigma of the force sensor; the threshold is at least six
+  bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
   int alternatives = 3;          ///< complete plans to choose the quickest from
   double planning_seconds = 5.0;  ///< a whole plan, at most; the only limit that depends on the machine
   int seed = 1;

@@ -29,6 +29,9 @@ struct GripperModel {
   double pad_length = 0.040;       ///< m, along z, ends at the tip (z of T = 0)
   double force = 60.0;             ///< N a finger
   double friction = 0.5;           ///< rubber on stone
+  double pad_thickness = 0.005;    ///< m of rubber
+  double pad_stiffness = 1.5e8;    ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
+  double pad_shear = 5e7;          ///< N/m^3, sideways: a third of it
   double mass = 2.5;               ///< kg
   double payload = 2.5;            ///< kg at the finger tips
   std::vector<GripperBox> boxes;   ///< fingers, palm, sensor, camera

@@ -1,0 +1,56 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "stonestack/geometry/mesh.hpp"
+#include "stonestack/motion/grasp.hpp"
+
+namespace stonestack {
+
+/// A closed hand round a stone, as the planner believes it to press: each pad is an elastic foundation with
+/// friction, the stone its scan, the fingers stay where their force was reached. What three contact points
+/// with mean normals cannot tell, it can: how large a touched patch is, how it shrinks while the stone turns
+/// in the hand, and how far the stone hangs from where it was grasped. Elastic constants: GripperModel.
+class PadPress {
+ public:
+  /// `surface`: samples of the stone's scan, about 3 mm apart. `mass`: of the stone.
+  PadPress(const std::vector<SurfaceSample>& surface, const MassProperties& mass, const GripperModel& gripper,
+           const Grasp& grasp);
+
+  /// How a load is borne.
+  struct Load {
+    double share = 0.0;   ///< of the weight, largest that the pads were found to bear
+    double moved = 0.0;   ///< m, centre of mass in the hand under the weight itself
+    double turned = 0.0;  ///< rad, the same
+  };
+  /// With gravity along the unit vector `n_T_down`; loads up to `most` times the weight are tried.
+  [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double most) const;
+  /// m, how deep the stone presses into the pad of finger A, B or C.
+  [[nodiscard]] double deepest(int finger) const;
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  struct Sample {
+    Eigen::Vector3d p, r;  // in T; from the centre of mass
+    double area = 0.0;     // m^2, across the pad's normal
+    int pad = 0;
+  };
+  struct State {
+    Vector6 u = Vector6::Zero();    // of the stone: shift and small turn about its centre of mass
+    std::array<double, 3> place{};  // m, of each pad from the plane x = 0
+  };
+  void squeeze();
+  void close(State& state, int pad) const;
+  Vector6 forces(const State& state, Matrix6* stiffness) const;
+  bool settle(State& state, const Vector6& load) const;
+
+  const GripperModel& gripper_;
+  double weight_ = 0.0;
+  std::vector<Sample> samples_;
+  std::array<double, 3> wanted_{};  // N, of each finger
+  State gripped_;
+  bool holds_ = false;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,117 @@
+#include "motion/pick_candidates.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/motion/timing.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest inverse solutions looked at, each grasp
+constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
+constexpr std::size_t kWaysPerGrasp = 2;
+constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
+constexpr double kSpacing = 0.003;   ///< m, between samples of the surface that pads press on
+
+// What a loose grasp costs. Measured with `stonestack bench hold --every` (docs/measurements.md): none of 76
+// lifts went wrong that PadPress saw move less than 0.65 mm and press less than 4.3 mm deep, 22 of 40 beyond
+// 0.75 mm and 4.3 mm.
+constexpr double kFirm = 0.0006, kLoose = 0.0012;   ///< m that the stone moves in the hand under its weight
+constexpr double kShallow = 0.0038, kDeep = 0.006;  ///< m into a pad: its rubber is 5 mm thick
+constexpr double kTurned = 0.010, kFarTurned = 0.035;  ///< rad
+constexpr double kSlipCost = 40.0;                     ///< s, what a stone that slips costs
+constexpr double kMostLoad = 1.5;                      ///< times the weight that a grasp should bear
+
+/// 0 up to `low`, 1 from `high` on.
+double ramp(double value, double low, double high) {
+  return std::clamp((value - low) / (high - low), 0.0, 1.0);
+}
+
+/// Seconds at the joints' full speed, without acceleration: a lower bound.
+double least_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
+  return (a - b).cwiseAbs().cwiseQuotient(velocity).maxCoeff();
+}
+
+}  // namespace
+
+PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTask& task,
+                               const MotionOptions& options, const GraspSet& set, const GraspCheck& check)
+    : task_(task), gripper_(scene.gripper), set_(set) {
+  if (options.press_pads) surface_ = sample_surface(task.stone->scan, kSpacing);
+  const Joints velocity = timing_limits(scene.robot, options).velocity;
+  const Pose T_R_W = scene.T_W_R.inverse(), T_T_F = scene.T_F_T.inverse();
+  for (const int index : check.usable) {
+    throw_if_interrupted();
+    const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
+    if (is_near_grasp(task.avoid, grasp.T_O_T)) continue;
+    std::vector<PickCandidate> own;
+    auto picks = inverse(scene.robot, T_R_W * task.T_W_O_pick * grasp.T_O_T * T_T_F, task.q_start);
+    picks.resize(std::min(picks.size(), kSolutionsAtPick));
+    for (const IkSolution& pick : picks) {
+      auto places = inverse(scene.robot, T_R_W * task.T_W_O_place * grasp.T_O_T * T_T_F, pick.q);
+      places.resize(std::min(places.size(), kSolutionsAtPlace));
+      for (const IkSolution& place : places) {
+        const double seconds =
+            least_seconds(task.q_start, pick.q, velocity) + least_seconds(pick.q, place.q, velocity);
+        const double price = kScoreWorth * (1.0 - grasp.score);
+        own.push_back({index, pick.q, place.q, price, seconds + price});
+      }
+    }
+    const auto cheaper = [](const PickCandidate& a, const PickCandidate& b) { return a.cost < b.cost; };
+    std::stable_sort(own.begin(), own.end(), cheaper);
+    own.resize(std::min(own.size(), kWaysPerGrasp));
+    for (const PickCandidate& candidate : own) push({candidate, false});
+  }
+}
+
+// The cheapest comes first; of two that cost the same, the better grasp.
+struct PickCandidates::Later {
+  bool operator()(const Entry& a, const Entry& b) const {
+    return std::tie(a.candidate.cost, a.candidate.grasp) > std::tie(b.candidate.cost, b.candidate.grasp);
+  }
+};
+
+void PickCandidates::push(Entry entry) {
+  heap_.push_back(std::move(entry));
+  std::push_heap(heap_.begin(), heap_.end(), Later());
+}
+
+double PickCandidates::looseness_cost(int grasp) {
+  const auto [it, is_new] = looseness_.try_emplace(grasp, 0.0);
+  if (!is_new) return it->second;
+  const Grasp& g = set_.grasps[static_cast<std::size_t>(grasp)];
+  const PadPress press(surface_, task_.stone->mass, gripper_, g);
+  double risk = 0.0;
+  for (const Pose* T_W_O : {&task_.T_W_O_pick, &task_.T_W_O_place}) {
+    const Eigen::Vector3d n_T_down = -(*T_W_O * g.T_O_T).linear().row(2).transpose();
+    const PadPress::Load load = press.bear(n_T_down, kMostLoad);
+    const double own = load.share < kMostLoad ? 1.0
+                                              : 0.6 * ramp(load.moved, kFirm, kLoose) +
+                                                    0.2 * ramp(load.turned, kTurned, kFarTurned);
+    risk = std::max(risk, own);
+  }
+  double deepest = 0.0;
+  for (int finger = 0; finger < 3; ++finger) deepest = std::max(deepest, press.deepest(finger));
+  it->second = kSlipCost * (risk + 0.4 * ramp(deepest, kShallow, kDeep));
+  return it->second;
+}
+
+std::optional<PickCandidate> PickCandidates::next() {
+  while (!heap_.empty()) {
+    std::pop_heap(heap_.begin(), heap_.end(), Later());
+    Entry first = std::move(heap_.back());
+    heap_.pop_back();
+    if (first.pressed || surface_.empty()) return first.candidate;
+    first.pressed = true;
+    const double looseness = looseness_cost(first.candidate.grasp);
+    first.candidate.price += looseness;
+    first.candidate.cost += looseness;
+    push(std::move(first));
+  }
+  return std::nullopt;
+}
+
+}  // namespace stonestack
