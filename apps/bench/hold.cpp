@@ -87,10 +87,10 @@ void print_lift(const Stone& stone, const PlanningScene& scene, const PickAndPla
     const PadPress::Load load = press.bear(-T_W_T.linear().row(2).transpose(), 4.0);
     std::printf(
         "; grasp %td of %zu, score %.2f, fingers %.0f mm apart; pads: bear %.1f weights, move %.2f mm "
-        "%.1f deg, %.1f %.1f %.1f mm deep",
+        "%.1f deg, %.1f %.1f %.1f mm deep, closing turns %.1f deg",
         grasp - set->grasps.data(), set->grasps.size(), grasp->score, 1e3 * grasp->spacing, load.share,
         1e3 * load.moved, load.turned / kDegree, 1e3 * press.deepest(0), 1e3 * press.deepest(1),
-        1e3 * press.deepest(2));
+        1e3 * press.deepest(2), press.squeeze_turn() / kDegree);
   }
   std::printf("\n");
 }

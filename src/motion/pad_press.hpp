@@ -25,6 +25,8 @@ class PadPress {
   };
   /// With gravity along the unit vector `n_T_down`; loads up to `most` times the weight are tried.
   [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double most) const;
+  /// rad, by which closing the hand turns the stone.
+  [[nodiscard]] double squeeze_turn() const { return gripped_.u.tail<3>().norm(); }
   /// m, how deep the stone presses into the pad of finger A, B or C.
   [[nodiscard]] double deepest(int finger) const;
 

@@ -23,7 +23,10 @@ constexpr double kFirm = 0.0006, kLoose = 0.0012;   ///< m that the stone moves 
 constexpr double kShallow = 0.0038, kDeep = 0.006;  ///< m into a pad: its rubber is 5 mm thick
 constexpr double kTurned = 0.010, kFarTurned = 0.035;  ///< rad
 constexpr double kSlipCost = 40.0;                     ///< s, what a stone that slips costs
-constexpr double kMostLoad = 1.5;                      ///< times the weight that a grasp should bear
+// In the simulated cell closing turns a stone by twice of what PadPress says (bench hold --every, 0.3 to 2.4
+// deg), and it is set down turned by that.
+constexpr double kStraight = 0.0035, kTurnCost = 570.0;  ///< rad that cost nothing; s a rad: 10 s a degree
+constexpr double kMostLoad = 1.5;                        ///< times the weight that a grasp should bear
 
 /// 0 up to `low`, 1 from `high` on.
 double ramp(double value, double low, double high) {
@@ -95,7 +98,8 @@ double PickCandidates::looseness_cost(int grasp) {
   }
   double deepest = 0.0;
   for (int finger = 0; finger < 3; ++finger) deepest = std::max(deepest, press.deepest(finger));
-  it->second = kSlipCost * (risk + 0.4 * ramp(deepest, kShallow, kDeep));
+  it->second = kSlipCost * (risk + 0.4 * ramp(deepest, kShallow, kDeep)) +
+               kTurnCost * std::max(0.0, press.squeeze_turn() - kStraight);
   return it->second;
 }
 
