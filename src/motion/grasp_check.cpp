@@ -1,6 +1,7 @@
 #include "stonestack/motion/grasp_check.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "motion/grasp_end.hpp"
 #include "stonestack/core/error.hpp"
@@ -51,13 +52,19 @@ GraspFinder::~GraspFinder() = default;
 GraspFinder::GraspFinder(GraspFinder&&) noexcept = default;
 GraspFinder& GraspFinder::operator=(GraspFinder&&) noexcept = default;
 
-GraspCheck GraspFinder::check(const Pose& T_W_O_place, int enough) const {
+GraspCheck GraspFinder::check(const Pose& T_W_O_place, int enough,
+                              std::span<const SceneObject> meanwhile) const {
   require(is_valid(T_W_O_place), "the target of ", parts_->stone.name,
           " is not a pose: ", to_text(T_W_O_place));
   GraspCheck result = parts_->pick;
   result.usable.clear();
+  std::optional<GraspEnd> later;
+  if (!meanwhile.empty()) later.emplace(parts_->end.among(meanwhile));
   for (const int i : parts_->pick.usable) {
-    if (const auto fault = parts_->end.fault(parts_->set->grasps[static_cast<std::size_t>(i)], T_W_O_place))
+    const Grasp& grasp = parts_->set->grasps[static_cast<std::size_t>(i)];
+    auto fault = parts_->end.fault(grasp, T_W_O_place);
+    if (!fault && later) fault = later->fault(grasp, T_W_O_place);
+    if (fault)
       ++result.refused[static_cast<std::size_t>(at_place(*fault))];
     else
       result.usable.push_back(i);

@@ -32,11 +32,31 @@ bool has_branch(const IkBranches& all, int branch) {
 
 GraspEnd::GraspEnd(const PlanningScene& scene, const Stone& stone, int object, const MotionOptions& options)
     : scene_(scene), stone_(stone), options_(options) {
+  make_hands(scene, object);
+}
+
+GraspEnd::GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects)
+    : scene_(other.scene_), stone_(other.stone_), options_(other.options_) {
+  PlanningScene scene;
+  scene.robot = scene_.robot;
+  scene.gripper = scene_.gripper;
+  scene.T_W_R = scene_.T_W_R;
+  scene.T_F_T = scene_.T_F_T;
+  scene.table_z = scene_.table_z;
+  scene.objects.assign(objects.begin(), objects.end());
+  make_hands(scene, -1);
+}
+
+GraspEnd GraspEnd::among(std::span<const SceneObject> objects) const {
+  return {*this, objects};
+}
+
+void GraspEnd::make_hands(const PlanningScene& scene, int object) {
   const auto add = [&](double spacing) {
     PlanningScene spaced = scene;
     spaced.gripper = with_spacing(scene.gripper, spacing);
-    hands_.push_back({spacing, HandCheck(spaced, options.approach, object),
-                      CollisionChecker(spaced, arm_rules(options, object))});
+    hands_.push_back({spacing, HandCheck(spaced, options_.approach, object),
+                      CollisionChecker(spaced, arm_rules(options_, object))});
   };
   add(scene.gripper.finger_spacing);
   if (scene.gripper.narrow_spacing > 0) add(scene.gripper.narrow_spacing);

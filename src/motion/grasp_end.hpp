@@ -26,6 +26,8 @@ class GraspEnd {
   /// The first tests alone: hand against table and objects, and the grip's strength. They do not change when
   /// the stone is turned about the vertical on an empty table.
   [[nodiscard]] std::optional<EndFault> hand_fault(const Grasp& grasp, const Pose& T_W_O) const;
+  /// The same robot and hand with these objects in place of the scene's.
+  [[nodiscard]] GraspEnd among(std::span<const SceneObject> objects) const;
   /// Those of the grasps with the indices `among` that serve, until `enough` are found (0: all).
   [[nodiscard]] std::vector<int> serving(std::span<const Grasp> grasps, std::span<const int> among,
                                          const Pose& T_W_O, std::size_t enough = 0) const;
@@ -41,7 +43,10 @@ class GraspEnd {
   [[nodiscard]] bool too_weak(const Grasp& grasp, const Pose& T_W_T) const;
   [[nodiscard]] std::optional<EndFault> arm_fault(const CollisionChecker& arm, const Pose& T_W_T) const;
 
-  const PlanningScene& scene_;
+  GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects);
+  void make_hands(const PlanningScene& scene, int object);
+
+  const PlanningScene& scene_;  // its objects are not looked at again
   const Stone& stone_;
   MotionOptions options_;
   std::vector<Hand> hands_;

@@ -70,6 +70,18 @@ void collect(const SearchContext& context, TowerSearch& search, int levels, Sear
   }
 }
 
+/// Can the arm build the whole plan, one stone after the other?
+bool all_reachable(const SearchContext& context, const Placement& plan) {
+  Stack below = context.stack;
+  if (!context.problem->reachable(plan.stone, plan.T_W_O, below)) return false;
+  below.stones.push_back({plan.stone, plan.T_W_O});
+  return std::all_of(plan.then.begin(), plan.then.end(), [&](const PlacedStone& next) {
+    const bool free = context.problem->reachable(next.stone, next.T_W_O, below);
+    below.stones.push_back(next);
+    return free;
+  });
+}
+
 /// On the table a stone may be turned about the vertical, which changes nothing but what the arm meets: fills
 /// the list up with turned ones.
 void add_turned(const SearchContext& context, SearchResult* result) {
@@ -84,7 +96,7 @@ void add_turned(const SearchContext& context, SearchResult* result) {
                      Eigen::Translation3d(-p_W) * first.T_W_O;
       turned.support = {};
       for (PlacedStone& above : turned.then) above.T_W_O = turned.T_W_O * first.T_W_O.inverse() * above.T_W_O;
-      if (context.problem->reachable(turned.stone, turned.T_W_O)) result->best.push_back(std::move(turned));
+      if (all_reachable(context, turned)) result->best.push_back(std::move(turned));
     }
 }
 

@@ -73,7 +73,7 @@ std::vector<const LocalSolution*> by_cost(const SearchContext& context, const st
   });
   if (!context.problem->reachable) return list;
   std::erase_if(list, [&](const LocalSolution* local) {
-    const bool refused = !context.problem->reachable(local->stone, local->found.T_W_O);
+    const bool refused = !context.problem->reachable(local->stone, local->found.T_W_O, context.stack);
     result->unreachable += refused ? 1 : 0;
     return refused;
   });

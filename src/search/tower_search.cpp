@@ -85,7 +85,7 @@ int TowerSearch::climb(int node, const PlacedStone& next, std::string* reason) {
     *reason = "a stone of the plan is not there any more";
     return -1;
   }
-  if (reachable && !reachable(next.stone, next.T_W_O)) {
+  if (reachable && !reachable(next.stone, next.T_W_O, tree_.node(node).stack)) {
     *reason = "the arm does not reach the plan any more";
     return -1;
   }
@@ -182,14 +182,14 @@ void TowerSearch::note_best(std::span<const int> nodes) {
     if (best_ == 0 || worth(k) > worth(best_)) best_ = k;
 }
 
-bool TowerSearch::accepts(const Proposal& proposal, bool on_table, Trial* trial) {
+bool TowerSearch::accepts(const Proposal& proposal, const Stack& below, Trial* trial) {
   const auto& reachable = context_.problem->reachable;
-  const int yaws = on_table && reachable ? kTableYaws : 1;
+  const int yaws = below.stones.empty() && reachable ? kTableYaws : 1;
   for (int yaw = 0; yaw < yaws; ++yaw) {
     BodyPose body = proposal.body;
     body.R_W_O = yaw_rotation(6.283185307179586 * yaw / yaws) * body.R_W_O;
     trial->T_W_O = stone_pose(body);
-    if (!reachable || reachable(proposal.stone, trial->T_W_O)) return true;
+    if (!reachable || reachable(proposal.stone, trial->T_W_O, below)) return true;
     ++unreachable_;
   }
   return false;
@@ -225,11 +225,11 @@ std::vector<Trial> TowerSearch::offers(int k) {
   for (const long count : counts) candidates_ += count;
   std::stable_sort(proposals.begin(), proposals.end(),
                    [](const Proposal& p, const Proposal& q) { return p.score > q.score; });
-  return reachable_trials(proposals, bodies.empty());
+  return reachable_trials(proposals, node.stack);
 }
 
 /// In turns of `settled`, of which no stone gets more than twice its share.
-std::vector<Trial> TowerSearch::reachable_trials(const std::vector<Proposal>& proposals, bool on_table) {
+std::vector<Trial> TowerSearch::reachable_trials(const std::vector<Proposal>& proposals, const Stack& below) {
   const auto wanted = static_cast<std::size_t>(kTurns * context_.options->settled);
   std::vector<Trial> trials;
   std::size_t asked = 0;
@@ -238,7 +238,7 @@ std::vector<Trial> TowerSearch::reachable_trials(const std::vector<Proposal>& pr
     throw_if_interrupted();
     ++asked;
     Trial trial;
-    if (!accepts(proposal, on_table, &trial)) continue;
+    if (!accepts(proposal, below, &trial)) continue;
     trial.stone = proposal.stone;
     trial.estimate = proposal.robust;
     trial.look_ahead = proposal.look_ahead;

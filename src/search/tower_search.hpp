@@ -51,8 +51,9 @@ class TowerSearch {
   /// What the loose stones offer: made once, when something is searched at all.
   void survey();
   void grow(std::span<const int> nodes);
-  [[nodiscard]] std::vector<Trial> reachable_trials(const std::vector<Proposal>& proposals, bool on_table);
-  [[nodiscard]] bool accepts(const Proposal& proposal, bool on_table, Trial* trial);
+  [[nodiscard]] std::vector<Trial> reachable_trials(const std::vector<Proposal>& proposals,
+                                                    const Stack& below);
+  [[nodiscard]] bool accepts(const Proposal& proposal, const Stack& below, Trial* trial);
   /// Settles and judges a placement on a node's tower; the new node, or -1 with the reason.
   [[nodiscard]] int climb(int node, const PlacedStone& next, std::string* reason);
   /// The problem's way up as far as it holds, and on from its top. True if that finished a tower.

@@ -173,7 +173,9 @@ bool Builder::turn_over() {
   throw_if_interrupted();
   SearchProblem problem = make_problem(belief_);
   // What would fit, if only the stone lay otherwise.
-  problem.reachable = [this](int stone, const Pose& T_W_O) { return !was_given_up(stone, T_W_O); };
+  problem.reachable = [this](int stone, const Pose& T_W_O, const Stack&) {
+    return !was_given_up(stone, T_W_O);
+  };
   if (problem.available.empty()) return false;
   const Stopwatch search;
   const SearchResult found = search_by_friction(problem, M_PI);

@@ -43,7 +43,7 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
   problem.available = belief.loose;
   auto reach = std::make_shared<Reach>(
       Reach{belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief), cell_.arm.state().q, {}});
-  problem.reachable = [this, reach](int stone, const Pose& T_W_O) {
+  problem.reachable = [this, reach](int stone, const Pose& T_W_O, const Stack& below) {
     if (was_given_up(stone, T_W_O)) return false;
     auto finder = reach->finders.find(stone);
     if (finder == reach->finders.end()) {
@@ -51,9 +51,15 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
       GraspFinder made(reach->scene, *task.stone, task.object, task.T_W_O_pick, options_.motion);
       finder = reach->finders.emplace(stone, std::move(made)).first;
     }
+    std::vector<SceneObject> planned;
+    for (std::size_t k = reach->belief.stack.size(); k < below.stones.size(); ++k) {
+      const Stone& lower = catalogue_.stones[static_cast<std::size_t>(below.stones[k].stone)];
+      planned.push_back({lower.name, lower.pieces, below.stones[k].T_W_O});
+    }
     const auto failed = failed_grasps_.find(stone);
-    if (failed == failed_grasps_.end()) return finder->second.serves(T_W_O);
-    const GraspCheck check = finder->second.check(T_W_O);
+    const bool any = failed == failed_grasps_.end();
+    const GraspCheck check = finder->second.check(T_W_O, any ? 1 : 0, planned);
+    if (any) return !check.usable.empty();
     return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
       const Grasp& grasp = finder->second.set().grasps[static_cast<std::size_t>(k)];
       return !is_near_grasp(failed->second, grasp.T_O_T);

@@ -230,7 +230,7 @@ TEST_F(Commands, PlanSaysWhatCannotBe) {
   const auto plan = [&](const std::string& target, const std::string& more = "") {
     return concat("plan lying.yaml --stone limestone_3 --target ", target, ',', kTurned, ' ', more);
   };
-  expect_refusal(plan("2.5,0.28,0.043"), 6, {"limestone_3", "out of reach at the target"});
+  expect_refusal(plan("2.5,0.28,0.043"), 6, {"limestone_3", "from the robot's shoulder"});
   expect_refusal(plan("0.7,0.28,-0.05"), 6, {"limestone_3", "into the table"});
   expect_refusal(plan("nan,0.28,0.05"), 2, {"nan"});
   expect_refusal(concat("plan lying.yaml --stone limestone_9999 --target 0.7,0.28,0.1,", kTurned), 2,

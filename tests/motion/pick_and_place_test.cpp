@@ -198,6 +198,31 @@ TEST(GraspFinder, WallAroundTheStoneLeavesNoGrasp) {
   EXPECT_NE(check.text().find("hit another object at pick"), std::string::npos) << check.text();
 }
 
+TEST(GraspFinder, WhatWillStandThereByThenIsNotMet) {
+  const Workplace cell;
+  const GraspFinder finder(cell.scene, *cell.task.stone, cell.task.object, cell.task.T_W_O_pick);
+  const Pose& T_W_O = cell.task.T_W_O_place;
+  const GraspCheck alone = finder.check(T_W_O);
+  ASSERT_FALSE(alone.usable.empty());
+  // Two walls that only leave room for the stone itself.
+  std::vector<SceneObject> walls;
+  for (const double side : {-1.0, 1.0}) {
+    const Pose T_W_wall = Eigen::Translation3d(0.0, side * 0.09, 0.0) * T_W_O;
+    walls.push_back(
+        {"wall", {make_box({0.5, 0.02, 0.4})}, Pose(Eigen::Translation3d(T_W_wall.translation()))});
+    walls.push_back({"wall",
+                     {make_box({0.02, 0.5, 0.4})},
+                     Pose(Eigen::Translation3d(T_W_O.translation() + Eigen::Vector3d(side * 0.09, 0, 0)))});
+  }
+  const GraspCheck later = finder.check(T_W_O, 0, walls);
+  EXPECT_TRUE(later.usable.empty());
+  EXPECT_GT(later.refused[static_cast<std::size_t>(GraspFault::kObjectAtPlace)], 0);
+  EXPECT_EQ(finder.check(T_W_O).usable, alone.usable) << "the finder itself has not changed";
+  // The same walls far from the target do no harm, although the arm passes there.
+  for (SceneObject& wall : walls) wall.T_W_object.pretranslate(Eigen::Vector3d(0, 3, 0));
+  EXPECT_EQ(finder.check(T_W_O, 0, walls).usable, alone.usable);
+}
+
 TEST(PickAndPlace, RetreatsFromWhereTheArmStands) {
   const Workplace cell;
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);

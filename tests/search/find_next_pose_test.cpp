@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "stonestack/core/error.hpp"
 
@@ -97,7 +98,7 @@ TEST(FindNextPose, APlanThatNoLongerHoldsSaysWhy) {
 
   const std::vector<PlacedStone> good{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
   EXPECT_FALSE(follow_plan(problem, good, quick()).best.empty());
-  problem.reachable = [](int stone, const Pose&) { return stone != 2; };
+  problem.reachable = [](int stone, const Pose&, const Stack&) { return stone != 2; };
   const SearchResult far = follow_plan(problem, good, quick());
   EXPECT_TRUE(far.best.empty());
   EXPECT_THAT(far.reason, HasSubstr("reach"));
@@ -192,7 +193,7 @@ TEST(FindNextPose, KeepsTheTiltLimit) {
 TEST(FindNextPose, AsksTheArmFirst) {
   SearchProblem problem = base_stands();
   int asked = 0;
-  problem.reachable = [&](int, const Pose&) {
+  problem.reachable = [&](int, const Pose&, const Stack&) {
     ++asked;
     return false;
   };
@@ -203,9 +204,31 @@ TEST(FindNextPose, AsksTheArmFirst) {
   EXPECT_THAT(result.reason, HasSubstr("reaches none"));
 }
 
+TEST(FindNextPose, AsksTheArmAboutTheStackAsItWillHaveGrown) {
+  SearchProblem problem = base_stands();
+  const std::size_t stands = problem.stack.stones.size();
+  std::set<std::size_t> heights;
+  problem.reachable = [&](int stone, const Pose&, const Stack& below) {
+    heights.insert(below.stones.size());
+    for (std::size_t k = 0; k < stands; ++k) EXPECT_EQ(below.stones[k].stone, problem.stack.stones[k].stone);
+    for (const PlacedStone& lower : below.stones) EXPECT_NE(lower.stone, stone) << "not upon itself";
+    return true;
+  };
+  ASSERT_GE(problem.available.size(), 2u);
+  ASSERT_FALSE(find_next_pose(problem, quick()).best.empty());
+  EXPECT_TRUE(heights.contains(stands));
+  EXPECT_TRUE(heights.contains(stands + 1)) << "for the stone after the next";
+
+  // An arm that cannot reach over two stones builds one level, and says so of a plan for two.
+  problem.reachable = [&](int, const Pose&, const Stack& below) { return below.stones.size() <= stands; };
+  for (const Placement& found : find_next_pose(problem, quick()).best) EXPECT_TRUE(found.then.empty());
+  const std::vector<PlacedStone> plan{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
+  EXPECT_THAT(follow_plan(problem, plan, quick()).reason, HasSubstr("reach"));
+}
+
 TEST(FindNextPose, OnlyReturnsWhatTheArmReaches) {
   SearchProblem problem = base_stands();
-  problem.reachable = [](int stone, const Pose&) { return stone == 2; };
+  problem.reachable = [](int stone, const Pose&, const Stack&) { return stone == 2; };
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
   for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2);

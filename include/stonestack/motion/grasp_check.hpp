@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,8 +50,10 @@ class GraspFinder {
 
   /// True if some grasp serves both ends: a SearchProblem::reachable.
   [[nodiscard]] bool serves(const Pose& T_W_O_place) const;
-  /// All grasps, or until `enough` are found (0: all).
-  [[nodiscard]] GraspCheck check(const Pose& T_W_O_place, int enough = 0) const;
+  /// All grasps, or until `enough` are found (0: all). `meanwhile`: objects that will stand there, too, when
+  /// the stone is set down; hand and arm must not meet them.
+  [[nodiscard]] GraspCheck check(const Pose& T_W_O_place, int enough = 0,
+                                 std::span<const SceneObject> meanwhile = {}) const;
   /// The grasps that usable indices mean.
   [[nodiscard]] const GraspSet& set() const;
 

@@ -92,9 +92,10 @@ struct SearchProblem {
   /// looks first whether it leads to the top from where it ends, and at other ways only if not. May be empty.
   std::vector<PlacedStone> way_up;
   bool way_up_only = false;  ///< no other ways
-  /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose? Called
-  /// from one thread, best proposals first, before they are verified; what it refuses is counted and dropped.
-  std::function<bool(int stone, const Pose& T_W_O)> reachable;
+  /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose, when
+  /// the stack has grown to `below` (what stands, then what the plan has put on it)? Called from one thread,
+  /// best proposals first, before they are verified; what it refuses is counted and dropped.
+  std::function<bool(int stone, const Pose& T_W_O, const Stack& below)> reachable;
 };
 
 /// One candidate's way through the search, for `--trace`.
