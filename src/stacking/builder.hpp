@@ -37,6 +37,8 @@ class Builder {
   RunResult run() {
     look_around();
     if (belief_.loose.empty()) return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
+    if (const std::string heavy = too_heavy(); !heavy.empty())
+      report(concat("left out, for the hand carries ", make_robotiq_3f().payload, " kg: ", heavy));
     while (!high_enough()) {
       throw_if_interrupted();
       const auto target = find_target();
@@ -107,6 +109,9 @@ class Builder {
   /// What the search is told: the stack, the loose stones, and as out of reach what the arm does not reach
   /// and what was given up.
   [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
+  [[nodiscard]] bool can_carry(int stone) const;
+  /// "stone_150 (3.16 kg), ..." of the loose stones; empty: none is.
+  [[nodiscard]] std::string too_heavy() const;
   /// Forgets which grasps failed: better one of these once more than none. False if none did.
   [[nodiscard]] bool dare_failed_grasps();
   /// Nothing was found to fit on that stone when it lay nearly there, or no motion brings it there.

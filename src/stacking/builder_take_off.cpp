@@ -108,7 +108,7 @@ bool Builder::set_down_top() {
 bool Builder::can_grow_higher(const Belief& without_top) const {
   SearchProblem problem = make_problem(without_top);
   if (problem.available.empty()) return false;
-  const auto levels = static_cast<int>(without_top.loose.size());
+  const auto levels = static_cast<int>(problem.available.size());
   const std::vector<double> assumed = frictions();
   for (std::size_t level = 0; level < assumed.size(); ++level) {
     std::string reason;

@@ -40,7 +40,8 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
   problem.shapes = &shapes_;
   problem.stack.stones = belief.stack;
   problem.site = cell_.layout.site;
-  problem.available = belief.loose;
+  for (const PlacedStone& loose : belief.loose)
+    if (can_carry(loose.stone)) problem.available.push_back(loose);
   auto reach = std::make_shared<Reach>(
       Reach{belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief), cell_.arm.state().q, {}});
   problem.reachable = [this, reach](int stone, const Pose& T_W_O, const Stack& below) {
@@ -68,6 +69,19 @@ SearchProblem Builder::make_problem(const Belief& belief) const {
   return problem;
 }
 
+bool Builder::can_carry(int stone) const {
+  return catalogue_.stones[static_cast<std::size_t>(stone)].mass.mass <= make_robotiq_3f().payload;
+}
+
+std::string Builder::too_heavy() const {
+  std::string list;
+  for (const PlacedStone& loose : belief_.loose)
+    if (!can_carry(loose.stone))
+      list += concat(list.empty() ? "" : ", ", name(loose.stone), " (",
+                     catalogue_.stones[static_cast<std::size_t>(loose.stone)].mass.mass, " kg)");
+  return list;
+}
+
 bool Builder::dare_failed_grasps() {
   if (failed_grasps_.empty()) return false;
   report("no other way is left than grasps that failed before: they are tried again");
@@ -88,6 +102,12 @@ bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
 
 std::optional<Target> Builder::find_target() {
   const SearchProblem problem = make_problem(belief_);
+  if (problem.available.empty()) {
+    result_.end = RunResult::End::kNoPose;
+    result_.ended = concat("no feasible pose: what is left is heavier than the hand carries (",
+                           make_robotiq_3f().payload, " kg): ", too_heavy());
+    return std::nullopt;
+  }
   const Stopwatch watch;
   const SearchResult found = search_by_friction(problem, options_.search.largest_tilt);
   result_.seconds.search += watch.seconds();

@@ -1,5 +1,6 @@
 #include "stonestack/stacking/build_tower.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "stonestack/core/data.hpp"
@@ -31,6 +32,28 @@ double error_of_base(bool refine_camera) {
 TEST(BuildTower, TwoFirstLooksCorrectTheCamera) {
   EXPECT_LT(error_of_base(true), 0.0012);
   EXPECT_GT(error_of_base(false), 0.0020);  // the cell's hand-eye error: 1 mm and 0.3 deg
+}
+
+TEST(BuildTower, AStoneThatTheHandCannotCarryIsLeftOutAndNamed) {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  catalogue.stones[1].mass.I_M *= 3.0 / catalogue.stones[1].mass.mass;
+  catalogue.stones[1].mass.mass = 3.0;
+  const RobotModel robot = read_robot("ur10");
+  SimulationOptions world_options;
+  world_options.seed = 7;
+  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  BuildOptions options;
+  options.search.horizon = 1;
+  std::string said;
+  BuildHooks hooks;
+  hooks.report = [&](const std::string& line) { said += line + "\n"; };
+  Cell cell = world.cell();
+  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  EXPECT_EQ(result.height, 1);
+  EXPECT_EQ(result.belief.stack.front().stone, 2);
+  EXPECT_EQ(result.end, RunResult::End::kNoPose);
+  EXPECT_THAT(result.ended, testing::HasSubstr("limestone_2 (3 kg)"));
+  EXPECT_THAT(said, testing::HasSubstr("left out, for the hand carries 2.5 kg: limestone_2 (3 kg)"));
 }
 
 }  // namespace

@@ -82,10 +82,12 @@ TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
   EXPECT_EQ(missed, 2);
 }
 
-/// Throws the first stone that it lets go of at the site back into the field.
+/// Throws the first stone that it lets go of at the site somewhere else.
 class ClumsyGripper : public Gripper {
  public:
-  ClumsyGripper(Cell cell, SimulatedCell& world) : cell_(cell), world_(world) {}
+  /// By `throw_by` (m), level.
+  ClumsyGripper(Cell cell, SimulatedCell& world, const Eigen::Vector2d& throw_by)
+      : cell_(cell), world_(world), throw_by_(throw_by) {}
 
   [[nodiscard]] GripperState state() override { return cell_.gripper.state(); }
   GripperState move(double opening, double speed, double force) override {
@@ -94,7 +96,7 @@ class ClumsyGripper : public Gripper {
     for (std::size_t k = 0; opening > 0.0 && !thrown_ && k < truth.T_W_O.size(); ++k) {
       Pose T_W_O = truth.T_W_O[k];
       if ((T_W_O.translation().head<2>() - cell_.layout.site).norm() > 0.1) continue;
-      T_W_O.translation().head<2>() += cell_.layout.field_centre - cell_.layout.site;
+      T_W_O.translation().head<2>() += throw_by_;
       world_.place(static_cast<int>(k), T_W_O);
       thrown_ = true;
     }
@@ -106,28 +108,45 @@ class ClumsyGripper : public Gripper {
  private:
   Cell cell_;
   SimulatedCell& world_;
+  Eigen::Vector2d throw_by_;
   bool thrown_ = false;
 };
 
-TEST(FailedPlacement, ItsPlanIsNotFollowedAgain) {
+/// A run with one stone and that hand; what it says goes to `said`.
+RunResult run_with_clumsy_hand(const Eigen::Vector2d& throw_to, std::string* said) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
   SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, world_options);
   const Cell devices = world.cell();
-  ClumsyGripper gripper(devices, world);
+  ClumsyGripper gripper(devices, world, throw_to - devices.layout.site);
   Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
   BuildOptions options;
   options.search.horizon = 1;
-  std::string said;
   BuildHooks hooks;
-  hooks.report = [&](const std::string& line) { said += line + "\n"; };
-  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
-  ASSERT_TRUE(gripper.has_thrown());
+  hooks.report = [&](const std::string& line) { *said += line + "\n"; };
+  RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  EXPECT_TRUE(gripper.has_thrown());
+  return result;
+}
+
+TEST(FailedPlacement, ItsPlanIsNotFollowedAgain) {
+  std::string said;
+  const RunResult result = run_with_clumsy_hand(CellLayout{}.field_centre, &said);
   ASSERT_FALSE(result.placements.empty());
   EXPECT_EQ(result.placements.front().outcome, PlacementRecord::Outcome::kFallen);
   EXPECT_EQ(said.find("the plan still holds"), std::string::npos) << said;
+  EXPECT_EQ(result.height, 1) << result.ended;
+}
+
+TEST(FailedPlacement, AStoneThatRolledOutOfSightIsLookedForBesideTheSite) {
+  std::string said;
+  const RunResult result = run_with_clumsy_hand(CellLayout{}.site + Eigen::Vector2d(-0.36, 0.1), &said);
+  EXPECT_NE(said.find("looking for limestone_2 beside the site"), std::string::npos) << said;
+  ASSERT_FALSE(result.placements.empty());
+  EXPECT_EQ(result.placements.front().outcome, PlacementRecord::Outcome::kFallen) << "seen again, not lost";
+  EXPECT_TRUE(result.placements.front().T_W_O_measured.has_value());
   EXPECT_EQ(result.height, 1) << result.ended;
 }
 
