@@ -5,7 +5,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "geometry/pose_json.hpp"
+#include "detection_json.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -32,29 +32,6 @@ std::vector<int> wanted_stones(const Catalogue& catalogue, const std::string& li
   if (!list.empty())
     for (const auto& name : split(list, ',')) wanted.push_back(catalogue.index(name));
   return wanted;
-}
-
-/// Six rows of (translation m, rotation rad) in C.
-nlohmann::json covariance_json(const Eigen::Matrix<double, 6, 6>& covariance) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (int i = 0; i < 6; ++i) {
-    nlohmann::json row = nlohmann::json::array();
-    for (int k = 0; k < 6; ++k) row.push_back(covariance(i, k));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-nlohmann::json detection_json(const Catalogue& catalogue, const Detection& found,
-                              const std::optional<Pose>& T_W_C) {
-  nlohmann::json entry = {{"stone", catalogue.stones[static_cast<std::size_t>(found.stone)].name},
-                          {"T_C_O", pose_json(found.T_C_O)},
-                          {"score", found.score},
-                          {"inlier_ratio", found.inlier_ratio},
-                          {"visible", found.visible},
-                          {"covariance_C", covariance_json(found.covariance)}};
-  if (T_W_C) entry["T_W_O"] = pose_json(*T_W_C * found.T_C_O);
-  return entry;
 }
 
 /// Every scene with its camera pose; several need one each, so that they can be joined.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stonestack/core/options.hpp"
+#include "stonestack/detection/track_stones.hpp"
 #include "stonestack/kinematics/hand_eye_stations.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -16,6 +17,7 @@ namespace stonestack::apps {
 /// The options of all commands, as a file may hold them.
 struct EveryOption {
   BuildOptions build;
+  TrackOptions tracking;
   SimulationOptions simulation;
   SceneOptions scene;
   HandEyeOptions calibration;

@@ -95,6 +95,37 @@ TEST_F(Commands, RenderedStonesAreDetectedWhereTheyLie) {
   EXPECT_EQ(found, 3);
 }
 
+TEST_F(Commands, TrackSaysWhatStandsMovedAndIsHeld) {
+  const std::string stones = "limestone_1,limestone_4,limestone_6";
+  ASSERT_EQ(run("render --out scene --seed 3 --stones " + stones).code, 0);
+  const Outcome detected = run("detect scene/scene.yaml --json");
+  ASSERT_EQ(detected.code, 0) << detected.err;
+  json before = detected.data();
+  for (auto& entry : before["detections"]) {
+    double& x = *entry["T_W_O"]["x"].get_ptr<double*>();
+    if (entry["stone"] == "limestone_4") x += 0.008;  // so it now lies 8 mm beside
+    if (entry["stone"] == "limestone_6") *entry["T_W_O"]["z"].get_ptr<double*>() += 0.05;
+  }
+  write("before.json", before.dump());
+  const Outcome tracked = run("track scene/scene.yaml --expect before.json --json");
+  ASSERT_EQ(tracked.code, 0) << tracked.err;
+  std::map<std::string, json> found;
+  const json data = tracked.data();
+  for (const auto& entry : data["tracked"]) found[entry["stone"]] = entry;
+  EXPECT_EQ(found["limestone_1"]["status"], "in place");
+  EXPECT_EQ(found["limestone_4"]["status"], "moved");
+  EXPECT_NEAR(found["limestone_4"]["moved_m"].get<double>(), 0.008, 0.001);
+  EXPECT_EQ(found["limestone_6"]["status"], "fallen");
+  EXPECT_NEAR(found["limestone_6"]["moved_m"].get<double>(), 0.05, 0.001);
+  const Outcome held = run("track scene/scene.yaml --expect before.json --held limestone_4,limestone_6");
+  EXPECT_EQ(held.code, 0) << held.err;
+  EXPECT_THAT(held.out, ::testing::Not(HasSubstr("limestone_4")));
+  EXPECT_THAT(run("track scene/scene.yaml --expect scene/scene.yaml").out, HasSubstr("in place"));
+  expect_refusal("track scene/cloud.ply --expect before.json", 3, {"cloud.ply", "--camera-pose"});
+  write("empty.json", "{}");
+  expect_refusal("track scene/scene.yaml --expect empty.json", 3, {"empty.json", "detections"});
+}
+
 TEST_F(Commands, DetectTakesACloudAsTheCameraSeesItButNotItsMirrorImage) {
   ASSERT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);
   const Cloud cloud = read_cloud(folder_ + "/scene/cloud.ply");
