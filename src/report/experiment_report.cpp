@@ -89,6 +89,9 @@ std::string histogram(const Experiment& experiment) {
 }
 
 std::string survival_lines(const Experiment& experiment) {
+  if (std::all_of(experiment.runs.begin(), experiment.runs.end(),
+                  [](const ExperimentRun& run) { return run.survival.standing.empty(); }))
+    return "survival was not tried\n";
   std::string text;
   const auto whole = [&](const auto& standing) {
     Rate rate;

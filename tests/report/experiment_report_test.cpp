@@ -50,6 +50,14 @@ TEST(ExperimentReport, CountsTheHeightThatTheTrueWorldHolds) {
   EXPECT_THAT(experiment_table(sample()), HasSubstr("reported 3!"));
 }
 
+TEST(ExperimentReport, WhatWasNotTriedHasNoRate) {
+  EXPECT_THAT(experiment_table(sample()), HasSubstr("stand whole after"));
+  Experiment untried = sample();
+  for (ExperimentRun& run : untried.runs) run.survival = {};
+  EXPECT_THAT(experiment_table(untried), HasSubstr("survival was not tried"));
+  EXPECT_THAT(experiment_table(untried), testing::Not(HasSubstr("stand whole after")));
+}
+
 TEST(ExperimentReport, IntervalIsWilsons) {
   const Rate rate{8, 10};  // by hand: Wilson 95 % of 8/10 is 0.4902 to 0.9433
   EXPECT_NEAR(rate.low(), 0.4902, 1e-4);
