@@ -15,8 +15,8 @@ struct FingerDriveState {
 };
 constexpr double kRegripBelow = 0.9;  ///< share of the force: a stalled worm drive starts below it; ours
 
-/// Next place of a finger after `seconds`: straight out, or inwards ever slower as its force rises. `force`
-/// (N) presses it outwards now.
+/// Next place of a finger after `seconds`: straight out, until what stands there presses with its force, or
+/// inwards ever slower as its force rises. `force` (N) presses it outwards now.
 [[nodiscard]] double next_finger_place(FingerDriveState& drive, double place, double force, double seconds);
 
 }  // namespace stonestack

@@ -291,8 +291,8 @@ std::string TrueWorld::hard_contact() const {
   if (corner.z() < -kDeepestPress)
     return concat("the gripper is pressed ", -1e3 * corner.z(), " mm into the table at x ", corner.x(), " y ",
                   corner.y());
-  if (load_.force.norm() > kLargestForce)
-    return concat("a force of ", load_.force.norm(), " N on the gripper (limit ", kLargestForce,
+  if (felt_.norm() > kLargestForce)
+    return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kLargestForce,
                   " N): ", pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
                   " N by the table, the rest by its rigid parts");
   return {};
@@ -329,6 +329,7 @@ Progress TrueWorld::advance(double seconds, const HandPath& path) {
     }
     progress.seconds = end;
     if (weight > 0) load_ = {sum.force / weight, sum.moment / weight};
+    felt_ += std::min(1.0, chunk / kChunk) * (load_.force - felt_);
     progress.stopped = hard_contact();
     if (!progress.stopped.empty()) break;
   }

@@ -116,6 +116,7 @@ class TrueWorld {
   HandPose hand_;
   std::optional<std::array<FingerDriveState, kFingers>> drives_;
   HandLoad load_;
+  Eigen::Vector3d felt_ = Eigen::Vector3d::Zero();  // N, load_ over 10 ms: a knock is no jam
   HandLoad pad_load_;
   std::array<double, kFingers> finger_force_{};
   double time_ = 0.0;

@@ -135,6 +135,12 @@ TEST(Grasp, OpeningLetsTheStoneDownWhereItIs) {
   EXPECT_LT(after.z(), before.z() + 0.001);
 }
 
+TEST(Grasp, AnOpeningFingerPushesNoHarderThanAsked) {
+  FingerDriveState drive{0.07, 0.05, 60.0};
+  EXPECT_GT(next_finger_place(drive, 0.05, -59.0, 0.002), 0.05);
+  EXPECT_EQ(next_finger_place(drive, 0.05, -60.0, 0.002), 0.05);
+}
+
 TEST(Grasp, ClosesOnNothing) {
   Bench bench(0.4);
   const GripperState closed = bench.gripper.move(0.0, 0.1, 30.0);
