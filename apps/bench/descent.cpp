@@ -10,8 +10,9 @@
 
 #include "bench.hpp"
 #include "grasp_problems.hpp"
-#include "stone_draws.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
@@ -186,14 +187,8 @@ class Trial {
   Pose T_T_O_ = Pose::Identity();
 };
 
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 void measure(int descents, int each, std::uint64_t seed) {
-  const double start = bench::cpu_seconds();
+  const double start = processor_seconds();
   Tally tally;
   int picked = 0, not_picked = 0;
   std::vector<double> masses;
@@ -219,7 +214,7 @@ void measure(int descents, int each, std::uint64_t seed) {
   }
   std::printf("%d descents, %d of them on a stone, with %d stones of %.2f to %.2f kg, seed %d; CPU s %.0f\n",
               tally.descents, tally.on_stone, picked, quantile(masses, 0.0), quantile(masses, 1.0),
-              static_cast<int>(seed), bench::cpu_seconds() - start);
+              static_cast<int>(seed), processor_seconds() - start);
   std::printf(
       "missed contacts %d, false triggers %d, other ends %d; peak force N: median %.1f, 95 %% %.1f, "
       "largest %.1f; above %.0f N: %d\n",

@@ -1,7 +1,6 @@
 // Recall, false accepts, errors, calibration and time of detection on seeded synthetic scenes.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 
 #include "bench.hpp"
@@ -49,9 +48,9 @@ void measure_kind(const bench::SceneKind& kind, const bench::SceneMaker& maker,
     const auto scene = maker.make(kind, seed, settings.camera_error);
     if (settings.list) std::printf("  %s %d\n", kind.name.c_str(), i);
     const Stopwatch watch;
-    const std::clock_t start = std::clock();
+    const double start = processor_seconds();
     const auto result = detect_stones(scene.views, models, {}, options);
-    tally.cpu += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    tally.cpu += processor_seconds() - start;
     tally.wall += watch.seconds();
     bench::judge(result, scene, kind, static_cast<int>(stones.size()), settings.list, tally);
     if (result.trace) write_trace(concat(settings.trace, "/", kind.name, "_", i), *result.trace, stones);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "stonestack/core/quantile.hpp"
+
 namespace stonestack::bench {
 namespace {
 
@@ -12,12 +14,6 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kChi2Of95 = 12.592;  // six degrees of freedom
 constexpr double kRightAngle = 5 * kDegree;
 constexpr double kRightShift = 0.005;  // m
-
-double quantile(std::vector<double> values, double q) {
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1) + 0.5)];
-}
 
 double mahalanobis2(const Detection& d, const Pose& truth) {
   Eigen::Matrix<double, 6, 1> e;

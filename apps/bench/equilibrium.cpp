@@ -11,6 +11,7 @@
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/physics/settle.hpp"
 
@@ -124,10 +125,9 @@ void measure_pool(const BenchOptions& options, const StonePool& pool) {
     times.push_back(c.solve_ms);
   }
   require(count > 0, "no random stack of ", options.stones, " came to rest; try fewer stones");
-  std::sort(times.begin(), times.end());
   std::printf("%-10s %6d %6d %9.1f %% %8d %13.1f %% %8d %9d %9.2f %9.2f\n", pool.name.c_str(), count, stand,
               100.0 * agree / count, clear, 100.0 * clear_agree / std::max(1, clear), only_lp, only_simulated,
-              times[times.size() / 2], times[times.size() * 95 / 100]);
+              quantile(times, 0.5), quantile(times, 0.95));
   std::fflush(stdout);
 }
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <map>
 #include <memory>
 #include <vector>
@@ -15,7 +14,9 @@
 #include "bench.hpp"
 #include "common_options.hpp"
 #include "grasp_problems.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
@@ -41,15 +42,8 @@ struct Tally {
   std::map<std::string, int> reasons;
 };
 
-/// Of this process, which runs one thread.
 double processor_ms() {
-  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+  return 1e3 * processor_seconds();
 }
 
 void print(const char* name, const Tally& t) {

@@ -9,9 +9,10 @@
 
 #include "bench.hpp"
 #include "motion/pad_press.hpp"
-#include "stone_draws.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -52,12 +53,6 @@ struct Tally {
     turn.insert(turn.end(), other.turn.begin(), other.turn.end());
   }
 };
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 /// Where the stone is believed to lie.
 Pose believed(const Pose& T_W_O, const Settings& settings, Random& random) {
@@ -171,7 +166,7 @@ void measure(const Settings& settings) {
   for (const bool press_pads : {false, true}) {
     MotionOptions options;
     options.press_pads = press_pads;
-    const double start = bench::cpu_seconds();
+    const double start = processor_seconds();
     std::printf("\ngrasps chosen by %s\n", press_pads ? "pressed pads" : "three contacts");
     std::printf("%-20s %6s %8s %9s %8s %6s %22s %22s\n", "stone", "tried", "no plan", "not held", "dropped",
                 "moved", "mm: median 90% most", "deg: median 90% most");
@@ -187,7 +182,7 @@ void measure(const Settings& settings) {
     }
     print_row("all", all);
     std::printf("moved: more than %.0f mm or %.0f deg; CPU s %.0f\n", 1e3 * kSlid, kTurned / kDegree,
-                bench::cpu_seconds() - start);
+                processor_seconds() - start);
   }
 }
 

@@ -3,11 +3,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <vector>
 
 #include "bench.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -17,10 +17,6 @@ namespace stonestack::apps {
 namespace {
 
 /// Processor time of this process, s: other work on the machine does not count.
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 struct Problem {
   Joints q;
   Pose T_R_F;

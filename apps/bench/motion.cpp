@@ -1,12 +1,13 @@
 // Prints the speed of collision checks and transits. Times are processor time; seeds are fixed.
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <vector>
 
 #include "bench.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
@@ -17,10 +18,6 @@ namespace stonestack::apps {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 SceneObject object(const std::string& name, const Mesh& mesh, const Pose& T_W_object) {
   return {name, {mesh}, T_W_object};
@@ -123,15 +120,11 @@ void bench_transit(int problems, std::uint64_t seed) {
     }
     ratios.push_back(best > 0.0 ? length(*path) / best : 1.0);
   }
-  std::sort(milliseconds.begin(), milliseconds.end());
-  std::sort(ratios.begin(), ratios.end());
-  const auto at = [](const std::vector<double>& v, double share) {
-    return v.empty() ? 0.0 : v[static_cast<std::size_t>(share * static_cast<double>(v.size() - 1))];
-  };
   std::printf("transit, hard set: %d of %d solved, %d straight; ms: median %.1f, 95 %% %.1f, worst %.1f; ",
-              solved, posed, straight, at(milliseconds, 0.5), at(milliseconds, 0.95), at(milliseconds, 1.0));
-  std::printf("length over best of eight seeds: median %.2f, 95 %% %.2f\n", at(ratios, 0.5),
-              at(ratios, 0.95));
+              solved, posed, straight, quantile(milliseconds, 0.5), quantile(milliseconds, 0.95),
+              quantile(milliseconds, 1.0));
+  std::printf("length over best of eight seeds: median %.2f, 95 %% %.2f\n", quantile(ratios, 0.5),
+              quantile(ratios, 0.95));
 }
 
 /// Problems of a file, each from start to any of its goals.
@@ -157,11 +150,8 @@ void bench_file(const std::string& path) {
       std::printf("not solved, %.1f ms%s\n", milliseconds.back(),
                   checker.collides(problem.start) ? "; the start collides" : "");
   }
-  std::sort(milliseconds.begin(), milliseconds.end());
-  const auto last = static_cast<double>(milliseconds.size() - 1);
   std::printf("%zu of %zu solved; ms: median %.1f, 95 %% %.1f, worst %.1f\n", solved, file.problems.size(),
-              milliseconds[static_cast<std::size_t>(0.5 * last)],
-              milliseconds[static_cast<std::size_t>(0.95 * last)], milliseconds.back());
+              quantile(milliseconds, 0.5), quantile(milliseconds, 0.95), quantile(milliseconds, 1.0));
 }
 
 }  // namespace

@@ -4,14 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "bench.hpp"
 #include "motion/least_time.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
@@ -25,16 +26,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTilt = 25.0 * kPi / 180.0;  // off the vertical, most: "near-vertical"
 constexpr double kResample = 0.001;           // s
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
 
 /// A tool pose on the side of the robot where stones lie, as far out as `reach` (m), pointing down within
 /// kTilt.

@@ -1,10 +1,8 @@
 // Prints whether RTDE keeps up: samples, missed ones, when they arrive, and the CPU that either end takes.
 // Without an address the simulated controller serves from a process of its own.
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -17,6 +15,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
@@ -35,23 +34,10 @@ struct RtdeBench {
 struct Findings {
   RtdeCounts counts;
   double seconds = 0.0;
-  std::vector<double> lateness;  ///< s, of the step between two arrivals, sorted by size
+  std::vector<double> lateness;  ///< s, of the step between two arrivals
   double client_cpu = 0.0;       ///< s
   double server_cpu = -1.0;      ///< s; negative: somebody else's server
-  [[nodiscard]] double late(double share) const {
-    if (lateness.empty()) return 0.0;
-    return lateness[static_cast<std::size_t>(share * static_cast<double>(lateness.size() - 1))];
-  }
 };
-
-double cpu_seconds() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 /// A simulated e-Series controller in a child process, so that its CPU is not the client's.
 class ServerProcess {
@@ -88,12 +74,12 @@ class ServerProcess {
     IdealPlant plant(q);
     UrControllerServer server(options, read_robot("ur10"), plant);
     server.start();
-    const double begin = cpu_seconds();
+    const double begin = processor_seconds();
     const int port = server.ports().rtde;
     char end = 0;
     bool told = ::write(up_[1], &port, sizeof port) == sizeof port;
     while (told && ::read(down_[0], &end, 1) > 0) continue;  // until the parent closes it
-    const double cpu = cpu_seconds() - begin;
+    const double cpu = processor_seconds() - begin;
     told = ::write(up_[1], &cpu, sizeof cpu) == sizeof cpu;
     ::_exit(told ? 0 : 1);
   }
@@ -110,7 +96,7 @@ Findings listen(const RtdeBench& bench, const Endpoint& controller) {
   Findings found;
   found.lateness.reserve(static_cast<std::size_t>(bench.rate * bench.seconds) + 1);
   const RtdeCounts before = client.counts();
-  const double cpu = cpu_seconds();
+  const double cpu = processor_seconds();
   const Stopwatch watch;
   double last = -1.0;
   while (watch.seconds() < bench.seconds) {
@@ -121,16 +107,16 @@ Findings listen(const RtdeBench& bench, const Endpoint& controller) {
     last = sample->host_time();
   }
   found.seconds = watch.seconds();
-  found.client_cpu = cpu_seconds() - cpu;
+  found.client_cpu = processor_seconds() - cpu;
   found.counts = client.counts();
   found.counts.accepted -= before.accepted;
   found.counts.skipped -= before.skipped;
-  std::sort(found.lateness.begin(), found.lateness.end());
   return found;
 }
 
 void print(const RtdeBench& bench, const Findings& f) {
   const double share = 100.0 / f.seconds;
+  const auto late = [&](double part) { return quantile(f.lateness, part); };
   if (bench.json) {
     nlohmann::json out{
         {"schema", "stonestack.bench.rtde/1"},
@@ -139,8 +125,7 @@ void print(const RtdeBench& bench, const Findings& f) {
         {"samples", f.counts.accepted},
         {"missed", f.counts.skipped},
         {"refused", f.counts.refused},
-        {"jitter_ms",
-         {{"median", 1e3 * f.late(0.5)}, {"p99", 1e3 * f.late(0.99)}, {"most", 1e3 * f.late(1.0)}}},
+        {"jitter_ms", {{"median", 1e3 * late(0.5)}, {"p99", 1e3 * late(0.99)}, {"most", 1e3 * late(1.0)}}},
         {"client_cpu_percent", f.client_cpu * share}};
     if (f.server_cpu >= 0) out["server_cpu_percent"] = f.server_cpu * share;
     std::printf("%s\n", out.dump(2).c_str());
@@ -148,8 +133,8 @@ void print(const RtdeBench& bench, const Findings& f) {
   }
   std::printf("%.0f Hz for %.1f s: %ld samples, %ld missed, %ld refused, %d session(s)\n", bench.rate,
               f.seconds, f.counts.accepted, f.counts.skipped, f.counts.refused, f.counts.sessions);
-  std::printf("step between arrivals off by: median %.3f ms, 99 %% %.3f ms, most %.3f ms\n",
-              1e3 * f.late(0.5), 1e3 * f.late(0.99), 1e3 * f.late(1.0));
+  std::printf("step between arrivals off by: median %.3f ms, 99 %% %.3f ms, most %.3f ms\n", 1e3 * late(0.5),
+              1e3 * late(0.99), 1e3 * late(1.0));
   std::printf("CPU: client %.1f %% of a core", f.client_cpu * share);
   if (f.server_cpu >= 0) std::printf(", simulated controller %.1f %%", f.server_cpu * share);
   std::printf("\n");

@@ -102,11 +102,11 @@ Stack build(const BenchOptions& options, const SearchProblem& problem, const Sea
 
 Outcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
   const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
-  const double start = bench::cpu_seconds();
+  const double start = processor_seconds();
   const Stopwatch watch;
   std::string reason;
   const Stack tower = build(options, problem, options.search, k, &reason);
-  const double cpu = bench::cpu_seconds() - start, wall = watch.seconds();
+  const double cpu = processor_seconds() - start, wall = watch.seconds();
   Outcome outcome = witness(options, pool, tower);
   outcome.cpu = cpu;
   outcome.wall = wall;
@@ -121,17 +121,17 @@ Outcome run_paper(const BenchOptions& options, const StonePool& pool, int k, dou
   SearchOptions search = options.search;
   search.method = "paper";
   const bool noisy = options.noise > 0.0 || options.noise_turn > 0.0;
-  const double start = bench::cpu_seconds();
+  const double start = processor_seconds();
   const Stopwatch watch;
   Stack best;
   std::string reason;
-  for (int pass = 0; pass == 0 || (!noisy && bench::cpu_seconds() - start < cpu); ++pass) {
+  for (int pass = 0; pass == 0 || (!noisy && processor_seconds() - start < cpu); ++pass) {
     search.seed = options.search.seed + 1000 * pass;
     const Stack tower = build(options, problem, search, k, &reason);
     if (tower.stones.size() > best.stones.size()) best = tower;
     if (best.stones.size() == problem.available.size()) break;
   }
-  const double used = bench::cpu_seconds() - start, wall = watch.seconds();
+  const double used = processor_seconds() - start, wall = watch.seconds();
   Outcome outcome = witness(options, pool, best);
   outcome.cpu = used;
   outcome.wall = wall;
@@ -194,9 +194,9 @@ void print_speed(const BenchOptions& options, const StonePool& pool) {
   problem.stack.stones.push_back({first.best.front().stone, first.best.front().T_W_O});
   for (const char* method : {"default", "paper"}) {
     search.method = method;
-    const double start = bench::cpu_seconds();
+    const double start = processor_seconds();
     const SearchResult found = find_next_pose(problem, search);
-    const double cpu = bench::cpu_seconds() - start;
+    const double cpu = processor_seconds() - start;
     std::printf("%s, %s: %ld candidates in %.2f CPU s of one thread, %.0f a second\n", pool.name.c_str(),
                 method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu);
   }

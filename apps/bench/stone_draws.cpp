@@ -1,7 +1,6 @@
 #include "stone_draws.hpp"
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 
 #include "stone/file_units.hpp"
@@ -98,10 +97,6 @@ SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count) {
   for (const int stone : order)
     problem.available.push_back({stone, make_pose(Eigen::Vector3d(0.5, 0, 0.1), random.rotation())});
   return problem;
-}
-
-double cpu_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 }  // namespace stonestack::bench

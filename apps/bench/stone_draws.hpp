@@ -31,7 +31,4 @@ struct StonePool {
 /// Draw k: `count` different stones, and how they lie before they are picked up.
 [[nodiscard]] SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count);
 
-/// s, of all threads of this process.
-[[nodiscard]] double cpu_seconds();
-
 }  // namespace stonestack::bench

@@ -1,6 +1,7 @@
 #include "stonestack/core/clock.hpp"
 
 #include <chrono>
+#include <ctime>
 
 namespace stonestack {
 namespace {
@@ -21,6 +22,10 @@ class SteadyClock : public Clock {
 
 std::unique_ptr<Clock> make_steady_clock() {
   return std::make_unique<SteadyClock>();
+}
+
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 Stopwatch::Stopwatch() : start_(steady_seconds()) {}

@@ -1,8 +1,9 @@
 #include "stonestack/geometry/fit_camera.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "stonestack/core/quantile.hpp"
 
 namespace stonestack {
 namespace {
@@ -31,9 +32,7 @@ Line fit_line(const std::vector<double>& t, const std::vector<double>& u) {
   line.c = (su - line.f * st) / n;
   std::vector<double> residuals(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) residuals[i] = std::abs(u[i] - line.f * t[i] - line.c);
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  line.residual = *middle;
+  line.residual = quantile(std::move(residuals), 0.5);
   return line;
 }
 

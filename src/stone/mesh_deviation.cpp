@@ -1,8 +1,8 @@
 #include "stone/mesh_deviation.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "stonestack/core/quantile.hpp"
 #include "stonestack/geometry/signed_distance.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
@@ -11,10 +11,8 @@ namespace {
 
 Deviation summary(std::vector<double> distances) {
   if (distances.empty()) return {};
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
   const auto rounded = [](double metres) { return std::round(metres * 1e7) / 1e7; };  // for people to read
-  return {rounded(*middle), rounded(*std::max_element(distances.begin(), distances.end()))};
+  return {rounded(quantile(distances, 0.5)), rounded(quantile(distances, 1.0))};
 }
 
 void add_distances(const Mesh& from, const Mesh& to, double spacing, std::vector<double>& distances) {

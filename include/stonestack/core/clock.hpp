@@ -14,6 +14,9 @@ class Clock {
 /// std::chrono::steady_clock.
 [[nodiscard]] std::unique_ptr<Clock> make_steady_clock();
 
+/// s, of all threads of this process so far: what a stage costs, however busy the machine is.
+[[nodiscard]] double processor_seconds();
+
 /// Measures how long a stage took: `Stopwatch watch; ...; watch.seconds()`. Host time.
 class Stopwatch {
  public:
