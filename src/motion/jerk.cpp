@@ -59,8 +59,9 @@ class Motion {
 }  // namespace
 
 JointTrajectory limit_jerk(const JointTrajectory& trajectory, double jerk) {
-  require(std::isfinite(jerk) && jerk > 0.0, "a jerk limit must be positive, got ", jerk, " rad/s^3");
+  require(std::isfinite(jerk) && jerk >= 0.0, "a jerk limit cannot be ", jerk, " rad/s^3");
   static_cast<void>(sample(trajectory, 0.0));  // throws for a trajectory that is none
+  if (jerk == 0.0) return trajectory;
   const Motion motion(trajectory);
   const double window = kSpare * 2.0 * motion.largest_acceleration() / jerk;
   if (trajectory.time.size() < 2 || window <= kShortestKnot) return trajectory;

@@ -198,8 +198,7 @@ std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Jo
   if (!path || !is_free(CollisionChecker(scene, rules), *path)) return std::nullopt;
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = options.approach_speed;
-  JointTrajectory way = time_path(*path, limits, scene.robot, scene.T_F_T);
-  return options.jerk > 0 ? limit_jerk(way, options.jerk) : way;
+  return limit_jerk(time_path(*path, limits, scene.robot, scene.T_F_T), options.jerk);
 }
 
 }  // namespace stonestack

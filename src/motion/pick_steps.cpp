@@ -59,11 +59,11 @@ class StepWriter {
   /// mm.
   static constexpr double kStraightBlend = 0.0003;
 
-  void add(Kind kind, std::string name, JointTrajectory trajectory) {
+  void add(Kind kind, std::string name, const JointTrajectory& trajectory) {
     PlanStep step;
     step.kind = kind;
     step.name = std::move(name);
-    step.trajectory = jerk_ > 0 ? limit_jerk(trajectory, jerk_) : std::move(trajectory);
+    step.trajectory = limit_jerk(trajectory, jerk_);
     steps_.push_back(std::move(step));
   }
   const PlanningScene& scene_;

@@ -158,9 +158,7 @@ std::optional<JointTrajectory> plan(const PlanningScene& scene, const Joints& st
     rules.self_padding = std::min(rules.self_padding, padding);
     rules.opening = scene.gripper.largest_opening;
     if (const auto path = find_path(CollisionChecker(scene, rules), start, goals, options))
-      return options.jerk > 0
-                 ? limit_jerk(time_path(*path, timing_limits(scene.robot, options)), options.jerk)
-                 : time_path(*path, timing_limits(scene.robot, options));
+      return limit_jerk(time_path(*path, timing_limits(scene.robot, options)), options.jerk);
   }
   return std::nullopt;
 }

@@ -176,8 +176,7 @@ struct Hands {
     TimingLimits limits = timing_limits(scene.robot, options);
     limits.tool_speed = kRetreatSpeed;
     PlanStep actual = step;
-    actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
-    if (options.jerk > 0) actual.trajectory = limit_jerk(actual.trajectory, options.jerk);
+    actual.trajectory = limit_jerk(time_path(*path, limits, scene.robot, scene.T_F_T), options.jerk);
     return follow(actual);
   }
 };

@@ -72,6 +72,7 @@ TEST(Jerk, NoLimitIsExceededAtOneKilohertz) {
 TEST(Jerk, ALineBecomesADoubleS) {
   const auto fast = time_path({Joints::Zero(), Joints::Unit(0)}, limits());
   const auto smooth = limit_jerk(fast, 14.0);
+  EXPECT_EQ(limit_jerk(fast, 0.0).time, fast.time) << "0 is no limit";
   const double window = smooth.duration() - fast.duration();
   EXPECT_NEAR(window, 2 * 1.4 / 14.0, 0.03 * 2 * 1.4 / 14.0);
   // While the window fills, acceleration rises evenly: q = a t^3 / (6 window).
@@ -94,7 +95,7 @@ TEST(Jerk, StaysBesideThePath) {
 TEST(Jerk, WhatDoesNotMoveStays) {
   const JointTrajectory one{{0.0}, {Joints::Ones()}, {Joints::Zero()}};
   EXPECT_EQ(limit_jerk(one, 10.0).duration(), 0.0);
-  EXPECT_THROW((void)limit_jerk(one, 0.0), InvalidArgument);
+  EXPECT_THROW((void)limit_jerk(one, -1.0), InvalidArgument);
   EXPECT_THROW((void)limit_jerk(one, std::nan("")), InvalidArgument);
   EXPECT_THROW((void)limit_jerk({}, 10.0), InvalidArgument);
 }
