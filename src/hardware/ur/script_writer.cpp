@@ -3,6 +3,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "hardware/ur/script_guard.hpp"
+#include "hardware/ur/script_lines.hpp"
 #include "hardware/ur/script_text.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -10,43 +12,9 @@ namespace stonestack {
 namespace {
 
 constexpr UrVersion kUpperRegisters3{3, 9, 0, 0}, kUpperRegisters5{5, 3, 0, 0};
-constexpr UrVersion kStepTime5{5, 4, 0, 0};
-constexpr UrVersion kDamping3{3, 5, 0, 0}, kDamping5{5, 0, 0, 0};
-constexpr double kDamping = 0.1;      // of force mode, close to the controller's default
-constexpr double kSideways = 0.05;    // m and rad that force mode may leave the other axes
-constexpr double kStandstill = 0.02;  // s that force mode needs before it
-
-/// Lines of a program, with their indentation.
-class Lines {
- public:
-  explicit Lines(const ScriptContext& context) : context_(context), base_(first_register(context.version)) {}
-
-  template <class... Parts>
-  void add(int depth, const Parts&... parts) {
-    text_ += std::string(static_cast<std::size_t>(2 * depth), ' ') + concat(parts...) + "\n";
-  }
-  /// Number of the n-th register in use.
-  [[nodiscard]] int reg(int n) const { return base_ + n; }
-  [[nodiscard]] const ScriptContext& context() const { return context_; }
-  [[nodiscard]] const ScriptOptions& options() const { return context_.options; }
-  [[nodiscard]] std::string step_time() const {
-    const UrVersion& version = context_.version;
-    return version.has({}, kStepTime5) ? "get_steptime()" : to_script(1.0 / version.control_rate());
-  }
-  std::string take() { return std::move(text_); }
-
- private:
-  const ScriptContext& context_;
-  int base_;
-  std::string text_;
-};
-
-int number(ScriptEnd end) {
-  return static_cast<int>(end);
-}
 
 /// The run id comes last: who sees it never sees the end of an older run.
-void begin(Lines& out) {
+void begin(ScriptLines& out) {
   const ScriptContext& c = out.context();
   require(c.run > 0, "a run id must be positive, got ", c.run);
   require(!c.payload || *c.payload >= 0, "a payload cannot be ", c.payload.value_or(0), " kg");
@@ -57,19 +25,19 @@ void begin(Lines& out) {
   out.add(1, "write_output_integer_register(", out.reg(0), ", ", c.run, ")");
 }
 
-void watch_heartbeat(Lines& out) {
+void watch_heartbeat(ScriptLines& out) {
   out.add(1, "rtde_set_watchdog(\"input_int_register_", out.reg(0), "\", ",
           to_script(out.options().heartbeat_rate), ", \"stop\")");
 }
 
-void set_tool(Lines& out) {
+void set_tool(ScriptLines& out) {
   out.add(1, "set_tcp(", to_script(out.context().T_F_T), ")");
   if (const auto& payload = out.context().payload)
     out.add(1, "set_payload(", to_script(*payload), ", ", to_script(out.context().p_F_com), ")");
 }
 
 /// Where and how a motion ended; the end state comes last.
-void end(Lines& out, const std::string& state) {
+void end(ScriptLines& out, const std::string& state) {
   out.add(1, "stk_pose = get_actual_tcp_pose()");
   for (int i = 0; i < 6; ++i) out.add(1, "write_output_float_register(", out.reg(i), ", stk_pose[", i, "])");
   out.add(1, "write_output_float_register(", out.reg(6), ", stk_force)");
@@ -77,7 +45,7 @@ void end(Lines& out, const std::string& state) {
   out.add(0, "end");
 }
 
-void define_globals(Lines& out, const JointTrajectory& trajectory) {
+void define_globals(ScriptLines& out, const JointTrajectory& trajectory) {
   double fastest = 0.0;
   for (const Joints& qd : trajectory.qd) fastest = std::max(fastest, qd.cwiseAbs().maxCoeff());
   const ScriptOptions& o = out.options();
@@ -91,7 +59,7 @@ void define_globals(Lines& out, const JointTrajectory& trajectory) {
 }
 
 /// The largest distance of a joint from where it is told to be.
-void define_lag(Lines& out) {
+void define_lag(ScriptLines& out) {
   out.add(1, "def stk_lag(q):");
   out.add(2, "local a = get_actual_joint_positions()");
   out.add(2, "local most = 0.0");
@@ -106,64 +74,9 @@ void define_lag(Lines& out) {
   out.add(1, "end");
 }
 
-/// Reads the streamed force once a step; `stk_fresh` tells whether it was a new sample.
-void define_guard(Lines& out, const ScriptGuard& guard) {
-  const ScriptOptions& o = out.options();
-  const Eigen::Vector3d& n = guard.n_B_direction;
-  out.add(1, "global stk_count = read_input_integer_register(", out.reg(1), ")");
-  out.add(1, "global stk_silent = 0.0");
-  out.add(1, "global stk_fresh = False");
-  out.add(1, "global stk_zero = 0.0");
-  out.add(1, "global stk_above = 0");
-  out.add(1, "def stk_read_force():");
-  out.add(2, "local count = read_input_integer_register(", out.reg(1), ")");
-  out.add(2, "stk_fresh = count != stk_count");
-  out.add(2, "stk_silent = stk_silent + stk_dt");
-  out.add(2, "if stk_fresh:");
-  out.add(3, "stk_count = count");
-  out.add(3, "stk_silent = 0.0");
-  out.add(3, "stk_force = 0.0 - (", to_script(n.x()), " * read_input_float_register(", out.reg(0), ") + ",
-          to_script(n.y()), " * read_input_float_register(", out.reg(1), ") + ", to_script(n.z()),
-          " * read_input_float_register(", out.reg(2), ")) - stk_zero");
-  out.add(2, "end");
-  out.add(2, "if stk_silent > ", to_script(o.force_stale), ":");
-  out.add(3, "stk_end = ", number(ScriptEnd::kStaleForce));
-  out.add(2, "end");
-  out.add(1, "end");
-  out.add(1, "def stk_guard():");
-  out.add(2, "stk_read_force()");
-  out.add(2, "if stk_fresh:");
-  out.add(3, "stk_above = stk_above + 1");
-  out.add(3, "if stk_force <= ", to_script(guard.threshold), ":");
-  out.add(4, "stk_above = 0");
-  out.add(3, "end");
-  out.add(3, "if (stk_above >= ", o.contact_samples, ") and (stk_end == 0):");
-  out.add(4, "stk_end = ", number(ScriptEnd::kContact));
-  out.add(3, "end");
-  out.add(2, "end");
-  out.add(1, "end");
-}
-
-/// The mean of the first samples, at rest.
-void take_zero(Lines& out) {
-  const int samples = out.options().force_samples;
-  out.add(1, "local sum = 0.0");
-  out.add(1, "local taken = 0");
-  out.add(1, "while (taken < ", samples, ") and (stk_end == 0):");
-  out.add(2, "stk_read_force()");
-  out.add(2, "if stk_fresh:");
-  out.add(3, "sum = sum + stk_force");
-  out.add(3, "taken = taken + 1");
-  out.add(2, "end");
-  out.add(2, "sync()");
-  out.add(1, "end");
-  out.add(1, "stk_zero = sum / ", to_script(samples));
-  out.add(1, "stk_force = 0.0");
-}
-
 /// One cubic Hermite piece, a servoj a control step. The clock of the path waits while the arm lags behind it
 /// (speed slider, pause), so that nothing jumps afterwards.
-void define_piece(Lines& out, bool guarded) {
+void define_piece(ScriptLines& out, bool guarded) {
   const ScriptOptions& o = out.options();
   out.add(1, "def stk_to(knot, h, q1, v1):");
   out.add(2, "while (stk_t < h) and (stk_end == 0):");
@@ -191,7 +104,7 @@ void define_piece(Lines& out, bool guarded) {
   out.add(1, "end");
 }
 
-void follow_pieces(Lines& out, const JointTrajectory& trajectory, bool guarded) {
+void follow_pieces(ScriptLines& out, const JointTrajectory& trajectory, bool guarded) {
   for (std::size_t k = 1; k < trajectory.time.size(); ++k)
     out.add(1, "stk_to(", k, ", ", to_script(trajectory.time[k] - trajectory.time[k - 1]), ", ",
             to_script(trajectory.q[k]), ", ", to_script(trajectory.qd[k]), ")");
@@ -202,31 +115,6 @@ void follow_pieces(Lines& out, const JointTrajectory& trajectory, bool guarded) 
   if (guarded) out.add(2, "stk_guard()");
   out.add(1, "end");
   out.add(1, "stopj(", to_script(out.options().stop_acceleration), ")");
-}
-
-/// After contact: lets the stone find its seat under a light push.
-void comply(Lines& out, const ScriptGuard& guard) {
-  const ScriptOptions& o = out.options();
-  if (o.comply_time <= 0) return;
-  Pose T_B_task = Pose::Identity();
-  T_B_task.linear() =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), guard.n_B_direction).toRotationMatrix();
-  const std::string side = to_script(kSideways);
-  out.add(1, "if stk_end == ", number(ScriptEnd::kContact), ":");
-  out.add(2, "sleep(", to_script(kStandstill), ")");
-  if (out.context().version.has(kDamping3, kDamping5))
-    out.add(2, "force_mode_set_damping(", to_script(kDamping), ")");
-  out.add(2, "force_mode(", to_script(T_B_task), ", [0, 0, 1, 0, 0, 0], [0.0, 0.0, ",
-          to_script(o.comply_force), ", 0.0, 0.0, 0.0], 2, [", side, ", ", side, ", ",
-          to_script(o.comply_speed), ", ", side, ", ", side, ", ", side, "])");
-  out.add(2, "local left = ", to_script(o.comply_time));
-  out.add(2, "while left > 0.0:");
-  out.add(3, "sync()");
-  out.add(3, "left = left - stk_dt");
-  out.add(2, "end");
-  out.add(2, "end_force_mode()");
-  out.add(2, "stopl(", to_script(o.stop_acceleration), ")");
-  out.add(1, "end");
 }
 
 void require_knots(const JointTrajectory& trajectory) {
@@ -248,7 +136,7 @@ std::string script_name(int run) {
 
 std::string write_trajectory(const JointTrajectory& trajectory, const ScriptContext& context) {
   require_knots(trajectory);
-  Lines out(context);
+  ScriptLines out(context);
   begin(out);
   watch_heartbeat(out);
   set_tool(out);
@@ -266,7 +154,7 @@ std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& 
   require(guard.threshold > 0 && std::abs(guard.n_B_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", guard.threshold, " N and length ",
           guard.n_B_direction.norm());
-  Lines out(context);
+  ScriptLines out(context);
   begin(out);
   watch_heartbeat(out);
   set_tool(out);
@@ -285,7 +173,7 @@ std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& 
 }
 
 std::string write_stop(const ScriptContext& context) {
-  Lines out(context);
+  ScriptLines out(context);
   begin(out);
   out.add(1, "stopj(", to_script(context.options.stop_acceleration), ")");
   out.add(1, "global stk_force = 0.0");
@@ -294,7 +182,7 @@ std::string write_stop(const ScriptContext& context) {
 }
 
 std::string write_settings(const ScriptContext& context) {
-  Lines out(context);
+  ScriptLines out(context);
   begin(out);
   set_tool(out);
   out.add(1, "sync()");
