@@ -1,98 +1,21 @@
 #include "physics/touch.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
+
+#include "physics/first_touch.hpp"
 
 namespace stonestack {
 namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double kDeepest = 0.003;    // m: features tell depths down to here, below it the signed distance
 constexpr double kDeep = 0.0025;      // m: vertices at least as deep touch by the signed distance too
-constexpr double kSlack = 0.002;      // m: motion after which candidates are looked for again
-constexpr double kTurn = 0.02;        // rad: the same
 constexpr double kNearSlack = 2e-4;   // m: motion after which those that may touch soon are chosen again
 constexpr double kNearTurn = 0.002;   // rad: the same
 constexpr double kSecondOrder = 1.5;  // what crossing edges may move and turn more than the bodies
-constexpr double kCone = 0.02;        // sine: how far out of a normal cone still counts
-constexpr double kRim = 1e-5;         // m: how far beside a face or beyond an edge's end still counts
 constexpr double kParallel = 0.02;    // sine between edges: below it their ends touch, not they
 constexpr std::size_t kMostDeep = 8;  // deep touches a body
-constexpr double kReach = kTouchGap + kSlack;
-
-bool in_face(const FaceFeature& face, const Vector& p, double beyond) {
-  for (int i = 0; i < 3; ++i)
-    if (face.side[i].dot(p) < face.side_offset[i] - beyond) return false;
-  return true;
-}
-
-/// True if vertex `v` is the first of its surroundings to meet a plane with normal `n` from above.
-bool leads(const SurfaceFeatures& features, int v, const Vector& n, double tolerance) {
-  const auto i = static_cast<std::size_t>(v);
-  for (int k = features.fan_begin[i]; k < features.fan_begin[i + 1]; ++k)
-    if (features.fan[static_cast<std::size_t>(k)].dot(n) < -tolerance) return false;
-  return true;
-}
-
-bool in_cone(const EdgeFeature& edge, const Vector& n, double tolerance) {
-  return edge.into0.dot(n) <= tolerance && edge.into1.dot(n) <= tolerance;
-}
-
-EdgeFeature moved(const EdgeFeature& e, const Pose& T) {
-  const Eigen::Matrix3d R = T.linear();
-  return {T * e.p0, T * e.p1, R * e.d, R * e.into0, R * e.into1, R * e.n_mean, e.length};
-}
-
-/// Where two edges cross, seen along their common normal.
-struct Crossing {
-  bool valid = false;
-  double gap = 0.0;
-  Vector n, p_a, p_b;  ///< n from b to a
-};
-Crossing cross(const EdgeFeature& a, const EdgeFeature& b, double beyond, double cone, double parallel) {
-  Crossing out;
-  const Vector c = a.d.cross(b.d);
-  const double sine = c.norm();
-  if (sine < parallel) return out;
-  out.n = c / sine;
-  if (out.n.dot(b.n_mean - a.n_mean) < 0.0) out.n = -out.n;
-  const Vector r = b.p0 - a.p0;
-  out.gap = -out.n.dot(r);
-  if (out.gap > kReach || out.gap < -kDeepest - kSlack) return out;
-  if (!in_cone(b, out.n, cone) || !in_cone(a, -out.n, cone)) return out;
-  const double s = r.cross(b.d).dot(c) / (sine * sine);
-  const double t = r.cross(a.d).dot(c) / (sine * sine);
-  if (s < -beyond || s > a.length + beyond || t < -beyond || t > b.length + beyond) return out;
-  out.p_a = a.p0 + s * a.d;
-  out.p_b = b.p0 + t * b.d;
-  out.valid = true;
-  return out;
-}
-
-/// The point lies within `reach` of the edge.
-bool near_edge(const Vector& p, const EdgeFeature& e, double reach) {
-  const double s = std::clamp((p - e.p0).dot(e.d), 0.0, e.length);
-  return (p - e.p0 - s * e.d).squaredNorm() <= reach * reach;
-}
-
-/// Touch of vertex x of X on face y of Y, all in Y; false if they cannot be the first to touch, even after
-/// some motion and turn.
-bool vertex_on_face(const SurfaceFeatures& X, int x, const Pose& T_Y_X, const FaceFeature& face, Vector* p,
-                    double* gap, double motion = 0.0, double turn = 0.0) {
-  *p = T_Y_X * X.vertices[static_cast<std::size_t>(x)];
-  *gap = face.n.dot(*p) - face.offset;
-  return *gap <= kTouchGap + motion && *gap >= -kDeepest - motion && in_face(face, *p, kRim + motion) &&
-         leads(X, x, T_Y_X.linear().transpose() * face.n, kCone + turn);
-}
-
-/// Edges that may touch after some motion and turn; those that are nearly parallel always may.
-bool may_cross(const EdgeFeature& a, const EdgeFeature& b, double motion, double turn) {
-  const double sine = a.d.cross(b.d).norm();
-  if (sine < 0.05) return true;
-  const Crossing c = cross(a, b, kRim + motion / sine, kCone + turn / sine, 0.0);
-  return c.valid && c.gap <= kTouchGap + motion && c.gap >= -kDeepest - motion;
-}
 
 void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose& T_Y_X, const Pose& T_W_Y,
               const std::vector<int>& deep, bool swapped, std::vector<Touch>& out) {
@@ -143,16 +66,6 @@ void drop_twins(std::vector<Touch>& touches) {
     if (!twin) kept.push_back(t);
   }
   touches = std::move(kept);
-}
-
-bool moved_enough(const Pose& before, const Pose& now, double radius, double motion, double turn_limit) {
-  const Eigen::Matrix3d turn = before.linear().transpose() * now.linear();
-  const double angle = std::sqrt(std::max(0.0, 3.0 - turn.trace()));  // 2 sin(angle / 2) to first order
-  return angle > turn_limit || (now.translation() - before.translation()).norm() + angle * radius > motion;
-}
-
-double radius_about_origin(const SurfaceFeatures& features) {
-  return features.box.min().cwiseAbs().cwiseMax(features.box.max().cwiseAbs()).norm();
 }
 
 }  // namespace
@@ -291,47 +204,15 @@ void FeaturePairs::look_up_ball(const Surface& X, const Surface& Y, const Pose& 
 void FeaturePairs::look_up_edges(const EdgeFeature& own, const FeatureSample& sample,
                                  const Eigen::Vector3d& p, const SurfaceFeatures& y, const Pose& T_Y_X) {
   const auto cell = y.near(p);
-  EdgeFeature edge;
+  std::optional<EdgeFeature> edge;  // own, in Y: most have no neighbour and need none
   for (const int* e = cell.edge_begin; e != cell.edge_end; ++e) {
     const EdgeFeature& other = y.edges[static_cast<std::size_t>(*e)];
     if (!near_edge(p, other, kReach + 0.5 * kEdgeSpacing)) continue;
-    if (edge.length == 0.0) edge = moved(own, T_Y_X);
-    const double sine = edge.d.cross(other.d).norm();
-    if (sine > 0.2 && !cross(edge, other, kSlack / sine, kCone + 1.5 * kTurn / sine, 0.0).valid) continue;
+    if (!edge) edge = moved(own, T_Y_X);
+    const double sine = edge->d.cross(other.d).norm();
+    if (sine > 0.2 && !cross(*edge, other, kSlack / sine, kCone + 1.5 * kTurn / sine, 0.0).valid) continue;
     all_.edges.push_back({sample.edge, *e});
   }
-}
-
-std::vector<Touch> TablePairs::touches(const Surface& A, const Pose& T_W_A) {
-  const SurfaceFeatures& x = *A.features;
-  if (!fresh_ || moved_enough(T_W_A_, T_W_A, radius_about_origin(x), kSlack, kTurn)) {
-    fresh_ = true;
-    T_W_A_ = T_W_A;
-    vertices_.clear();
-    const Vector up_A = T_W_A.linear().transpose() * Vector::UnitZ();
-    for (const SampleBall& group : x.groups) {
-      if ((T_W_A * group.centre).z() > group.radius + kReach) continue;
-      for (int b = group.begin; b < group.end; ++b) {
-        const SampleBall& ball = x.balls[static_cast<std::size_t>(b)];
-        if ((T_W_A * ball.centre).z() > ball.radius + kReach) continue;
-        for (int i = ball.begin; i < ball.end; ++i) {
-          const FeatureSample& s = x.samples[static_cast<std::size_t>(i)];
-          if (s.vertex >= 0 && (T_W_A * s.p).z() <= kReach && leads(x, s.vertex, up_A, kCone + kTurn))
-            vertices_.push_back(s.vertex);
-        }
-      }
-    }
-    std::sort(vertices_.begin(), vertices_.end());
-  }
-  std::vector<Touch> out;
-  const Vector up_A = T_W_A.linear().transpose() * Vector::UnitZ();
-  for (const int v : vertices_) {
-    const Vector& p_A = x.vertices[static_cast<std::size_t>(v)];
-    const Vector p = T_W_A * p_A;
-    if (p.z() > kTouchGap || !leads(x, v, up_A, kCone)) continue;
-    out.push_back({TouchKind::kVertexOfA, v, -1, {p.x(), p.y(), 0.0}, Vector::UnitZ(), p.z(), p_A});
-  }
-  return out;
 }
 
 }  // namespace stonestack
