@@ -1,5 +1,4 @@
 #pragma once
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -7,6 +6,7 @@
 #include "simulation/finger_drive.hpp"
 #include "simulation/hand.hpp"
 #include "stonestack/physics/stack.hpp"
+#include "stonestack/physics/world.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 namespace stonestack {
@@ -42,8 +42,6 @@ class TrueWorld {
   /// The stones `present` (indices into `stones`), each far away until placed.
   TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present, const GripperModel& gripper,
             const SimulationOptions& options);
-  ~TrueWorld();
-  TrueWorld(TrueWorld&&) noexcept;
 
   [[nodiscard]] const SimulationOptions& options() const { return options_; }
   [[nodiscard]] double time() const { return time_; }
@@ -70,7 +68,7 @@ class TrueWorld {
   [[nodiscard]] const ShapeList& shapes() const { return shapes_; }
   [[nodiscard]] const Pose& pose(int stone) const { return state(stone).T_W_O; }
   [[nodiscard]] Eigen::Vector3d centre_of_mass(int stone) const;
-  /// True if the stone has not moved for half a second.
+  /// True if the stone has not moved for two seconds.
   [[nodiscard]] bool rests(int stone) const;
   /// Puts a stone somewhere at once, at rest. For setting up.
   void place(int stone, const Pose& T_W_O);
@@ -82,6 +80,7 @@ class TrueWorld {
   [[nodiscard]] World judge_world(double step, int iterations) const;
 
  private:
+  static constexpr int kIterations = 50;  // of the contact solver
   struct StoneState {
     Pose T_W_O = Pose::Identity();
     Twist twist;
@@ -90,7 +89,13 @@ class TrueWorld {
     bool aside = true;
     std::vector<PadContact> pads;
   };
-  struct Engine;
+  /// The world that is stepped while some stones are in play.
+  struct Engine {
+    World world;
+    double step = 0.0;          // s
+    std::vector<bool> in_play;  // by index into present
+    int first_box = 0;          // body of the hand's first box
+  };
 
   [[nodiscard]] const StoneState& state(int stone) const;
   [[nodiscard]] StoneState& state(int stone);
@@ -120,8 +125,8 @@ class TrueWorld {
   HandLoad pad_load_;
   std::array<double, kFingers> finger_force_{};
   double time_ = 0.0;
-  double debt_ = 0.0;  // s asked for and not yet stepped
-  std::unique_ptr<Engine> engine_;
+  double debt_ = 0.0;             // s asked for and not yet stepped
+  std::optional<Engine> engine_;  // empty while nothing can move
 };
 
 }  // namespace stonestack

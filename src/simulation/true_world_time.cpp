@@ -1,0 +1,218 @@
+// How time passes in the true world: which stones are stepped, what the hand does to them and they to it.
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/true_world.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kChunk = 0.010;          // s between two looks at what is near what
+constexpr double kGripStep = 1.0 / 2000;  // s while a pad is at a stone: pads are stiff springs
+constexpr double kRolling = 0.3;          // 1/s, angular damping: a rounded stone does not rock for ever
+constexpr double kHandReach = 0.020;      // m: a stone this near the hand is in play
+constexpr double kStoneReach = 0.005;
+constexpr double kRestShift = 0.00002;   // m
+constexpr double kRestTurn = 0.0002;     // rad
+constexpr double kHandFriction = 0.0;    // rigid parts slide; only pads grip, and what they feel is complete
+constexpr double kTableStiffness = 1e5;  // N/m, hand on table
+constexpr double kDeepestPress = 0.003;  // m into the table
+constexpr double kLargestForce = 150.0;  // N on the hand: where a UR's protective stop is by default
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+Twist twist_between(const Pose& from, const Pose& to, double seconds) {
+  const Eigen::AngleAxisd turn(to.rotation() * from.rotation().transpose());
+  return {(to.translation() - from.translation()) / seconds, turn.angle() * turn.axis() / seconds};
+}
+
+}  // namespace
+
+void TrueWorld::prepare_engine(const std::vector<bool>& in_play, double step) {
+  if (engine_ && engine_->in_play == in_play) {
+    engine_->step = step;
+    return;
+  }
+  engine_.emplace(Engine{make_world(step, kIterations, kRolling, in_play), step, in_play,
+                         static_cast<int>(present_.size())});
+  for (const auto& box : model_.boxes) {
+    const int body = engine_->world.add_box(box.size, box_pose(box, hand_));
+    for (int k = 0; k < engine_->first_box; ++k) engine_->world.set_pair_friction(k, body, kHandFriction);
+  }
+}
+
+// A stone is in play if it moves, if the hand is near it, or if such a stone is near it.
+std::vector<bool> TrueWorld::stones_in_play(const HandPose& next) const {
+  std::vector<bool> in_play(present_.size(), false);
+  std::vector<std::size_t> open;
+  const auto enter = [&](std::size_t k) {
+    if (in_play[k] || state(present_[k]).aside) return;
+    in_play[k] = true;
+    open.push_back(k);
+  };
+  for (std::size_t k = 0; k < present_.size(); ++k) {
+    const int i = present_[k];
+    const double reach = shapes_[at(i)]->radius + kHandReach;
+    const Eigen::Vector3d p = centre_of_mass(i);
+    if (!rests(i) || distance_to_hand(model_, hand_, p) < reach || distance_to_hand(model_, next, p) < reach)
+      enter(k);
+  }
+  while (!open.empty()) {
+    const int i = present_[open.back()];
+    open.pop_back();
+    for (std::size_t k = 0; k < present_.size(); ++k) {
+      const int j = present_[k];
+      const double gap =
+          (centre_of_mass(i) - centre_of_mass(j)).norm() - shapes_[at(i)]->radius - shapes_[at(j)]->radius;
+      if (gap < kStoneReach) enter(k);
+    }
+  }
+  return in_play;
+}
+
+bool TrueWorld::pads_near() {
+  bool any = false;
+  for (const int i : present_)
+    for (int f = 0; f < kFingers; ++f)
+      if (state(i).pads[at(f)].near(pad_pose(model_, f, hand_), state(i).T_W_O)) any = true;
+  return any;
+}
+
+void TrueWorld::press_pads(const HandPose& next, double step) {
+  pad_load_ = {};
+  finger_force_ = {};
+  for (std::size_t k = 0; k < present_.size(); ++k) {
+    if (!engine_->in_play[k]) continue;
+    auto& it = state(present_[k]);
+    const Eigen::Vector3d p_W_M = centre_of_mass(present_[k]);
+    for (int f = 0; f < kFingers; ++f) {
+      const Pose T_W_P = pad_pose(model_, f, hand_);
+      if (!it.pads[at(f)].near(T_W_P, it.T_W_O)) continue;
+      const MovingFrame pad{T_W_P, T_W_P.translation(),
+                            twist_between(T_W_P, pad_pose(model_, f, next), step)};
+      const PadLoad load = it.pads[at(f)].press(pad, {it.T_W_O, p_W_M, it.twist});
+      engine_->world.apply(static_cast<int>(k), load.force, load.moment_about(p_W_M));
+      pad_load_.add({-load.force, -load.moment});
+      finger_force_[at(f)] += load.normal;
+    }
+  }
+}
+
+void TrueWorld::read_stones(double step) {
+  for (std::size_t k = 0; k < present_.size(); ++k) {
+    auto& it = state(present_[k]);
+    it.rest += step;
+    if (!engine_->in_play[k]) continue;
+    it.T_W_O = engine_->world.pose(static_cast<int>(k));
+    it.twist = engine_->world.twist(static_cast<int>(k));
+    const auto moved = difference(it.T_W_O, it.T_W_O_rest);
+    if (moved.translation > kRestShift || moved.angle > kRestTurn) {
+      it.T_W_O_rest = it.T_W_O;
+      it.rest = 0.0;
+    }
+  }
+}
+
+// Rigid parts of the hand; what presses a finger outwards counts for its drive as the pad's force does.
+HandLoad TrueWorld::read_contacts(double step) {
+  HandLoad load;
+  const Eigen::Vector3d x_W = hand_.T_W_T.linear().col(0);
+  const auto add = [&](int body, const Eigen::Vector3d& p_W, const Eigen::Vector3d& force) {
+    if (body < engine_->first_box) return;
+    load.add(p_W, force);
+    const auto& box = model_.boxes[at(body - engine_->first_box)];
+    if (box.finger >= 0) finger_force_[at(box.finger)] += box.side * x_W.dot(force);
+  };
+  for (const auto& contact : engine_->world.contacts()) {
+    const Eigen::Vector3d force = contact.impulse / step * contact.n_W;  // on `above`
+    add(contact.above, contact.p_W, force);
+    add(contact.below, contact.p_W, -force);
+  }
+  return load;
+}
+
+HandLoad TrueWorld::table_load() const {
+  HandLoad load;
+  const Eigen::Vector3d corner = lowest_corner(model_, hand_);
+  if (corner.z() < 0) load.add(corner, {0, 0, -kTableStiffness * corner.z()});
+  return load;
+}
+
+// The hand's next pose with the fingers where their drives bring them.
+HandPose TrueWorld::driven(HandPose next, double seconds) {
+  for (std::size_t f = 0; drives_ && f < drives_->size(); ++f)
+    next.finger[f] = next_finger_place((*drives_)[f], hand_.finger[f], finger_force_[f], seconds);
+  return next;
+}
+
+void TrueWorld::step_engine(const HandPose& wanted) {
+  const double step = engine_->step;
+  const HandPose next = driven(wanted, step);
+  press_pads(next, step);
+  for (std::size_t b = 0; b < model_.boxes.size(); ++b)
+    engine_->world.move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
+  engine_->world.step(step);
+  hand_ = next;
+  time_ += step;
+  read_stones(step);
+}
+
+std::string TrueWorld::hard_contact() const {
+  const Eigen::Vector3d corner = lowest_corner(model_, hand_);
+  if (corner.z() < -kDeepestPress)
+    return concat("the gripper is pressed ", -1e3 * corner.z(), " mm into the table at x ", corner.x(), " y ",
+                  corner.y());
+  if (felt_.norm() > kLargestForce)
+    return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kLargestForce,
+                  " N): ", pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
+                  " N by the table, the rest by its rigid parts");
+  return {};
+}
+
+Progress TrueWorld::advance(double seconds, const HandPath& path) {
+  require(seconds >= 0 && std::isfinite(seconds), "time only passes forwards, asked for ", seconds, " s");
+  Progress progress;
+  while (progress.seconds < seconds) {
+    HandLoad sum;
+    double weight = 0.0;
+    const double chunk = std::min(kChunk, seconds - progress.seconds);
+    const double end = progress.seconds + chunk;
+    const HandPose next = path(end);
+    const auto in_play = stones_in_play(next);
+    if (std::find(in_play.begin(), in_play.end(), true) == in_play.end()) {
+      engine_.reset();
+      finger_force_ = {};
+      hand_ = driven(next, chunk);
+      time_ += chunk;
+      sum.add(table_load(), chunk);
+      weight += chunk;
+      for (const int i : present_) state(i).rest += chunk;
+    } else {
+      prepare_engine(in_play, pads_near() ? kGripStep : options_.step);
+      for (debt_ += chunk; debt_ >= 0.5 * engine_->step;) {
+        debt_ -= engine_->step;
+        step_engine(path(std::clamp(end - debt_, 0.0, seconds)));
+        sum.add(pad_load_, engine_->step);
+        sum.add(read_contacts(engine_->step), engine_->step);
+        sum.add(table_load(), engine_->step);
+        weight += engine_->step;
+      }
+    }
+    progress.seconds = end;
+    if (weight > 0) load_ = {sum.force / weight, sum.moment / weight};
+    felt_ += std::min(1.0, chunk / kChunk) * (load_.force - felt_);
+    progress.stopped = hard_contact();
+    if (!progress.stopped.empty()) break;
+  }
+  return progress;
+}
+
+Progress TrueWorld::wait(double seconds) {
+  const HandPose hand = hand_;
+  return advance(seconds, [&](double) { return hand; });
+}
+
+}  // namespace stonestack
