@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -138,7 +137,6 @@ void write_frames(const PlanCommand& command, const Planned& planned,
   view.p_W_target = {0.45, 0.05, 0.35};
   view.width = command.frame_width;
   view.height = 3 * command.frame_width / 4;
-  std::filesystem::create_directories(command.frames);
   const auto keys = key_moments(moments);
   for (std::size_t i = 0; i < keys.size(); ++i) {
     throw_if_interrupted();

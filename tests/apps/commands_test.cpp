@@ -256,6 +256,15 @@ TEST_F(Commands, PlanDrawsWhatItWillDo) {
   EXPECT_THAT(read_file(folder_ + "/motion.csv", 1 << 22), HasSubstr(",descent,"));
 }
 
+TEST_F(Commands, PlanNamesTheFolderThatCannotTakePictures) {
+  write("lying.yaml", kLying);
+  write("taken", "a file");
+  const Outcome refused = run(concat("plan lying.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned,
+                                     " --frames taken/frames --frame-width 64"));
+  EXPECT_EQ(refused.code, 3) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("taken/frames/00_start.png: cannot be written"));
+}
+
 TEST_F(Commands, PlanSaysWhatCannotBe) {
   write("lying.yaml", kLying);
   const auto plan = [&](const std::string& target, const std::string& more = "") {
