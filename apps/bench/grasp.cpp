@@ -37,6 +37,7 @@ struct Tally {
   std::array<int, 4> set_down{};  ///< plans with that many stops on the way
   std::array<AngleTally, kAngles> angles{};
   std::vector<double> check_ms, plan_ms, motion_s, regrasp_ms;
+  std::vector<double> tilts;                 ///< rad, of the poses in which stones are set down on the way
   std::array<long, kGraspFaults> refused{};  ///< grasps of all tasks, by test
   long grasps = 0;
   std::map<std::string, int> reasons;
@@ -53,6 +54,10 @@ void print(const char* name, const Tally& t) {
               share(t.graspable), share(t.planned), kQuickMs, share(t.quick));
   std::printf("    with regrasp %5.1f %% (%d set down once, %d twice), all within %.0f ms %5.1f %%\n",
               share(t.planned + turned_over), t.set_down[1], t.set_down[2], kQuickMs, share(t.quick_with));
+  if (!t.tilts.empty())
+    std::printf("    set down where they topple beyond, deg: least %.1f, 10 %% %.1f, median %.1f\n",
+                quantile(t.tilts, 0.0) * 180.0 / M_PI, quantile(t.tilts, 0.1) * 180.0 / M_PI,
+                quantile(t.tilts, 0.5) * 180.0 / M_PI);
   std::printf(
       "    check ms %.1f / %.1f  plan ms %.0f / %.0f  regrasp ms %.0f / %.0f  motion s %.1f / %.1f "
       "(median / 95 %%)\n",
@@ -114,6 +119,7 @@ void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, Tally& t
     ++tally.reasons[regrasp.reason];
     return;
   }
+  tally.tilts.insert(tally.tilts.end(), regrasp.tilts.begin(), regrasp.tilts.end());
   const std::size_t stops = regrasp.T_W_O_between.size();
   ++tally.set_down[std::min<std::size_t>(stops, 2)];
   ++(stops == 1 ? angle.once : angle.twice);

@@ -53,6 +53,7 @@ class RegraspSearch {
   RestGraph graph_;
   std::vector<int> to_;        ///< grasps that serve at the target
   std::vector<Pose> between_;  ///< the places of a chain so far
+  std::vector<double> tilts_;  ///< of the poses of rest at these places
   std::size_t tests_ = 0;      ///< of grasps
   int attempts_ = 0;
   RegraspPlan plan_;
@@ -81,7 +82,8 @@ void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<
   const auto& here = graph_.grasps[static_cast<std::size_t>(chain[k])];
   const auto& next = k + 1 < chain.size() ? graph_.grasps[static_cast<std::size_t>(chain[k + 1])] : to_;
   const auto in = common(arriving, here), out = common(here, next);
-  for (const Pose& T_W_O : places_.poses(graph_.R_W_O[static_cast<std::size_t>(chain[k])])) {
+  const RestPose& rest = graph_.rests[static_cast<std::size_t>(chain[k])];
+  for (const Pose& T_W_O : places_.poses(rest.R_W_O)) {
     throw_if_interrupted();
     if (over()) return;
     tests_ += in.size();
@@ -90,8 +92,10 @@ void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<
     const auto leaving = end_.serving(set_->grasps, out, T_W_O, kEnough);
     if (leaving.empty()) continue;
     between_.push_back(T_W_O);
+    tilts_.push_back(rest.tilt);
     place_next(chain, leaving);
     between_.pop_back();
+    tilts_.pop_back();
   }
 }
 
@@ -100,6 +104,7 @@ void RegraspSearch::make_plans() {
   ++attempts_;
   RegraspPlan plan;
   plan.T_W_O_between = between_;
+  plan.tilts = tilts_;
   PickAndPlaceTask leg = task_;
   for (std::size_t k = 0; k <= between_.size(); ++k) {
     const bool last = k == between_.size();
@@ -119,7 +124,7 @@ void RegraspSearch::make_plans() {
 
 std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t chains) const {
   return concat(task_.stone->name, ": ", from, " grasps serve where it lies, ", to,
-                " at the target; over its ", graph_.R_W_O.size(), " poses of rest ", chains,
+                " at the target; over its ", graph_.rests.size(), " poses of rest ", chains,
                 " ways join them; ", attempts_,
                 " of them could be stood on the table with grasps for every part",
                 plan_.reason.empty() ? "" : "; ", plan_.reason);
@@ -129,8 +134,10 @@ std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t cha
 
 FieldList fields(RegraspOptions& o) {
   return {field("rest_margin", o.rest_margin, {0, 0.1}, "m", "ours: a stone set down a little askew stays"),
+          field("rest_tilt", o.rest_tilt, {0, 1.5}, "rad", "measured: bench rest"),
           field("least_margin", o.least_margin, {0, 0.1}, "m",
                 "ours: a stone that falls over lies in another pose, and is looked at again"),
+          field("least_tilt", o.least_tilt, {0, 1.5}, "rad", "measured: bench rest"),
           field("flat", o.flat, {0, 0.02}, "m", "ours"),
           field("turns", o.turns, {1, 64}, "", "ours"),
           field("around", o.around, {0, 2}, "m", "ours"),
@@ -146,9 +153,12 @@ RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& tas
   require(is_valid(task.T_W_O_pick) && is_valid(task.T_W_O_place), "the poses of ", task.stone->name,
           " are not poses: ", to_text(task.T_W_O_pick), " and ", to_text(task.T_W_O_place));
   RegraspPlan firm = RegraspSearch(scene, task, options, regrasp).plan();
-  if (firm.planned || regrasp.least_margin >= regrasp.rest_margin) return firm;
+  if (firm.planned ||
+      (regrasp.least_margin >= regrasp.rest_margin && regrasp.least_tilt >= regrasp.rest_tilt))
+    return firm;
   RegraspOptions shaky = regrasp;
-  shaky.rest_margin = regrasp.least_margin;
+  shaky.rest_margin = std::min(regrasp.least_margin, regrasp.rest_margin);
+  shaky.rest_tilt = std::min(regrasp.least_tilt, regrasp.rest_tilt);
   return RegraspSearch(scene, task, options, shaky).plan();
 }
 

@@ -63,9 +63,9 @@ RestGraph make_rest_graph(const PlanningScene& scene, const Stone& stone, const 
   PlanningScene empty = scene;
   empty.objects.clear();
   const GraspEnd end(empty, stone, -1, options);
-  RestGraph graph{rest_orientations(stone, regrasp), {}};
-  for (const Eigen::Quaterniond& R_W_O : graph.R_W_O) {
-    const Pose T_W_O = standing(stone, R_W_O, Eigen::Vector2d::Zero(), scene.table_z);
+  RestGraph graph{rest_poses(stone, regrasp), {}};
+  for (const RestPose& rest : graph.rests) {
+    const Pose T_W_O = standing(stone, rest.R_W_O, Eigen::Vector2d::Zero(), scene.table_z);
     std::vector<int> held;
     for (std::size_t i = 0; i < grasps.size(); ++i)
       if (!end.hand_fault(grasps[i], T_W_O)) held.push_back(static_cast<int>(i));

@@ -10,7 +10,7 @@ namespace stonestack {
 /// table the stone stands and however it is turned about the vertical. Two poses are joined if they share a
 /// grasp.
 struct RestGraph {
-  std::vector<Eigen::Quaterniond> R_W_O;
+  std::vector<RestPose> rests;
   std::vector<std::vector<int>> grasps;  ///< for each pose: indices into the grasp set, ascending
 };
 [[nodiscard]] RestGraph make_rest_graph(const PlanningScene& scene, const Stone& stone,

@@ -46,21 +46,37 @@ double lowest(const Stone& stone, const Pose& T_W_O) {
   return z;
 }
 
-TEST(RestOrientations, ABoxStandsOnItsSixFaces) {
+TEST(RestPoses, ABoxStandsOnItsSixFaces) {
   const Stone stone = block("block", {0.10, 0.08, 0.07});
-  const auto rests = rest_orientations(stone);
+  const auto rests = rest_poses(stone);
   ASSERT_EQ(rests.size(), 6u);
-  for (const auto& R_W_O : rests) {
-    const Eigen::Vector3d up = R_W_O.inverse() * Eigen::Vector3d::UnitZ();
+  for (const auto& rest : rests) {
+    const Eigen::Vector3d up = rest.R_W_O.inverse() * Eigen::Vector3d::UnitZ();
     EXPECT_NEAR(up.cwiseAbs().maxCoeff(), 1.0, 1e-9) << "an axis of the box is upright";
   }
   // The largest margin comes first: the two faces of 0.10 x 0.08.
-  EXPECT_NEAR(std::abs((rests[0].inverse() * Eigen::Vector3d::UnitZ()).z()), 1.0, 1e-9);
+  EXPECT_NEAR(std::abs((rests[0].R_W_O.inverse() * Eigen::Vector3d::UnitZ()).z()), 1.0, 1e-9);
 }
 
-TEST(RestOrientations, ASlabDoesNotStandOnItsEdge) {
-  EXPECT_EQ(rest_orientations(block("slab", {0.10, 0.10, 0.006})).size(), 2u);
-  EXPECT_THROW((void)rest_orientations(Stone{}), InvalidArgument);
+TEST(RestPoses, ASlabDoesNotStandOnItsEdge) {
+  EXPECT_EQ(rest_poses(block("slab", {0.10, 0.10, 0.006})).size(), 2u);
+  EXPECT_THROW((void)rest_poses(Stone{}), InvalidArgument);
+}
+
+/// What counts is the angle, not the margin alone: the same 10 mm hold a low block and not a tall one.
+TEST(RestPoses, ATallStoneDoesNotStandOnItsEnd) {
+  EXPECT_EQ(rest_poses(block("low", {0.02, 0.02, 0.02})).size(), 6u);
+  const Stone tall = block("pillar", {0.02, 0.02, 0.16});
+  EXPECT_EQ(rest_poses(tall).size(), 4u);
+  RegraspOptions careless;
+  careless.rest_tilt = 0.0;
+  const auto rests = rest_poses(tall, careless);
+  ASSERT_EQ(rests.size(), 6u);
+  for (const auto& rest : rests) {
+    const bool on_end = std::abs((rest.R_W_O.inverse() * Eigen::Vector3d::UnitZ()).z()) > 0.9;
+    EXPECT_NEAR(rest.margin, 0.01, 1e-9);
+    EXPECT_NEAR(rest.tilt, std::atan2(0.01, on_end ? 0.08 : 0.01), 1e-9);
+  }
 }
 
 TEST(Regrasp, TurnsAStoneOver) {
@@ -71,6 +87,8 @@ TEST(Regrasp, TurnsAStoneOver) {
   EXPECT_EQ(plan.plans.front().status, Status::kPlanned);
   EXPECT_EQ(plan.plans.back().status, Status::kPlanned);
   EXPECT_NEAR(lowest(cell.stone, plan.T_W_O_between.front()), 0.0, 1e-9) << "it stands on the table";
+  ASSERT_EQ(plan.tilts.size(), plan.T_W_O_between.size());
+  EXPECT_GE(plan.tilts.front(), RegraspOptions{}.rest_tilt);
 
   // The second half starts where the first ends, and takes the stone where the first put it.
   const Joints end = plan.plans.front().steps.back().trajectory.q.back();

@@ -11,8 +11,7 @@ using Chains = std::vector<std::vector<int>>;
 
 /// Poses 0 to 3; 0-1 share two grasps, 1-2 one, 2-3 one, 0-3 none.
 RestGraph ladder() {
-  return {std::vector<Eigen::Quaterniond>(4, Eigen::Quaterniond::Identity()),
-          {{0, 1, 2}, {1, 2, 3}, {3, 4}, {4, 5}}};
+  return {std::vector<RestPose>(4), {{0, 1, 2}, {1, 2, 3}, {3, 4}, {4, 5}}};
 }
 
 TEST(RestGraph, ShortestWaysComeFirst) {
@@ -32,8 +31,7 @@ TEST(RestGraph, AsManyStopsAsAllowed) {
 }
 
 TEST(RestGraph, OfEqualLengthTheOneWithMoreGrasps) {
-  const RestGraph graph{std::vector<Eigen::Quaterniond>(2, Eigen::Quaterniond::Identity()),
-                        {{0, 5}, {0, 1, 5, 6}}};
+  const RestGraph graph{std::vector<RestPose>(2), {{0, 5}, {0, 1, 5, 6}}};
   EXPECT_EQ(rest_chains(graph, {0, 1}, {5, 6}, 1), (Chains{{1}, {0}}));
 }
 

@@ -9,7 +9,9 @@ namespace stonestack {
 /// How a stone is turned over. Numbers without a source are ours.
 struct RegraspOptions {
   double rest_margin = 0.004;   ///< m, centre of mass inside the support polygon of a pose of rest, least
+  double rest_tilt = 0.17;      ///< rad, by which a pose of rest may be turned before it topples, least
   double least_margin = 0.002;  ///< m, the same where no way leads over firmer poses of rest
+  double least_tilt = 0.07;     ///< rad, the same; in poses below it every stone fell
   double flat = 0.0015;         ///< m, scan points that near the table carry the stone
   int turns = 8;                ///< about the vertical, each pose of rest
   double around = 0.30;         ///< m, from where it lies to the farthest place to set it down, along x and y
@@ -20,16 +22,22 @@ struct RegraspOptions {
 };
 [[nodiscard]] FieldList fields(RegraspOptions& options);
 
-/// Orientations R_W_O in which the stone can stand on a level table, by its convex hull; the one with the
-/// largest margin first. Throws InvalidArgument for a stone without scan or mass.
-[[nodiscard]] std::vector<Eigen::Quaterniond> rest_orientations(const Stone& stone,
-                                                                const RegraspOptions& options = {});
+/// A way in which a stone can stand on a level table.
+struct RestPose {
+  Eigen::Quaterniond R_W_O = Eigen::Quaterniond::Identity();
+  double margin = 0.0;  ///< m, centre of mass inside the support polygon
+  double tilt = 0.0;    ///< rad, turned by more than that about the nearest edge of its support it topples
+};
+/// All of a stone, by its convex hull; the one with the largest margin first. Throws InvalidArgument for a
+/// stone without scan or mass.
+[[nodiscard]] std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& options = {});
 
 /// Plans that follow each other; or why there are none.
 struct RegraspPlan {
   bool planned = false;
   std::string reason;
   std::vector<Pose> T_W_O_between;      ///< where the stone is set down on the table, in order
+  std::vector<double> tilts;            ///< rad, RestPose::tilt of these poses
   std::vector<PickAndPlacePlan> plans;  ///< one more than `T_W_O_between`; each starts where the arm was left
 };
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "stonestack/core/error.hpp"
@@ -9,10 +10,12 @@
 namespace stonestack {
 namespace {
 
-/// A way to stand: up, seen from the stone, and how far the centre of mass is inside the support.
+/// A way to stand: up, seen from the stone.
 struct Stand {
   Eigen::Vector3d n_O_up;
-  double margin = 0.0;
+  double margin = 0.0;  // m
+  double height = 0.0;  // m, of the centre of mass
+  [[nodiscard]] double tilt() const { return std::atan2(margin, height); }
 };
 
 /// Standing on the hull's face with the outward normal -`n_O_up`.
@@ -23,12 +26,13 @@ Stand stand_on(const Mesh& hull, const Eigen::Vector3d& p_O_M, const Eigen::Vect
   std::vector<Eigen::Vector2d> feet;
   for (const auto& v : hull.vertices)
     if (n_O_up.dot(v) - lowest <= flat) feet.emplace_back(x.dot(v), y.dot(v));
-  return {n_O_up, margin(convex_hull(std::move(feet)), {x.dot(p_O_M), y.dot(p_O_M)})};
+  return {n_O_up, margin(convex_hull(std::move(feet)), {x.dot(p_O_M), y.dot(p_O_M)}),
+          n_O_up.dot(p_O_M) - lowest};
 }
 
 }  // namespace
 
-std::vector<Eigen::Quaterniond> rest_orientations(const Stone& stone, const RegraspOptions& options) {
+std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& options) {
   require(!stone.scan.vertices.empty() && stone.mass.mass > 0.0, "stone ", stone.name,
           " needs a scan and a mass to find how it can stand");
   const Mesh hull = convex_hull(stone.scan);
@@ -36,7 +40,7 @@ std::vector<Eigen::Quaterniond> rest_orientations(const Stone& stone, const Regr
   for (const auto& n : face_normals(hull)) {
     if (n.norm() < 0.5) continue;
     const Stand stand = stand_on(hull, stone.mass.p_O_M, -n, options.flat);
-    if (stand.margin >= options.rest_margin) stands.push_back(stand);
+    if (stand.margin >= options.rest_margin && stand.tilt() >= options.rest_tilt) stands.push_back(stand);
   }
   std::stable_sort(stands.begin(), stands.end(),
                    [](const Stand& a, const Stand& b) { return a.margin > b.margin; });
@@ -46,9 +50,10 @@ std::vector<Eigen::Quaterniond> rest_orientations(const Stone& stone, const Regr
     if (std::none_of(kept.begin(), kept.end(),
                      [&](const Stand& k) { return k.n_O_up.dot(stand.n_O_up) > kSame; }))
       kept.push_back(stand);
-  std::vector<Eigen::Quaterniond> all;
+  std::vector<RestPose> all;
   for (const auto& stand : kept)
-    all.push_back(Eigen::Quaterniond::FromTwoVectors(stand.n_O_up, Eigen::Vector3d::UnitZ()));
+    all.push_back({Eigen::Quaterniond::FromTwoVectors(stand.n_O_up, Eigen::Vector3d::UnitZ()), stand.margin,
+                   stand.tilt()});
   return all;
 }
 
