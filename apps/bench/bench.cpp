@@ -9,8 +9,8 @@ void add_bench(CLI::App& app) {
   bench->require_subcommand(1);
   for (const auto add :
        {add_bench_detection, add_bench_search, add_bench_calibration, add_bench_equilibrium,
-        add_bench_kinematics, add_bench_grasp, add_bench_hold, add_bench_motion, add_bench_collision,
-        add_bench_cartesian, add_bench_timing, add_bench_descent, add_bench_rtde})
+        add_bench_kinematics, add_bench_grasp, add_bench_hold, add_bench_rest, add_bench_motion,
+        add_bench_collision, add_bench_cartesian, add_bench_timing, add_bench_descent, add_bench_rtde})
     add(*bench);
   bench->footer(
       "Each prints its seed and settings. Times are of this machine.\n"

@@ -13,6 +13,7 @@ void add_bench_timing(CLI::App& bench);
 void add_bench_descent(CLI::App& bench);
 void add_bench_grasp(CLI::App& bench);
 void add_bench_hold(CLI::App& bench);
+void add_bench_rest(CLI::App& bench);
 void add_bench_search(CLI::App& bench);
 void add_bench_calibration(CLI::App& bench);
 void add_bench_equilibrium(CLI::App& bench);
