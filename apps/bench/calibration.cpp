@@ -45,6 +45,7 @@ void try_tower(const BenchOptions& options, const StonePool& pool, int k, std::v
   bench::PlacementNoise noise;
   noise.shift = options.search.placement_sigma_translation;
   noise.turn = options.search.placement_sigma_rotation;
+  noise.com = options.search.com_sigma;
   noise.friction = options.search.friction;
   while (!problem.available.empty()) {
     const SearchResult found = find_next_pose(problem, options.search);
@@ -99,10 +100,13 @@ void print_pool(const StonePool& pool, const std::vector<Try>& tries) {
 }
 
 void measure(const BenchOptions& options) {
-  std::printf("towers of %d, friction %g, noise %g mm %.2g deg, %d perturbations a prediction, seed %d\n",
-              options.stones, options.search.friction, 1e3 * options.search.placement_sigma_translation,
-              options.search.placement_sigma_rotation * 180 / M_PI, options.search.perturbations,
-              options.seed);
+  std::printf(
+      "towers of %d, friction %g, noise %g mm %.2g deg, centres of mass %g mm, %d perturbations a "
+      "prediction, "
+      "seed %d\n",
+      options.stones, options.search.friction, 1e3 * options.search.placement_sigma_translation,
+      options.search.placement_sigma_rotation * 180 / M_PI, 1e3 * options.search.com_sigma,
+      options.search.perturbations, options.seed);
   for (const StonePool& pool : bench::read_pools(options.pools)) {
     std::vector<Try> tries;
     for (int k = 0; static_cast<int>(tries.size()) < options.placements && k < options.placements; ++k)

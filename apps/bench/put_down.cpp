@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kDrop = 0.001, kRaise = 0.0005;  // m
 constexpr int kMostRaises = 40;
+constexpr int kMostDraws = 50;  // of centres of mass, until the stack below stands with them
 
 Pose displaced(const Pose& T_W_O, const Eigen::Vector3d& p_O_M, const PlacementNoise& noise, Random& random) {
   Eigen::Vector3d shift, turn;
@@ -33,6 +34,31 @@ bool top_penetrates(const ShapeList& shapes, const Stack& stack) {
                      [&](const Contact& c) { return c.above == top && c.gap < 0.0; });
 }
 
+Eigen::Vector3d com_error(const PlacementNoise& noise, Random& random) {
+  if (noise.com == 0.0) return Eigen::Vector3d::Zero();
+  return {random.normal(0.0, noise.com), random.normal(0.0, noise.com), random.normal(0.0, noise.com)};
+}
+
+StandOptions stand_options(const PlacementNoise& noise) {
+  StandOptions stand;
+  stand.friction = noise.friction;
+  stand.seconds = noise.stands;
+  return stand;
+}
+
+/// Errors of the centres of mass below with which the stack stands, as it does.
+std::vector<Eigen::Vector3d> com_errors(const ShapeList& shapes, const Stack& below,
+                                        const PlacementNoise& noise, Random& random) {
+  StandOptions stand = stand_options(noise);
+  for (int k = 0; k < kMostDraws; ++k) {
+    stand.com_error_O.clear();
+    for (std::size_t i = 0; i < below.stones.size(); ++i)
+      stand.com_error_O.push_back(com_error(noise, random));
+    if (noise.com == 0.0 || below.stones.empty() || judge_stack(shapes, below, stand).stands) break;
+  }
+  return stand.com_error_O;
+}
+
 }  // namespace
 
 std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const Placement& target,
@@ -47,12 +73,13 @@ std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const
     top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kRaise));
   SettleOptions settling;
   settling.world.friction = noise.friction;
+  StandOptions stand = stand_options(noise);
+  stand.com_error_O = com_errors(shapes, below, noise, random);
+  stand.com_error_O.push_back(com_error(noise, random));
+  settling.com_error_O = stand.com_error_O.back();
   const SettleResult at_rest = settle(shapes, below, target.stone, top.T_W_O, settling);
   if (!at_rest.rests) return std::nullopt;
   top.T_W_O = at_rest.T_W_O;
-  StandOptions stand;
-  stand.friction = noise.friction;
-  stand.seconds = noise.stands;
   const StandVerdict verdict = judge_stack(shapes, higher, stand);
   if (!verdict.stands || !verdict.clean) return std::nullopt;
   for (std::size_t k = 0; k < higher.stones.size(); ++k) higher.stones[k].T_W_O = verdict.T_W_O[k];

@@ -10,6 +10,7 @@ namespace stonestack::bench {
 struct PlacementNoise {
   double shift = 0.0;  ///< m
   double turn = 0.0;   ///< rad
+  double com = 0.0;    ///< m, of every centre of mass
   double friction = 0.1;
   double stands = 5.0;  ///< s simulated afterwards, every stone dynamic
 };

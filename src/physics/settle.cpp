@@ -36,6 +36,7 @@ SettleResult settle(const ShapeList& shapes, const Stack& stack, int stone, cons
     world.add_stone(shape_at(shapes, placed.stone), placed.T_W_O, options.fixed_stack);
   const auto& shape = shape_at(shapes, stone);
   const int body = world.add_stone(shape, T_W_O);
+  world.set_weight_offset(body, options.com_error_O);
   const Eigen::Vector3d start = T_W_O * shape->mass.p_O_M;
 
   SettleResult result;

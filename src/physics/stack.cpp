@@ -108,6 +108,10 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
   settings.step = options.step;
   World world = world_of(shapes, stack, settings);
   const auto n = static_cast<int>(stack.stones.size());
+  require(options.com_error_O.empty() || options.com_error_O.size() == stack.stones.size(), "errors of ",
+          options.com_error_O.size(), " centres of mass for a stack of ", n);
+  for (std::size_t i = 0; i < options.com_error_O.size(); ++i)
+    world.set_weight_offset(static_cast<int>(i), options.com_error_O[i]);
 
   StandVerdict verdict;
   int clean_levels = n;

@@ -73,6 +73,7 @@ struct World::Bullet {
     bool moves = false;  ///< has a target for the next step
     Pose T_W_target = Pose::Identity();
     Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
+    Eigen::Vector3d weight_offset_P = Eigen::Vector3d::Zero();  ///< m, where the weight acts
   };
 
   explicit Bullet(const WorldOptions& o)
@@ -154,8 +155,10 @@ void World::Bullet::step(double dt) {
       rigid.setLinearVelocity(to_bullet(twist.v));
       rigid.setAngularVelocity(to_bullet(twist.w));
     } else {
-      rigid.applyCentralForce(to_bullet(Eigen::Vector3d(body->force + gravity / rigid.getInvMass())));
-      rigid.applyTorque(to_bullet(body->torque));
+      const Eigen::Vector3d weight = gravity / rigid.getInvMass();
+      const Eigen::Vector3d arm = to_eigen(rigid.getWorldTransform()).linear() * body->weight_offset_P;
+      rigid.applyCentralForce(to_bullet(Eigen::Vector3d(body->force + weight)));
+      rigid.applyTorque(to_bullet(Eigen::Vector3d(body->torque + arm.cross(weight))));
     }
     body->force.setZero();
     body->torque.setZero();
@@ -250,6 +253,12 @@ void World::apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d&
 
 void World::set_gravity(const Eigen::Vector3d& g_W) {
   bullet_->gravity = g_W;
+}
+
+void World::set_weight_offset(int body, const Eigen::Vector3d& offset_O) {
+  require(offset_O.allFinite(), "the weight of body ", body, " cannot act at ", offset_O.transpose());
+  Bullet::Body& b = bullet_->body(body);
+  b.weight_offset_P = b.T_O_P.linear().transpose() * offset_O;
 }
 
 void World::step() {

@@ -44,6 +44,7 @@ FieldList fields(SearchOptions& o) {
       field("perturbed_seconds", o.perturbed_seconds, {0.01, 600.0}, "s", "ours"),
       field("placement_sigma_translation", o.placement_sigma_translation, {0.0, 0.05}, "m", "ours"),
       field("placement_sigma_rotation", o.placement_sigma_rotation, {0.0, 0.5}, "rad", "ours"),
+      field("com_sigma", o.com_sigma, {0.0, 0.02}, "m", "ours"),
       field("threads", o.threads, {0, 1024}, "", "0: all cores"),
       field("budget", o.budget, {0.0, 1e6}, "s", "0: none"),
       field("seed", o.seed, {0, 2147483647}, "", ""),

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kDrop = 0.001;  ///< m above the first touch
 constexpr int kLonger = 4;       ///< times the perturbations, where the first of them disagree
+constexpr const char* kFallsTooOften = "falls too often when placed with the expected error";
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
   Stack higher = stack;
@@ -28,9 +29,11 @@ Pose lifted(const SearchContext& context, const Stack& below, int stone, const P
   return stone_pose(body);
 }
 
-SettleResult let_down(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O) {
+SettleResult let_down(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O,
+                      const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
   SettleOptions options;
   options.world.friction = context.options->friction;
+  options.com_error_O = com_error_O;
   return settle(context.shapes(), below, stone, lifted(context, below, stone, T_W_O), options);
 }
 
@@ -73,16 +76,53 @@ Pose displaced(const SearchContext& context, int stone, const Pose& T_W_O, int k
   return stone_pose(body);
 }
 
-bool survives(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
-  const SettleResult at_rest =
-      let_down(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k));
-  if (!at_rest.rests) return false;
+/// How far the true centre of mass of a stone may lie from the known one, in the k-th of the worlds that are
+/// tried. The same wherever the stone lies: such an error goes with the stone.
+Eigen::Vector3d com_error(const SearchContext& context, int stone, int k) {
+  Random random = Random::stream(static_cast<std::uint64_t>(context.options->seed),
+                                 concat("centre of mass ", stone, " ", k));
+  Eigen::Vector3d error_O;
+  for (int axis = 0; axis < 3; ++axis) error_O[axis] = random.normal(0.0, context.options->com_sigma);
+  return error_O;
+}
+
+/// Does a stack stand in the k-th of the worlds?
+bool stands(const SearchContext& context, const Stack& stack, int k) {
   StandOptions stand;
   stand.friction = context.options->friction;
   stand.seconds = context.options->perturbed_seconds;
   stand.still = kStill;
-  const StandVerdict verdict = judge_stack(context.shapes(), with(below, trial.stone, at_rest.T_W_O), stand);
+  for (const PlacedStone& placed : stack.stones)
+    stand.com_error_O.push_back(com_error(context, placed.stone, k));
+  const StandVerdict verdict = judge_stack(context.shapes(), stack, stand);
   return verdict.stands && verdict.clean;
+}
+
+bool survives(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
+  const SettleResult at_rest =
+      let_down(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
+               com_error(context, trial.stone, k));
+  return at_rest.rests && stands(context, with(below, trial.stone, at_rest.T_W_O), k);
+}
+
+/// Tries worlds `first` to `last`. A world in which the stack falls without the new stone tells nothing about
+/// this placement: the stack stands already, or whether it will was counted against the stone before. Ends
+/// early when `least_success` of `last` cannot be reached any more.
+void try_worlds(const SearchContext& context, const Stack& below, int first, int last, Trial* trial) {
+  const SearchOptions& o = *context.options;
+  for (int k = first; k < last; ++k) {
+    if (survives(context, below, *trial, k))
+      ++trial->survived;
+    else if (o.com_sigma > 0.0 && !below.stones.empty() && !stands(context, below, k))
+      continue;
+    ++trial->tried;
+    const int left = last - 1 - k;
+    if (trial->survived + left < o.least_success * (trial->tried + left)) break;
+  }
+  Placement& placement = trial->placement;
+  placement.predicted_success =
+      trial->tried > 0 ? static_cast<double>(trial->survived) / trial->tried : (last > 0 ? 0.0 : 1.0);
+  placement.expected_height = placement.predicted_success;
 }
 
 void drop(Trial* trial, const std::string& why) {
@@ -119,30 +159,15 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
       judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);
   if (!verdict.stands || !verdict.clean)
     return drop(trial, "the stack does not stand for the time of the verdict");
-  int survived = 0;
-  for (int k = 0; k < o.perturbations; ++k) {
-    if (survives(context, below, *trial, k)) ++survived;
-    if (survived + o.perturbations - 1 - k < o.least_success * o.perturbations) break;  // cannot be reached
-  }
-  trial->placement.predicted_success =
-      o.perturbations > 0 ? static_cast<double>(survived) / o.perturbations : 1.0;
-  trial->placement.expected_height = trial->placement.predicted_success;
-  if (trial->placement.predicted_success < o.least_success)
-    drop(trial, concat("falls too often when placed with the expected error"));
+  try_worlds(context, below, 0, o.perturbations, trial);
+  if (trial->placement.predicted_success < o.least_success) drop(trial, kFallsTooOften);
 }
 
 void judge_longer(const SearchContext& context, const Stack& below, Trial* trial) {
   const SearchOptions& o = *context.options;
-  Placement& placement = trial->placement;
-  if (!trial->alive || placement.predicted_success >= 1.0 || o.perturbations == 0) return;
-  int survived = static_cast<int>(std::lround(placement.predicted_success * o.perturbations));
-  const int all = kLonger * o.perturbations;
-  for (int k = o.perturbations; k < all; ++k)
-    if (survives(context, below, *trial, k)) ++survived;
-  placement.predicted_success = static_cast<double>(survived) / all;
-  placement.expected_height = placement.predicted_success;
-  if (placement.predicted_success < o.least_success)
-    drop(trial, "falls too often when placed with the expected error");
+  if (!trial->alive || trial->placement.predicted_success >= 1.0 || o.perturbations == 0) return;
+  try_worlds(context, below, o.perturbations, kLonger * o.perturbations, trial);
+  if (trial->placement.predicted_success < o.least_success) drop(trial, kFallsTooOften);
 }
 
 double worth(const SearchContext& context, const Trial& trial) {

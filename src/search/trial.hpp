@@ -15,6 +15,8 @@ struct Trial {
   Placement placement;  ///< with the pose at rest
   double margin = 0.0;  ///< g, of the whole stack by equilibrium
   double score = 0.0;   ///< what to verify first: margin and look-ahead
+  int tried = 0;        ///< worlds with displaced placements and centres of mass,
+  int survived = 0;     ///< of which it stood in so many
 };
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole: fills the

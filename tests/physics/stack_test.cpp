@@ -57,6 +57,25 @@ TEST(JudgeStack, WhatOverhangsFalls) {
   EXPECT_NE(verdict.reason.find("stone 1"), std::string::npos) << verdict.reason;
 }
 
+TEST(JudgeStack, TheWeightMayActBesideTheCentreOfMass) {
+  // 2 mm inside the edge; the upper cube is turned by a quarter, so that its y axis points along -x.
+  const ShapeList shapes{box(0.06, 0.06, 0.06)};
+  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.028, 0, 0.09, M_PI / 2)}}};
+  StandOptions options;
+  options.friction = 0.6;
+  options.seconds = 2.0;
+  options.com_error_O = {Eigen::Vector3d::Zero(), {0, 0.003, 0}};
+  EXPECT_TRUE(judge_stack(shapes, stack, options).stands);
+  options.com_error_O[1] = {0.003, 0, 0};
+  EXPECT_TRUE(judge_stack(shapes, stack, options).stands);
+  options.com_error_O[1] = {0, -0.001, 0};
+  EXPECT_TRUE(judge_stack(shapes, stack, options).stands);
+  options.com_error_O[1] = {0, -0.003, 0};
+  EXPECT_EQ(judge_stack(shapes, stack, options).standing, 1);
+  options.com_error_O.pop_back();
+  EXPECT_THROW(static_cast<void>(judge_stack(shapes, stack, options)), InvalidArgument);
+}
+
 TEST(JudgeStack, LeaningOnTheTableIsNotClean) {
   const ShapeList shapes{box(0.06, 0.06, 0.03), box(0.20, 0.05, 0.02)};
   // The plank lies with one end on the block and with the other on the table.

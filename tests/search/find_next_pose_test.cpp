@@ -110,6 +110,38 @@ TEST(FindNextPose, APlanThatNoLongerHoldsSaysWhy) {
   EXPECT_THAT(gone.reason, HasSubstr("not there"));
 }
 
+/// What a stone put exactly there is given, with centres of mass known to `sigma`.
+double predicted(const SearchProblem& problem, const PlacedStone& next, double sigma) {
+  SearchOptions options = quick();
+  options.friction = 0.5;
+  options.perturbations = 32;
+  options.placement_sigma_translation = options.placement_sigma_rotation = 0.0;
+  options.com_sigma = sigma;
+  options.least_success = 0.0;
+  const SearchResult result = follow_plan(problem, {next}, options);
+  EXPECT_EQ(result.best.size(), 1U) << result.reason;
+  return result.best.empty() ? -1.0 : result.best.front().predicted_success;
+}
+
+TEST(FindNextPose, CountsThatCentresOfMassAreNotKnownExactly) {
+  // The two upper boxes together balance 1.7 mm inside the edge of the base.
+  SearchProblem problem = base_stands();
+  problem.stack.stones.push_back({1, at(0.045, 0, 0.085)});
+  const PlacedStone top{2, at(0.085, 0, 0.13)};
+  EXPECT_EQ(predicted(problem, top, 0.0), 1.0);
+  EXPECT_LT(predicted(problem, top, 0.003), 0.95);
+}
+
+TEST(FindNextPose, BlamesNoStoneForAStackThatFallsWithoutIt) {
+  // The middle box lies 2 mm inside the edge of the base; a pebble upon it changes nothing.
+  const ShapeList shapes{boxes()[0], boxes()[1], box("pebble", {0.02, 0.02, 0.02})};
+  SearchProblem problem;
+  problem.shapes = &shapes;
+  problem.stack.stones = {{0, at(0, 0, 0.03)}, {1, at(0.058, 0, 0.085)}};
+  problem.available = {{2, at(0.4, 0, 0.01)}};
+  EXPECT_GT(predicted(problem, {2, at(0.058, 0, 0.12)}, 0.002), 0.95);
+}
+
 TEST(FindNextPose, GoesOnFromAWayUpThatWasFoundBefore) {
   SearchProblem problem = base_stands();
   const SearchResult anew = find_next_pose(problem, quick());

@@ -12,6 +12,7 @@ struct SettleOptions {
   double calm_speed = 0.001;     ///< m/s, of the centre of mass plus radius times turning
   int calm_samples = 8;          ///< samples in a row (4 steps apart) below the calm speed end the trial
   bool fixed_stack = true;       ///< the stack does not move while the new stone settles
+  Eigen::Vector3d com_error_O = Eigen::Vector3d::Zero();  ///< m, of the new stone: see StandOptions
 };
 struct SettleResult {
   bool rests = false;  ///< calm, touching only the top stone (or the table for an empty stack)

@@ -27,6 +27,9 @@ struct StandOptions {
   double largest_turn = 0.0174533;  ///< rad (1 deg)
   double touch_gap = 0.001;         ///< m: nearer counts as touching for the clean rule
   double still = 0.0;  ///< m of motion in 0.1 s below which, three times running, the rest is not simulated
+  /// m, frame O, a level each or none at all: how far from the centre of mass that is known the true one
+  /// lies.
+  std::vector<Eigen::Vector3d> com_error_O = {};
 };
 
 /// Does it stand, cleanly? A stack is clean if stone i touches only stones i-1 and i+1, and only stone 0 the

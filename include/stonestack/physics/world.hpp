@@ -57,6 +57,9 @@ class World {
   /// Force (N) at the centre of mass and torque (Nm), world axes, for the next step only.
   void apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque = Eigen::Vector3d::Zero());
   void set_gravity(const Eigen::Vector3d& g_W);
+  /// Lets a stone's weight act beside its centre of mass, by `offset_O` (m, frame O), from now on: what a
+  /// centre of mass that is only known to a millimetre or two may do. Inertia stays as it is.
+  void set_weight_offset(int body, const Eigen::Vector3d& offset_O);
 
   /// One step of `options().step`.
   void step();

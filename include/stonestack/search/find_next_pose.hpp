@@ -58,6 +58,7 @@ struct SearchOptions {
   double perturbed_seconds = 2.0;               ///< s simulated, each of them
   double placement_sigma_translation = 0.001;   ///< m, one sigma along each axis
   double placement_sigma_rotation = 0.0087266;  ///< rad, one sigma about each axis
+  double com_sigma = 0.0;                       ///< m, one sigma of every centre of mass along each axis
 
   int threads = 0;      ///< 0: all cores; the result does not depend on it
   double budget = 0.0;  ///< s; 0: none (deterministic)

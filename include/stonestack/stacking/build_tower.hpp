@@ -22,6 +22,7 @@ struct BuildOptions {
     // 0.5 to 1.8 mm and 0.4 to 1.2 deg in all for stones that hold at once.
     search.placement_sigma_translation = 0.0015;
     search.placement_sigma_rotation = 0.015;
+    search.com_sigma = 0.001;  // centres of mass are known to 2 mm, say evenly in a ball: 0.9 mm an axis
   }
   DetectionOptions detection;
   SearchOptions search;
