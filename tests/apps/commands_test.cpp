@@ -310,6 +310,15 @@ TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
   EXPECT_EQ(result, again) << "same seed, other tower";
 }
 
+TEST_F(Commands, StonesThatTheHandCannotCarryAreNotDrawnAndNamed) {
+  const std::string rocks = " --catalogue " + folder_ + "/rocks ";
+  ASSERT_EQ(run("scan --generate 2" + rocks).code, 0);
+  ASSERT_EQ(run("scan " + folder_ + "/rocks/limestone_1/scan.ply --name heavy --mass 2.8" + rocks).code, 0);
+  const Outcome done = run("simulate --per-run 3 --seconds 0.1" + rocks);
+  EXPECT_NE(done.err.find("not drawn, for the hand carries 2.5 kg: heavy (2.8 kg)"), std::string::npos)
+      << done.err;
+}
+
 TEST_F(Commands, ExperimentKeepsTheRecordOfThePaper) {
   const std::string arguments =
       "experiment --runs 3 --per-run 2 --seed 2 --json --survival false --set search.perturbations=2 --out ";
