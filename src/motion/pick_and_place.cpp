@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "motion/pick_attempt.hpp"
 #include "motion/pick_candidates.hpp"
@@ -75,6 +76,25 @@ class FaultCounts {
   std::array<int, 7> counts_{};
 };
 
+/// Which grasps failed each time where the stone lies, so that another target does not help them.
+class PickFaults {
+ public:
+  void add(int grasp, WayFault fault) {
+    const bool at_pick = fault == WayFault::kApproach || fault == WayFault::kLift;
+    const auto [it, is_new] = only_at_pick_.try_emplace(grasp, at_pick);
+    if (!is_new) it->second = it->second && at_pick;
+  }
+  [[nodiscard]] std::vector<Pose> grasps(const GraspSet& set) const {
+    std::vector<Pose> list;
+    for (const auto& [grasp, at_pick] : only_at_pick_)
+      if (at_pick) list.push_back(set.grasps[static_cast<std::size_t>(grasp)].T_O_T);
+    return list;
+  }
+
+ private:
+  std::map<int, bool> only_at_pick_;
+};
+
 /// m, by which the stone at its target would reach into the table.
 double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) {
   double lowest = scene.table_z;
@@ -116,6 +136,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
                            const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
   const Stopwatch watch;
   FaultCounts faults;
+  PickFaults pick_faults;
   PickAndPlacePlan best = refused(Status::kNoTransit, "");
   int found = 0, tried = 0;
   bool in_time = true;
@@ -130,6 +151,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     const PickAttempt attempt(scene, task, options, grasp);
     const PickAttempt::Result result = attempt.try_joints(candidate->q_pick, candidate->q_place);
     faults.add(result.fault);
+    pick_faults.add(candidate->grasp, result.fault);
     if (result.fault != WayFault::kNone) continue;
     ++found;
     PickAndPlacePlan plan;
@@ -141,9 +163,10 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     best_cost = plan.seconds + candidate->price;
     best = std::move(plan);
   }
-  if (best.status != Status::kPlanned)
-    best.reason = concat(task.stone->name, ": of ", tried, " ways tried with usable grasps ", faults.text(),
-                         !in_time ? "; then planning time was over" : "");
+  if (best.status == Status::kPlanned) return best;
+  best.no_pick = pick_faults.grasps(set);
+  best.reason = concat(task.stone->name, ": of ", tried, " ways tried with usable grasps ", faults.text(),
+                       !in_time ? "; then planning time was over" : "");
   return best;
 }
 

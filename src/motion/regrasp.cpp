@@ -62,7 +62,11 @@ class RegraspSearch {
 RegraspPlan RegraspSearch::plan() {
   std::vector<int> all(set_->grasps.size());
   std::iota(all.begin(), all.end(), 0);
-  const auto from = end_.serving(set_->grasps, all, task_.T_W_O_pick);
+  std::vector<int> allowed = all;
+  std::erase_if(allowed, [&](int i) {
+    return is_near_grasp(task_.avoid, set_->grasps[static_cast<std::size_t>(i)].T_O_T);
+  });
+  const auto from = end_.serving(set_->grasps, allowed, task_.T_W_O_pick);
   to_ = end_.serving(set_->grasps, all, task_.T_W_O_place);
   graph_ = make_rest_graph(scene_, *task_.stone, set_->grasps, options_, regrasp_);
   const auto chains = rest_chains(graph_, from, to_, regrasp_.most);

@@ -10,7 +10,8 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
-/// what it learns about its camera, builder_target.cpp the search for what comes next, builder_place.cpp what
+/// what it learns about its camera, builder_reach.cpp what the arm can bring
+/// about, builder_target.cpp the search for what comes next, builder_place.cpp what
 /// is done and how it is judged, builder_take_off.cpp the way back.
 namespace stonestack {
 
@@ -42,7 +43,7 @@ class Builder {
     while (!high_enough()) {
       throw_if_interrupted();
       const auto target = find_target();
-      if (!target && (turn_over() || take_off() || dare_failed_grasps())) continue;
+      if (!target && (take_off() || dare_failed_grasps())) continue;
       if (!target || !place(*target)) break;
     }
     return std::move(result_);
@@ -54,6 +55,9 @@ class Builder {
   }
 
  private:
+  /// How stones may be brought to their places: as they lie, or laid down another way before.
+  enum class Ways { kInOneGo, kTurningToo };
+
   [[nodiscard]] RunResult end(RunResult::End how, const std::string& why) {
     result_.end = how;
     result_.ended = why;
@@ -105,10 +109,13 @@ class Builder {
   /// Looks at the field once more, half a turn about the optical axis away, and corrects where the camera is
   /// taken to sit, in the layout and in the looks; the second look is added to them.
   void refine_camera(std::vector<Look>& looks);
+  /// What is to be placed next; lays a stone down another way on the way to it, if need be.
   [[nodiscard]] std::optional<Target> find_target();
   /// What the search is told: the stack, the loose stones, and as out of reach what the arm does not reach
   /// and what was given up.
-  [[nodiscard]] SearchProblem make_problem(const Belief& belief) const;
+  [[nodiscard]] SearchProblem make_problem(const Belief& belief, Ways ways) const;
+  /// Those that failed and those that cannot pick the stone up where it lies, T_O_T.
+  [[nodiscard]] std::vector<Pose> useless_grasps(int stone) const;
   [[nodiscard]] bool can_carry(int stone) const;
   /// "stone_150 (3.16 kg), ..." of the loose stones; empty: none is.
   [[nodiscard]] std::string too_heavy() const;
@@ -116,11 +123,11 @@ class Builder {
   [[nodiscard]] bool dare_failed_grasps();
   /// Nothing was found to fit on that stone when it lay nearly there, or no motion brings it there.
   [[nodiscard]] bool was_given_up(int stone, const Pose& T_W_O) const;
-  [[nodiscard]] SearchResult search_by_friction(const SearchProblem& problem, double largest_tilt);
+  [[nodiscard]] SearchResult search_by_friction();
   /// The frictions that are assumed, rising.
   [[nodiscard]] std::vector<double> frictions() const;
   /// How a search at one of them goes about it.
-  [[nodiscard]] SearchOptions search_at(std::size_t level) const;
+  [[nodiscard]] SearchOptions search_at(std::size_t level, Ways ways) const;
   /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
   /// the stones may have; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
@@ -129,7 +136,7 @@ class Builder {
   [[nodiscard]] std::vector<PlacedStone> rest_of_plan() const;
   /// That, if it still holds: at the friction it was found with, or at a higher one where the whole of it is
   /// still expected to stand.
-  [[nodiscard]] std::optional<SearchResult> rest_that_holds(const SearchProblem& problem, double largest_tilt,
+  [[nodiscard]] std::optional<SearchResult> rest_that_holds(const SearchProblem& problem, Ways ways,
                                                             double levels);
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
   /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
@@ -147,9 +154,10 @@ class Builder {
   /// Puts the top stone into the field, wherever the arm can.
   [[nodiscard]] bool set_down_top();
   [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
-  /// When the search finds poses but no grasp brings a stone there in one go: lays the stone down in another
-  /// pose of rest, so that it can be grasped anew. False when that does not help either.
-  [[nodiscard]] bool turn_over();
+  [[nodiscard]] bool may_turn_over() const { return turned_over_ < options_.most_turned_over; }
+  /// Lays one of the stones down in another pose of rest, so that it can be grasped anew and brought to its
+  /// placement. False when no motion does that.
+  [[nodiscard]] bool turn_over(const std::vector<Placement>& found);
   /// Carries out a plan that leaves a stone on the table, and looks.
   void lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene, int stone, const Pose& T_W_O_down,
                 PlacementRecord::Outcome outcome);
@@ -167,10 +175,12 @@ class Builder {
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
   int taken_off_ = 0, turned_over_ = 0;
-  Placement last_;              ///< that was carried out last, with how the search meant to go on
-  std::size_t last_below_ = 0;  ///< stones that stood before it
-  std::size_t last_level_ = 0;  ///< of the assumed frictions, which its search had
+  Placement last_;                   ///< that was carried out last, with how the search meant to go on
+  std::size_t last_below_ = 0;       ///< stones that stood before it
+  std::size_t last_level_ = 0;       ///< of the assumed frictions, which its search had
+  Ways last_ways_ = Ways::kInOneGo;  ///< what its search counted on
   std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
+  std::map<int, std::vector<Pose>> no_pick_;        ///< the same, that do not lift it from where it lies now
   std::vector<PlacedStone> refused_;   ///< poses to which no motion was found, since the last look
   std::vector<PlacedStone> given_up_;  ///< tops of stacks on which nothing was found to fit
 };

@@ -106,13 +106,14 @@ bool Builder::set_down_top() {
 }
 
 bool Builder::can_grow_higher(const Belief& without_top) const {
-  SearchProblem problem = make_problem(without_top);
+  const Ways ways = may_turn_over() ? Ways::kTurningToo : Ways::kInOneGo;
+  SearchProblem problem = make_problem(without_top, ways);
   if (problem.available.empty()) return false;
   const auto levels = static_cast<int>(problem.available.size());
   const std::vector<double> assumed = frictions();
   for (std::size_t level = 0; level < assumed.size(); ++level) {
     std::string reason;
-    const auto tower = plan_tower(problem, levels, search_at(level), &reason);
+    const auto tower = plan_tower(problem, levels, search_at(level, ways), &reason);
     if (without_top.stack.size() + tower.size() > belief_.stack.size()) return true;
     problem.way_up.clear();
     for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
@@ -168,33 +169,29 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
   update_height();
 }
 
-bool Builder::turn_over() {
-  if (turned_over_ >= options_.most_turned_over) return false;
-  throw_if_interrupted();
-  SearchProblem problem = make_problem(belief_);
-  // What would fit, if only the stone lay otherwise.
-  problem.reachable = [this](int stone, const Pose& T_W_O, const Stack&) {
-    return !was_given_up(stone, T_W_O);
-  };
-  if (problem.available.empty()) return false;
-  const Stopwatch search;
-  const SearchResult found = search_by_friction(problem, M_PI);
-  result_.seconds.search += search.seconds();
-  for (const auto& placement : found.best) {
+bool Builder::turn_over(const std::vector<Placement>& found) {
+  std::string refusals;
+  for (const auto& placement : found) {
+    throw_if_interrupted();
     const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
     auto task = make_task(catalogue_, belief_, placement.stone, placement.T_W_O, cell_.arm.state().q);
-    if (const auto failed = failed_grasps_.find(placement.stone); failed != failed_grasps_.end())
-      task.avoid = failed->second;
+    task.avoid = useless_grasps(placement.stone);
     const Stopwatch watch;
     const RegraspPlan plan = plan_regrasp(scene, task, options_.motion);
     result_.seconds.planning += watch.seconds();
-    if (!plan.planned) continue;
+    if (!plan.planned) {
+      refusals += concat(refusals.empty() ? "" : "; ", plan.reason);
+      continue;
+    }
     report(concat("no grasp brings ", name(placement.stone), " there in one go: laying it down another way"));
     ++turned_over_;
+    last_ = placement;  // to be gone on with when it lies there
+    last_below_ = belief_.stack.size();
     lay_down(plan.plans.front(), scene, placement.stone, plan.T_W_O_between.front(),
              PlacementRecord::Outcome::kTurnedOver);
     return true;
   }
+  if (!found.empty()) report("no stone can be turned over for it: " + refusals);
   return false;
 }
 

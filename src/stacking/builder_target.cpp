@@ -1,26 +1,14 @@
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "search/parallel.hpp"
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/grasp_check.hpp"
 
 namespace stonestack {
 namespace {
 
 constexpr std::size_t kMostRefused = 12;  // poses without a motion, after which no others are looked for
-constexpr double kSamePlace = 0.012;      // m, of the centre of mass: nearer is what was tried before
-constexpr double kSameTurn = 0.26;        // rad: the same
-
-/// What the search asks the arm: the pick side of each stone is worked out once.
-struct Reach {
-  Belief belief;
-  PlanningScene scene;
-  Joints q;
-  std::map<int, GraspFinder> finders;
-};
 
 /// Of an assumed friction in the outlook; ours: dry stone has more friction rather than less.
 double weight_of(std::size_t level) {
@@ -35,81 +23,15 @@ std::vector<PlacedStone> plan_of(const Placement& first) {
 
 }  // namespace
 
-SearchProblem Builder::make_problem(const Belief& belief) const {
-  SearchProblem problem;
-  problem.shapes = &shapes_;
-  problem.stack.stones = belief.stack;
-  problem.site = cell_.layout.site;
-  for (const PlacedStone& loose : belief.loose)
-    if (can_carry(loose.stone)) problem.available.push_back(loose);
-  auto reach = std::make_shared<Reach>(
-      Reach{belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief), cell_.arm.state().q, {}});
-  problem.reachable = [this, reach](int stone, const Pose& T_W_O, const Stack& below) {
-    if (was_given_up(stone, T_W_O)) return false;
-    auto finder = reach->finders.find(stone);
-    if (finder == reach->finders.end()) {
-      const auto task = make_task(catalogue_, reach->belief, stone, T_W_O, reach->q);
-      GraspFinder made(reach->scene, *task.stone, task.object, task.T_W_O_pick, options_.motion);
-      finder = reach->finders.emplace(stone, std::move(made)).first;
-    }
-    std::vector<SceneObject> planned;
-    for (std::size_t k = reach->belief.stack.size(); k < below.stones.size(); ++k) {
-      const Stone& lower = catalogue_.stones[static_cast<std::size_t>(below.stones[k].stone)];
-      planned.push_back({lower.name, lower.pieces, below.stones[k].T_W_O});
-    }
-    const auto failed = failed_grasps_.find(stone);
-    const bool any = failed == failed_grasps_.end();
-    const GraspCheck check = finder->second.check(T_W_O, any ? 1 : 0, planned);
-    if (any) return !check.usable.empty();
-    return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
-      const Grasp& grasp = finder->second.set().grasps[static_cast<std::size_t>(k)];
-      return !is_near_grasp(failed->second, grasp.T_O_T);
-    });
-  };
-  return problem;
-}
-
-bool Builder::can_carry(int stone) const {
-  return catalogue_.stones[static_cast<std::size_t>(stone)].mass.mass <= make_robotiq_3f().payload;
-}
-
-std::string Builder::too_heavy() const {
-  std::string list;
-  for (const PlacedStone& loose : belief_.loose)
-    if (!can_carry(loose.stone))
-      list += concat(list.empty() ? "" : ", ", name(loose.stone), " (",
-                     catalogue_.stones[static_cast<std::size_t>(loose.stone)].mass.mass, " kg)");
-  return list;
-}
-
-bool Builder::dare_failed_grasps() {
-  if (failed_grasps_.empty()) return false;
-  report("no other way is left than grasps that failed before: they are tried again");
-  failed_grasps_.clear();
-  return true;
-}
-
-bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
-  const auto same = [&](const PlacedStone& top) {
-    if (top.stone != stone) return false;
-    const Eigen::Vector3d& p_O_M = shapes_[static_cast<std::size_t>(stone)]->mass.p_O_M;
-    return (top.T_W_O * p_O_M - T_W_O * p_O_M).norm() < kSamePlace &&
-           difference(top.T_W_O, T_W_O).angle < kSameTurn;
-  };
-  return std::any_of(given_up_.begin(), given_up_.end(), same) ||
-         std::any_of(refused_.begin(), refused_.end(), same);
-}
-
 std::optional<Target> Builder::find_target() {
-  const SearchProblem problem = make_problem(belief_);
-  if (problem.available.empty()) {
+  if (make_problem(belief_, Ways::kInOneGo).available.empty()) {
     result_.end = RunResult::End::kNoPose;
     result_.ended = concat("no feasible pose: what is left is heavier than the hand carries (",
                            make_robotiq_3f().payload, " kg): ", too_heavy());
     return std::nullopt;
   }
   const Stopwatch watch;
-  const SearchResult found = search_by_friction(problem, options_.search.largest_tilt);
+  const SearchResult found = search_by_friction();
   result_.seconds.search += watch.seconds();
   if (found.best.empty()) {
     result_.end = RunResult::End::kNoPose;
@@ -122,6 +44,7 @@ std::optional<Target> Builder::find_target() {
     if (auto target = plan(placement, &refusal)) return target;
     refusals += concat(refusals.empty() ? "" : "; ", name(placement.stone), ": ", refusal);
   }
+  if (last_ways_ == Ways::kTurningToo && turn_over(found.best)) return find_target();
   if (!rest_of_plan().empty()) {  // the plan that was followed cannot be carried out: whatever else there is
     last_ = {};
     report("the plan cannot be carried out: " + refusals);
@@ -144,10 +67,11 @@ std::vector<double> Builder::frictions() const {
   return list;
 }
 
-SearchOptions Builder::search_at(std::size_t level) const {
+SearchOptions Builder::search_at(std::size_t level, Ways ways) const {
   const std::vector<double> assumed = frictions();
   SearchOptions search = options_.search;
   search.friction = assumed[level];
+  if (ways == Ways::kTurningToo) search.largest_tilt = M_PI;
   if (level + 1 < assumed.size()) search.rounds = std::min(search.rounds, options_.first_rounds);
   return search;
 }
@@ -185,14 +109,11 @@ std::vector<PlacedStone> Builder::rest_of_plan() const {
   return rest;
 }
 
-std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& problem, double largest_tilt,
-                                                     double levels) {
+std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& problem, Ways ways, double levels) {
   const std::vector<double> assumed = frictions();
-  SearchOptions search = options_.search;
-  search.largest_tilt = largest_tilt;
   const std::vector<PlacedStone> plan = rest_of_plan();
   for (std::size_t level = last_level_; !plan.empty() && level < assumed.size(); ++level) {
-    search.friction = assumed[level];
+    SearchOptions search = search_at(level, ways);
     SearchResult found = follow_plan(problem, plan, search);
     if (found.best.empty()) {
       report(concat("friction ", search.friction, ": the plan does not hold any more: ", found.reason));
@@ -207,14 +128,18 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
   return std::nullopt;
 }
 
-/// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
-/// as long as the tower found so far is not expected to stand whole: first to go on from where it ends, then
-/// for other ways.
-SearchResult Builder::search_by_friction(const SearchProblem& problem, double largest_tilt) {
+/// A plan that still holds needs no search. Otherwise what holds with little friction first: as the stones
+/// lie, then with stones turned over. More friction is assumed as long as the tower found so far is not
+/// expected to stand whole: first to go on from where it ends, then for other ways.
+SearchResult Builder::search_by_friction() {
+  Ways ways = Ways::kInOneGo;
+  SearchProblem problem = make_problem(belief_, ways);
   const std::size_t count = frictions().size();
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
-  if (auto found = rest_that_holds(problem, largest_tilt, levels)) return *found;
+  if (auto found = rest_that_holds(problem, ways, levels)) return *found;
+  if (last_ways_ == Ways::kTurningToo && may_turn_over())
+    if (auto found = rest_that_holds(make_problem(belief_, last_ways_), last_ways_, levels)) return *found;
   SearchResult best;
   double most = 0.0;
   const auto sure = [&] { return most >= options_.sure_success * levels; };
@@ -224,24 +149,30 @@ SearchResult Builder::search_by_friction(const SearchProblem& problem, double la
     if (!best.best.empty()) here.way_up = plan_of(best.best.front());
     if (static_cast<double>(here.way_up.size()) >= levels) here.way_up.clear();  // it is whole, but doubtful
     if (way_up_only && here.way_up.empty()) return;
-    SearchOptions options = search_at(level);
-    options.largest_tilt = largest_tilt;
+    const SearchOptions options = search_at(level, ways);
     SearchResult found = find_next_pose(here, options, hooks_.report);
     if (way_up_only && (found.best.empty() || plan_of(found.best.front()).size() <= here.way_up.size()))
       return;
     const double expected = found.best.empty() ? 0.0 : outlook(problem, found.best.front(), level);
-    report(concat("friction ", options.friction, ": ",
+    report(concat("friction ", options.friction, ways == Ways::kTurningToo ? ", stones turned over: " : ": ",
                   found.best.empty() ? found.reason
                                      : concat(std::round(10 * expected) / 10, " of ", levels,
                                               " stones are expected to stand")));
     if (!best.best.empty() && expected <= most) return;
     most = expected;
     last_level_ = level;
+    last_ways_ = ways;
     best = std::move(found);
   };
+  search(0, false);
+  if (!sure() && may_turn_over()) {
+    ways = Ways::kTurningToo;
+    problem = make_problem(belief_, ways);
+    search(0, false);
+  }
   for (std::size_t level = 0; level < count && !sure(); ++level) {
-    const double before = most;
-    search(level, false);
+    const double before = level == 0 ? 0.0 : most;
+    if (level > 0) search(level, false);
     for (std::size_t higher = level + 1; higher < count && most > before && !sure(); ++higher)
       search(higher, true);
   }
@@ -259,12 +190,13 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   Target target{placement, {}, make_planning_scene(cell_.layout, robot_, catalogue_, belief_)};
   const Pose T_W_O_aim = Eigen::Translation3d(-placing_bias()) * placement.T_W_O;
   auto task = make_task(catalogue_, belief_, placement.stone, T_W_O_aim, cell_.arm.state().q);
-  if (const auto failed = failed_grasps_.find(placement.stone); failed != failed_grasps_.end())
-    task.avoid = failed->second;
+  task.avoid = useless_grasps(placement.stone);
   target.plan = plan_pick_and_place(target.scene, task, options_.motion);
   result_.seconds.planning += watch.seconds();
   if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;
   *refusal = target.plan.reason;
+  auto& no_pick = no_pick_[placement.stone];
+  no_pick.insert(no_pick.end(), target.plan.no_pick.begin(), target.plan.no_pick.end());
   return std::nullopt;
 }
 

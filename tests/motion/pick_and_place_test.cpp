@@ -150,6 +150,26 @@ TEST(PickAndPlace, NamesATargetInTheTable) {
   EXPECT_EQ(plan_pick_and_place(cell.scene, cell.task).status, PickAndPlacePlan::Status::kPlanned);
 }
 
+TEST(PickAndPlace, NamesTheGraspsThatDoNotLiftTheStoneWhateverTheTarget) {
+  // A board hangs over the tower that the stone stands on: hand and wrist fit under it, but cannot go up.
+  Workplace cell;
+  std::swap(cell.task.T_W_O_pick, cell.task.T_W_O_place);
+  cell.scene.objects[0].T_W_object = cell.task.T_W_O_pick;
+  cell.task.support = -1;
+  ASSERT_EQ(plan_pick_and_place(cell.scene, cell.task).status, PickAndPlacePlan::Status::kPlanned);
+  cell.scene.objects.push_back(
+      {"board", {make_box({0.4, 0.4, 0.02})}, Pose(Eigen::Translation3d(0.78, 0.28, 0.58))});
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  EXPECT_EQ(plan.status, PickAndPlacePlan::Status::kNoTransit) << plan.reason;
+  EXPECT_GT(plan.no_pick.size(), 20U) << plan.reason;
+  // The other way about it can be picked up, by most of them.
+  std::swap(cell.task.T_W_O_pick, cell.task.T_W_O_place);
+  cell.scene.objects[0].T_W_object = cell.task.T_W_O_pick;
+  const PickAndPlacePlan other = plan_pick_and_place(cell.scene, cell.task);
+  EXPECT_EQ(other.status, PickAndPlacePlan::Status::kNoTransit) << other.reason;
+  EXPECT_LT(other.no_pick.size(), 10U) << other.reason;
+}
+
 TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
   const MotionOptions options;
   EXPECT_DOUBLE_EQ(contact_threshold(0.3, options), options.least_threshold);

@@ -79,6 +79,36 @@ TEST(RestPoses, ATallStoneDoesNotStandOnItsEnd) {
   }
 }
 
+TEST(RegraspFinder, TellsWhatTurningOverBringsAbout) {
+  const Workplace cell;
+  const auto finder = [&](std::span<const Pose> avoid = {}) {
+    return RegraspFinder(cell.scene, cell.stone, cell.task.object, cell.task.T_W_O_pick, avoid);
+  };
+  const RegraspFinder turning = finder();
+  EXPECT_TRUE(turning.serves(cell.task.T_W_O_place)) << "TurnsAStoneOver does it";
+  Pose far = cell.task.T_W_O_place;
+  far.translation().x() += 2.0;
+  EXPECT_FALSE(turning.serves(far));
+  // A wall stands around the target by then.
+  std::vector<SceneObject> walls;
+  for (const double side : {-0.12, 0.12})
+    walls.push_back(
+        {"wall",
+         {make_box({0.3, 0.1, 0.8})},
+         Pose(Eigen::Translation3d(0, side, 0.37)) * make_pose(cell.task.T_W_O_place.translation())});
+  for (const double side : {-0.12, 0.12})
+    walls.push_back(
+        {"wall",
+         {make_box({0.1, 0.3, 0.8})},
+         Pose(Eigen::Translation3d(side, 0, 0.37)) * make_pose(cell.task.T_W_O_place.translation())});
+  EXPECT_FALSE(turning.serves(cell.task.T_W_O_place, walls));
+
+  std::vector<Pose> all;
+  for (const Grasp& grasp : cached_grasps(cell.stone, cell.scene.gripper)->grasps) all.push_back(grasp.T_O_T);
+  EXPECT_FALSE(finder(all).serves(cell.task.T_W_O_place)) << "it cannot be picked up at all";
+  EXPECT_THROW(static_cast<void>(turning.serves(Pose(Eigen::Scaling(2.0)))), InvalidArgument);
+}
+
 TEST(Regrasp, TurnsAStoneOver) {
   const Workplace cell;
   ASSERT_FALSE(can_grasp(cell.scene, cell.task)) << "or this test tries nothing";

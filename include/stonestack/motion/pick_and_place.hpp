@@ -68,6 +68,9 @@ struct PickAndPlacePlan {
   Pose T_O_T = Pose::Identity();  ///< the grasp: tool in the stone's frame
   double spacing = 0.0;           ///< m, of fingers B and C during it
   double seconds = 0.0;           ///< of motion
+  /// Of a plan that failed: grasps T_O_T that were tried and do not bring the stone up from where it lies,
+  /// whatever the target: no free straight approach, or no free lift.
+  std::vector<Pose> no_pick;
 };
 
 /// Where the stone is, where it goes, what the arm does now.

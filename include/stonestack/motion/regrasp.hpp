@@ -1,4 +1,6 @@
 #pragma once
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +33,28 @@ struct RestPose {
 /// All of a stone, by its convex hull; the one with the largest margin first. Throws InvalidArgument for a
 /// stone without scan or mass.
 [[nodiscard]] std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& options = {});
+
+/// Answers for one loose stone whether it could be brought to a target by setting it down on the table in
+/// between: grasps of the hand, over the poses of rest that lead there, which the arm can release at the
+/// target. Whether there is room on the table, and a way, only `plan_regrasp` tells. What does not depend on
+/// the target is worked out once. Const methods may be called from several threads.
+class RegraspFinder {
+ public:
+  /// As GraspFinder; `avoid`: grasps T_O_T that must not pick it up where it lies now.
+  RegraspFinder(const PlanningScene& scene, const Stone& stone, int object, const Pose& T_W_O_pick,
+                std::span<const Pose> avoid = {}, const MotionOptions& options = {},
+                const RegraspOptions& regrasp = {});
+  ~RegraspFinder();
+  RegraspFinder(RegraspFinder&&) noexcept;
+  RegraspFinder& operator=(RegraspFinder&&) noexcept;
+
+  /// `meanwhile`: as in GraspFinder::check.
+  [[nodiscard]] bool serves(const Pose& T_W_O_place, std::span<const SceneObject> meanwhile = {}) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 /// Plans that follow each other; or why there are none.
 struct RegraspPlan {

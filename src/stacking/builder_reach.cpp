@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <memory>
+
+#include "stacking/builder.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/motion/regrasp.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kSamePlace = 0.012;  // m, of the centre of mass: nearer is what was tried before
+constexpr double kSameTurn = 0.26;    // rad: the same
+
+/// What the search asks the arm: the pick side of each stone is worked out once.
+class Reach {
+ public:
+  Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
+      : belief_(std::move(belief)), scene_(std::move(scene)), catalogue_(catalogue), options_(options) {}
+
+  /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
+  bool in_one_go(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
+    auto at = direct_.find(stone);
+    if (at == direct_.end()) {
+      const auto [task, thing] = lying(stone);
+      at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, thing, task.T_W_O_pick, options_)).first;
+    }
+    const GraspFinder& finder = at->second;
+    const GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
+    return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
+      return !is_near_grasp(avoid, finder.set().grasps[static_cast<std::size_t>(k)].T_O_T);
+    });
+  }
+
+  /// The same, if it is set down on the table on the way.
+  bool by_turning(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
+    auto at = turning_.find(stone);
+    if (at == turning_.end()) {
+      const auto [task, thing] = lying(stone);
+      RegraspFinder made(scene_, *task.stone, thing, task.T_W_O_pick, avoid, options_);
+      at = turning_.emplace(stone, std::move(made)).first;
+    }
+    return at->second.serves(T_W_O, planned(below));
+  }
+
+ private:
+  [[nodiscard]] std::pair<PickAndPlaceTask, int> lying(int stone) const {
+    const auto task = make_task(catalogue_, belief_, stone, Pose::Identity(), Joints::Zero());
+    return {task, task.object};
+  }
+  /// What will stand there that does not stand yet.
+  [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const {
+    std::vector<SceneObject> objects;
+    for (std::size_t k = belief_.stack.size(); k < below.stones.size(); ++k) {
+      const Stone& lower = catalogue_.stones[static_cast<std::size_t>(below.stones[k].stone)];
+      objects.push_back({lower.name, lower.pieces, below.stones[k].T_W_O});
+    }
+    return objects;
+  }
+
+  Belief belief_;
+  PlanningScene scene_;
+  const Catalogue& catalogue_;
+  const MotionOptions& options_;
+  std::map<int, GraspFinder> direct_;
+  std::map<int, RegraspFinder> turning_;
+};
+
+}  // namespace
+
+SearchProblem Builder::make_problem(const Belief& belief, Ways ways) const {
+  SearchProblem problem;
+  problem.shapes = &shapes_;
+  problem.stack.stones = belief.stack;
+  problem.site = cell_.layout.site;
+  for (const PlacedStone& loose : belief.loose)
+    if (can_carry(loose.stone)) problem.available.push_back(loose);
+  auto reach = std::make_shared<Reach>(belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief),
+                                       catalogue_, options_.motion);
+  problem.reachable = [this, reach, ways](int stone, const Pose& T_W_O, const Stack& below) {
+    if (was_given_up(stone, T_W_O)) return false;
+    const std::vector<Pose> avoid = useless_grasps(stone);
+    return reach->in_one_go(stone, T_W_O, below, avoid) ||
+           (ways == Ways::kTurningToo && reach->by_turning(stone, T_W_O, below, avoid));
+  };
+  return problem;
+}
+
+std::vector<Pose> Builder::useless_grasps(int stone) const {
+  std::vector<Pose> list;
+  for (const auto* grasps : {&failed_grasps_, &no_pick_})
+    if (const auto of_stone = grasps->find(stone); of_stone != grasps->end())
+      list.insert(list.end(), of_stone->second.begin(), of_stone->second.end());
+  return list;
+}
+
+bool Builder::can_carry(int stone) const {
+  return catalogue_.stones[static_cast<std::size_t>(stone)].mass.mass <= make_robotiq_3f().payload;
+}
+
+std::string Builder::too_heavy() const {
+  std::string list;
+  for (const PlacedStone& loose : belief_.loose)
+    if (!can_carry(loose.stone))
+      list += concat(list.empty() ? "" : ", ", name(loose.stone), " (",
+                     catalogue_.stones[static_cast<std::size_t>(loose.stone)].mass.mass, " kg)");
+  return list;
+}
+
+bool Builder::dare_failed_grasps() {
+  if (failed_grasps_.empty()) return false;
+  report("no other way is left than grasps that failed before: they are tried again");
+  failed_grasps_.clear();
+  return true;
+}
+
+bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
+  const auto same = [&](const PlacedStone& top) {
+    if (top.stone != stone) return false;
+    const Eigen::Vector3d& p_O_M = shapes_[static_cast<std::size_t>(stone)]->mass.p_O_M;
+    return (top.T_W_O * p_O_M - T_W_O * p_O_M).norm() < kSamePlace &&
+           difference(top.T_W_O, T_W_O).angle < kSameTurn;
+  };
+  return std::any_of(given_up_.begin(), given_up_.end(), same) ||
+         std::any_of(refused_.begin(), refused_.end(), same);
+}
+
+}  // namespace stonestack
