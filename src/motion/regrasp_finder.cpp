@@ -54,6 +54,7 @@ RegraspFinder::RegraspFinder(const PlanningScene& scene, const Stone& stone, int
   if (first.empty()) return;
   RegraspOptions shaky = regrasp;  // plan_regrasp falls back on these, too
   shaky.rest_margin = std::min(regrasp.rest_margin, regrasp.least_margin);
+  shaky.rest_tilt = std::min(regrasp.rest_tilt, regrasp.least_tilt);
   const RestGraph graph = make_rest_graph(scene, stone, grasps, options, shaky);
   parts_->last = grasps_at_last(graph, std::move(first), regrasp.most);
 }

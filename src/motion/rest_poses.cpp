@@ -10,6 +10,13 @@
 namespace stonestack {
 namespace {
 
+constexpr double kSame = 0.97;  // cosine (14 deg): faces this alike give one way to stand
+
+bool like(const Eigen::Vector3d& n_O_up, const std::vector<Eigen::Vector3d>& list) {
+  return std::any_of(list.begin(), list.end(),
+                     [&](const Eigen::Vector3d& n) { return n_O_up.dot(n) > kSame; });
+}
+
 /// A way to stand: up, seen from the stone.
 struct Stand {
   Eigen::Vector3d n_O_up;
@@ -44,10 +51,10 @@ std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& optio
   }
   std::stable_sort(stands.begin(), stands.end(),
                    [](const Stand& a, const Stand& b) { return a.margin > b.margin; });
-  constexpr double kSame = 0.97;  // cosine (14 deg): faces this alike give one way to stand
   std::vector<Stand> kept;
   for (const auto& stand : stands)
-    if (std::none_of(kept.begin(), kept.end(),
+    if (!like(stand.n_O_up, options.n_O_not_up) &&
+        std::none_of(kept.begin(), kept.end(),
                      [&](const Stand& k) { return k.n_O_up.dot(stand.n_O_up) > kSame; }))
       kept.push_back(stand);
   std::vector<RestPose> all;

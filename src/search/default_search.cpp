@@ -125,6 +125,7 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
   TowerSearch search(context, levels);
   const bool whole = search.follow(plan, &result->reason);
   result->held = search.tree().expected_height(0);
+  result->unreachable = search.unreachable();
   if (whole) {
     collect(context, search, levels, result);
     if (!result->best.empty()) result->reason.clear();

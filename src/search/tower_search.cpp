@@ -87,6 +87,7 @@ int TowerSearch::climb(int node, const PlacedStone& next, std::string* reason) {
   }
   if (reachable && !reachable(next.stone, next.T_W_O, tree_.node(node).stack)) {
     *reason = "the arm does not reach the plan any more";
+    ++unreachable_;
     return -1;
   }
   Trial trial;

@@ -7,6 +7,7 @@
 
 #include "stacking/believe.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
 /// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
@@ -158,6 +159,9 @@ class Builder {
   /// Lays one of the stones down in another pose of rest, so that it can be grasped anew and brought to its
   /// placement. False when no motion does that.
   [[nodiscard]] bool turn_over(const std::vector<Placement>& found);
+  /// After a stone was laid down: if it is seen otherwise, that pose of rest is not tried with it again.
+  void note_toppled(const PlacedStone& meant);
+  [[nodiscard]] RegraspOptions regrasp_options(int stone) const;
   /// Carries out a plan that leaves a stone on the table, and looks.
   void lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene, int stone, const Pose& T_W_O_down,
                 PlacementRecord::Outcome outcome);
@@ -179,10 +183,11 @@ class Builder {
   std::size_t last_below_ = 0;       ///< stones that stood before it
   std::size_t last_level_ = 0;       ///< of the assumed frictions, which its search had
   Ways last_ways_ = Ways::kInOneGo;  ///< what its search counted on
-  std::map<int, std::vector<Pose>> failed_grasps_;  ///< T_O_T by stone
-  std::map<int, std::vector<Pose>> no_pick_;        ///< the same, that do not lift it from where it lies now
-  std::vector<PlacedStone> refused_;   ///< poses to which no motion was found, since the last look
-  std::vector<PlacedStone> given_up_;  ///< tops of stacks on which nothing was found to fit
+  std::map<int, std::vector<Pose>> failed_grasps_;       ///< T_O_T by stone
+  std::map<int, std::vector<Eigen::Vector3d>> toppled_;  ///< ups, frame O, in which it did not stay
+  std::map<int, std::vector<Pose>> no_pick_;  ///< the same, that do not lift it from where it lies now
+  std::vector<PlacedStone> refused_;          ///< poses to which no motion was found, since the last look
+  std::vector<PlacedStone> given_up_;         ///< tops of stacks on which nothing was found to fit
 };
 
 }  // namespace stonestack

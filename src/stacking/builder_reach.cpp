@@ -33,11 +33,12 @@ class Reach {
   }
 
   /// The same, if it is set down on the table on the way.
-  bool by_turning(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
+  bool by_turning(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid,
+                  const RegraspOptions& regrasp) {
     auto at = turning_.find(stone);
     if (at == turning_.end()) {
       const auto [task, thing] = lying(stone);
-      RegraspFinder made(scene_, *task.stone, thing, task.T_W_O_pick, avoid, options_);
+      RegraspFinder made(scene_, *task.stone, thing, task.T_W_O_pick, avoid, options_, regrasp);
       at = turning_.emplace(stone, std::move(made)).first;
     }
     return at->second.serves(T_W_O, planned(below));
@@ -81,7 +82,8 @@ SearchProblem Builder::make_problem(const Belief& belief, Ways ways) const {
     if (was_given_up(stone, T_W_O)) return false;
     const std::vector<Pose> avoid = useless_grasps(stone);
     return reach->in_one_go(stone, T_W_O, below, avoid) ||
-           (ways == Ways::kTurningToo && reach->by_turning(stone, T_W_O, below, avoid));
+           (ways == Ways::kTurningToo &&
+            reach->by_turning(stone, T_W_O, below, avoid, regrasp_options(stone)));
   };
   return problem;
 }
@@ -92,6 +94,14 @@ std::vector<Pose> Builder::useless_grasps(int stone) const {
     if (const auto of_stone = grasps->find(stone); of_stone != grasps->end())
       list.insert(list.end(), of_stone->second.begin(), of_stone->second.end());
   return list;
+}
+
+/// One set-down at a time: after each the camera looks, and what lies otherwise than meant is planned anew.
+RegraspOptions Builder::regrasp_options(int stone) const {
+  RegraspOptions regrasp;
+  regrasp.most = 1;
+  if (const auto fell = toppled_.find(stone); fell != toppled_.end()) regrasp.n_O_not_up = fell->second;
+  return regrasp;
 }
 
 bool Builder::can_carry(int stone) const {

@@ -15,6 +15,7 @@ constexpr double kSeen = 0.6;     // of the field, about its middle: what the ca
 constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
 constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
 constexpr std::size_t kMostPlaces = 8;
+constexpr double kStillUp = 0.9;  // cosine (26 deg) between the ups of a stone as laid down and as seen
 
 double radius(const ShapeList& shapes, int stone) {
   return kExtent * shapes[static_cast<std::size_t>(stone)]->radius;
@@ -169,6 +170,16 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
   update_height();
 }
 
+void Builder::note_toppled(const PlacedStone& meant) {
+  const auto up = [](const Pose& T_W_O) -> Eigen::Vector3d { return T_W_O.linear().row(2).transpose(); };
+  const PlacementRecord& entry = result_.placements.back();
+  if (entry.outcome != PlacementRecord::Outcome::kTurnedOver || !entry.T_W_O_measured) return;
+  const Eigen::Vector3d n_O_up = up(meant.T_W_O);
+  if (n_O_up.dot(up(*entry.T_W_O_measured)) > kStillUp) return;
+  report(concat(name(meant.stone), " did not stay as it was laid down"));
+  toppled_[meant.stone].push_back(n_O_up);
+}
+
 bool Builder::turn_over(const std::vector<Placement>& found) {
   std::string refusals;
   for (const auto& placement : found) {
@@ -177,7 +188,7 @@ bool Builder::turn_over(const std::vector<Placement>& found) {
     auto task = make_task(catalogue_, belief_, placement.stone, placement.T_W_O, cell_.arm.state().q);
     task.avoid = useless_grasps(placement.stone);
     const Stopwatch watch;
-    const RegraspPlan plan = plan_regrasp(scene, task, options_.motion);
+    const RegraspPlan plan = plan_regrasp(scene, task, options_.motion, regrasp_options(placement.stone));
     result_.seconds.planning += watch.seconds();
     if (!plan.planned) {
       refusals += concat(refusals.empty() ? "" : "; ", plan.reason);
@@ -187,8 +198,9 @@ bool Builder::turn_over(const std::vector<Placement>& found) {
     ++turned_over_;
     last_ = placement;  // to be gone on with when it lies there
     last_below_ = belief_.stack.size();
-    lay_down(plan.plans.front(), scene, placement.stone, plan.T_W_O_between.front(),
-             PlacementRecord::Outcome::kTurnedOver);
+    const Pose& T_W_O_down = plan.T_W_O_between.front();
+    lay_down(plan.plans.front(), scene, placement.stone, T_W_O_down, PlacementRecord::Outcome::kTurnedOver);
+    note_toppled({placement.stone, T_W_O_down});
     return true;
   }
   if (!found.empty()) report("no stone can be turned over for it: " + refusals);

@@ -8,6 +8,7 @@
 namespace stonestack {
 namespace {
 
+constexpr std::size_t kInOneGoFirst = 2;  // frictions at which nothing is turned over: that takes 25 s each
 constexpr std::size_t kMostRefused = 12;  // poses without a motion, after which no others are looked for
 
 /// Of an assumed friction in the outlook; ours: dry stone has more friction rather than less.
@@ -117,6 +118,7 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
     SearchResult found = follow_plan(problem, plan, search);
     if (found.best.empty()) {
       report(concat("friction ", search.friction, ": the plan does not hold any more: ", found.reason));
+      if (found.unreachable > 0) break;  // by no friction will it be
       continue;
     }
     if (level > last_level_ && outlook(problem, found.best.front(), level) < options_.sure_success * levels)
@@ -128,9 +130,9 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
   return std::nullopt;
 }
 
-/// A plan that still holds needs no search. Otherwise what holds with little friction first: as the stones
-/// lie, then with stones turned over. More friction is assumed as long as the tower found so far is not
-/// expected to stand whole: first to go on from where it ends, then for other ways.
+/// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
+/// as long as the tower found so far is not expected to stand whole: first to go on from where it ends, then
+/// for other ways. From the second friction on stones may be turned over on the way.
 SearchResult Builder::search_by_friction() {
   Ways ways = Ways::kInOneGo;
   SearchProblem problem = make_problem(belief_, ways);
@@ -164,17 +166,18 @@ SearchResult Builder::search_by_friction() {
     last_ways_ = ways;
     best = std::move(found);
   };
-  search(0, false);
-  if (!sure() && may_turn_over()) {
-    ways = Ways::kTurningToo;
-    problem = make_problem(belief_, ways);
-    search(0, false);
-  }
-  for (std::size_t level = 0; level < count && !sure(); ++level) {
-    const double before = level == 0 ? 0.0 : most;
-    if (level > 0) search(level, false);
+  const auto climb = [&](std::size_t level) {
+    const double before = most;
+    search(level, false);
     for (std::size_t higher = level + 1; higher < count && most > before && !sure(); ++higher)
       search(higher, true);
+  };
+  for (std::size_t level = 0; level < count && !sure(); ++level) {
+    climb(level);
+    if (level + 1 < kInOneGoFirst || ways == Ways::kTurningToo || sure() || !may_turn_over()) continue;
+    ways = Ways::kTurningToo;
+    problem = make_problem(belief_, ways);
+    climb(level);
   }
   if (!best.best.empty() && options_.search.verify && most < options_.least_expected) {
     best.best.clear();

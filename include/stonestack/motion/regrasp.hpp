@@ -21,6 +21,8 @@ struct RegraspOptions {
   double apart = 0.01;          ///< m, between the stone where it is set down and everything else
   int most = 2;                 ///< times that the stone is set down on the way
   int attempts = 8;             ///< times that plans are made, most
+  /// Directions of the stone, frame O, that were up in poses of rest which did not hold: these are left out.
+  std::vector<Eigen::Vector3d> n_O_not_up = {};
 };
 [[nodiscard]] FieldList fields(RegraspOptions& options);
 
