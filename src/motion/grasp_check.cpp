@@ -23,12 +23,15 @@ GraspFault at_place(EndFault fault) {
 }  // namespace
 
 struct GraspFinder::Parts {
-  Parts(const PlanningScene& scene, const Stone& the_stone, int object, const MotionOptions& options)
-      : stone(the_stone), set(cached_grasps(stone, scene.gripper)), end(scene, stone, object, options) {}
+  Parts(const PlanningScene& scene, const Stone& the_stone, int object, const Pose& T_W_O_pick,
+        const MotionOptions& options)
+      : stone(the_stone),
+        end(scene, stone, object, options),
+        set(grasps_to_pick(end, stone, scene.gripper, T_W_O_pick)) {}
 
   const Stone& stone;
-  std::shared_ptr<const GraspSet> set;
   GraspEnd end;
+  std::shared_ptr<const GraspSet> set;
   GraspCheck pick;  ///< of the pick side alone
 };
 
@@ -37,7 +40,7 @@ GraspFinder::GraspFinder(const PlanningScene& scene, const Stone& stone, int obj
   require(is_valid(T_W_O_pick), "the pose of ", stone.name, " is not a pose: ", to_text(T_W_O_pick));
   require(object >= -1 && object < static_cast<int>(scene.objects.size()), "stone ", stone.name,
           " is object ", object, " of ", scene.objects.size());
-  parts_ = std::make_unique<Parts>(scene, stone, object, options);
+  parts_ = std::make_unique<Parts>(scene, stone, object, T_W_O_pick, options);
   GraspCheck& pick = parts_->pick;
   pick.total = static_cast<int>(parts_->set->grasps.size());
   for (int i = 0; i < pick.total; ++i) {

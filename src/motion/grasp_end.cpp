@@ -1,5 +1,7 @@
 #include "motion/grasp_end.hpp"
 
+#include <numeric>
+
 #include "motion/grasp_wrench.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
@@ -7,6 +9,8 @@ namespace stonestack {
 namespace {
 
 constexpr double kGravity = 9.81;
+constexpr std::size_t kFew = 4;  // grasps that pick a stone up, below which more are sampled,
+constexpr int kDenser = 4;       // so many times the directions
 
 bool within_limits(const RobotModel& robot, const Joints& q) {
   return (q.array() >= robot.lower.array()).all() && (q.array() <= robot.upper.array()).all();
@@ -115,6 +119,17 @@ std::vector<int> GraspEnd::serving(std::span<const Grasp> grasps, std::span<cons
     if (!fault(grasps[static_cast<std::size_t>(i)], T_W_O)) found.push_back(i);
   }
   return found;
+}
+
+std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone& stone,
+                                               const GripperModel& gripper, const Pose& T_W_O_pick) {
+  auto usual = cached_grasps(stone, gripper);
+  std::vector<int> all(usual->grasps.size());
+  std::iota(all.begin(), all.end(), 0);
+  if (all.empty() || end.serving(usual->grasps, all, T_W_O_pick, kFew).size() >= kFew) return usual;
+  GraspOptions dense;
+  dense.directions *= kDenser;
+  return cached_grasps(stone, gripper, dense);
 }
 
 }  // namespace stonestack

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -51,5 +52,12 @@ class GraspEnd {
   MotionOptions options_;
   std::vector<Hand> hands_;
 };
+
+/// The grasps of a stone to pick it up with where it lies. Where hardly any of the usual ones serves, four
+/// times as many directions are sampled (1 to 3 s of one thread, once): in a flat pose of rest only a narrow
+/// cone of directions holds some stones, as stone_156 of the sixteen rocks.
+[[nodiscard]] std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone& stone,
+                                                             const GripperModel& gripper,
+                                                             const Pose& T_W_O_pick);
 
 }  // namespace stonestack
