@@ -49,7 +49,7 @@ PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTas
   for (const int index : check.usable) {
     throw_if_interrupted();
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
-    if (is_near_grasp(task.avoid, grasp.T_O_T)) continue;
+    if (is_near_grasp(task.avoid, grasp.T_O_T) || is_near_grasp(task.no_pick, grasp.T_O_T)) continue;
     std::vector<PickCandidate> own;
     auto picks = inverse(scene.robot, T_R_W * task.T_W_O_pick * grasp.T_O_T * T_T_F, task.q_start);
     picks.resize(std::min(picks.size(), kSolutionsAtPick));

@@ -29,8 +29,8 @@ class RegraspSearch {
         task_(task),
         options_(options),
         regrasp_(regrasp),
-        set_(cached_grasps(*task.stone, scene.gripper)),
         end_(scene, *task.stone, task.object, options),
+        set_(grasps_to_pick(end_, *task.stone, scene.gripper, task.T_W_O_pick)),
         places_(scene, task, regrasp) {}
 
   RegraspPlan plan();
@@ -47,8 +47,8 @@ class RegraspSearch {
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   const RegraspOptions& regrasp_;
-  std::shared_ptr<const GraspSet> set_;
   GraspEnd end_;
+  std::shared_ptr<const GraspSet> set_;
   SetDownPlaces places_;
   RestGraph graph_;
   std::vector<int> to_;        ///< grasps that serve at the target
@@ -64,7 +64,8 @@ RegraspPlan RegraspSearch::plan() {
   std::iota(all.begin(), all.end(), 0);
   std::vector<int> allowed = all;
   std::erase_if(allowed, [&](int i) {
-    return is_near_grasp(task_.avoid, set_->grasps[static_cast<std::size_t>(i)].T_O_T);
+    const Pose& T_O_T = set_->grasps[static_cast<std::size_t>(i)].T_O_T;
+    return is_near_grasp(task_.avoid, T_O_T) || is_near_grasp(task_.no_pick, T_O_T);
   });
   const auto from = end_.serving(set_->grasps, allowed, task_.T_W_O_pick);
   to_ = end_.serving(set_->grasps, all, task_.T_W_O_place);
@@ -120,6 +121,7 @@ void RegraspSearch::make_plans() {
       return;
     }
     leg.T_W_O_pick = leg.T_W_O_place;
+    leg.no_pick.clear();
     leg.q_start = plan.plans.back().steps.back().trajectory.q.back();
   }
   plan.planned = true;

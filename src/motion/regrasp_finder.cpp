@@ -31,12 +31,15 @@ std::vector<int> grasps_at_last(const RestGraph& graph, std::vector<int> taken, 
 }  // namespace
 
 struct RegraspFinder::Parts {
-  Parts(const PlanningScene& scene, const Stone& the_stone, int object, const MotionOptions& options)
-      : stone(the_stone), set(cached_grasps(stone, scene.gripper)), end(scene, stone, object, options) {}
+  Parts(const PlanningScene& scene, const Stone& the_stone, int object, const Pose& T_W_O_pick,
+        const MotionOptions& options)
+      : stone(the_stone),
+        end(scene, stone, object, options),
+        set(grasps_to_pick(end, stone, scene.gripper, T_W_O_pick)) {}
 
   const Stone& stone;
-  std::shared_ptr<const GraspSet> set;
   GraspEnd end;
+  std::shared_ptr<const GraspSet> set;
   std::vector<int> last;  ///< grasps that can be taken after the stone was set down
 };
 
@@ -44,7 +47,7 @@ RegraspFinder::RegraspFinder(const PlanningScene& scene, const Stone& stone, int
                              const Pose& T_W_O_pick, std::span<const Pose> avoid,
                              const MotionOptions& options, const RegraspOptions& regrasp) {
   require(is_valid(T_W_O_pick), "the pose of ", stone.name, " is not a pose: ", to_text(T_W_O_pick));
-  parts_ = std::make_unique<Parts>(scene, stone, object, options);
+  parts_ = std::make_unique<Parts>(scene, stone, object, T_W_O_pick, options);
   const std::vector<Grasp>& grasps = parts_->set->grasps;
   std::vector<int> first(grasps.size());
   std::iota(first.begin(), first.end(), 0);

@@ -22,6 +22,7 @@ constexpr double kMeasuredSigma = 0.001;  // m, along each axis
 constexpr double kMeasuredTurn = 0.01;    // rad
 constexpr double kFloats = 0.05;          // m above the table: higher, nothing loose can lie
 constexpr double kWithin = 0.006;         // m
+constexpr double kTouches = 0.003;        // m: a loose stone that near to the stack touches it
 constexpr double kBaseAtSite = 0.12;      // m: the first stone lies no further from the site
 
 double lowest(const ContactShape& shape, const Pose& T_W_O) {
@@ -167,6 +168,20 @@ Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
   std::sort(belief.loose.begin(), belief.loose.end(),
             [](const auto& a, const auto& b) { return a.stone < b.stone; });
   return belief;
+}
+
+std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Belief& belief) {
+  const auto near = [&](const PlacedStone& a, const PlacedStone& b) {
+    const ContactShape &A = shape_of(shapes, a.stone), &B = shape_of(shapes, b.stone);
+    const Pose T_B_A = b.T_W_O.inverse() * a.T_W_O;
+    return std::any_of(A.samples.begin(), A.samples.end(), [&](const SurfaceSample& s) {
+      return B.distance.distance(T_B_A * s.point) < kTouches;
+    });
+  };
+  for (std::size_t level = 0; level < belief.stack.size(); ++level)
+    for (const PlacedStone& loose : belief.loose)
+      if (near(loose, belief.stack[level]) || near(belief.stack[level], loose)) return Stray{level, loose};
+  return std::nullopt;
 }
 
 SceneObject unseen_field(const CellLayout& layout) {

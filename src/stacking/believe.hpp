@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,14 @@ namespace stonestack {
 
 /// Highest point of the stones, m in W; 0 for none.
 [[nodiscard]] double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones);
+
+/// The lowest level of the stack that a loose stone touches (or nearly: measured poses err by a millimetre),
+/// and that stone: such a stack is not clean from there on. Nothing if none does.
+struct Stray {
+  std::size_t level = 0;
+  PlacedStone stone;
+};
+[[nodiscard]] std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Belief& belief);
 
 /// "stack: limestone_2, limestone_5; loose: limestone_1".
 [[nodiscard]] std::string describe(const Catalogue& catalogue, const Belief& belief);

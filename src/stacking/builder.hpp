@@ -43,6 +43,7 @@ class Builder {
       report(concat("left out, for the hand carries ", make_robotiq_3f().payload, " kg: ", heavy));
     while (!high_enough()) {
       throw_if_interrupted();
+      if (clear_the_foot()) continue;
       const auto target = find_target();
       if (!target && (take_off() || dare_failed_grasps())) continue;
       if (!target || !place(*target)) break;
@@ -76,8 +77,10 @@ class Builder {
     return catalogue_.stones[static_cast<std::size_t>(stone)].name;
   }
 
+  /// Stones of the stack up to the first that a loose stone touches: what leans on a tower makes it none.
   void update_height() {
-    result_.height = static_cast<int>(belief_.stack.size());
+    const auto stray = stray_at_stack(shapes_, belief_);
+    result_.height = static_cast<int>(stray ? stray->level + 1 : belief_.stack.size());
     result_.belief = belief_;
   }
 
@@ -117,6 +120,7 @@ class Builder {
   [[nodiscard]] SearchProblem make_problem(const Belief& belief, Ways ways) const;
   /// Those that failed and those that cannot pick the stone up where it lies, T_O_T.
   [[nodiscard]] std::vector<Pose> useless_grasps(int stone) const;
+  void name_useless_grasps(PickAndPlaceTask* task, int stone) const;
   [[nodiscard]] bool can_carry(int stone) const;
   /// "stone_150 (3.16 kg), ..." of the loose stones; empty: none is.
   [[nodiscard]] std::string too_heavy() const;
@@ -155,6 +159,9 @@ class Builder {
   /// Puts the top stone into the field, wherever the arm can.
   [[nodiscard]] bool set_down_top();
   [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
+  /// Takes a stone that fell against the tower back into the field: a tower on which a stone leans is not
+  /// clean, and fingers have no room between the two. False if there is none, or nothing could be done.
+  [[nodiscard]] bool clear_the_foot();
   [[nodiscard]] bool may_turn_over() const { return turned_over_ < options_.most_turned_over; }
   /// Lays one of the stones down in another pose of rest, so that it can be grasped anew and brought to its
   /// placement. False when no motion does that.
@@ -178,7 +185,7 @@ class Builder {
   RunResult result_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
-  int taken_off_ = 0, turned_over_ = 0;
+  int taken_off_ = 0, turned_over_ = 0, cleared_ = 0;
   Placement last_;                   ///< that was carried out last, with how the search meant to go on
   std::size_t last_below_ = 0;       ///< stones that stood before it
   std::size_t last_level_ = 0;       ///< of the assumed frictions, which its search had

@@ -96,6 +96,12 @@ std::vector<Pose> Builder::useless_grasps(int stone) const {
   return list;
 }
 
+void Builder::name_useless_grasps(PickAndPlaceTask* task, int stone) const {
+  if (const auto failed = failed_grasps_.find(stone); failed != failed_grasps_.end())
+    task->avoid = failed->second;
+  if (const auto no_pick = no_pick_.find(stone); no_pick != no_pick_.end()) task->no_pick = no_pick->second;
+}
+
 /// One set-down at a time: after each the camera looks, and what lies otherwise than meant is planned anew.
 RegraspOptions Builder::regrasp_options(int stone) const {
   RegraspOptions regrasp;

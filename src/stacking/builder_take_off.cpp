@@ -15,6 +15,7 @@ constexpr double kSeen = 0.6;     // of the field, about its middle: what the ca
 constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
 constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
 constexpr std::size_t kMostPlaces = 8;
+constexpr int kMostCleared = 4;   // tries to take stones away from the foot of the tower
 constexpr double kStillUp = 0.9;  // cosine (26 deg) between the ups of a stone as laid down and as seen
 
 double radius(const ShapeList& shapes, int stone) {
@@ -106,6 +107,32 @@ bool Builder::set_down_top() {
                      [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
 }
 
+bool Builder::clear_the_foot() {
+  const auto stray = stray_at_stack(shapes_, belief_);
+  if (!stray || cleared_ >= kMostCleared) return false;
+  ++cleared_;
+  throw_if_interrupted();
+  report(concat(name(stray->stone.stone), " leans on the tower: it is taken back into the field"));
+  Belief others = belief_;
+  std::erase_if(others.loose, [&](const PlacedStone& s) { return s.stone == stray->stone.stone; });
+  const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
+  std::string refusals;
+  for (const Pose& T_W_O_down : free_places(shapes_, cell_.layout, others, stray->stone)) {
+    auto task = make_task(catalogue_, belief_, stray->stone.stone, T_W_O_down, cell_.arm.state().q);
+    task.support = -1;
+    name_useless_grasps(&task, stray->stone.stone);
+    const Stopwatch watch;
+    const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);
+    result_.seconds.planning += watch.seconds();
+    refusals = plan.reason;
+    if (plan.status != PickAndPlacePlan::Status::kPlanned) continue;
+    lay_down(plan, scene, stray->stone.stone, T_W_O_down, PlacementRecord::Outcome::kTakenOff);
+    return true;
+  }
+  report("it stays: " + (refusals.empty() ? "the field has no room" : refusals));
+  return false;
+}
+
 bool Builder::can_grow_higher(const Belief& without_top) const {
   const Ways ways = may_turn_over() ? Ways::kTurningToo : Ways::kInOneGo;
   SearchProblem problem = make_problem(without_top, ways);
@@ -186,7 +213,7 @@ bool Builder::turn_over(const std::vector<Placement>& found) {
     throw_if_interrupted();
     const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
     auto task = make_task(catalogue_, belief_, placement.stone, placement.T_W_O, cell_.arm.state().q);
-    task.avoid = useless_grasps(placement.stone);
+    name_useless_grasps(&task, placement.stone);
     const Stopwatch watch;
     const RegraspPlan plan = plan_regrasp(scene, task, options_.motion, regrasp_options(placement.stone));
     result_.seconds.planning += watch.seconds();

@@ -193,7 +193,7 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   Target target{placement, {}, make_planning_scene(cell_.layout, robot_, catalogue_, belief_)};
   const Pose T_W_O_aim = Eigen::Translation3d(-placing_bias()) * placement.T_W_O;
   auto task = make_task(catalogue_, belief_, placement.stone, T_W_O_aim, cell_.arm.state().q);
-  task.avoid = useless_grasps(placement.stone);
+  name_useless_grasps(&task, placement.stone);
   target.plan = plan_pick_and_place(target.scene, task, options_.motion);
   result_.seconds.planning += watch.seconds();
   if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;

@@ -81,7 +81,8 @@ struct PickAndPlaceTask {
   Pose T_W_O_pick = Pose::Identity();
   Pose T_W_O_place = Pose::Identity();
   Joints q_start = Joints::Zero();
-  std::vector<Pose> avoid;  ///< grasps T_O_T that failed before: none near them is taken
+  std::vector<Pose> avoid;    ///< grasps T_O_T that failed before: none near them is taken
+  std::vector<Pose> no_pick;  ///< the same of grasps that do not bring it up from where it lies now
 };
 /// Open, transit, approach, grasp, lift, carry, lower, guarded descent, release, retreat: a grasp that serves
 /// both ends, free of collision on the whole way, timed within limits. Of several complete plans the
