@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::size_t kFewest = 100;
 constexpr double kLargestResidual = 1.0;  // pixels, median
+constexpr double kWidest = 1.5;           // tangent of half a field of view
+constexpr double kFilled = 0.8;           // of the pixels around one with a point: a surface, not a sieve
 
 /// u = f * t + c by least squares, and the median of |residual|.
 struct Line {
@@ -59,7 +61,61 @@ std::optional<std::pair<Line, Line>> fit_lines(const Cloud& cloud) {
   return lines;
 }
 
+/// What holds all but a hundredth of `tangents`; at least `usual`.
+double half_width(std::vector<float> tangents, double usual) {
+  if (tangents.empty()) return usual;
+  const auto at = tangents.begin() + static_cast<std::ptrdiff_t>(tangents.size() * 99 / 100);
+  std::nth_element(tangents.begin(), at, tangents.end());
+  return std::clamp(static_cast<double>(*at), usual, kWidest);
+}
+
+/// Half tangents of a field of view that takes the cloud in.
+Eigen::Vector2d field_of_view(const Cloud& cloud) {
+  const CameraIntrinsics usual;
+  std::vector<float> across, down;
+  for (const auto& p : cloud.points)
+    if (p.allFinite() && p.z() > 0.0F)
+      across.push_back(std::abs(p.x() / p.z())), down.push_back(std::abs(p.y() / p.z()));
+  return {half_width(std::move(across), 0.5 * usual.width / usual.fx),
+          half_width(std::move(down), 0.5 * usual.height / usual.fy)};
+}
+
+CameraIntrinsics pinhole_of(const Eigen::Vector2d& half, double focal) {
+  CameraIntrinsics camera;
+  camera.width = static_cast<int>(std::ceil(2.0 * half.x() * focal - 1e-6));
+  camera.height = static_cast<int>(std::ceil(2.0 * half.y() * focal - 1e-6));
+  camera.fx = camera.fy = focal;
+  camera.cx = 0.5 * (camera.width - 1);
+  camera.cy = 0.5 * (camera.height - 1);
+  return camera;
+}
+
+/// Half of the pixels with a depth stand among 5 x 5 of which `kFilled` have one.
+bool is_filled(const DepthImage& image) {
+  const int width = image.camera.width, height = image.camera.height;
+  std::size_t with = 0, among = 0;
+  for (int v = 2; v < height - 2; ++v)
+    for (int u = 2; u < width - 2; ++u) {
+      if (!(image.at(u, v) > 0.0F)) continue;
+      ++with;
+      int around = 0;
+      for (int k = 0; k < 25; ++k) around += image.at(u - 2 + k % 5, v - 2 + k / 5) > 0.0F ? 1 : 0;
+      among += around >= 25 * kFilled ? 1 : 0;
+    }
+  return 2 * among > with;
+}
+
 }  // namespace
+
+CameraIntrinsics camera_for(const Cloud& cloud) {
+  const Eigen::Vector2d half = field_of_view(cloud);
+  const double usual = CameraIntrinsics{}.fx;
+  for (const double coarser : {1.0, 1.5, 2.0, 3.0, 4.0, 6.0}) {
+    const CameraIntrinsics camera = pinhole_of(half, usual / coarser);
+    if (is_filled(to_depth_image(cloud, camera))) return camera;
+  }
+  return pinhole_of(half, usual);
+}
 
 std::optional<CameraIntrinsics> fit_camera(const Cloud& cloud) {
   const auto lines = fit_lines(cloud);

@@ -66,5 +66,21 @@ TEST(FitCamera, TellsAMirroredCloudFromATurnedOne) {
   EXPECT_FALSE(is_mirrored(without_gaps(scaled(-1, 1)))) << "without rows nobody can tell";
 }
 
+TEST(CameraFor, TakesInAWideCloudAndFillsItsPixels) {
+  const auto sheet = [](float half, float spacing) {
+    Cloud cloud;
+    for (float x = -half; x <= half; x += spacing)
+      for (float y = -half; y <= half; y += spacing) cloud.points.emplace_back(x, y, 1.0F);
+    return cloud;
+  };
+  EXPECT_EQ(camera_for(sheet(0.3F, 0.002F)).width, 640);
+  EXPECT_EQ(camera_for(sheet(0.3F, 0.002F)).fx, 475.0);
+  EXPECT_GT(camera_for(sheet(1.0F, 0.002F)).width, 900) << "seen whole";
+  const CameraIntrinsics coarse = camera_for(sheet(0.3F, 0.006F));
+  EXPECT_LT(coarse.fx * 0.006, 1.2) << "a pixel is about as wide as the points are apart";
+  EXPECT_NEAR(coarse.width / coarse.fx, 640.0 / 475.0, 0.02);
+  EXPECT_EQ(camera_for(Cloud{}).width, 640);
+}
+
 }  // namespace
 }  // namespace stonestack

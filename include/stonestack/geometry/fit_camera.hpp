@@ -10,6 +10,11 @@ namespace stonestack {
 /// (median).
 [[nodiscard]] std::optional<CameraIntrinsics> fit_camera(const Cloud& organised_C);
 
+/// A pinhole camera for a cloud in C without rows: wide enough for all but a hundredth of the points (up to
+/// 56 deg off the axis), its pixels far enough apart for the points to fill them: 475 px of focal length, or
+/// as much less, down to a sixth, as a thinned cloud needs.
+[[nodiscard]] CameraIntrinsics camera_for(const Cloud& cloud_C);
+
 /// True for an organised cloud of which one image axis, but not both, runs against x or y: it shows things as
 /// a mirror would.
 [[nodiscard]] bool is_mirrored(const Cloud& organised_C);
