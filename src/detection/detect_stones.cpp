@@ -1,12 +1,14 @@
 #include "stonestack/detection/detect_stones.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "detection/describe.hpp"
 #include "detection/joint_refine.hpp"
 #include "detection/search_in_turns.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/detection/trace.hpp"
 
 namespace stonestack {
 namespace {
@@ -41,15 +43,22 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   DetectionResult result;
   result.table_C = scene.table_C;
   result.note = scene.note;
-  if (scene.clusters == 0 || missing.empty()) return result;
   const auto trace = options.trace ? std::make_shared<DetectionTrace>() : nullptr;
+  if (scene.clusters == 0 || missing.empty()) {
+    if (trace) trace->turns.emplace_back().surface_C = scene.surface.points;
+    result.trace = trace;
+    return result;
+  }
   const auto taken = search_in_turns(data, std::move(missing), scene, options, trace.get());
   result.trace = trace;
   for (const auto& t : taken) result.detections.push_back(t.detection);
   result.detections = refined_together(std::move(result.detections), data, scene, options);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
-  if (result.detections.empty()) result.note = "no wanted stone fits what stands on the table";
+  if (result.detections.empty())
+    result.note = result.table_C ? concat("no wanted stone fits what stands on the table, the plane ",
+                                          std::abs(result.table_C->offset), " m away")
+                                 : "no wanted stone fits what is in view, where no table is seen";
   return result;
 }
 

@@ -8,6 +8,7 @@ namespace stonestack {
 namespace {
 
 constexpr int kFewestPixels = 200;  // of depth in the whole image: less is no scene
+constexpr float kSurelyNotMetres = 50.0F;
 
 /// Why an image cannot be a scene; empty if it can.
 std::string unusable(const DepthImage& image) {
@@ -21,14 +22,26 @@ std::string unusable(const DepthImage& image) {
   return {};
 }
 
-/// Says what is odd about an image with next to no depth in range.
+/// Says what is odd about an image that shows no surface in range.
 std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& options) {
-  std::size_t seen = 0, far = 0;
-  for (const float z : raw.z) seen += z > 0 ? 1 : 0, far += z > 50.0F ? 1 : 0;
-  if (seen == 0) return "no pixel has a depth";
-  const std::string range = concat("fewer than ", kFewestPixels, " pixels have a depth within ",
-                                   options.nearest, " to ", options.farthest, " m");
-  return 2 * far > seen ? range + "; are the depths in millimetres?" : range;
+  std::vector<float> seen;
+  for (const float z : raw.z)
+    if (z > 0) seen.push_back(z);
+  if (seen.empty()) return "no pixel has a depth";
+  const auto within = std::count_if(seen.begin(), seen.end(),
+                                    [&](float z) { return z >= options.nearest && z <= options.farthest; });
+  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
+  std::nth_element(seen.begin(), middle, seen.end());
+  if (within >= kFewestPixels)
+    return concat(within, " pixels have a depth within ", options.nearest, " to ", options.farthest,
+                  " m, but fewer than ", kFewestPixels,
+                  " lie on a surface: they are too far apart, or noise");
+  const std::string range =
+      concat("fewer than ", kFewestPixels, " pixels have a depth within ", options.nearest, " to ",
+             options.farthest, " m; of ", seen.size(), " the middle one is ", *middle, " m");
+  return *middle > kSurelyNotMetres
+             ? range + ": are these millimetres? (--units of a cloud, --depth-unit of pictures)"
+             : range;
 }
 
 /// The plane in V of a plane in C.
