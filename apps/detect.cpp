@@ -66,15 +66,27 @@ void print_json(const DetectionResult& result, const Catalogue& catalogue, const
             << '\n';
 }
 
-void print_table(const Catalogue& catalogue, const DetectionResult& result) {
-  std::printf("%-20s %6s %8s %8s   position in the camera frame (m)\n", "stone", "score", "inliers",
-              "visible");
+/// Positions in C, or in W for a cloud that no camera took.
+void print_table(const Catalogue& catalogue, const DetectionResult& result, const SceneView& view) {
+  std::printf("%-20s %6s %8s %8s   position in the %s frame (m)\n", "stone", "score", "inliers", "visible",
+              view.world ? "world" : "camera");
   for (const auto& found : result.detections) {
-    const auto& p = found.T_C_O.translation();
+    const Eigen::Vector3d p_C = found.T_C_O.translation();
+    const Eigen::Vector3d p = view.world ? Eigen::Vector3d(*view.T_W_C * p_C) : p_C;
     std::printf("%-20s %6.3f %8.3f %8.3f   %7.4f %7.4f %7.4f\n",
                 catalogue.stones[static_cast<std::size_t>(found.stone)].name.c_str(), found.score,
                 found.inlier_ratio, found.visible, p.x(), p.y(), p.z());
   }
+}
+
+/// The paper's inlier ratio takes poses that the visibility-aware score would refuse.
+void warn_of_doubtful(const DetectionResult& result, const Catalogue& catalogue,
+                      const DetectionOptions& options) {
+  for (const auto& found : result.detections)
+    if (found.score < options.accept_score)
+      log_warning(concat(catalogue.stones[static_cast<std::size_t>(found.stone)].name,
+                         " is here by its inlier ratio; its score of ", found.score,
+                         " says that the pose is wrong (detection.accept_score ", options.accept_score, ")"));
 }
 
 void detect(DetectCommand& command) {
@@ -89,12 +101,14 @@ void detect(DetectCommand& command) {
   const DetectionModels models(catalogue.stones, command.options);
   const Stopwatch watch;
   const DetectionResult result = detect_in(views, models, wanted, command.options);
+  check_level(views.front(), result.table_C, command.inputs.front());
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
+  warn_of_doubtful(result, catalogue, command.options);
   if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
   if (command.common.json)
     print_json(result, catalogue, views.front().T_W_C);
   else
-    print_table(catalogue, result);
+    print_table(catalogue, result, views.front());
   if (result.detections.empty())
     throw Error(command.inputs.front() + ": nothing detected: " + result.note, ExitCode::kNothingDetected);
 }

@@ -16,6 +16,7 @@ namespace {
 
 constexpr float kNearestSeen = 0.10F;  // m
 constexpr double kCameraHeight = 0.8;  // m above the middle of a world-frame cloud
+constexpr double kMostTilt = 0.35;     // rad, of the table in W: more is another frame
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const char* form) {
   std::vector<double> numbers;
@@ -48,8 +49,19 @@ bool in_world_frame(const Cloud& solid) {
   return 2 * static_cast<std::size_t>(below) > solid.points.size();
 }
 
-SceneView view_of_cloud(const std::string& path, const std::string& camera_pose, bool world) {
-  const Cloud cloud = read_cloud(path);
+/// A cloud in metres.
+Cloud cloud_in(const std::string& path, const DepthInput& input) {
+  require(input.unit == 0.0 && input.camera.empty() && input.distortion.empty() && input.frame == 0, path,
+          " is a cloud: --depth-unit, --camera, --distortion and --frame are for depth PNGs and recordings");
+  Cloud cloud = read_cloud(path);
+  const float metres = input.units == "mm" ? 1e-3F : input.units == "cm" ? 1e-2F : 1.0F;
+  for (auto& p : cloud.points) p *= metres;
+  return cloud;
+}
+
+SceneView view_of_cloud(const std::string& path, const std::string& camera_pose, bool world,
+                        const DepthInput& input) {
+  const Cloud cloud = cloud_in(path, input);
   const Cloud solid = without_gaps(cloud);
   if (solid.points.empty()) throw FileError(path, "has no finite point", "record the scene again");
   SceneView view;
@@ -59,21 +71,19 @@ SceneView view_of_cloud(const std::string& path, const std::string& camera_pose,
                     "export it right-handed (x right, y down, z forward); no stone fits its mirror image");
   if (world || (camera_pose.empty() && !camera && in_world_frame(solid))) {
     if (!world) log_info(path + ": most of it lies about z = 0; taken as in the world frame");
+    view.world = true;
     view.T_W_C = camera_pose.empty() ? camera_above(solid) : parse_pose(camera_pose);
-    view.image = to_depth_image(transformed(solid, view.T_W_C->inverse()), CameraIntrinsics{});
+    const Cloud cloud_C = transformed(solid, view.T_W_C->inverse());
+    view.image = to_depth_image(cloud_C, camera_for(cloud_C));
   } else {
     if (!camera_pose.empty()) view.T_W_C = parse_pose(camera_pose);
-    view.image = to_depth_image(cloud, camera.value_or(CameraIntrinsics{}));
+    view.image = to_depth_image(cloud, camera ? *camera : camera_for(cloud));
   }
   return view;
 }
 
-/// "fx,fy,cx,cy", and distortion if given; without a size.
-CameraIntrinsics parse_camera(const DepthInput& input) {
-  const auto v = parse_numbers(input.camera, 4, "fx,fy,cx,cy");
-  CameraIntrinsics camera;
-  camera.fx = v[0], camera.fy = v[1], camera.cx = v[2], camera.cy = v[3];
-  require(camera.fx > 1 && camera.fy > 1, "the focal length in '", input.camera, "' is in pixels");
+/// The camera with the lens distortion that was given, if any was.
+CameraIntrinsics with_distortion(CameraIntrinsics camera, const DepthInput& input) {
   const auto colon = input.distortion.find(':');
   const std::string kind = input.distortion.substr(0, colon);
   if (kind.empty() || kind == "none") return camera;
@@ -87,7 +97,17 @@ CameraIntrinsics parse_camera(const DepthInput& input) {
   return camera;
 }
 
+/// "fx,fy,cx,cy", and distortion if given; without a size.
+CameraIntrinsics parse_camera(const DepthInput& input) {
+  const auto v = parse_numbers(input.camera, 4, "fx,fy,cx,cy");
+  CameraIntrinsics camera;
+  camera.fx = v[0], camera.fy = v[1], camera.cx = v[2], camera.cy = v[3];
+  require(camera.fx > 1 && camera.fy > 1, "the focal length in '", input.camera, "' is in pixels");
+  return with_distortion(camera, input);
+}
+
 SceneView view_of_picture(const std::string& path, const DepthInput& input) {
+  require(input.frame == 0, path, " is one picture: --frame is for recordings");
   if (input.camera.empty())
     throw FileError(path, "comes without the camera's intrinsics", "give --camera fx,fy,cx,cy");
   if (input.unit == 0.0)
@@ -105,8 +125,9 @@ SceneView view_of_recording(const std::string& folder, const DepthInput& input) 
   if (!input.camera.empty()) given.camera = parse_camera(input);
   const DepthSequence sequence = read_depth_sequence(folder, given);
   require(input.frame >= 0 && input.frame < static_cast<int>(sequence.records.size()), folder, " has ",
-          sequence.records.size(), " frames, none with number ", input.frame);
-  const DepthRecord& record = sequence.records[static_cast<std::size_t>(input.frame)];
+          sequence.records.size(), " frames, counted from 0; there is no ", input.frame);
+  DepthRecord record = sequence.records[static_cast<std::size_t>(input.frame)];
+  record.camera = with_distortion(record.camera, input);
   return {read_depth(record), record.T_W_C};
 }
 
@@ -117,8 +138,12 @@ void register_depth_input(CLI::App& command, DepthInput& input) {
       ->check(CLI::Range(1e-6, 0.1));
   command.add_option("--camera", input.camera, "fx,fy,cx,cy of a depth PNG, pixels");
   command.add_option("--distortion", input.distortion,
-                     "With --camera: brown_conrady:k1,k2,p1,p2,k3 or inverse_brown_conrady:... (SR300)");
+                     "Of a depth PNG's or recording's lens: brown_conrady:k1,k2,p1,p2,k3 or "
+                     "inverse_brown_conrady:... (SR300)");
   command.add_option("--frame", input.frame, "Of a recording, from 0")->check(CLI::NonNegativeNumber);
+  command.add_option("--units", input.units, "Of a cloud's coordinates")
+      ->check(CLI::IsMember({"m", "cm", "mm"}))
+      ->capture_default_str();
 }
 
 std::vector<std::string> split(const std::string& list, char separator) {
@@ -158,29 +183,45 @@ Eigen::Vector2d parse_point(const std::string& text) {
 SceneView read_view(const std::string& path, const std::string& camera_pose, bool world,
                     const DepthInput& depth) {
   const bool folder = std::filesystem::is_directory(path);
+  const bool cloud_file =
+      !folder && !is_scene_file(path) && std::filesystem::path(path).extension() != ".png";
+  require(cloud_file || depth.units == "m", path, " is no cloud: --units is of a cloud's coordinates");
   if (folder || std::filesystem::path(path).extension() == ".png") {
     SceneView view = folder ? view_of_recording(path, depth) : view_of_picture(path, depth);
     if (!camera_pose.empty()) view.T_W_C = parse_pose(camera_pose);
     return view;
   }
-  if (!is_scene_file(path)) return view_of_cloud(path, camera_pose, world);
+  if (cloud_file) return view_of_cloud(path, camera_pose, world, depth);
+  require(depth.unit == 0.0 && depth.camera.empty() && depth.distortion.empty() && depth.frame == 0, path,
+          " says itself what its camera is: --depth-unit, --camera, --distortion and --frame are not for it");
   const SceneFile scene = read_scene_file(path);
   SceneView view;
   view.T_W_C = scene.T_W_C;
   if (!camera_pose.empty()) view.T_W_C = parse_pose(camera_pose);
-  const CameraIntrinsics camera = scene.camera.value_or(CameraIntrinsics{});
   if (!scene.depth_file.empty()) {
     if (!scene.camera)
       throw FileError(path, "has a depth image but no camera", "add the camera's intrinsics");
-    view.image = read_depth_png(scene.depth_file, camera, scene.depth_unit);
+    view.image = read_depth_png(scene.depth_file, *scene.camera, scene.depth_unit);
   } else if (!scene.cloud_file.empty()) {
     const Cloud cloud = read_cloud(scene.cloud_file);
-    view.image = to_depth_image(cloud, scene.camera ? *scene.camera : fit_camera(cloud).value_or(camera));
+    const auto fitted = scene.camera ? scene.camera : fit_camera(cloud);
+    view.image = to_depth_image(cloud, fitted ? *fitted : camera_for(cloud));
   } else {
     throw FileError(path, "has neither depth nor cloud",
                     "add one, or give the stones' poses to `stonestack search`");
   }
   return view;
+}
+
+void check_level(const SceneView& view, const std::optional<Plane>& table_C, const std::string& path) {
+  if (!view.world || !table_C) return;
+  const Eigen::Vector3d n_W = view.T_W_C->linear() * table_C->normal;
+  const double tilt = std::acos(std::clamp(n_W.z(), -1.0, 1.0));
+  if (tilt > kMostTilt)
+    throw FileError(
+        path,
+        concat("was taken as in the world frame, but its table leans ", std::lround(tilt * 57.3), " deg"),
+        "give it in the camera's optical frame (x right, y down, z forward), or with z up");
 }
 
 Pose camera_over_table(const std::optional<Plane>& table_C, const std::string& path) {

@@ -59,6 +59,7 @@ SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalo
   const DetectionModels models(catalogue.stones, command.detection);
   const SceneView view = read_view(command.input, command.camera_pose);
   const DetectionResult seen = detect_stones(view.image, models, {}, command.detection);
+  check_level(view, seen.table_C, command.input);
   if (seen.detections.empty())
     throw Error(command.input + ": nothing detected: " + seen.note, ExitCode::kNothingDetected);
   std::vector<PlacedStone> placed;

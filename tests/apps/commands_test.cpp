@@ -1,79 +1,15 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "commands.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "stonestack/core/error.hpp"
-#include "stonestack/core/file.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/geometry/pose.hpp"
 
 namespace stonestack {
 namespace {
 
-namespace fs = std::filesystem;
-using nlohmann::json;
 using ::testing::ContainsRegex;
-using ::testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;
-  std::string out;
-  std::string err;
-  [[nodiscard]] json data() const { return json::parse(out, nullptr, false); }
-};
-
-Pose pose_of(const json& t) {
-  const auto number = [&](const char* key) { return t.at(key).get<double>(); };
-  return make_pose(Eigen::Vector3d(number("x"), number("y"), number("z")),
-                   Eigen::Quaterniond(number("qw"), number("qx"), number("qy"), number("qz")));
-}
-
-/// `stonestack` as a user runs it, in a folder of its own.
-class Commands : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = testing::TempDir() + concat("commands_test_", ::getpid(), "_",
-                                          testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const std::string command = concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err");
-    Outcome outcome;
-    FILE* pipe = ::popen(command.c_str(), "r");
-    if (pipe == nullptr) return outcome;
-    std::array<char, 4096> piece{};
-    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe))
-      outcome.out.append(piece.data(), got);
-    const int status = ::pclose(pipe);
-    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    outcome.err = read_file(folder_ + "/err", 1 << 20);
-    return outcome;
-  }
-  void write(const std::string& name, const std::string& text) const {
-    write_file(folder_ + "/" + name, text);
-  }
-  /// The command fails with that code and one line that holds all of `parts`.
-  void expect_refusal(const std::string& arguments, int code, const std::vector<std::string>& parts) const {
-    const Outcome outcome = run(arguments);
-    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
-    for (const auto& part : parts) EXPECT_THAT(outcome.err, HasSubstr(part)) << arguments;
-    EXPECT_LE(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 3) << outcome.err;
-  }
-
-  std::string folder_;
-};
 
 TEST_F(Commands, RenderedStonesAreDetectedWhereTheyLie) {
   const Outcome rendered =
@@ -124,28 +60,6 @@ TEST_F(Commands, TrackSaysWhatStandsMovedAndIsHeld) {
   expect_refusal("track scene/cloud.ply --expect before.json", 3, {"cloud.ply", "--camera-pose"});
   write("empty.json", "{}");
   expect_refusal("track scene/scene.yaml --expect empty.json", 3, {"empty.json", "detections"});
-}
-
-TEST_F(Commands, DetectTakesACloudAsTheCameraSeesItButNotItsMirrorImage) {
-  ASSERT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);
-  const Cloud cloud = read_cloud(folder_ + "/scene/cloud.ply");
-  const auto scaled = [&](float x, float all) {
-    Cloud out = cloud;
-    for (auto& p : out.points) p = all * Eigen::Vector3f(x * p.x(), p.y(), p.z());
-    return out;
-  };
-  write_cloud(folder_ + "/heap.ply", without_gaps(cloud));
-  const Outcome found = run("detect heap.ply --json");
-  EXPECT_EQ(found.code, 0) << found.err;
-  EXPECT_EQ(found.data()["detections"].size(), 2u) << "a cloud without rows is in the camera frame, too";
-  write_cloud(folder_ + "/mirror.ply", scaled(-1, 1));
-  expect_refusal("detect mirror.ply", 3, {"mirror.ply", "mirrored"});
-  write_cloud(folder_ + "/mirrored_heap.ply", without_gaps(scaled(-1, 1)));
-  EXPECT_EQ(run("detect mirrored_heap.ply").code, 4);
-  write_cloud(folder_ + "/millimetres.ply", scaled(1, 1000));
-  const Outcome large = run("detect millimetres.ply");
-  EXPECT_EQ(large.code, 4);
-  EXPECT_THAT(large.err, HasSubstr("millimetres"));
 }
 
 /// The rendered scene and the stones in it as a data set of the BOP layout, in millimetres.

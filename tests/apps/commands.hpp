@@ -1,0 +1,76 @@
+#pragma once
+// `stonestack` as a user runs it: what every end-to-end test of the command starts from.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/geometry/pose.hpp"
+
+namespace stonestack {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out;
+  std::string err;
+  [[nodiscard]] json data() const { return json::parse(out, nullptr, false); }
+};
+
+inline Pose pose_of(const json& t) {
+  const auto number = [&](const char* key) { return t.at(key).get<double>(); };
+  return make_pose(Eigen::Vector3d(number("x"), number("y"), number("z")),
+                   Eigen::Quaterniond(number("qw"), number("qx"), number("qy"), number("qz")));
+}
+
+/// `stonestack` as a user runs it, in a folder of its own.
+class Commands : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + concat("commands_test_", ::getpid(), "_",
+                                          testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] Outcome run(const std::string& arguments) const {
+    const std::string command = concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err");
+    Outcome outcome;
+    FILE* pipe = ::popen(command.c_str(), "r");
+    if (pipe == nullptr) return outcome;
+    std::array<char, 4096> piece{};
+    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe))
+      outcome.out.append(piece.data(), got);
+    const int status = ::pclose(pipe);
+    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    outcome.err = read_file(folder_ + "/err", 1 << 20);
+    return outcome;
+  }
+  void write(const std::string& name, const std::string& text) const {
+    write_file(folder_ + "/" + name, text);
+  }
+  /// The command fails with that code and one line that holds all of `parts`.
+  void expect_refusal(const std::string& arguments, int code, const std::vector<std::string>& parts) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
+    for (const auto& part : parts) EXPECT_THAT(outcome.err, HasSubstr(part)) << arguments;
+    EXPECT_LE(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 3) << outcome.err;
+  }
+
+  std::string folder_;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,145 @@
+// What `stonestack detect` makes of the files that people have, right and wrong.
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "commands.hpp"
+#include "stonestack/geometry/cloud_file.hpp"
+
+namespace stonestack {
+namespace {
+
+/// Two stones on a table, rendered, and its cloud in every frame and unit that a user may have it in.
+class DetectCommand : public Commands {
+ protected:
+  void SetUp() override {
+    Commands::SetUp();
+    ASSERT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);
+    cloud_ = read_cloud(folder_ + "/scene/cloud.ply");
+    heap_ = without_gaps(cloud_);
+  }
+  template <class Change>
+  void write_changed(const std::string& name, Cloud cloud, const Change& change) const {
+    for (auto& p : cloud.points) p = change(p);
+    write_cloud(folder_ + "/" + name, cloud);
+  }
+  void write_points(const std::string& name, std::vector<Eigen::Vector3f> points) const {
+    Cloud cloud;
+    cloud.width = static_cast<int>(points.size());
+    cloud.height = 1;
+    cloud.points = std::move(points);
+    write_cloud(folder_ + "/" + name, cloud);
+  }
+
+  Cloud cloud_, heap_;
+};
+
+TEST_F(DetectCommand, TakesACloudAsTheCameraSeesItButNotItsMirrorImage) {
+  const auto mirrored = [](const Eigen::Vector3f& p) { return Eigen::Vector3f(-p.x(), p.y(), p.z()); };
+  write_cloud(folder_ + "/heap.ply", heap_);
+  const Outcome found = run("detect heap.ply --json");
+  EXPECT_EQ(found.code, 0) << found.err;
+  EXPECT_EQ(found.data()["detections"].size(), 2u) << "a cloud without rows is in the camera frame, too";
+  write_changed("mirror.ply", cloud_, mirrored);
+  expect_refusal("detect mirror.ply", 3, {"mirror.ply", "mirrored"});
+  write_changed("mirrored_heap.ply", heap_, mirrored);
+  EXPECT_EQ(run("detect mirrored_heap.ply").code, 4);
+}
+
+TEST_F(DetectCommand, AsksForTheUnitOfMillimetresAndTakesThem) {
+  write_changed("mm.ply", heap_, [](const Eigen::Vector3f& p) { return Eigen::Vector3f(1000 * p); });
+  const Outcome large = run("detect mm.ply");
+  EXPECT_EQ(large.code, 4);
+  EXPECT_THAT(large.err, HasSubstr("the middle one is 6")) << "names the depth";
+  EXPECT_THAT(large.err, HasSubstr("millimetres? (--units"));
+  EXPECT_EQ(run("detect mm.ply --units mm --json").data()["detections"].size(), 2u);
+}
+
+TEST_F(DetectCommand, TakesAThinnedCloud) {
+  std::set<std::tuple<int, int, int>> cells;  // one point each 3 mm, as a voxel filter leaves them
+  std::vector<Eigen::Vector3f> thin;
+  const auto cell = [](float x) { return static_cast<int>(std::floor(x / 0.003F)); };
+  for (const auto& p : heap_.points)
+    if (cells.emplace(cell(p.x()), cell(p.y()), cell(p.z())).second) thin.push_back(p);
+  write_points("thin.ply", thin);
+  const Outcome found = run("detect thin.ply --json");
+  EXPECT_EQ(found.data()["detections"].size(), 2u) << found.err;
+}
+
+TEST_F(DetectCommand, SaysThatPointsMakeNoSurface) {
+  std::vector<Eigen::Vector3f> dust;
+  for (int i = 0; i < 3000; ++i)
+    dust.emplace_back(0.1F * std::sin(1.7F * i), 0.1F * std::cos(2.3F * i), 0.7F + 0.2F * std::sin(3.1F * i));
+  write_points("dust.ply", dust);
+  expect_refusal("detect dust.ply -q", 4, {"dust.ply", "on a surface"});
+  write_points("one.ply", {{0.0F, 0.0F, 0.7F}});
+  expect_refusal("detect one.ply -q", 4, {"one.ply", "of 1 the middle one is 0.7 m"});
+}
+
+TEST_F(DetectCommand, RefusesAFrameThatIsNeitherTheCamerasNorTheWorlds) {
+  write_changed("forward.ply", heap_, [](const Eigen::Vector3f& p) {  // x forward, z up, as ROS's base has it
+    return Eigen::Vector3f(p.z(), -p.x(), -p.y());
+  });
+  expect_refusal("detect forward.ply -q", 3, {"forward.ply", "leans", "optical frame"});
+}
+
+TEST_F(DetectCommand, PlacesStonesOfAWorldCloudInTheWorld) {
+  const Outcome scene = run("render --out world --seed 3 --stones limestone_1 --json");
+  const Pose T_W_C = pose_of(scene.data()["T_W_C"]);
+  write_changed("world.ply", without_gaps(read_cloud(folder_ + "/world/cloud.ply")),
+                [&](const Eigen::Vector3f& p) { return Eigen::Vector3f(T_W_C.cast<float>() * p); });
+  const Outcome found = run("detect world.ply");
+  EXPECT_EQ(found.code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("position in the world frame"));
+  const auto at = found.out.find("limestone_1");
+  ASSERT_NE(at, std::string::npos);
+  double score = 0, inliers = 0, visible = 0, x = 0, y = 0, z = 0;
+  ASSERT_EQ(std::sscanf(found.out.c_str() + at, "limestone_1 %lf %lf %lf %lf %lf %lf", &score, &inliers,
+                        &visible, &x, &y, &z),
+            6);
+  const Pose truth = pose_of(scene.data()["stones"][0]["T_W_O"]);
+  EXPECT_LT((Eigen::Vector3d(x, y, z) - truth.translation()).norm(), 0.003);
+}
+
+TEST_F(DetectCommand, UsesEveryOptionOrRefusesIt) {
+  expect_refusal("detect scene/cloud.ply --depth-unit 0.001", 2, {"cloud.ply", "--depth-unit"});
+  expect_refusal("detect scene/scene.yaml --distortion brown_conrady:0,0,0,0,0", 2, {"scene.yaml"});
+  expect_refusal("detect scene/scene.yaml --units mm", 2, {"scene.yaml", "--units"});
+  expect_refusal("detect scene/depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125 --frame 2", 2,
+                 {"depth.png", "--frame"});
+  fs::create_directories(folder_ + "/open3d/depth");
+  fs::copy_file(folder_ + "/scene/depth.png", folder_ + "/open3d/depth/1.png");
+  write("open3d/camera_intrinsic.json", R"({"intrinsic_matrix": [475, 0, 0, 0, 475, 0, 319.5, 239.5, 1]})");
+  const auto depth_of = [&](const std::string& lens) -> Eigen::Vector3d {
+    const Outcome found = run("detect open3d --depth-unit 0.000125 --json --stones limestone_1 " + lens);
+    EXPECT_EQ(found.code, 0) << found.err;
+    return pose_of(found.data()["detections"][0]["T_C_O"]).translation();
+  };
+  const double off =
+      (depth_of("--distortion inverse_brown_conrady:0.1,0.2,0.003,0.003,-0.1") - depth_of("")).norm();
+  EXPECT_GT(off, 2e-4) << "the lens of a recording that names only the pinhole";
+}
+
+TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
+  std::vector<Eigen::Vector3f> plane;
+  for (int i = 0; i < 200; ++i)
+    for (int k = 0; k < 200; ++k) plane.emplace_back(0.002F * i - 0.2F, 0.002F * k - 0.2F, 0.8F);
+  write_points("table.ply", plane);
+  expect_refusal("detect table.ply --trace trace -q", 4, {"nothing unknown stands on the table"});
+  EXPECT_TRUE(fs::exists(folder_ + "/trace/turn_1/stages.json"));
+}
+
+TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {
+  write_changed("mirrored.ply", heap_,
+                [](const Eigen::Vector3f& p) { return Eigen::Vector3f(-p.x(), p.y(), p.z()); });
+  const Outcome found =
+      run("detect mirrored.ply --method paper --set detection.accept_inlier_ratio=0.5 --json");
+  const json data = found.data();
+  bool doubtful = false;
+  for (const auto& d : data["detections"]) doubtful = doubtful || d["score"].get<double>() < 0.85;
+  ASSERT_TRUE(doubtful) << found.out;
+  EXPECT_THAT(found.err, HasSubstr("says that the pose is wrong"));
+}
+
+}  // namespace
+}  // namespace stonestack
