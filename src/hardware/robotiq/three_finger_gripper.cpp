@@ -45,7 +45,7 @@ FieldList fields(ThreeFingerOptions& o) {
       field("largest_opening", o.largest_opening, {0.01, 0.3}, "m", "data sheet"),
       field("open_count", o.open_count, {0.0, 255.0}, "count", "calibrate with a gauge"),
       field("closed_count", o.closed_count, {0.0, 255.0}, "count", "calibrate with a gauge"),
-      field("wide_spacing", o.wide_spacing, {0.01, 0.2}, "m", "facts/robot.md"),
+      field("wide_spacing", o.wide_spacing, {0.01, 0.2}, "m", "Robotiq's model of the hand: fingers B and C"),
       field("wide_count", o.wide_count, {0.0, 255.0}, "count", "Robotiq manual: 0x89 in basic mode"),
       field("narrow_spacing", o.narrow_spacing, {0.01, 0.2}, "m", "ours: fingers side by side"),
       field("narrow_count", o.narrow_count, {0.0, 255.0}, "count", "ours; calibrate with a gauge"),
