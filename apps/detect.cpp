@@ -16,6 +16,8 @@
 namespace stonestack::apps {
 namespace {
 
+constexpr double kCertain = 0.9;
+
 struct DetectCommand {
   CommonOptions common;
   std::vector<std::string> inputs;
@@ -79,14 +81,21 @@ void print_table(const Catalogue& catalogue, const DetectionResult& result, cons
   }
 }
 
-/// The paper's inlier ratio takes poses that the visibility-aware score would refuse.
+/// Names the stones whose shape leaves the pose open, and the poses that the paper's inlier ratio takes
+/// though the visibility-aware score would refuse them.
 void warn_of_doubtful(const DetectionResult& result, const Catalogue& catalogue,
                       const DetectionOptions& options) {
-  for (const auto& found : result.detections)
+  for (const auto& found : result.detections) {
+    const std::string& name = catalogue.stones[static_cast<std::size_t>(found.stone)].name;
+    if (found.certainty < kCertain)
+      log_warning(
+          concat(name, " is nearly symmetric: ", found.likes.size(),
+                 " other poses fit as well or nearly (--json lists them), this one with a certainty of ",
+                 found.certainty));
     if (found.score < options.accept_score)
-      log_warning(concat(catalogue.stones[static_cast<std::size_t>(found.stone)].name,
-                         " is here by its inlier ratio; its score of ", found.score,
+      log_warning(concat(name, " is here by its inlier ratio; its score of ", found.score,
                          " says that the pose is wrong (detection.accept_score ", options.accept_score, ")"));
+  }
 }
 
 void detect(DetectCommand& command) {

@@ -41,10 +41,12 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
   (right ? tally.right_scores : tally.bad_scores).push_back(d.score);
   if (list)
     std::printf(
-        "    %s: stone %d unhidden %.2f score %.3f visible %.3f off %.1f deg %.1f mm, stated %.1f deg %.1f "
+        "    %s: stone %d unhidden %.2f score %.3f certain %.2f visible %.3f off %.1f deg %.1f mm, stated "
+        "%.1f deg %.1f "
         "mm\n",
-        right ? "right" : "wrong", d.stone, truth.unhidden, d.score, d.visible, off.angle / kDegree,
-        off.translation * 1000, std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()) / kDegree,
+        right ? "right" : "wrong", d.stone, truth.unhidden, d.score, d.certainty, d.visible,
+        off.angle / kDegree, off.translation * 1000,
+        std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()) / kDegree,
         1000 * std::sqrt(d.covariance.topLeftCorner<3, 3>().trace()));
   if (!right) {
     ++tally.wrong;

@@ -6,6 +6,7 @@
 
 #include "detection/describe.hpp"
 #include "detection/joint_refine.hpp"
+#include "detection/likeness.hpp"
 #include "detection/search_in_turns.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/trace.hpp"
@@ -52,7 +53,10 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   const auto taken = search_in_turns(data, std::move(missing), scene, options, trace.get());
   result.trace = trace;
   for (const auto& t : taken) result.detections.push_back(t.detection);
+  if (options.method != "paper")
+    result.detections = among_its_likes(std::move(result.detections), data, scene, options);
   result.detections = refined_together(std::move(result.detections), data, scene, options);
+  for (auto& d : result.detections) widen_by_likes(d);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   if (result.detections.empty())

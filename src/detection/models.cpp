@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "detection/describe.hpp"
+#include "detection/likeness.hpp"
 #include "detection/sweep.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -63,13 +64,22 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
           " m across; detection takes 1 cm to 1 m");
   SurfacePoints surface = sampled(stone.mesh, options.voxel);
   SurfaceField field(surface.points, kFieldCell, kFieldBand);
-  DetectionModel model{
-      stone.name, stone.mesh,         face_normals(stone.mesh), surface_area(stone.mesh), box.center(),
-      0.0,        std::move(surface), std::move(field),         SurfaceTree(stone.mesh),  {},
-      {}};
+  DetectionModel model{stone.name,
+                       stone.mesh,
+                       face_normals(stone.mesh),
+                       surface_area(stone.mesh),
+                       box.center(),
+                       0.0,
+                       std::move(surface),
+                       std::move(field),
+                       SurfaceTree(stone.mesh),
+                       {},
+                       {},
+                       {}};
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.features = describe_model(stone.mesh, as_seen(model.surface, model.field, options), options);
   model.sides = make_sides(model.surface);
+  model.likes = turns_onto_itself(model);
   return model;
 }
 

@@ -13,6 +13,12 @@
 
 namespace stonestack {
 
+/// Another pose that a stone of nearly symmetric shape may as well have.
+struct LikePose {
+  Pose T_C_O = Pose::Identity();
+  double weight = 0.0;  ///< of all poses together 1
+};
+
 /// Where a stone was found.
 struct Detection {
   int stone = -1;  ///< index into the models
@@ -21,7 +27,9 @@ struct Detection {
   double inlier_ratio = 0.0;  ///< the paper's, over visible model points
   double visible = 0.0;       ///< share of the model's surface that this view saw
   Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C; spans `likes`, too
+  double certainty = 1.0;       ///< of this pose among the likes of a nearly symmetric stone: a cube's 24
+  std::vector<LikePose> likes;  ///< the other poses that fit nearly as well, the best first
 };
 
 struct DetectionTrace;
@@ -66,7 +74,7 @@ struct DetectionOptions {
   bool sweep = true;                 ///< also try all orientations on each cluster (not with paper)
   double icp_gate = 0.015;           ///< m, furthest correspondence at first
   double verify_tolerance = 0.005;   ///< m, from seen to expected surface
-  double accept_score = 0.85;        ///< measured: right poses 0.92 and up, wrong ones up to 0.82
+  double accept_score = 0.85;        ///< at least; 0.89 in a clean image of one view (measured)
   double accept_inlier_ratio = 0.75;  ///< with paper
   double explained_margin = 0.008;    ///< m, points this near to a stone whose pose is known are its own
   double bias_sigma = 0.0005;   ///< m, smooth error of a depth image, where no table shows what it is ...
