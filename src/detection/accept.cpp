@@ -54,15 +54,15 @@ class Claims {
 
 }  // namespace
 
-bool acceptable(const Detection& d, const DetectionOptions& options) {
+bool acceptable(const Detection& d, const DetectionOptions& options, double least) {
   if (options.method == "paper") return d.inlier_ratio >= options.accept_inlier_ratio;
   const double wanted = options.accept_score + kLittleVisible * std::max(0.0, kMuchVisible - d.visible);
-  return d.score >= wanted && d.visible >= kLeastVisible;
+  return d.score >= std::max(wanted, least) && d.visible >= kLeastVisible;
 }
 
 std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
                                            const std::vector<int>& missing, const DetectionScene& scene,
-                                           const DetectionOptions& options) {
+                                           const DetectionOptions& options, double least) {
   std::vector<std::size_t> order(candidates.size()), taken;
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -73,7 +73,7 @@ std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candida
   Claims claims(scene);
   for (const std::size_t i : order) {
     const Candidate& c = candidates[i];
-    if (!acceptable(c.detection, options) || left[c.detection.stone] == 0) continue;
+    if (!acceptable(c.detection, options, least) || left[c.detection.stone] == 0) continue;
     if (claims.overlap(c) > kLargestOverlap) continue;
     --left[c.detection.stone];
     claims.claim(c);

@@ -5,14 +5,16 @@
 
 namespace stonestack {
 
-/// Enough for a detection: the score and some surface, or the paper's inlier ratio.
-[[nodiscard]] bool acceptable(const Detection& d, const DetectionOptions& options);
+/// Enough for a detection: the score and some surface, or the paper's inlier ratio. However much is seen, the
+/// score must reach `least`.
+[[nodiscard]] bool acceptable(const Detection& d, const DetectionOptions& options, double least = -1.0);
 
 /// Takes acceptable candidates in order of worth, each model at most as often as `missing` names it, each
 /// only if what it explains is mostly still free. Indices into `candidates`, best first.
 [[nodiscard]] std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
                                                          const std::vector<int>& missing,
                                                          const DetectionScene& scene,
-                                                         const DetectionOptions& options);
+                                                         const DetectionOptions& options,
+                                                         double least = -1.0);
 
 }  // namespace stonestack

@@ -215,16 +215,18 @@ TEST(Accept, OfTwoPosesAtOnePlaceTheOneThatLacksLessIsTaken) {
 }
 
 TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {
-  const auto accepted = [](double score, double visible) {
+  const auto accepted = [](double score, double visible, double least = -1.0) {
     Detection d;
     d.score = score, d.visible = visible;
-    return acceptable(d, {});
+    return acceptable(d, {}, least);
   };
   EXPECT_TRUE(accepted(0.86, 0.20));
   EXPECT_FALSE(accepted(0.84, 0.20));
   EXPECT_FALSE(accepted(0.94, 0.05)) << "wrong poses of hidden stones reached this";
   EXPECT_TRUE(accepted(0.99, 0.05));
   EXPECT_FALSE(accepted(1.00, 0.02)) << "no evidence";
+  EXPECT_FALSE(accepted(0.88, 0.20, 0.89)) << "a clean image shows mirror images this well";
+  EXPECT_TRUE(accepted(0.99, 0.05, 0.89)) << "the two are not added up";
 }
 
 }  // namespace
