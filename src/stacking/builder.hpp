@@ -41,9 +41,10 @@ class Builder {
     if (belief_.loose.empty()) return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
     if (const std::string heavy = too_heavy(); !heavy.empty())
       report(concat("left out, for the hand carries ", make_robotiq_3f().payload, " kg: ", heavy));
-    while (!high_enough()) {
+    while (true) {
       throw_if_interrupted();
       if (clear_the_foot()) continue;
+      if (high_enough()) break;
       const auto target = find_target();
       if (!target && (take_off() || dare_failed_grasps())) continue;
       if (!target || !place(*target)) break;
@@ -91,7 +92,7 @@ class Builder {
       result_.ended = "all stones that are seen are placed";
       return true;
     }
-    if (options_.most_stones > 0 && result_.height >= options_.most_stones) {
+    if (options_.most_stones > 0 && static_cast<int>(belief_.stack.size()) >= options_.most_stones) {
       result_.end = RunResult::End::kHeightReached;
       result_.ended = concat("the tower has the ", options_.most_stones, " stones that were asked for");
       return true;

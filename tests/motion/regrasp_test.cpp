@@ -79,6 +79,28 @@ TEST(RestPoses, ATallStoneDoesNotStandOnItsEnd) {
   }
 }
 
+TEST(RestPoses, LeavesOutWhatDidNotHold) {
+  const Stone stone = block("block", {0.10, 0.08, 0.07});
+  RegraspOptions options;
+  options.n_O_not_up = {Eigen::Vector3d(0.1, 0, 1).normalized()};  // 6 deg beside a face
+  const auto rests = rest_poses(stone, options);
+  EXPECT_EQ(rests.size(), 5U);
+  for (const RestPose& rest : rests) EXPECT_LT((rest.R_W_O.inverse() * Eigen::Vector3d::UnitZ()).z(), 0.5);
+}
+
+TEST(GraspFinder, SamplesMoreWhereHardlyAnyGraspServes) {
+  // A wall stands on either side of the block, so that one of its two widths is out of the question.
+  Workplace cell;
+  const int usual = GraspFinder(cell.scene, cell.stone, 0, cell.task.T_W_O_pick).set().tried;
+  const Mesh wall = make_box({0.02, 0.30, 0.10});
+  cell.scene.objects.push_back({"wall", {wall}, make_pose({0.70 + 0.066, -0.18, 0.05})});
+  cell.scene.objects.push_back({"wall", {wall}, make_pose({0.70 - 0.066, -0.18, 0.05})});
+  cell.scene.objects.push_back(
+      {"wall", {make_box({0.11, 0.02, 0.10})}, make_pose({0.70, -0.18 + 0.08, 0.05})});
+  const GraspFinder walled(cell.scene, cell.stone, 0, cell.task.T_W_O_pick);
+  EXPECT_GT(walled.set().tried, 3 * usual);
+}
+
 TEST(RegraspFinder, TellsWhatTurningOverBringsAbout) {
   const Workplace cell;
   const auto finder = [&](std::span<const Pose> avoid = {}) {

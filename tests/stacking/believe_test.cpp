@@ -73,5 +73,20 @@ TEST(Believe, WhatLiesOnTheTableHasFallen) {
   EXPECT_EQ(belief.loose[0].stone, 1);
 }
 
+TEST(StrayAtStack, NamesTheLowestLevelThatALooseStoneTouches) {
+  Belief belief{{{0, on_site(0.025)}, {1, on_site(0.075)}}, {{2, on_site(0.025, 0.112)}}};
+  EXPECT_FALSE(stray_at_stack(slabs(), belief)) << "12 mm beside the base";
+  belief.loose.push_back({3, on_site(0.080, 0.0915)});  // 1.5 mm beside the upper slab
+  auto stray = stray_at_stack(slabs(), belief);
+  ASSERT_TRUE(stray);
+  EXPECT_EQ(stray->level, 1U);
+  EXPECT_EQ(stray->stone.stone, 3);
+  belief.loose[0].T_W_O = on_site(0.025, 0.1015);
+  stray = stray_at_stack(slabs(), belief);
+  ASSERT_TRUE(stray);
+  EXPECT_EQ(stray->level, 0U);
+  EXPECT_EQ(stray->stone.stone, 2);
+}
+
 }  // namespace
 }  // namespace stonestack
