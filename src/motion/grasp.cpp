@@ -262,7 +262,7 @@ FieldList fields(GraspOptions& o) {
           field("finger_clearance", o.finger_clearance, {0, 0.05}, "m", "ours"),
           field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "ours"),
           field("friction_share", o.friction_share, {0.05, 1}, "", "ours"),
-          field("force_factor", o.force_factor, {1, 10}, "", "facts/robot.md: holds with a factor 2"),
+          field("force_factor", o.force_factor, {1, 10}, "", "ours: holds with a factor 2"),
           field("narrow_score", o.narrow_score, {0, 1}, "", "ours")};
 }
 

@@ -12,8 +12,10 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kEnough = 24;         ///< grasps that serve one link: more do not make it surer
-constexpr std::size_t kMostTests = 40'000;  ///< of grasps at places, over all chains: about a second
+constexpr std::size_t kSure = 6;     ///< grasps that lead on from a place are sought first
+constexpr std::size_t kEnough = 24;  ///< grasps that serve one link: more do not make it surer
+constexpr std::size_t kMostTests =
+    40'000;  ///< of grasps at places, over all chains, either time: about a second
 
 PlanningScene with_stone_at(PlanningScene scene, const PickAndPlaceTask& task, const Pose& T_W_O) {
   if (task.object >= 0) scene.objects[static_cast<std::size_t>(task.object)].T_W_object = T_W_O;
@@ -37,7 +39,7 @@ class RegraspSearch {
 
  private:
   [[nodiscard]] bool over() const {
-    return attempts_ >= regrasp_.attempts || tests_ >= kMostTests || plan_.planned;
+    return attempts_ >= regrasp_.attempts || tests_ >= most_tests_ || plan_.planned;
   }
   void place_next(const std::vector<int>& chain, const std::vector<int>& arriving);
   void make_plans();
@@ -51,10 +53,12 @@ class RegraspSearch {
   std::shared_ptr<const GraspSet> set_;
   SetDownPlaces places_;
   RestGraph graph_;
-  std::vector<int> to_;        ///< grasps that serve at the target
-  std::vector<Pose> between_;  ///< the places of a chain so far
-  std::vector<double> tilts_;  ///< of the poses of rest at these places
-  std::size_t tests_ = 0;      ///< of grasps
+  std::vector<int> to_;            ///< grasps that serve at the target
+  std::vector<Pose> between_;      ///< the places of a chain so far
+  std::vector<double> tilts_;      ///< of the poses of rest at these places
+  std::size_t least_leaving_ = 1;  ///< grasps that lead on from a place
+  std::size_t most_tests_ = 0;
+  std::size_t tests_ = 0;  ///< of grasps
   int attempts_ = 0;
   RegraspPlan plan_;
 };
@@ -71,9 +75,14 @@ RegraspPlan RegraspSearch::plan() {
   to_ = end_.serving(set_->grasps, all, task_.T_W_O_place);
   graph_ = make_rest_graph(scene_, *task_.stone, set_->grasps, options_, regrasp_);
   const auto chains = rest_chains(graph_, from, to_, regrasp_.most);
-  for (const auto& chain : chains) {
-    if (over()) break;
-    place_next(chain, from);
+  // What is set down lies a little otherwise than planned, so that one grasp alone may not lead on.
+  for (const std::size_t least : {kSure, std::size_t{1}}) {
+    least_leaving_ = least;
+    most_tests_ += kMostTests;
+    for (const auto& chain : chains) {
+      if (over()) break;
+      place_next(chain, from);
+    }
   }
   if (!plan_.planned) plan_.reason = why(from.size(), to_.size(), chains.size());
   return std::move(plan_);
@@ -95,7 +104,7 @@ void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<
     if (end_.serving(set_->grasps, in, T_W_O, 1).empty()) continue;
     tests_ += out.size();
     const auto leaving = end_.serving(set_->grasps, out, T_W_O, kEnough);
-    if (leaving.empty()) continue;
+    if (leaving.size() < least_leaving_) continue;
     between_.push_back(T_W_O);
     tilts_.push_back(rest.tilt);
     place_next(chain, leaving);

@@ -185,7 +185,12 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
   const bool picked = done.status == ExecutionResult::Status::kReleased;
   if (!picked) failed_grasps_[stone].push_back(plan.T_O_T);
   // What the hand missed is still expected where it was, on the stack maybe.
-  if (picked) std::erase_if(belief_.stack, [&](const PlacedStone& s) { return s.stone == stone; });
+  if (picked) {
+    const auto same = [&](const PlacedStone& s) { return s.stone == stone; };
+    std::erase_if(belief_.stack, same);
+    std::erase_if(belief_.loose, same);  // or the hand, which is there now, would seem to be in it
+    belief_.loose.push_back({stone, T_W_O_down});
+  }
   if (outcome == PlacementRecord::Outcome::kTakenOff) last_ = {};  // its plan led nowhere
   look_around();
   PlacementRecord entry{name(stone), down, std::nullopt,
