@@ -93,7 +93,8 @@ bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacl
   const Segment& axis = placed.axes[i];
   if (squared_distance(axis, obstacle.centre) > ball * ball) return false;
   if (squared_distance_to_box(axis, obstacle.box.low, obstacle.box.high) > bound * bound) return false;
-  return hull_distance(mover.core, placed.T_R(mover), obstacle.core, btTransform::getIdentity()) <
+  // Hulls that overlap are 0 apart: without padding, too, that is a hit.
+  return hull_distance(mover.core, placed.T_R(mover), obstacle.core, btTransform::getIdentity()) <=
          mover.core.radius + away;
 }
 

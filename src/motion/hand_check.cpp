@@ -31,7 +31,7 @@ bool HandCheck::near(const Part& part, const Pose& T_W_part, const Piece& piece,
   const Segment axis{T_W_part * part.core.axis.a, T_W_part * part.core.axis.b};
   const double reach = part.core.reach + piece.radius + padding;
   if (squared_distance(axis, piece.centre) > reach * reach) return false;
-  return hull_distance(part.core, to_bullet(T_W_part), piece.core, btTransform::getIdentity()) < padding;
+  return hull_distance(part.core, to_bullet(T_W_part), piece.core, btTransform::getIdentity()) <= padding;
 }
 
 HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double padding) const {

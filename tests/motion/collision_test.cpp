@@ -198,6 +198,19 @@ TEST(Collision, HeldStoneCountsAndMayTouchItsSupport) {
   EXPECT_FALSE(CollisionChecker(scene, rules, &stone).collides(q));
 }
 
+TEST(Collision, WithoutPaddingAnOverlapIsAHit) {
+  PlanningScene scene = empty_scene();
+  scene.objects = {box_at("post", {0.04, 0.12, 0.2}, {0.7, 0.1, 0.1})};
+  const HeldObject stone{"stone", {make_box({0.06, 0.10, 0.10})}, make_pose(Eigen::Vector3d(0, 0, 0.01))};
+  CollisionRules rules;
+  rules.padding = 0.0;
+  rules.opening = 0.06;
+  EXPECT_TRUE(CollisionChecker(scene, rules, &stone).collides(above(scene, {0.7, 0.1, 0.24})));
+  EXPECT_FALSE(CollisionChecker(scene, rules, &stone).collides(above(scene, {0.7, 0.1, 0.261})));
+  // The fingers themselves: one stands where the post is.
+  EXPECT_TRUE(CollisionChecker(scene, rules).collides(above(scene, {0.73, 0.1, 0.1})));
+}
+
 TEST(Collision, FingersMayTouchOnlyWhatTheyGrasp) {
   PlanningScene scene = empty_scene();
   scene.objects = {box_at("wanted", {0.06, 0.06, 0.1}, {0.7, 0.1, 0.05}),
