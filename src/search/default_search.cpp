@@ -128,6 +128,8 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
   result->unreachable = search.unreachable();
   if (whole) {
     collect(context, search, levels, result);
+    // A closer look may have dropped a later stone.
+    if (!result->best.empty() && result->best.front().then.size() + 1 < plan.size()) result->best.clear();
     if (!result->best.empty()) result->reason.clear();
   }
 }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "search/parallel.hpp"
@@ -22,6 +23,17 @@ std::vector<PlacedStone> plan_of(const Placement& first) {
   return plan;
 }
 
+/// The placements whose plans reach highest, then the others: one that leads nowhere does not go before one
+/// for which a stone must be turned over.
+std::array<std::vector<Placement>, 2> by_plan_length(const std::vector<Placement>& found) {
+  std::size_t longest = 0;
+  for (const Placement& placement : found) longest = std::max(longest, placement.then.size());
+  std::array<std::vector<Placement>, 2> parts;
+  for (const Placement& placement : found)
+    parts[placement.then.size() < longest ? 1 : 0].push_back(placement);
+  return parts;
+}
+
 }  // namespace
 
 std::optional<Target> Builder::find_target() {
@@ -40,12 +52,14 @@ std::optional<Target> Builder::find_target() {
     return std::nullopt;
   }
   std::string refusals;
-  for (const auto& placement : found.best) {
-    std::string refusal;
-    if (auto target = plan(placement, &refusal)) return target;
-    refusals += concat(refusals.empty() ? "" : "; ", name(placement.stone), ": ", refusal);
+  for (const auto& alike : by_plan_length(found.best)) {
+    for (const auto& placement : alike) {
+      std::string refusal;
+      if (auto target = plan(placement, &refusal)) return target;
+      refusals += concat(refusals.empty() ? "" : "; ", name(placement.stone), ": ", refusal);
+    }
+    if (last_ways_ == Ways::kTurningToo && turn_over(alike)) return find_target();
   }
-  if (last_ways_ == Ways::kTurningToo && turn_over(found.best)) return find_target();
   if (!rest_of_plan().empty()) {  // the plan that was followed cannot be carried out: whatever else there is
     last_ = {};
     report("the plan cannot be carried out: " + refusals);
