@@ -11,9 +11,9 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
-/// what it learns about its camera, builder_reach.cpp what the arm can bring
-/// about, builder_target.cpp the search for what comes next, builder_place.cpp what
-/// is done and how it is judged, builder_take_off.cpp the way back.
+/// what it learns about its camera, builder_reach.cpp what the arm can bring about, builder_target.cpp the
+/// search for what comes next, builder_place.cpp what is done and how it is judged, builder_take_off.cpp the
+/// way back: stones taken off, turned over, cleared away.
 namespace stonestack {
 
 /// What is to be done next, with the plan that does it.

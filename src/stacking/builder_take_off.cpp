@@ -35,7 +35,8 @@ Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
   return settle(shapes, Stack{}, held.stone, lifted, options).T_W_O;
 }
 
-/// Poses in the field where the stone would lie free of the others, the roomiest first.
+/// Poses in the field where the stone would lie free of the others, the roomiest first; all of them turned as
+/// the stone is held, then by a quarter, and so on.
 std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Belief& belief,
                               const PlacedStone& top) {
   const Pose rest = rest_on_table(shapes, top);
@@ -57,8 +58,15 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
     }
   std::stable_sort(places.begin(), places.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
+  places.resize(std::min(kMostPlaces, places.size()));
   std::vector<Pose> poses;
-  for (std::size_t i = 0; i < std::min(kMostPlaces, places.size()); ++i) poses.push_back(places[i].second);
+  for (int quarter = 0; quarter < 4; ++quarter)
+    for (const auto& [room, T_W_O] : places) {
+      const Eigen::Vector3d p_W_M = T_W_O * shapes[static_cast<std::size_t>(top.stone)]->mass.p_O_M;
+      poses.push_back(Eigen::Translation3d(p_W_M) *
+                      Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) *
+                      Eigen::Translation3d(-p_W_M) * T_W_O);
+    }
   return poses;
 }
 
@@ -103,8 +111,10 @@ bool Builder::take_off() {
 bool Builder::set_down_top() {
   const PlacedStone top = belief_.stack.back();
   const auto places = free_places(shapes_, cell_.layout, belief_, top);
-  return std::any_of(places.begin(), places.end(),
-                     [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
+  const bool done = std::any_of(places.begin(), places.end(),
+                                [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
+  if (!done) report("no motion takes " + name(top.stone) + " off");
+  return done;
 }
 
 bool Builder::clear_the_foot() {
