@@ -1,0 +1,74 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/core/random.hpp"
+#include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/execute.hpp"
+
+/// Guarded descents of one stone, for `bench descent`.
+namespace stonestack::bench {
+
+inline constexpr double kForceMark = 30.0;  ///< N
+
+/// How descents ended.
+struct DescentEnds {
+  int descents = 0, missed = 0, early = 0, stopped = 0, hard = 0;
+  std::vector<double> peaks;  ///< N
+};
+struct DescentTally {
+  bool list = false;  ///< print the descents that went wrong
+  int descents = 0, on_stone = 0;
+  DescentEnds planned, hand_first;  ///< by whether a plan would choose the place
+};
+
+/// One cell with the stone that is carried (0) and the one it is set on (1).
+class DescentTrial {
+ public:
+  /// `stones` must outlive this.
+  DescentTrial(const std::vector<Stone>& stones, const SimulationOptions& simulation, Random random)
+      : stones_(stones),
+        random_(random),
+        simulated_(stones, {0, 1}, robot_, layout_, simulation),
+        cell_(simulated_.cell()) {}
+  /// False if no plan or no grasp comes about.
+  bool pick();
+  /// One descent; false when the stone has to be taken anew.
+  bool descend(bool on_stone, DescentTally& tally);
+
+ private:
+  [[nodiscard]] Pose T_W_T();
+  /// Of the tool, with this speed (m/s).
+  [[nodiscard]] std::optional<JointTrajectory> straight(const Pose& T_W_T_goal, double speed);
+  bool go(const Pose& T_W_T_goal, double speed);
+  bool go_up();
+  bool go_above(const Eigen::Vector2d& at, double stone_z);
+  bool go_down(double by);
+  /// The descent itself, from `far` (m) above the table.
+  void measure(double far, DescentTally& tally);
+  /// The hand and the support, without what the hand holds.
+  [[nodiscard]] PlanningScene hand_and_support();
+  /// True if fingers or palm come to the support before the stone does: a place that no plan would choose.
+  [[nodiscard]] bool hand_comes_first(const JointTrajectory& way);
+  /// What the hand is nearest to, and how near.
+  [[nodiscard]] std::string nearest_to_hand(const Joints& q);
+  /// Of the stone, since the lift.
+  [[nodiscard]] PoseDifference moved_in_hand();
+  /// Upward force at the wrist, N.
+  [[nodiscard]] double level_force();
+  /// True if the carried stone is on something, or nearer than kGap above the table.
+  [[nodiscard]] bool touching();
+
+  const std::vector<Stone>& stones_;
+  Random random_;
+  RobotModel robot_ = read_robot("ur10");
+  CellLayout layout_;
+  MotionOptions options_;
+  SimulatedCell simulated_;
+  Cell cell_;
+  Pose T_T_O_ = Pose::Identity();  ///< after the lift
+};
+
+}  // namespace stonestack::bench
