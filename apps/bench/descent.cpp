@@ -18,6 +18,7 @@ namespace {
 constexpr double kMostDelay = 0.020;  // s
 
 void print(const char* kind, const bench::DescentEnds& ends) {
+  if (ends.descents == 0) return;
   std::printf(
       "%s: %d descents, missed contacts %d, false triggers %d, other ends %d; peak force N: median %.1f, "
       "95 %% %.1f, largest %.1f; above %.0f N: %d\n",
