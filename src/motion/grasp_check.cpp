@@ -22,16 +22,8 @@ GraspFault at_place(EndFault fault) {
 
 }  // namespace
 
-struct GraspFinder::Parts {
-  Parts(const PlanningScene& scene, const Stone& the_stone, int object, const Pose& T_W_O_pick,
-        const MotionOptions& options)
-      : stone(the_stone),
-        end(scene, stone, object, options),
-        set(grasps_to_pick(end, stone, scene.gripper, T_W_O_pick)) {}
-
-  const Stone& stone;
-  GraspEnd end;
-  std::shared_ptr<const GraspSet> set;
+struct GraspFinder::Parts : PickSide {
+  using PickSide::PickSide;
   GraspCheck pick;  ///< of the pick side alone
 };
 

@@ -60,4 +60,17 @@ class GraspEnd {
                                                              const GripperModel& gripper,
                                                              const Pose& T_W_O_pick);
 
+/// A stone where it is to be picked up: its grasps, and their test. What is passed must outlive this.
+struct PickSide {
+  PickSide(const PlanningScene& scene, const Stone& the_stone, int object, const Pose& T_W_O_pick,
+           const MotionOptions& options)
+      : stone(the_stone),
+        end(scene, stone, object, options),
+        set(grasps_to_pick(end, stone, scene.gripper, T_W_O_pick)) {}
+
+  const Stone& stone;
+  GraspEnd end;
+  std::shared_ptr<const GraspSet> set;
+};
+
 }  // namespace stonestack

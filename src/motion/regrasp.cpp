@@ -31,8 +31,7 @@ class RegraspSearch {
         task_(task),
         options_(options),
         regrasp_(regrasp),
-        end_(scene, *task.stone, task.object, options),
-        set_(grasps_to_pick(end_, *task.stone, scene.gripper, task.T_W_O_pick)),
+        pick_(scene, *task.stone, task.object, task.T_W_O_pick, options),
         places_(scene, task, regrasp) {}
 
   RegraspPlan plan();
@@ -49,8 +48,7 @@ class RegraspSearch {
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   const RegraspOptions& regrasp_;
-  GraspEnd end_;
-  std::shared_ptr<const GraspSet> set_;
+  PickSide pick_;
   SetDownPlaces places_;
   RestGraph graph_;
   std::vector<int> to_;            ///< grasps that serve at the target
@@ -64,16 +62,16 @@ class RegraspSearch {
 };
 
 RegraspPlan RegraspSearch::plan() {
-  std::vector<int> all(set_->grasps.size());
+  std::vector<int> all(pick_.set->grasps.size());
   std::iota(all.begin(), all.end(), 0);
   std::vector<int> allowed = all;
   std::erase_if(allowed, [&](int i) {
-    const Pose& T_O_T = set_->grasps[static_cast<std::size_t>(i)].T_O_T;
+    const Pose& T_O_T = pick_.set->grasps[static_cast<std::size_t>(i)].T_O_T;
     return is_near_grasp(task_.avoid, T_O_T) || is_near_grasp(task_.no_pick, T_O_T);
   });
-  const auto from = end_.serving(set_->grasps, allowed, task_.T_W_O_pick);
-  to_ = end_.serving(set_->grasps, all, task_.T_W_O_place);
-  graph_ = make_rest_graph(scene_, *task_.stone, set_->grasps, options_, regrasp_);
+  const auto from = pick_.end.serving(pick_.set->grasps, allowed, task_.T_W_O_pick);
+  to_ = pick_.end.serving(pick_.set->grasps, all, task_.T_W_O_place);
+  graph_ = make_rest_graph(scene_, *task_.stone, pick_.set->grasps, options_, regrasp_);
   const auto chains = rest_chains(graph_, from, to_, regrasp_.most);
   // What is set down lies a little otherwise than planned, so that one grasp alone may not lead on.
   for (const std::size_t least : {kSure, std::size_t{1}}) {
@@ -101,9 +99,9 @@ void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<
     throw_if_interrupted();
     if (over()) return;
     tests_ += in.size();
-    if (end_.serving(set_->grasps, in, T_W_O, 1).empty()) continue;
+    if (pick_.end.serving(pick_.set->grasps, in, T_W_O, 1).empty()) continue;
     tests_ += out.size();
-    const auto leaving = end_.serving(set_->grasps, out, T_W_O, kEnough);
+    const auto leaving = pick_.end.serving(pick_.set->grasps, out, T_W_O, kEnough);
     if (leaving.size() < least_leaving_) continue;
     between_.push_back(T_W_O);
     tilts_.push_back(rest.tilt);
@@ -171,10 +169,7 @@ RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& tas
   if (firm.planned ||
       (regrasp.least_margin >= regrasp.rest_margin && regrasp.least_tilt >= regrasp.rest_tilt))
     return firm;
-  RegraspOptions shaky = regrasp;
-  shaky.rest_margin = std::min(regrasp.least_margin, regrasp.rest_margin);
-  shaky.rest_tilt = std::min(regrasp.least_tilt, regrasp.rest_tilt);
-  return RegraspSearch(scene, task, options, shaky).plan();
+  return RegraspSearch(scene, task, options, with_shaky_rests(regrasp)).plan();
 }
 
 }  // namespace stonestack

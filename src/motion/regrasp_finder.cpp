@@ -30,16 +30,8 @@ std::vector<int> grasps_at_last(const RestGraph& graph, std::vector<int> taken, 
 
 }  // namespace
 
-struct RegraspFinder::Parts {
-  Parts(const PlanningScene& scene, const Stone& the_stone, int object, const Pose& T_W_O_pick,
-        const MotionOptions& options)
-      : stone(the_stone),
-        end(scene, stone, object, options),
-        set(grasps_to_pick(end, stone, scene.gripper, T_W_O_pick)) {}
-
-  const Stone& stone;
-  GraspEnd end;
-  std::shared_ptr<const GraspSet> set;
+struct RegraspFinder::Parts : PickSide {
+  using PickSide::PickSide;
   std::vector<int> last;  ///< grasps that can be taken after the stone was set down
 };
 
@@ -55,10 +47,7 @@ RegraspFinder::RegraspFinder(const PlanningScene& scene, const Stone& stone, int
                 [&](int i) { return is_near_grasp(avoid, grasps[static_cast<std::size_t>(i)].T_O_T); });
   first = parts_->end.serving(grasps, first, T_W_O_pick);
   if (first.empty()) return;
-  RegraspOptions shaky = regrasp;  // plan_regrasp falls back on these, too
-  shaky.rest_margin = std::min(regrasp.rest_margin, regrasp.least_margin);
-  shaky.rest_tilt = std::min(regrasp.rest_tilt, regrasp.least_tilt);
-  const RestGraph graph = make_rest_graph(scene, stone, grasps, options, shaky);
+  const RestGraph graph = make_rest_graph(scene, stone, grasps, options, with_shaky_rests(regrasp));
   parts_->last = grasps_at_last(graph, std::move(first), regrasp.most);
 }
 RegraspFinder::~RegraspFinder() = default;

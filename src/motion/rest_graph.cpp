@@ -58,6 +58,12 @@ std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b) {
   return both;
 }
 
+RegraspOptions with_shaky_rests(RegraspOptions regrasp) {
+  regrasp.rest_margin = std::min(regrasp.rest_margin, regrasp.least_margin);
+  regrasp.rest_tilt = std::min(regrasp.rest_tilt, regrasp.least_tilt);
+  return regrasp;
+}
+
 RestGraph make_rest_graph(const PlanningScene& scene, const Stone& stone, const std::vector<Grasp>& grasps,
                           const MotionOptions& options, const RegraspOptions& regrasp) {
   PlanningScene empty = scene;

@@ -17,6 +17,9 @@ struct RestGraph {
                                         const std::vector<Grasp>& grasps, const MotionOptions& options,
                                         const RegraspOptions& regrasp);
 
+/// The same with the less firm poses of rest that are allowed where no firm one leads on.
+[[nodiscard]] RegraspOptions with_shaky_rests(RegraspOptions regrasp);
+
 /// Sequences of 1 to `most` poses (indices, none twice) that lead from the grasps `from` to the grasps `to`:
 /// neighbours share a grasp. Shortest first; of equal length the one whose scarcest link has most grasps.
 [[nodiscard]] std::vector<std::vector<int>> rest_chains(const RestGraph& graph, const std::vector<int>& from,
