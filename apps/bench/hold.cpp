@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bench.hpp"
+#include "look_error.hpp"
 #include "motion/pad_press.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
@@ -32,7 +33,7 @@ constexpr double kSpacing = 0.003;       // m, between samples that pads press o
 struct Settings {
   std::string catalogue = data_path("stones");
   int picks = 10;
-  double shift = 0.0007, turn = 0.5 * kDegree;  // m, rad, of the believed pose, one sigma an axis
+  bench::LookError look;
   bool every = false;
   bool locked = false;
   int seed = 1;
@@ -53,17 +54,6 @@ struct Tally {
     turn.insert(turn.end(), other.turn.begin(), other.turn.end());
   }
 };
-
-/// Where the stone is believed to lie.
-Pose believed(const Pose& T_W_O, const Settings& settings, Random& random) {
-  const auto triple = [&] { return Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
-  Pose T = T_W_O;
-  T.pretranslate(settings.shift * triple());
-  const Eigen::Vector3d w = settings.turn * triple();
-  if (w.norm() > 1e-12)
-    T.linear() = Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix() * T.linear();
-  return T;
-}
 
 /// The grasp of the set that a plan took.
 const Grasp* grasp_of(const GraspSet& set, const Pose& T_O_T) {
@@ -106,7 +96,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   PickAndPlaceTask task;
   task.stone = &stone;
   task.object = 0;
-  task.T_W_O_pick = believed(simulated.truth().T_W_O[0], settings, random);
+  task.T_W_O_pick = settings.look.believed(simulated.truth().T_W_O[0], random);
   task.T_W_O_place = task.T_W_O_pick;
   task.T_W_O_place.prerotate(
       Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi), Eigen::Vector3d::UnitZ()));
@@ -161,8 +151,8 @@ void measure(const Settings& settings) {
   std::printf(
       "%d lifts a stone of %s, seed %d; believed pose off by %.1f mm and %.1f deg (one sigma an axis); "
       "fingers %s\n",
-      settings.picks, settings.catalogue.c_str(), settings.seed, 1e3 * settings.shift,
-      settings.turn / kDegree, settings.locked ? "locked once they stopped" : "close on");
+      settings.picks, settings.catalogue.c_str(), settings.seed, 1e3 * settings.look.shift,
+      settings.look.turn / kDegree, settings.locked ? "locked once they stopped" : "close on");
   for (const bool press_pads : {false, true}) {
     MotionOptions options;
     options.press_pads = press_pads;
@@ -197,12 +187,7 @@ void add_bench_hold(CLI::App& bench) {
   sub->add_option("--picks", settings->picks, "Lifts of each stone")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
-  sub->add_option("--shift", settings->shift, "m, one sigma of the believed place along each axis")
-      ->check(CLI::Range(0.0, 0.02))
-      ->capture_default_str();
-  sub->add_option("--turn", settings->turn, "rad, one sigma of the believed attitude about each axis")
-      ->check(CLI::Range(0.0, 0.2))
-      ->capture_default_str();
+  settings->look.add_options(*sub);
   sub->add_flag("--locked", settings->locked, "Fingers stay where they stopped (simulation.regrip=false)");
   sub->add_flag("--every", settings->every, "Print every lift with its grasp");
   sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();

@@ -10,6 +10,7 @@
 
 #include "bench.hpp"
 #include "grasp_problems.hpp"
+#include "look_error.hpp"
 #include "motion/set_down.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
@@ -31,7 +32,7 @@ constexpr int kStarts = 6;                                   // ways it may lie 
 struct Settings {
   std::string catalogue = data_path("stones");
   int generated = 0, each = 4, seed = 1;
-  double shift = 0.0007, turn = 0.5 * kDegree;  // m, rad, of the believed pose, one sigma an axis
+  bench::LookError look;
   bool every = false;
 };
 
@@ -67,7 +68,7 @@ class Trial {
       PickAndPlaceTask task;
       task.stone = stones_.data();
       task.object = 0;
-      task.T_W_O_pick = believed(simulated_.truth().T_W_O[0]);
+      task.T_W_O_pick = settings_.look.believed(simulated_.truth().T_W_O[0], random_);
       const Eigen::Quaterniond yaw(
           Eigen::AngleAxisd(random_.uniform(-std::numbers::pi, std::numbers::pi), Eigen::Vector3d::UnitZ()));
       T_W_O_down_ = standing(stones_[0], yaw * rest_.R_W_O, layout_.site, 0.0);
@@ -102,15 +103,6 @@ class Trial {
     SimulationOptions options;
     options.seed = settings_.seed * 1000 + number;
     return options;
-  }
-  /// Where the stone is thought to lie.
-  [[nodiscard]] Pose believed(Pose T) {
-    const auto triple = [&] { return Eigen::Vector3d(random_.normal(), random_.normal(), random_.normal()); };
-    T.pretranslate(settings_.shift * triple());
-    const Eigen::Vector3d w = settings_.turn * triple();
-    if (w.norm() > 1e-12)
-      T.linear() = Eigen::AngleAxisd(w.norm(), w.normalized()).toRotationMatrix() * T.linear();
-    return T;
   }
 
   const RobotModel robot_ = read_robot("ur10");
@@ -192,12 +184,7 @@ void add_bench_rest(CLI::App& bench) {
   sub->add_option("--each", settings->each, "Times that each pose is tried")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
-  sub->add_option("--shift", settings->shift, "m, one sigma of the believed place along each axis")
-      ->check(CLI::Range(0.0, 0.02))
-      ->capture_default_str();
-  sub->add_option("--turn", settings->turn, "rad, one sigma of the believed attitude about each axis")
-      ->check(CLI::Range(0.0, 0.2))
-      ->capture_default_str();
+  settings->look.add_options(*sub);
   sub->add_flag("--every", settings->every, "Print every trial");
   sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();
   sub->footer("Example:\n  stonestack bench rest --each 10 --seed 2");
