@@ -1,12 +1,4 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <array>
-#include <cstdio>
-#include <filesystem>
-
+#include "commands.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
@@ -15,40 +7,13 @@
 namespace stonestack {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::AllOf;
-using ::testing::HasSubstr;
-
-struct Outcome {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
 
 /// `stonestack scan` as a user runs it, in a folder of its own.
-class ScanCommand : public testing::Test {
+class ScanCommand : public Commands {
  protected:
-  void SetUp() override {
-    folder_ = testing::TempDir() + concat("scan_command_test_", ::getpid(), "_",
-                                          testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   [[nodiscard]] Outcome scan(const std::string& arguments) const {
-    const std::string command =
-        concat("cd ", folder_, " && ", STONESTACK_BINARY, " scan ", arguments, " --catalogue rocks 2>err");
-    Outcome outcome;
-    FILE* pipe = ::popen(command.c_str(), "r");
-    if (pipe == nullptr) return outcome;
-    std::array<char, 4096> piece{};
-    while (const std::size_t got = std::fread(piece.data(), 1, piece.size(), pipe))
-      outcome.out.append(piece.data(), got);
-    const int status = ::pclose(pipe);
-    outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    outcome.err = read_file(folder_ + "/err", 1 << 20);
-    return outcome;
+    return run("scan " + arguments + " --catalogue rocks");
   }
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
   /// Stones stored, hidden leftovers counted too.
@@ -56,8 +21,6 @@ class ScanCommand : public testing::Test {
     if (!fs::exists(path("rocks"))) return 0;
     return std::distance(fs::directory_iterator(path("rocks")), fs::directory_iterator());
   }
-
-  std::string folder_;
 };
 
 TEST_F(ScanCommand, StoresAStoneAndSaysWhatItIs) {
