@@ -1,12 +1,12 @@
 #include "stonestack/physics/world.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 
 #include "physics/cone_solver.hpp"
+#include "physics/rigid_frame.hpp"
 #include "physics/surface_shape.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -31,24 +31,6 @@ btDefaultCollisionConstructionInfo small_pools() {
   info.m_defaultMaxCollisionAlgorithmPoolSize = 128;
   info.m_customCollisionAlgorithmMaxElementSize = sizeof(TouchAlgorithm);
   return info;
-}
-
-/// Principal axes at the centre of mass, and the moments about them.
-Pose principal_frame(const MassProperties& mass, Eigen::Vector3d* moments) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mass.I_M);
-  *moments = solver.eigenvalues();
-  Pose T_O_P = Pose::Identity();
-  T_O_P.linear() = solver.eigenvectors();
-  if (T_O_P.linear().determinant() < 0) T_O_P.linear().col(2) *= -1.0;
-  T_O_P.translation() = mass.p_O_M;
-  return T_O_P;
-}
-
-/// Velocity that leads from one pose to another in `dt`.
-Twist velocity_between(const Pose& from, const Pose& to, double dt) {
-  const Eigen::AngleAxisd turn(Eigen::Quaterniond(to.linear() * from.linear().transpose()).normalized());
-  const double angle = turn.angle() > M_PI ? turn.angle() - 2 * M_PI : turn.angle();
-  return {(to.translation() - from.translation()) / dt, turn.axis() * (angle / dt)};
 }
 
 }  // namespace
@@ -103,6 +85,10 @@ struct World::Bullet {
     require(index >= 0 && index < static_cast<int>(bodies.size()), "no body ", index, "; there are ",
             bodies.size());
     return *bodies[static_cast<std::size_t>(index)];
+  }
+  /// The rule of a pair, to be changed.
+  PairRule& rule(int a, int b) {
+    return rules.rules.try_emplace({std::min(a, b), std::max(a, b)}, rules.of(a, b)).first->second;
   }
   int add(std::unique_ptr<Body> body, double mass, const Eigen::Vector3d& moments, const Pose& T_W_O,
           bool fixed);
@@ -234,15 +220,11 @@ void World::set_fixed(int body, bool fixed) {
 void World::set_pair_friction(int a, int b, double friction) {
   require(friction >= 0.0 && std::isfinite(friction), "friction of bodies ", a, " and ", b,
           " must not be negative, got ", friction);
-  PairRule rule = bullet_->rules.of(a, b);
-  rule.friction = friction;
-  bullet_->rules.rules[{std::min(a, b), std::max(a, b)}] = rule;
+  bullet_->rule(a, b).friction = friction;
 }
 
 void World::set_contact(int a, int b, bool enabled) {
-  PairRule rule = bullet_->rules.of(a, b);
-  rule.touches = enabled;
-  bullet_->rules.rules[{std::min(a, b), std::max(a, b)}] = rule;
+  bullet_->rule(a, b).touches = enabled;
 }
 
 void World::apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
