@@ -16,12 +16,6 @@ constexpr std::size_t kAskedPerSettled = 3;  ///< reach is asked at most so many
 constexpr int kTurns = 4;                    ///< times `settled` proposals are kept for a tower
 constexpr double kCrowding = 0.1;            ///< of the friction: TowerTree::choose
 
-/// Reserve of a whole stack as it enters a promise: beyond the friction it is no longer the reserve that
-/// decides.
-double promise_of(const Trial& trial, double friction) {
-  return std::min(trial.margin, friction) + trial.look_ahead;
-}
-
 /// Takes the best `count` of what was proposed for a tower and not tried yet; no stone gets more than twice
 /// its share.
 std::vector<Trial> next_turn(TowerNode* node, int count) {
@@ -159,8 +153,7 @@ void TowerSearch::judge(std::span<const int> nodes) {
     judge_trial(context_, tree_.node(node.parent).stack, &node.trial);
     node.judged = true;
   });
-  for (const int k : nodes)
-    if (!tree_.node(k).trial.alive) dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});
+  drop_fallen(nodes);
 }
 
 void TowerSearch::judge_longer(std::span<const int> nodes) {
@@ -168,6 +161,10 @@ void TowerSearch::judge_longer(std::span<const int> nodes) {
     TowerNode& node = tree_.node(nodes[k]);
     if (node.judged) stonestack::judge_longer(context_, tree_.node(node.parent).stack, &node.trial);
   });
+  drop_fallen(nodes);
+}
+
+void TowerSearch::drop_fallen(std::span<const int> nodes) {
   for (const int k : nodes)
     if (!tree_.node(k).trial.alive) dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});
 }
@@ -274,8 +271,8 @@ void TowerSearch::grow(std::span<const int> nodes) {
   for (std::size_t k = 0; k < made.size(); ++k) {
     candidates_ += counts[k];
     Trial& trial = made[k].trial;
-    if (trial.alive)
-      tree_.add(made[k].node, trial, promise_of(trial, o.friction));
+    if (trial.alive)  // beyond the friction it is no longer the reserve that decides
+      tree_.add(made[k].node, trial, std::min(trial.margin, o.friction) + trial.look_ahead);
     else
       dropped_.push_back({tree_.node(made[k].node).level + 1, std::move(trial)});
   }

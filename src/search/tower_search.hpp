@@ -60,6 +60,8 @@ class TowerSearch {
   [[nodiscard]] bool finish_way_up();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);
+  /// Remembers those that died, for the trace and the reason.
+  void drop_fallen(std::span<const int> nodes);
   void note_best(std::span<const int> nodes);
 
   const SearchContext& context_;
