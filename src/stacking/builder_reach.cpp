@@ -22,8 +22,9 @@ class Reach {
   bool in_one_go(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
     auto at = direct_.find(stone);
     if (at == direct_.end()) {
-      const auto [task, thing] = lying(stone);
-      at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, thing, task.T_W_O_pick, options_)).first;
+      const auto task = lying(stone);
+      at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, task.object, task.T_W_O_pick, options_))
+               .first;
     }
     const GraspFinder& finder = at->second;
     const GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
@@ -37,17 +38,16 @@ class Reach {
                   const RegraspOptions& regrasp) {
     auto at = turning_.find(stone);
     if (at == turning_.end()) {
-      const auto [task, thing] = lying(stone);
-      RegraspFinder made(scene_, *task.stone, thing, task.T_W_O_pick, avoid, options_, regrasp);
+      const auto task = lying(stone);
+      RegraspFinder made(scene_, *task.stone, task.object, task.T_W_O_pick, avoid, options_, regrasp);
       at = turning_.emplace(stone, std::move(made)).first;
     }
     return at->second.serves(T_W_O, planned(below));
   }
 
  private:
-  [[nodiscard]] std::pair<PickAndPlaceTask, int> lying(int stone) const {
-    const auto task = make_task(catalogue_, belief_, stone, Pose::Identity(), Joints::Zero());
-    return {task, task.object};
+  [[nodiscard]] PickAndPlaceTask lying(int stone) const {
+    return make_task(catalogue_, belief_, stone, Pose::Identity(), Joints::Zero());
   }
   /// What will stand there that does not stand yet.
   [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const {
