@@ -11,7 +11,6 @@ namespace {
 
 constexpr double kSample = 0.05;           // s, between looks at a stack that is judged
 constexpr double kStillSeconds = 0.1;      // s, in which less motion than StandOptions::still is none
-constexpr double kFall = 1.0;              // s that a stack which moved is given to show which stones stay
 constexpr int kStill = 3;                  // samples without motion that end a verdict
 constexpr double kFineStep = 0.001;        // s, while contacts for an equilibrium are found
 constexpr double kSettle = 0.1;            // s, before they are collected
@@ -138,7 +137,7 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
       if (share > excess) excess = share, worst = i;
     }
     if (worst < 0 || end < options.seconds) continue;
-    end = std::min(end, world.time() + kFall);
+    end = std::min(end, world.time() + options.fall);
     if (verdict.clean)
       fault = concat("stone ", worst, " moved ", 1e3 * verdict.shift, " mm or turned ",
                      verdict.turn * 180 / M_PI, " deg within ", world.time(), " s");

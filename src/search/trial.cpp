@@ -12,8 +12,9 @@
 namespace stonestack {
 namespace {
 
-constexpr double kDrop = 0.001;  ///< m above the first touch
-constexpr int kLonger = 4;       ///< times the perturbations, where the first of them disagree
+constexpr double kDrop = 0.001;        ///< m above the first touch
+constexpr double kNearlyStill = 1e-6;  ///< m in 0.1 s: 2 % of what a stone may move in displaced worlds
+constexpr int kLonger = 4;             ///< times the perturbations, where the first of them disagree
 constexpr const char* kFallsTooOften = "falls too often when placed with the expected error";
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
@@ -91,7 +92,8 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
   StandOptions stand;
   stand.friction = context.options->friction;
   stand.seconds = context.options->perturbed_seconds;
-  stand.still = kStill;
+  stand.still = kNearlyStill;
+  stand.fall = 0.0;
   for (const PlacedStone& placed : stack.stones)
     stand.com_error_O.push_back(com_error(context, placed.stone, k));
   const StandVerdict verdict = judge_stack(context.shapes(), stack, stand);
@@ -155,6 +157,7 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   stand.friction = o.friction;
   stand.seconds = o.verdict_seconds;
   stand.still = kStill;
+  stand.fall = 0.0;
   const StandVerdict verdict =
       judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);
   if (!verdict.stands || !verdict.clean)

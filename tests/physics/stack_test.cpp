@@ -57,6 +57,18 @@ TEST(JudgeStack, WhatOverhangsFalls) {
   EXPECT_NE(verdict.reason.find("stone 1"), std::string::npos) << verdict.reason;
 }
 
+TEST(JudgeStack, EndsWhereAStoneMovedIfNobodyAsksWhatStays) {
+  const ShapeList shapes{box(0.06, 0.06, 0.06)};
+  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.032, 0, 0.09)}}};
+  StandOptions options;
+  options.friction = 0.6;
+  EXPECT_GT(judge_stack(shapes, stack, options).shift, 0.03) << "it lies on the table";
+  options.fall = 0.0;
+  const StandVerdict verdict = judge_stack(shapes, stack, options);
+  EXPECT_FALSE(verdict.stands);
+  EXPECT_LT(verdict.shift, 0.02) << "it has begun to tip";
+}
+
 TEST(JudgeStack, TheWeightMayActBesideTheCentreOfMass) {
   // 2 mm inside the edge; the upper cube is turned by a quarter, so that its y axis points along -x.
   const ShapeList shapes{box(0.06, 0.06, 0.06)};

@@ -27,6 +27,7 @@ struct StandOptions {
   double largest_turn = 0.0174533;  ///< rad (1 deg)
   double touch_gap = 0.001;         ///< m: nearer counts as touching for the clean rule
   double still = 0.0;  ///< m of motion in 0.1 s below which, three times running, the rest is not simulated
+  double fall = 1.0;   ///< s that a stack which moved is given to show which stones stay; 0: it is not asked
   /// m, frame O, a level each or none at all: how far from the centre of mass that is known the true one
   /// lies.
   std::vector<Eigen::Vector3d> com_error_O = {};
