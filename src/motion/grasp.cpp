@@ -1,5 +1,7 @@
 #include "stonestack/motion/grasp.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -229,22 +231,40 @@ void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
   }
 }
 
+/// All yaws about one direction of approach.
+void try_direction(Sampler s, const Eigen::Vector3d& z) {
+  const Eigen::Vector3d across = z.unitOrthogonal();
+  for (int i = 0; i < s.options.yaws; ++i) {
+    Eigen::Matrix3d R_O_T;
+    R_O_T.col(0) = Eigen::AngleAxisd(2 * std::numbers::pi * i / s.options.yaws, z) * across;
+    R_O_T.col(2) = z;
+    R_O_T.col(1) = z.cross(R_O_T.col(0));
+    try_orientation(s, equalised(s, R_O_T));
+  }
+}
+
+void append(const GraspSet& part, GraspSet& all) {
+  all.grasps.insert(all.grasps.end(), part.grasps.begin(), part.grasps.end());
+  for (const auto count : {&GraspSet::tried, &GraspSet::too_wide, &GraspSet::no_contact,
+                           &GraspSet::hand_in_stone, &GraspSet::slips, &GraspSet::too_heavy})
+    all.*count += part.*count;
+  if (part.narrowest > 0.0 && (all.narrowest == 0.0 || part.narrowest < all.narrowest))
+    all.narrowest = part.narrowest;
+}
+
 /// All directions and yaws at one spacing of the fingers.
 void sample_grasps(Sampler s) {
   s.palm_front = -1e300;
   for (const GripperBox& box : s.gripper.boxes)
     if (box.finger_side == 0.0) s.palm_front = std::max(s.palm_front, box.p_T_centre.z() + box.size.z() / 2);
-  for (const Eigen::Vector3d& z : sphere_directions(s.options.directions)) {
+  const std::vector<Eigen::Vector3d> directions = sphere_directions(s.options.directions);
+  std::vector<GraspSet> parts(directions.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
     throw_if_interrupted();
-    const Eigen::Vector3d across = z.unitOrthogonal();
-    for (int i = 0; i < s.options.yaws; ++i) {
-      Eigen::Matrix3d R_O_T;
-      R_O_T.col(0) = Eigen::AngleAxisd(2 * std::numbers::pi * i / s.options.yaws, z) * across;
-      R_O_T.col(2) = z;
-      R_O_T.col(1) = z.cross(R_O_T.col(0));
-      try_orientation(s, equalised(s, R_O_T));
-    }
-  }
+    try_direction({s.stone, s.gripper, s.options, s.surface, parts[k], s.score_factor, s.palm_front},
+                  directions[k]);
+  });
+  for (const GraspSet& part : parts) append(part, s.set);
 }
 
 }  // namespace
