@@ -10,11 +10,26 @@ namespace {
 
 constexpr double kOffsetPitch = 0.008;  ///< m
 constexpr double kSurveyPitch = 0.016;  ///< m
+constexpr int kWindow = 3;              ///< offsets about the survey's best, as OffsetGrid::n (measured)
 constexpr std::size_t kPromising = 48;  ///< orientations of a stone that pass the survey (measured)
 
 struct Effort {
   int yaws;
   double pitch;
+};
+
+/// The best landing of an orientation after one turn.
+struct Best {
+  int yaw = 0;
+  int i = 0, j = 0;  ///< its node
+  Proposal proposal;
+};
+
+/// An orientation of a stone that is to be looked at.
+struct Task {
+  std::size_t stone = 0;
+  std::size_t orientation = 0;
+  std::vector<Best> surveyed;  ///< what the survey found; empty in the survey
 };
 
 Proposal make_proposal(const LooseStone& stone, const StackField& stack, const Eigen::Matrix3d& R_W_O, int i,
@@ -28,6 +43,10 @@ Proposal make_proposal(const LooseStone& stone, const StackField& stack, const E
   return proposal;
 }
 
+int survey_yaws(const SearchOptions& options) {
+  return std::max(1, options.yaws / 2);
+}
+
 OffsetGrid offset_grid(const StackField& stack, double pitch) {
   const double cell = stack.surface.heights.cell;
   OffsetGrid offsets;
@@ -36,9 +55,30 @@ OffsetGrid offset_grid(const StackField& stack, double pitch) {
   return offsets;
 }
 
-/// The landing with the best estimate, as a proposal; none if none holds.
+/// The survey's best landing among the turns next to one of `yaws`; none if nothing held there.
+const Best* nearest_surveyed(const Task& task, int yaw, int yaws, int survey_yaws) {
+  const Best* best = nullptr;
+  for (const Best& survey : task.surveyed) {
+    const int apart = std::abs(yaw * survey_yaws - survey.yaw * yaws);  // in turns / (yaws survey_yaws)
+    if (2 * std::min(apart, yaws * survey_yaws - apart) > yaws) continue;
+    if (best == nullptr || survey.proposal.landing.estimate > best->proposal.landing.estimate) best = &survey;
+  }
+  return best;
+}
+
+/// Part of a grid of offsets, about a node but inside of the whole.
+OffsetGrid around(const Best& middle, OffsetGrid whole) {
+  const int room = std::max(0, (whole.n - kWindow) * whole.step);
+  OffsetGrid window = whole;
+  window.n = std::min(kWindow, whole.n);
+  window.i = std::clamp(middle.i, -room, room);
+  window.j = std::clamp(middle.j, -room, room);
+  return window;
+}
+
+/// The landing with the best estimate; none if none holds.
 void add_best(const LooseStone& stone, const StackField& stack, const LandingGrid& grid,
-              const Eigen::Matrix3d& R, std::vector<Proposal>* found) {
+              const Eigen::Matrix3d& R, int yaw, std::vector<Best>* found) {
   const OffsetGrid& offsets = grid.offsets;
   const Landing* best = nullptr;
   int best_u = 0, best_v = 0;
@@ -50,8 +90,9 @@ void add_best(const LooseStone& stone, const StackField& stack, const LandingGri
         best_u = u;
         best_v = v;
       }
-  if (best != nullptr)
-    found->push_back(make_proposal(stone, stack, R, best_u * offsets.step, best_v * offsets.step, *best));
+  if (best == nullptr) return;
+  const int i = offsets.i + best_u * offsets.step, j = offsets.j + best_v * offsets.step;
+  found->push_back({yaw, i, j, make_proposal(stone, stack, R, i, j, *best)});
 }
 
 /// The underside of an orientation after a turn; from the survey's store where that has it.
@@ -70,50 +111,51 @@ const Underside& underside_of(const LooseStone& stone, std::size_t orientation, 
   return *made;
 }
 
-std::vector<Proposal> try_orientation(const LooseStone& stone, std::size_t orientation,
-                                      const StackField& stack, bool on_table, const Effort& effort) {
-  std::vector<Proposal> found;
+std::vector<Best> try_orientation(const LooseStone& stone, const Task& task, const StackField& stack,
+                                  bool on_table, const Effort& effort, int survey_yaws, long* evaluated) {
+  std::vector<Best> found;
   GapField buffer;
   Underside made;
-  const OffsetGrid offsets = offset_grid(stack, effort.pitch);
+  const OffsetGrid whole = offset_grid(stack, effort.pitch);
   for (int yaw = 0; yaw < (on_table ? 1 : effort.yaws); ++yaw) {
-    const Underside& underside = underside_of(stone, orientation, effort, yaw, stack, &made);
+    const Underside& underside = underside_of(stone, task.orientation, effort, yaw, stack, &made);
     if (on_table) {
       const Landing landing = land_on_table(stack, underside, &buffer);
-      if (landing.holds) found.push_back(make_proposal(stone, stack, underside.R_W_O, 0, 0, landing));
-    } else {
-      add_best(stone, stack, land(stack, underside, stone.geometry->mass, offsets, &buffer), underside.R_W_O,
-               &found);
+      if (landing.holds)
+        found.push_back({yaw, 0, 0, make_proposal(stone, stack, underside.R_W_O, 0, 0, landing)});
+      ++*evaluated;
+      continue;
     }
+    const Best* near = nearest_surveyed(task, yaw, effort.yaws, survey_yaws);
+    const LandingGrid grid =
+        land(stack, underside, stone.geometry->mass, near != nullptr ? around(*near, whole) : whole, &buffer);
+    *evaluated += static_cast<long>(grid.landings.size());
+    add_best(stone, stack, grid, underside.R_W_O, yaw, &found);
   }
   return found;
 }
 
-struct Task {
-  std::size_t stone;
-  std::size_t orientation;
-};
-
-std::vector<std::vector<Proposal>> try_all(const std::vector<Task>& tasks, std::span<const LooseStone> stones,
-                                           const StackField& stack, bool on_table, const Effort& effort,
-                                           const SearchOptions& options, long* evaluated) {
-  std::vector<std::vector<Proposal>> found(tasks.size());
+std::vector<std::vector<Best>> try_all(const std::vector<Task>& tasks, std::span<const LooseStone> stones,
+                                       const StackField& stack, bool on_table, const Effort& effort,
+                                       const SearchOptions& options, long* evaluated) {
+  std::vector<std::vector<Best>> found(tasks.size());
+  std::vector<long> counts(tasks.size(), 0);
   run_tasks(options.threads, tasks.size(), [&](std::size_t k) {
-    found[k] = try_orientation(stones[tasks[k].stone], tasks[k].orientation, stack, on_table, effort);
+    found[k] = try_orientation(stones[tasks[k].stone], tasks[k], stack, on_table, effort,
+                               survey_yaws(options), &counts[k]);
   });
-  const int width = 2 * offset_grid(stack, effort.pitch).n + 1;
-  *evaluated += static_cast<long>(tasks.size()) * (on_table ? 1 : effort.yaws * width * width);
+  for (const long count : counts) *evaluated += count;
   return found;
 }
 
-double best_estimate(const std::vector<Proposal>& list) {
+double best_estimate(const std::vector<Best>& list) {
   double best = -1.0;
-  for (const Proposal& p : list) best = std::max(best, p.landing.estimate);
+  for (const Best& b : list) best = std::max(best, b.proposal.landing.estimate);
   return best;
 }
 
 /// The tasks of one stone whose survey went best, in their order.
-std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<std::vector<Proposal>>& survey,
+std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<std::vector<Best>>& survey,
                             std::size_t stone) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < tasks.size(); ++k)
@@ -123,12 +165,8 @@ std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<st
   });
   order.resize(std::min(order.size(), kPromising));
   std::vector<Task> kept;
-  for (const std::size_t k : order) kept.push_back(tasks[k]);
+  for (const std::size_t k : order) kept.push_back({stone, tasks[k].orientation, survey[k]});
   return kept;
-}
-
-int survey_yaws(const SearchOptions& options) {
-  return std::max(1, options.yaws / 2);
 }
 
 }  // namespace
@@ -157,7 +195,7 @@ std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
                                        const SearchOptions& options, long* evaluated) {
   std::vector<Task> tasks;
   for (std::size_t s = 0; s < stones.size(); ++s)
-    for (std::size_t k = 0; k < stones[s].orientations.size(); ++k) tasks.push_back({s, k});
+    for (std::size_t k = 0; k < stones[s].orientations.size(); ++k) tasks.push_back({s, k, {}});
   auto found =
       try_all(tasks, stones, stack, on_table, {survey_yaws(options), kSurveyPitch}, options, evaluated);
   if (!on_table) {
@@ -173,7 +211,8 @@ std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
   for (std::size_t s = 0; s < stones.size(); ++s) {
     std::vector<Proposal> of_stone;
     for (std::size_t k = 0; k < tasks.size(); ++k)
-      if (tasks[k].stone == s) of_stone.insert(of_stone.end(), found[k].begin(), found[k].end());
+      if (tasks[k].stone == s)
+        for (const Best& best : found[k]) of_stone.push_back(best.proposal);
     of_stone = best_distinct(std::move(of_stone), keep, [](const Proposal& p) { return p.landing.estimate; });
     candidates.insert(candidates.end(), of_stone.begin(), of_stone.end());
   }
