@@ -72,6 +72,10 @@ bool GraspFinder::serves(const Pose& T_W_O_place) const {
   return !check(T_W_O_place, 1).usable.empty();
 }
 
+bool GraspFinder::arm_is_free(int grasp, const Joints& q) const {
+  return parts_->end.arm_is_free(parts_->set->grasps[static_cast<std::size_t>(grasp)], q);
+}
+
 const GraspSet& GraspFinder::set() const {
   return *parts_->set;
 }

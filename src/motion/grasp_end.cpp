@@ -1,5 +1,6 @@
 #include "motion/grasp_end.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "motion/grasp_wrench.hpp"
@@ -9,21 +10,38 @@ namespace stonestack {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr std::size_t kFew = 4;  // grasps that pick a stone up, below which more are sampled,
-constexpr int kDenser = 4;       // so many times the directions
+constexpr std::size_t kFew = 4;        // grasps that pick a stone up, below which more are sampled,
+constexpr int kDenser = 4;             // so many times the directions
+constexpr double kOpeningStep = 0.02;  // m, to which openings are rounded up against the arm's own links
 
 bool within_limits(const RobotModel& robot, const Joints& q) {
   return (q.array() >= robot.lower.array()).all() && (q.array() <= robot.upper.array()).all();
 }
 
 /// The closed fingers fill nothing but the space of the stone between them, so this checker sees the arm and
-/// the palm; HandCheck sees the open fingers.
+/// the palm; HandCheck sees the open fingers against objects, `open_hand` against the arm.
 CollisionRules arm_rules(const MotionOptions& options, int object) {
   CollisionRules rules;
   rules.padding = options.approach_padding;
   rules.opening = 0.0;
   rules.left_out = object;
   return rules;
+}
+
+/// The arm itself and its hand, which at a steep tilt comes near to the forearm, at openings up to the
+/// largest. What else stands there is not seen.
+std::vector<CollisionChecker> open_hand(const PlanningScene& scene) {
+  PlanningScene empty = scene;
+  empty.objects.clear();
+  CollisionRules rules;
+  rules.gripper_may_touch = {kTableObject};
+  std::vector<CollisionChecker> checkers;
+  const double largest = scene.gripper.largest_opening;
+  for (double opening = kOpeningStep; opening < largest + kOpeningStep; opening += kOpeningStep) {
+    rules.opening = std::min(opening, largest);
+    checkers.emplace_back(empty, rules);
+  }
+  return checkers;
 }
 
 bool has_branch(const IkBranches& all, int branch) {
@@ -37,6 +55,11 @@ bool has_branch(const IkBranches& all, int branch) {
 GraspEnd::GraspEnd(const PlanningScene& scene, const Stone& stone, int object, const MotionOptions& options)
     : scene_(scene), stone_(stone), options_(options) {
   make_hands(scene, object);
+  for (Hand& hand : hands_) {
+    PlanningScene spaced = scene;
+    spaced.gripper = with_spacing(scene.gripper, hand.spacing);
+    hand.open = open_hand(spaced);
+  }
 }
 
 GraspEnd::GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects)
@@ -59,8 +82,10 @@ void GraspEnd::make_hands(const PlanningScene& scene, int object) {
   const auto add = [&](double spacing) {
     PlanningScene spaced = scene;
     spaced.gripper = with_spacing(scene.gripper, spacing);
-    hands_.push_back({spacing, HandCheck(spaced, options_.approach, object),
-                      CollisionChecker(spaced, arm_rules(options_, object))});
+    hands_.push_back({spacing,
+                      HandCheck(spaced, options_.approach, object),
+                      CollisionChecker(spaced, arm_rules(options_, object)),
+                      {}});
   };
   add(scene.gripper.finger_spacing);
   if (scene.gripper.narrow_spacing > 0) add(scene.gripper.narrow_spacing);
@@ -87,7 +112,15 @@ std::optional<EndFault> GraspEnd::hand_fault(const Grasp& grasp, const Pose& T_W
   return std::nullopt;
 }
 
-std::optional<EndFault> GraspEnd::arm_fault(const CollisionChecker& arm, const Pose& T_W_T) const {
+bool GraspEnd::arm_is_free(const Grasp& grasp, const Joints& q) const {
+  const Hand& at = hand(grasp);
+  if (at.arm.collides(q)) return false;
+  if (at.open.empty()) return true;
+  const auto wide = static_cast<std::size_t>(grasp.pre_opening / kOpeningStep);
+  return !at.open[std::min(at.open.size() - 1, wide)].collides(q);
+}
+
+std::optional<EndFault> GraspEnd::arm_fault(const Grasp& grasp, const Pose& T_W_T) const {
   const Pose T_R_W = scene_.T_W_R.inverse(), T_T_F = scene_.T_F_T.inverse();
   const auto branches = [&](const Pose& T_W_tool) {
     return inverse_branches(scene_.robot, T_R_W * T_W_tool * T_T_F, Joints::Zero());
@@ -101,14 +134,14 @@ std::optional<EndFault> GraspEnd::arm_fault(const CollisionChecker& arm, const P
     if (!within_limits(scene_.robot, s.q) || !has_branch(back, s.branch) || !has_branch(up, s.branch))
       continue;
     reached = true;
-    if (!arm.collides(s.q)) return std::nullopt;
+    if (arm_is_free(grasp, s.q)) return std::nullopt;
   }
   return reached ? EndFault::kArm : EndFault::kReach;
 }
 
 std::optional<EndFault> GraspEnd::fault(const Grasp& grasp, const Pose& T_W_O) const {
   if (const auto hand = hand_fault(grasp, T_W_O)) return hand;
-  return arm_fault(hand(grasp).arm, T_W_O * grasp.T_O_T);
+  return arm_fault(grasp, T_W_O * grasp.T_O_T);
 }
 
 std::vector<int> GraspEnd::serving(std::span<const Grasp> grasps, std::span<const int> among,

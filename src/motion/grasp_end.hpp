@@ -27,6 +27,8 @@ class GraspEnd {
   /// The first tests alone: hand against table and objects, and the grip's strength. They do not change when
   /// the stone is turned about the vertical on an empty table.
   [[nodiscard]] std::optional<EndFault> hand_fault(const Grasp& grasp, const Pose& T_W_O) const;
+  /// With these joints the arm meets nothing and itself nowhere, while the hand is at the grasp and open.
+  [[nodiscard]] bool arm_is_free(const Grasp& grasp, const Joints& q) const;
   /// The same robot and hand with these objects in place of the scene's.
   [[nodiscard]] GraspEnd among(std::span<const SceneObject> objects) const;
   /// Those of the grasps with the indices `among` that serve, until `enough` are found (0: all).
@@ -39,10 +41,12 @@ class GraspEnd {
     double spacing = 0.0;
     HandCheck check;
     CollisionChecker arm;
+    std::vector<CollisionChecker>
+        open;  ///< arm against open fingers, kOpeningStep more each; empty: not asked
   };
   [[nodiscard]] const Hand& hand(const Grasp& grasp) const;
   [[nodiscard]] bool too_weak(const Grasp& grasp, const Pose& T_W_T) const;
-  [[nodiscard]] std::optional<EndFault> arm_fault(const CollisionChecker& arm, const Pose& T_W_T) const;
+  [[nodiscard]] std::optional<EndFault> arm_fault(const Grasp& grasp, const Pose& T_W_T) const;
 
   GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects);
   void make_hands(const PlanningScene& scene, int object);

@@ -206,7 +206,8 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
   const GraspCheck check = finder.check(task.T_W_O_place);
   if (check.usable.empty()) return none_usable(stone, check);
   return plan_ways(scene, task, options, finder.set(),
-                   PickCandidates(scene, task, options, finder.set(), check));
+                   PickCandidates(scene, task, options, finder.set(), check,
+                                  [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
 }
 
 std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q, double opening,

@@ -13,6 +13,7 @@ namespace {
 constexpr double kTransitSeconds = 0.5;         ///< s, effort for one transit of one candidate
 constexpr std::array kBlends{0.2, 0.08, 0.03};  ///< rad, corners cut, widest first
 constexpr double kRoundedStep = 0.03;           ///< rad; a chord leaves a parabola by less than 1 mrad
+constexpr std::array kLifts{1.0, 0.5};  ///< of MotionOptions::lift, where the arm has no room for more
 
 HeldObject held_stone(const Stone& stone, const Grasp& grasp) {
   return {stone.name, stone.pieces, grasp.T_O_T.inverse()};
@@ -97,6 +98,13 @@ std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_
   return straight_path(scene_.robot, scene_.T_F_T, q, scene_.T_W_R.inverse() * T_W_T);
 }
 
+std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pose& T_W_T) const {
+  for (const double share : kLifts)
+    if (auto path = straight(q, raised(T_W_T, share * options_.lift)); path && is_free(held_, *path))
+      return path;
+  return std::nullopt;
+}
+
 /// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
 WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
   const double zone = std::min(options_.contact_zone, options_.lift);
@@ -104,13 +112,13 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   if (!back || !is_free(open_, *back)) return WayFault::kApproach;
   const auto loose = straight(q_pick, raised(T_W_T_pick_, zone));
   if (!loose || !is_free(open_, *loose)) return WayFault::kLift;
-  const auto lift = straight(loose->back(), raised(T_W_T_pick_, options_.lift));
-  if (!lift || !is_free(held_, *lift)) return WayFault::kLift;
+  const auto lift = raised_straight(loose->back(), T_W_T_pick_);
+  if (!lift) return WayFault::kLift;
 
   const auto near = straight(q_place, raised(T_W_T_place_, zone));
   if (!near || !is_free(open_, *near)) return WayFault::kLower;
-  const auto high = straight(near->back(), raised(T_W_T_place_, options_.lift));
-  if (!high || !is_free(held_, *high)) return WayFault::kLower;
+  const auto high = raised_straight(near->back(), T_W_T_place_);
+  if (!high) return WayFault::kLower;
   const auto retreat = straight(q_place, backed(T_W_T_place_, options_.approach));
   if (!retreat || !is_free(open_, *retreat)) return WayFault::kRetreat;
   // The guarded part starts at a way point of its own, so that it can be timed by itself.

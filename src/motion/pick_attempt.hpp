@@ -43,6 +43,8 @@ class PickAttempt {
 
  private:
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
+  /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
+  [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
   [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
   [[nodiscard]] std::optional<Transit> transit(const CollisionChecker& wide, const CollisionChecker& tight,
                                                const Joints& a, const Joints& b) const;

@@ -10,7 +10,7 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest inverse solutions looked at, each grasp
+constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest free inverse solutions looked at, each grasp
 constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
 constexpr std::size_t kWaysPerGrasp = 2;
 constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
@@ -41,7 +41,8 @@ double least_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
 }  // namespace
 
 PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTask& task,
-                               const MotionOptions& options, const GraspSet& set, const GraspCheck& check)
+                               const MotionOptions& options, const GraspSet& set, const GraspCheck& check,
+                               const ArmIsFree& arm_is_free)
     : task_(task), gripper_(scene.gripper), set_(set) {
   if (options.press_pads) surface_ = sample_surface(task.stone->scan, kSpacing);
   const Joints velocity = timing_limits(scene.robot, options).velocity;
@@ -51,16 +52,18 @@ PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTas
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
     if (is_near_grasp(task.avoid, grasp.T_O_T) || is_near_grasp(task.no_pick, grasp.T_O_T)) continue;
     std::vector<PickCandidate> own;
-    auto picks = inverse(scene.robot, T_R_W * task.T_W_O_pick * grasp.T_O_T * T_T_F, task.q_start);
-    picks.resize(std::min(picks.size(), kSolutionsAtPick));
-    for (const IkSolution& pick : picks) {
-      auto places = inverse(scene.robot, T_R_W * task.T_W_O_place * grasp.T_O_T * T_T_F, pick.q);
-      places.resize(std::min(places.size(), kSolutionsAtPlace));
-      for (const IkSolution& place : places) {
+    const auto solutions = [&](const Pose& T_W_O, const Joints& seed, std::size_t most) {
+      std::vector<Joints> free;
+      for (const IkSolution& s : inverse(scene.robot, T_R_W * T_W_O * grasp.T_O_T * T_T_F, seed))
+        if (free.size() < most && arm_is_free(index, s.q)) free.push_back(s.q);
+      return free;
+    };
+    for (const Joints& pick : solutions(task.T_W_O_pick, task.q_start, kSolutionsAtPick)) {
+      for (const Joints& place : solutions(task.T_W_O_place, pick, kSolutionsAtPlace)) {
         const double seconds =
-            least_seconds(task.q_start, pick.q, velocity) + least_seconds(pick.q, place.q, velocity);
+            least_seconds(task.q_start, pick, velocity) + least_seconds(pick, place, velocity);
         const double price = kScoreWorth * (1.0 - grasp.score);
-        own.push_back({index, pick.q, place.q, price, seconds + price});
+        own.push_back({index, pick, place, price, seconds + price});
       }
     }
     const auto cheaper = [](const PickCandidate& a, const PickCandidate& b) { return a.cost < b.cost; };

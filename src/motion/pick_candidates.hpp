@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -16,13 +17,16 @@ struct PickCandidate {
   double cost = 0.0;   ///< s, the price and a lower bound of the motion
 };
 
-/// The usable grasps of a task, each with a few inverse kinematic solutions, cheapest first. How firmly a
+/// The usable grasps of a task, each with a few inverse kinematic solutions in which the arm is free at both
+/// ends, cheapest first. How firmly a
 /// grasp holds is worked out only when its turn comes; a loose one goes back into the queue at its price.
 class PickCandidates {
  public:
-  /// What is passed must outlive this.
+  /// With these joints the arm is free at a grasp (index into the set): GraspFinder::arm_is_free.
+  using ArmIsFree = std::function<bool(int, const Joints&)>;
+  /// What is passed must outlive this, but not `arm_is_free`.
   PickCandidates(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
-                 const GraspSet& set, const GraspCheck& check);
+                 const GraspSet& set, const GraspCheck& check, const ArmIsFree& arm_is_free);
   /// The cheapest that was not given out yet.
   [[nodiscard]] std::optional<PickCandidate> next();
 

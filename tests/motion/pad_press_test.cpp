@@ -88,7 +88,7 @@ TEST(PickCandidates, AFirmGraspComesBeforeALooseOneThatScoresMore) {
   GraspCheck check;
   check.usable = {0, 1};
   check.total = 2;
-  PickCandidates candidates(scene, task, {}, set, check);
+  PickCandidates candidates(scene, task, {}, set, check, [](int, const Joints&) { return true; });
   const auto first = candidates.next();
   ASSERT_TRUE(first.has_value());
   EXPECT_EQ(first->grasp, 1);
@@ -99,6 +99,14 @@ TEST(PickCandidates, AFirmGraspComesBeforeALooseOneThatScoresMore) {
     last = next->cost;
   }
   EXPECT_GE(given, 2) << "the loose one is the last resort, but it is there";
+
+  // The nearest way to bring the hand there is barred: other inverse solutions take its place.
+  const auto free = [&](int, const Joints& q) { return (q - first->q_place).norm() > 1e-6; };
+  PickCandidates others(scene, task, {}, set, check, free);
+  int left = 0;
+  for (auto next = others.next(); next; next = others.next(), ++left)
+    EXPECT_GT((next->q_place - first->q_place).norm(), 1e-6);
+  EXPECT_GE(left, given);
 }
 
 }  // namespace

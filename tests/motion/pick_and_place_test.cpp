@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "motion/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
@@ -170,6 +173,16 @@ TEST(PickAndPlace, NamesTheGraspsThatDoNotLiftTheStoneWhateverTheTarget) {
   EXPECT_LT(other.no_pick.size(), 10U) << other.reason;
 }
 
+TEST(PickAndPlace, LiftsLessUnderAShelf) {
+  Workplace cell;
+  const Stone pedestal = block("pedestal", {0.05, 0.05, 0.40}), shelf = block("shelf", {0.5, 0.4, 0.02});
+  cell.task.T_W_O_pick = cell.scene.objects[0].T_W_object = Pose(Eigen::Translation3d(0.75, -0.25, 0.435));
+  cell.scene.objects.push_back({"pedestal", pedestal.pieces, Pose(Eigen::Translation3d(0.75, -0.25, 0.2))});
+  cell.scene.objects.push_back({"shelf", shelf.pieces, Pose(Eigen::Translation3d(0.75, -0.25, 0.60))});
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
+}
+
 TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
   const MotionOptions options;
   EXPECT_DOUBLE_EQ(contact_threshold(0.3, options), options.least_threshold);
@@ -216,6 +229,33 @@ TEST(GraspFinder, WallAroundTheStoneLeavesNoGrasp) {
   for (const int count : check.refused) refused += count;
   EXPECT_EQ(refused, check.total);
   EXPECT_NE(check.text().find("hit another object at pick"), std::string::npos) << check.text();
+}
+
+TEST(GraspFinder, OpenFingersMayMeetTheForearmWhereClosedOnesDoNot) {
+  const Workplace cell;
+  const GraspFinder finder(cell.scene, *cell.task.stone, cell.task.object, cell.task.T_W_O_pick);
+  const std::vector<Grasp>& grasps = finder.set().grasps;
+  const auto wider = [](const Grasp& a, const Grasp& b) { return a.pre_opening < b.pre_opening; };
+  const auto widest = std::max_element(grasps.begin(), grasps.end(), wider);
+  PlanningScene alone = cell.scene;
+  alone.objects.clear();
+  alone.gripper = with_spacing(alone.gripper, widest->spacing);
+  CollisionRules closed, open;
+  closed.opening = 0.0;
+  open.opening = widest->pre_opening;
+  const CollisionChecker without(alone, closed), with(alone, open);
+  Random random(7);
+  int met = 0;
+  while (met < 5) {
+    Joints q;
+    for (int j = 0; j < 6; ++j) q[j] = random.uniform(-3.0, 3.0);
+    if (without.collides(q) || !with.collides(q)) continue;
+    const Clearance nearest = with.clearance(q);
+    if (nearest.first == "table" || nearest.second == "table") continue;
+    ++met;
+    EXPECT_FALSE(finder.arm_is_free(static_cast<int>(widest - grasps.begin()), q))
+        << nearest.first << ' ' << nearest.second << ' ' << q.transpose();
+  }
 }
 
 TEST(GraspFinder, WhatWillStandThereByThenIsNotMet) {

@@ -54,6 +54,9 @@ class GraspFinder {
   /// the stone is set down; hand and arm must not meet them.
   [[nodiscard]] GraspCheck check(const Pose& T_W_O_place, int enough = 0,
                                  std::span<const SceneObject> meanwhile = {}) const;
+  /// True if the arm meets nothing and itself nowhere with these joints, its open hand at that grasp of the
+  /// stone. Other inverse solutions of a usable grasp may well be free.
+  [[nodiscard]] bool arm_is_free(int grasp, const Joints& q) const;
   /// The grasps that usable indices mean.
   [[nodiscard]] const GraspSet& set() const;
 
