@@ -170,7 +170,7 @@ Outcome end_force_mode(BuiltinCall& call) {
 }
 
 Outcome set_tcp(BuiltinCall& call) {
-  call.host.motion.geometry().T_F_P = to_pose(six(arg(call, 0)));
+  call.host.motion.set_tool(to_pose(six(arg(call, 0))));
   return Value();
 }
 

@@ -177,6 +177,15 @@ void Motion::set_force_mode(const ForceMode& mode) {
   force_ = mode;
 }
 
+void Motion::set_tool(const Pose& T_F_P) {
+  const Pose T_old_new = geometry_.T_F_P.inverse() * T_F_P;
+  geometry_.T_F_P = T_F_P;
+  T_B_start_ = T_B_start_ * T_old_new;
+  T_B_speed_ = T_B_speed_ * T_old_new;
+  if (!force_.active) return;
+  shift_.head<3>() = geometry_.T_B_P(q_).translation() - geometry_.T_B_P(q_unpressed_).translation();
+}
+
 bool Motion::moving() const {
   return qd_.cwiseAbs().maxCoeff() > 1e-6;
 }

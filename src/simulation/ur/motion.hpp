@@ -35,7 +35,6 @@ class Motion {
  public:
   Motion(const RobotModel& robot, const Joints& q);
 
-  [[nodiscard]] ArmGeometry& geometry() { return geometry_; }
   [[nodiscard]] const ArmGeometry& geometry() const { return geometry_; }
 
   void move_joints(const Joints& q, const MoveOptions& options);
@@ -51,6 +50,9 @@ class Motion {
   /// Stops hard where it is and forgets every command.
   void freeze();
   void set_force_mode(const ForceMode& mode);
+  /// Another tool centre point, in the flange's frame. The arm stays where it is; what goes on moves the new
+  /// point as it would have moved the old one.
+  void set_tool(const Pose& T_F_P);
 
   /// The current command's function may return.
   [[nodiscard]] bool done() const;

@@ -1,0 +1,39 @@
+// What came to light when the vendors' own clients were run against the simulated controller. The scripts are
+// ours; they do what made those clients' scripts fail.
+#include <gtest/gtest.h>
+
+#include "script_bench.hpp"
+
+namespace stonestack {
+namespace {
+
+TEST(UrForeignClients, AnotherToolCentrePointMovesNothing) {
+  // ur_rtde ends force mode and jogging with stopl; a set_tcp after that made the flange jump by the
+  // difference.
+  ScriptBench bench;
+  bench.say("def tool():\n  speedl([0, 0, 0.05, 0, 0, 0], a=0.5, t=0.3)\n  stopl(10)\nend\n");
+  EXPECT_EQ(bench.exceptions, "");
+  const Joints before = bench.controller.motion.q();
+  bench.say("def tool():\n  stopl(10)\n  set_tcp(p[0, 0.02, 0.3, 0.4, 0, 0])\n  sleep(0.2)\nend\n");
+  EXPECT_EQ(bench.errors, "");
+  EXPECT_LT((bench.controller.motion.q() - before).norm(), 1e-9);
+  EXPECT_NEAR(bench.controller.motion.geometry().T_F_P.translation().z(), 0.3, 1e-12);
+}
+
+TEST(UrForeignClients, ASpeedGoesOnFromWhereTheNewToolIs) {
+  ScriptBench bench;
+  bench.controller.run_script(
+      "def tool():\n  thread go():\n    while True:\n      speedl([0, 0, 0.05, 0, 0, 0], a=0.5, t=0.1)\n    "
+      "end\n"
+      "  end\n  run go()\n  sleep(0.5)\n  set_tcp(p[0, 0, 0.2, 0, 0, 0])\n  sleep(0.5)\nend\n");
+  bench.run(0.45);
+  for (int k = 0; k < 50; ++k) {
+    const Joints before = bench.controller.motion.q();
+    bench.run(bench.controller.period());
+    ASSERT_LT((bench.controller.motion.q() - before).cwiseAbs().maxCoeff(), 0.2 * bench.controller.period());
+  }
+  EXPECT_EQ(bench.errors + bench.exceptions, "");
+}
+
+}  // namespace
+}  // namespace stonestack
