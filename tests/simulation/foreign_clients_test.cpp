@@ -35,5 +35,22 @@ TEST(UrForeignClients, ASpeedGoesOnFromWhereTheNewToolIs) {
   EXPECT_EQ(bench.errors + bench.exceptions, "");
 }
 
+TEST(UrForeignClients, TimeIsTheControllersEvenBesideAVariableOfThatName) {
+  ScriptBench bench;
+  EXPECT_EQ(bench.say("def clock():\n"
+                      "  global last = 0.0\n"
+                      "  def within(distance, time):\n"
+                      "    return distance / time < 2\n"
+                      "  end\n"
+                      "  last = time()\n"
+                      "  sleep(0.4)\n"
+                      "  passed = time() - last\n"
+                      "  textmsg(passed > 0.39 and passed < 0.41 and last > 40)\n"
+                      "  textmsg(within(1, passed))\n"
+                      "end\n"),
+            "True|False");
+  EXPECT_EQ(bench.exceptions, "");
+}
+
 }  // namespace
 }  // namespace stonestack
