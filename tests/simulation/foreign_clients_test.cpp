@@ -1,11 +1,15 @@
 // What came to light when the vendors' own clients were run against the simulated controller. The scripts are
 // ours; they do what made those clients' scripts fail.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "script_bench.hpp"
+#include "simulation/ur/dashboard_session.hpp"
 
 namespace stonestack {
 namespace {
+
+using testing::MatchesRegex;
 
 TEST(UrForeignClients, AnotherToolCentrePointMovesNothing) {
   // ur_rtde ends force mode and jogging with stopl; a set_tcp after that made the flange jump by the
@@ -50,6 +54,26 @@ TEST(UrForeignClients, TimeIsTheControllersEvenBesideAVariableOfThatName) {
                       "end\n"),
             "True|False");
   EXPECT_EQ(bench.exceptions, "");
+}
+
+TEST(UrForeignClients, DashboardRolesAndModesAreAnsweredAsUrsLibraryWantsThem) {
+  ScriptBench old, recent("5.12.2.1101534");
+  const auto ask = [](ScriptBench& bench, const char* command) {
+    return answer_dashboard(bench.controller, command).line;
+  };
+  EXPECT_EQ(ask(old, "getUserRole"), "NONE");
+  EXPECT_EQ(ask(old, "setUserRole operator"), "Setting user role: operator");
+  EXPECT_EQ(ask(old, "getUserRole"), "OPERATOR");
+  EXPECT_EQ(ask(old, "setUserRole king"), "Failed setting user role: king");
+  EXPECT_EQ(ask(old, "setUserRole"), "Setting user role: none");
+  EXPECT_EQ(ask(old, "saveLog"), "Log saved to disk");
+  EXPECT_THAT(ask(old, "set operational mode manual"), MatchesRegex("could not understand: .*"));
+  EXPECT_THAT(ask(recent, "getUserRole"), MatchesRegex("could not understand: .*"));
+  EXPECT_EQ(ask(recent, "set operational mode manual"), "Operational mode manual is set");
+  EXPECT_EQ(ask(recent, "get operational mode"), "MANUAL");
+  EXPECT_THAT(ask(recent, "clear operational mode"),
+              MatchesRegex("No longer controlling the operational mode.*"));
+  EXPECT_EQ(ask(recent, "get operational mode"), "NONE");
 }
 
 }  // namespace

@@ -131,6 +131,8 @@ class UrController {
   RobotMode robot_mode = RobotMode::kRunning;
   SafetyMode safety_mode = SafetyMode::kNormal;
   double speed_slider = 1.0;
+  std::string user_role = "NONE";         ///< of the Dashboard; NONE: everything is allowed
+  std::string operational_mode = "NONE";  ///< of the Dashboard; NONE: nobody controls it from there
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque

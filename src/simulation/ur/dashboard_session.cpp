@@ -1,5 +1,7 @@
 #include "simulation/ur/dashboard_session.hpp"
 
+#include <cctype>
+
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -46,6 +48,37 @@ std::string unlock(UrController& c) {
   if (c.safety_mode != SafetyMode::kProtectiveStop) return "Protective stop releasing";
   return c.unlock_protective_stop() ? "Protective stop releasing"
                                     : "Cannot unlock protective stop until 5s after occurrence";
+}
+
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// Who works at the pendant and how: CB3 has roles, e-Series operational modes. Empty: none of these commands.
+std::string administer(UrController& c, const std::string& command) {
+  static const std::string kRole = "setUserRole", kMode = "set operational mode ";
+  const bool has_roles = c.version().is_cb3() && c.version().has({3, 1, 0, 0}, {0, 0, 0, 0});
+  if (has_roles && command.rfind(kRole, 0) == 0) {
+    const std::string role = command.size() > kRole.size() ? command.substr(kRole.size() + 1) : "none";
+    for (const char* known : {"PROGRAMMER", "OPERATOR", "NONE", "LOCKED", "RESTRICTED"}) {
+      if (upper(role) != known) continue;
+      c.user_role = known;
+      return "Setting user role: " + role;
+    }
+    return "Failed setting user role: " + role;
+  }
+  if (c.version().is_cb3()) return {};
+  if (command.rfind(kMode, 0) == 0) {
+    const std::string mode = command.substr(kMode.size());
+    if (upper(mode) != "MANUAL" && upper(mode) != "AUTOMATIC")
+      return "Failed setting operational mode: " + mode;
+    c.operational_mode = upper(mode);
+    return "Operational mode " + mode + " is set";
+  }
+  if (command != "clear operational mode") return {};
+  c.operational_mode = "NONE";
+  return "No longer controlling the operational mode. Current operational mode: 'NONE'.";
 }
 
 // Commands that change something; empty when the command is none of them.
@@ -99,7 +132,9 @@ std::string ask(const UrController& c, const std::string& command) {
     return "true " + (c.program_name().empty() ? "<unnamed>" : c.program_name());
   if (command == "is in remote control" && version.has({0, 0, 0, 0}, {5, 6, 0, 0}))
     return c.faults.local_mode ? "false" : "true";
-  if (command == "get operational mode" && version.has({0, 0, 0, 0}, {5, 6, 0, 0})) return "NONE";
+  if (command == "get operational mode" && version.has({0, 0, 0, 0}, {5, 6, 0, 0})) return c.operational_mode;
+  if (command == "getUserRole" && version.is_cb3() && version.has({3, 1, 0, 0}, {0, 0, 0, 0}))
+    return c.user_role;
   if (command == "get robot model" && version.has({3, 12, 0, 0}, {5, 6, 0, 0})) return c.options().model;
   if (command == "get serial number" && version.has({3, 12, 0, 0}, {5, 6, 0, 0})) return c.options().serial;
   if (command == "version" && version.has({0, 0, 0, 0}, {5, 0, 0, 0})) return to_string(version);
@@ -116,6 +151,9 @@ DashboardAnswer answer_dashboard(UrController& controller, const std::string& co
   if (controller.faults.local_mode && !controller.version().is_cb3())
     return {"Command is not allowed due to safety reasons", false};
   if (auto line = act(controller, command); !line.empty()) return {line, false};
+  if (auto line = administer(controller, command); !line.empty()) return {line, false};
+  if (command == "saveLog" && controller.version().has({3, 13, 0, 0}, {5, 8, 0, 0}))
+    return {"Log saved to disk", false};
   if (starts("popup ")) return {"showing popup", false};
   if (starts("addToLog ")) return {"Added log message", false};
   if (starts("load installation ")) return {"File not found: " + command.substr(18), false};
