@@ -5,6 +5,7 @@
 
 #include "script_bench.hpp"
 #include "simulation/ur/dashboard_session.hpp"
+#include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
@@ -54,6 +55,56 @@ TEST(UrForeignClients, TimeIsTheControllersEvenBesideAVariableOfThatName) {
                       "end\n"),
             "True|False");
   EXPECT_EQ(bench.exceptions, "");
+}
+
+/// Joint 2 meets something elastic at -1.2 rad.
+class Obstructed final : public Plant {
+ public:
+  Obstructed() { state_.q = ScriptBench::start(); }
+  [[nodiscard]] PlantState state() override { return state_; }
+  PlantState step(const Joints& q_target, double seconds) override {
+    state_.qd = (q_target - state_.q) / seconds;
+    state_.q = q_target;
+    const double depth = state_.q[1] + 1.2;
+    state_.hit = depth > 0 ? "a box" : "";
+    state_.force_R.z() = std::max(0.0, 5000 * depth);
+    return state_;
+  }
+
+ private:
+  PlantState state_;
+};
+
+TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowledged) {
+  // UR's control loop example moves to fixed poses; in the simulated cell a table may be in the way.
+  const RobotModel robot = read_robot("ur10");
+  Obstructed plant;
+  UrController controller(ScriptBench::options("3.15.8.106339", {}), robot, plant);
+  const auto run = [&](double seconds) {
+    for (double t = 0; t < seconds; t += controller.period()) controller.step();
+  };
+  const auto turn = [&](double by, double seconds) {
+    controller.run_script(concat("def turn():\n  q = get_actual_joint_positions()\n  q[1] = q[1] + ", by,
+                                 "\n  movej(q, a=1, v=0.2)\nend\n"));
+    run(seconds);
+  };
+  turn(0.3, 2.0);
+  ASSERT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop);
+  controller.stop_program();
+  run(5.0);
+  ASSERT_TRUE(controller.unlock_protective_stop());
+  run(1.0);
+  EXPECT_EQ(controller.safety_mode, SafetyMode::kNormal) << "touching is not colliding";
+  turn(0.3, 2.0);
+  EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "pressing on is";
+  controller.stop_program();
+  run(6.0);
+  ASSERT_TRUE(controller.unlock_protective_stop());
+  turn(-0.15, 3.0);
+  EXPECT_EQ(controller.safety_mode, SafetyMode::kNormal);
+  EXPECT_LT(controller.plant().q[1], -1.25);
+  turn(0.3, 2.0);
+  EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
 }
 
 TEST(UrForeignClients, DashboardRolesAndModesAreAnsweredAsUrsLibraryWantsThem) {

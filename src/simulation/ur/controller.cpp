@@ -12,6 +12,9 @@ namespace {
 constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
 constexpr double kPowerSeconds = 1.0;     // a step of the way from power off to brakes released
 constexpr double kUnlockAfter = 5.0;      // s
+constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
+constexpr double kWayOut = 0.2;           // rad of a joint, in which a touch is left
+constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
 constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
 constexpr double kGravity = 9.81;
 constexpr std::size_t kHistory = 1000;                 // control steps
@@ -132,6 +135,7 @@ bool UrController::unlock_protective_stop() {
   if (safety_mode != SafetyMode::kProtectiveStop || faults.refuse_unlock) return false;
   if (uptime() - stopped_at_ < kUnlockAfter) return false;
   safety_mode = SafetyMode::kNormal;
+  if (!measured_.hit.empty()) touched_ = Touched{measured_.q, measured_.force_R.norm(), uptime()};
   return true;
 }
 
@@ -204,9 +208,22 @@ void UrController::move() {
   if (!refused.empty()) protective_stop(kPathDeviation, "Protective stop: " + refused);
 }
 
+// A real arm feels a collision by what its joints have to bear more than before: it can be moved away.
+void UrController::watch_for_collisions() {
+  const bool hit = !measured_.hit.empty();
+  if (touched_ && !hit && uptime() - touched_->last > kApart) touched_.reset();
+  if (!hit) return;
+  if (touched_) touched_->last = uptime();
+  const bool leaves = touched_ && measured_.force_R.norm() < touched_->force + kHarder &&
+                      (measured_.q - touched_->q).cwiseAbs().maxCoeff() < kWayOut;
+  if (leaves) return;
+  touched_.reset();
+  protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);
+}
+
 void UrController::measure() {
   measured_ = plant_->step(motion.q(), period_);
-  if (!measured_.hit.empty()) protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);
+  watch_for_collisions();
   history_.push_front(measured_.q);
   if (history_.size() > kHistory) history_.pop_back();
   const auto& geometry = motion.geometry();

@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "simulation/ur/machine.hpp"
 #include "simulation/ur/motion.hpp"
@@ -87,7 +88,8 @@ class UrController {
   void power_on();
   void power_off();
   void release_brakes();
-  /// False while it is too early (5 s) or something else is wrong.
+  /// False while it is too early (5 s) or something else is wrong. What the arm touches then stops it again
+  /// only when it presses harder or is not left within 0.2 rad.
   bool unlock_protective_stop();
   void protective_stop(int code, const std::string& reason);
   void emergency_stop();
@@ -149,6 +151,14 @@ class UrController {
   void report(const urscript::CompileError& error, const urscript::Program* secondary);
   void move();
   void measure();
+  void watch_for_collisions();
+
+  /// Something that the arm touched when a protective stop was acknowledged.
+  struct Touched {
+    Joints q;
+    double force = 0.0;  ///< N on the flange
+    double last = 0.0;   ///< s, uptime of the last touch
+  };
 
   UrServerOptions options_;
   UrVersion version_;
@@ -165,7 +175,8 @@ class UrController {
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;
   double scaling_ = 1.0;
-  double stopped_at_ = -1.0;       // protective stop
+  double stopped_at_ = -1.0;  // protective stop
+  std::optional<Touched> touched_;
   double power_change_at_ = -1.0;  // when robot_mode goes on to
   RobotMode power_goal_ = RobotMode::kRunning;
   int motion_owner_ = 0;
