@@ -10,6 +10,7 @@
 namespace stonestack {
 namespace {
 
+using testing::HasSubstr;
 using testing::MatchesRegex;
 
 TEST(UrForeignClients, AnotherToolCentrePointMovesNothing) {
@@ -55,6 +56,44 @@ TEST(UrForeignClients, TimeIsTheControllersEvenBesideAVariableOfThatName) {
                       "end\n"),
             "True|False");
   EXPECT_EQ(bench.exceptions, "");
+}
+
+TEST(UrForeignClients, StructuresHaveNamedMembers) {
+  // UR's client library keeps the gains of a joint controller in one.
+  ScriptBench bench("5.23.0.1234");
+  EXPECT_EQ(bench.say("def gains():\n"
+                      "  global gains = struct(kp=[900, 900.5], kd=3)\n"
+                      "  def set(value):\n"
+                      "    gains.kp[1] = value\n"
+                      "    gains.kd = [1, 2]\n"
+                      "  end\n"
+                      "  before = gains\n"
+                      "  set(5)\n"
+                      "  textmsg(gains.kp * [2, 3] - gains.kd * [1, 1])\n"
+                      "  textmsg(before.kd + before.kp[0] * 2)\n"
+                      "  textmsg(struct(a=1, b=struct(c=\"x\")).b.c)\n"
+                      "  textmsg(gains == before)\n"
+                      "  textmsg(before)\n"
+                      "end\n"),
+            "[1799,13]|1803|x|False|struct(kp=[900,900.5],kd=3)");
+  EXPECT_EQ(bench.exceptions, "");
+  bench.say("def lacking():\n  s = struct(a=1)\n  textmsg(s.b)\nend\n");
+  EXPECT_THAT(bench.exceptions, HasSubstr("The struct has no member 'b'"));
+  bench.say("def unnamed():\n  s = struct(1)\nend\n");
+  EXPECT_THAT(bench.exceptions, HasSubstr("wrong arguments for struct"));
+  bench.say("def none():\n  s = [1]\n  s.a = 1\nend\n");
+  EXPECT_THAT(bench.exceptions, HasSubstr("expected Struct, got List"));
+}
+
+TEST(UrForeignClients, ControllersBeforeStructuresReadScriptsThatNameMembers) {
+  // What the library puts in place of the structure there is a number; the members are never asked for.
+  ScriptBench bench;
+  const std::string members =
+      "  def gain():\n    gains.kp = [1]\n    return gains.kp\n  end\n  textmsg(gains)\nend\n";
+  EXPECT_EQ(bench.say("def old():\n  global gains = 0\n" + members), "0");
+  EXPECT_EQ(bench.exceptions, "");
+  bench.say("def old():\n  global gains = struct(kp=[0])\n" + members);
+  EXPECT_THAT(bench.exceptions, HasSubstr("compile_error_name_not_found:struct"));
 }
 
 /// Joint 2 meets something elastic at -1.2 rad.

@@ -77,6 +77,7 @@ void add_flow(std::vector<Builtin>& list) {
   list.push_back({"popup", {"s", "title", "warning", "error", "blocking"}, 1, popup});
   list.push_back({"rtde_set_watchdog", {"variable_name", "min_frequency", "action"}, 2, set_watchdog});
   list.push_back({"assert", {"condition"}, 1, check});
+  list.push_back({"struct", {}, 0, sync_step, true});
   // Seconds since the controller was switched on; UR's client library notes with it when a command came.
   list.push_back({"time", {"mode"}, 0, [](BuiltinCall& c) { return Outcome(Value(c.host.timestamp())); }});
 }

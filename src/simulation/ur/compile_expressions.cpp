@@ -194,7 +194,13 @@ void Compiler::unary() {
 
 void Compiler::postfix() {
   primary();
-  while (accept("[")) {
+  while (is("[") || is(".")) {
+    if (accept(".")) {
+      member_name();
+      emit(Op::kIndex);
+      continue;
+    }
+    next();
     expression();
     emit(Op::kIndex);
     while (accept(",")) {
@@ -267,6 +273,12 @@ int Compiler::call(const Token& name) {
   expect(")");
   program_.calls.push_back(std::move(site));
   return static_cast<int>(program_.calls.size()) - 1;
+}
+
+void Compiler::member_name() {
+  const Token name = next();
+  if (!is_word(name)) fail(name);
+  emit(Op::kConstant, constant(name.text));
 }
 
 void Compiler::list(const char* close, int& count) {

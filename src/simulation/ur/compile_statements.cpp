@@ -123,7 +123,7 @@ void Compiler::statement() {
     word_statement(token);
   } else if (is_word(token) && is("=", 1)) {
     assignment(Op::kStore);
-  } else if (is_word(token) && is("[", 1)) {
+  } else if (is_word(token) && (is("[", 1) || is(".", 1))) {
     element_assignment();
   } else {
     expression();
@@ -222,13 +222,19 @@ void Compiler::assignment(Op store) {
   end_of_statement();
 }
 
-// `name[i] = ...`, `name[i, j] = ...`; `name[i]` alone is an expression.
+// `name[i] = ...`, `name[i, j] = ...`, `name.member = ...`; `name[i]` alone is an expression.
 void Compiler::element_assignment() {
   const std::size_t start = at_;
   const std::size_t code = function().code.size();
   const Token name = next();
   int count = 0;
-  while (accept("[")) {
+  while (is("[") || is(".")) {
+    if (accept(".")) {
+      member_name();
+      ++count;
+      continue;
+    }
+    next();
     do {
       expression();
       ++count;

@@ -47,6 +47,7 @@ class Compiler {
   void primary();
   int call(const Token& name);
   void list(const char* close, int& count);
+  void member_name();
 
   [[nodiscard]] const Token& peek(std::size_t ahead = 0) const;
   [[nodiscard]] bool is(const char* text, std::size_t ahead = 0) const;

@@ -36,6 +36,7 @@ constexpr Gate kGates[] = {
     {"optimovej", {0, 0, 0, 0}, {5, 21, 0, 0}},
     {"optimovel", {0, 0, 0, 0}, {5, 21, 0, 0}},
     {"direct_torque", {0, 0, 0, 0}, {5, 23, 0, 0}},
+    {"struct", {0, 0, 0, 0}, {5, 10, 0, 0}},  // UR's client library
     {"get_target_payload", {3, 11, 0, 0}, {5, 0, 0, 0}},
     {"get_target_payload_cog", {3, 11, 0, 0}, {5, 0, 0, 0}},
 };

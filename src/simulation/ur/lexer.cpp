@@ -182,7 +182,7 @@ class Cutter {
       return;
     }
     const char c = peek();
-    if (std::string_view("()[]{},:=<>+-*/%").find(c) == std::string_view::npos)
+    if (std::string_view("()[]{},:=<>+-*/%.").find(c) == std::string_view::npos)
       throw syntax_error(source_, line_, column());
     if (c == '(' || c == '[' || c == '{') ++open_;
     if ((c == ')' || c == ']' || c == '}') && open_ > 0) --open_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "stonestack/core/error.hpp"
 
@@ -131,17 +132,12 @@ void Machine::store(Frame& frame, const Instruction& it, Value value) {
 
 void Machine::store_element(Thread& thread, const Instruction& it) {
   Value value = pop(thread);
-  std::vector<long long> index(at(it.b));
-  for (auto i = index.rbegin(); i != index.rend(); ++i) *i = integer(pop(thread));
+  std::vector<Value> keys(at(it.b));
+  for (auto key = keys.rbegin(); key != keys.rend(); ++key) *key = pop(thread);
   Value* place = find(thread.frames.back(), it.a);
   if (!place) throw ScriptError{"Variable '" + program_.names[at(it.a)] + "' has no value"};
-  for (std::size_t k = 0; k + 1 < index.size(); ++k) {
-    auto* list = std::get_if<List>(&place->is);
-    if (!list || index[k] < 0 || static_cast<std::size_t>(index[k]) >= list->size())
-      throw ScriptError{concat("Index out of bounds: ", index[k])};
-    place = &(*list)[static_cast<std::size_t>(index[k])];
-  }
-  set_element(*place, index.back(), std::move(value));
+  for (std::size_t k = 0; k + 1 < keys.size(); ++k) place = &member(*place, keys[k]);
+  set_member(*place, keys.back(), std::move(value));
 }
 
 bool Machine::execute(int id, Thread& thread, const Instruction& it) {
@@ -166,8 +162,8 @@ bool Machine::execute(int id, Thread& thread, const Instruction& it) {
       store_element(thread, it);
       return true;
     case Op::kIndex: {
-      const long long index = integer(pop(thread));
-      stack.back() = element(stack.back(), index);
+      const Value key = pop(thread);
+      stack.back() = member(std::as_const(stack.back()), key);
       return true;
     }
     case Op::kPop:

@@ -50,6 +50,7 @@ struct Builtin {
   std::vector<const char*> parameters;
   std::size_t required;
   Outcome (*call)(BuiltinCall& call);
+  bool names_anything = false;  ///< struct: its arguments' names are the caller's; `call` is not used
 };
 /// Every built-in function, sorted by name.
 [[nodiscard]] const std::vector<Builtin>& builtins();

@@ -69,6 +69,15 @@ Machine::Frame Machine::enter(Thread& caller, const CallSite& site) {
 bool Machine::call_builtin(int id, Thread& thread, const CallSite& site) {
   const Builtin& builtin = builtins()[at(site.builtin)];
   auto values = take(thread.stack, at(site.positional) + site.keywords.size());
+  if (builtin.names_anything) {
+    if (site.positional > 0 || site.keywords.empty()) wrong_arguments(site);
+    Fields fields;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      fields.push_back({site.keywords[k], std::move(values[k])});
+    thread.stack.emplace_back(std::move(fields));
+    check_size(thread.stack.back());
+    return true;
+  }
   std::vector<Value> arguments(builtin.parameters.size());
   if (at(site.positional) > arguments.size()) wrong_arguments(site);
   std::move(values.begin(), values.begin() + site.positional, arguments.begin());

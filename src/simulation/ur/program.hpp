@@ -15,8 +15,8 @@ enum class Op {
   kStore,         ///< pop into names[a]: where it is visible, else into the function's own
   kStoreLocal,    ///< pop into the function's own names[a]
   kStoreGlobal,   ///< pop into the program's names[a]
-  kStoreElement,  ///< pop value, then b indices; into an element of names[a]
-  kIndex,         ///< pop index and container, push element
+  kStoreElement,  ///< pop value, then b indices or member names; into an element of names[a]
+  kIndex,         ///< pop index or member name, and container; push element
   kPop,
   kJump,         ///< to a
   kJumpIfFalse,  ///< pop; to a

@@ -9,8 +9,8 @@ namespace stonestack::urscript {
 namespace {
 
 const char* kind(const Value& value) {
-  static constexpr const char* kNames[] = {"None",   "Boolean", "Integer", "Float",
-                                           "String", "List",    "Pose",    "Thread"};
+  static constexpr const char* kNames[] = {"None", "Boolean", "Integer", "Float", "String",
+                                           "List", "Pose",    "Thread",  "Struct"};
   return kNames[value.is.index()];
 }
 
@@ -33,12 +33,14 @@ std::string print_number(double value) {
 }
 
 std::size_t count(const Value& value, std::size_t depth) {
-  const auto* list = std::get_if<List>(&value.is);
-  if (!list) return 1;
   if (depth > kDeepestList) throw ScriptError{"Lists are nested too deep"};
-  std::size_t sum = list->size();
-  for (const auto& item : *list)
-    if (std::holds_alternative<List>(item.is)) sum += count(item, depth + 1);
+  std::size_t sum = 0;
+  if (const auto* list = std::get_if<List>(&value.is))
+    for (const auto& item : *list) sum += count(item, depth + 1);
+  else if (const auto* fields = std::get_if<Fields>(&value.is))
+    for (const auto& field : *fields) sum += count(field.value, depth + 1);
+  else
+    sum = 1;
   return sum;
 }
 
@@ -90,6 +92,12 @@ bool equal(const Value& a, const Value& b) {
       if (!equal((*x)[i], y[i])) return false;
     return true;
   }
+  if (const auto* x = std::get_if<Fields>(&a.is)) {
+    const auto& y = std::get<Fields>(b.is);
+    return std::equal(x->begin(), x->end(), y.begin(), y.end(), [](const Field& f, const Field& g) {
+      return f.name == g.name && equal(f.value, g.value);
+    });
+  }
   if (const auto* x = std::get_if<std::string>(&a.is)) return *x == std::get<std::string>(b.is);
   if (const auto* x = std::get_if<PoseVector>(&a.is)) return *x == std::get<PoseVector>(b.is);
   if (const auto* x = std::get_if<bool>(&a.is)) return *x == std::get<bool>(b.is);
@@ -101,6 +109,16 @@ std::size_t place(long long index, std::size_t size) {
   if (index < 0 || static_cast<std::size_t>(index) >= size)
     throw ScriptError{concat("Index out of bounds: ", index, " of ", size)};
   return static_cast<std::size_t>(index);
+}
+
+// The member of a structure, const as the structure is.
+template <class AnyValue>
+auto& named(AnyValue& value, const std::string& name) {
+  auto* fields = std::get_if<Fields>(&value.is);
+  if (!fields) wrong_type("Struct", value);
+  for (auto& field : *fields)
+    if (field.name == name) return field.value;
+  throw ScriptError{"The struct has no member '" + name + "'"};
 }
 
 }  // namespace
@@ -192,6 +210,12 @@ std::string print(const Value& value) {
     for (int i = 0; i < 6; ++i) line += (i ? "," : "") + print_number((*it)[i]);
     return line + "]";
   }
+  if (const auto* fields = std::get_if<Fields>(&value.is)) {
+    std::string line = "struct(";
+    for (const auto& field : *fields)
+      line += (line.back() == '(' ? "" : ",") + field.name + "=" + print(field.value);
+    return line + ")";
+  }
   const auto* list = std::get_if<List>(&value.is);
   if (!list) return "None";
   std::string line = "[";
@@ -247,6 +271,24 @@ void set_element(Value& value, long long index, Value item) {
   } else {
     wrong_type("List", value);
   }
+}
+
+Value member(const Value& value, const Value& key) {
+  const auto* name = std::get_if<std::string>(&key.is);
+  return name ? named(value, *name) : element(value, integer(key));
+}
+
+Value& member(Value& value, const Value& key) {
+  if (const auto* name = std::get_if<std::string>(&key.is)) return named(value, *name);
+  auto* list = std::get_if<List>(&value.is);
+  if (!list) wrong_type("List", value);
+  return (*list)[place(integer(key), list->size())];
+}
+
+void set_member(Value& value, const Value& key, Value item) {
+  if (!std::holds_alternative<std::string>(key.is)) return set_element(value, integer(key), std::move(item));
+  member(value, key) = std::move(item);
+  check_size(value);
 }
 
 void check_size(const Value& value) {

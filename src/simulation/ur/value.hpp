@@ -18,6 +18,9 @@ struct Value;
 using List = std::vector<Value>;
 /// x, y, z, rotation vector: `p[...]`.
 using PoseVector = Eigen::Matrix<double, 6, 1>;
+/// A named part of `struct(name=value, ...)`.
+struct Field;
+using Fields = std::vector<Field>;
 /// What `run` gives.
 struct ThreadHandle {
   int id = 0;
@@ -25,7 +28,8 @@ struct ThreadHandle {
 
 /// A value of the language.
 struct Value {
-  std::variant<std::monostate, bool, long long, double, std::string, List, PoseVector, ThreadHandle> is;
+  std::variant<std::monostate, bool, long long, double, std::string, List, PoseVector, ThreadHandle, Fields>
+      is;
 
   Value() = default;
   Value(bool value) : is(value) {}                         // NOLINT: a value is what it holds
@@ -37,7 +41,14 @@ struct Value {
   Value(List value) : is(std::move(value)) {}              // NOLINT
   Value(PoseVector value) : is(std::move(value)) {}        // NOLINT
   Value(ThreadHandle value) : is(value) {}                 // NOLINT
+  Value(Fields value);                                     // NOLINT
 };
+
+struct Field {
+  std::string name;
+  Value value;
+};
+inline Value::Value(Fields value) : is(std::move(value)) {}
 
 inline constexpr std::size_t kLongestText = 65536;  ///< characters of a string
 inline constexpr std::size_t kLongestList = 16384;  ///< elements, those of inner lists included
@@ -82,7 +93,12 @@ enum class Operator {
 [[nodiscard]] Value element(const Value& value, long long index);
 /// value[index] = element, in place.
 void set_element(Value& value, long long index, Value element);
-/// Throws when a list has grown beyond the limits.
+/// value[key], or value.key where the key is a string.
+[[nodiscard]] Value member(const Value& value, const Value& key);
+/// The same in place; no element of a pose.
+[[nodiscard]] Value& member(Value& value, const Value& key);
+void set_member(Value& value, const Value& key, Value item);
+/// Throws when a list or structure has grown beyond the limits.
 void check_size(const Value& value);
 
 }  // namespace stonestack::urscript
