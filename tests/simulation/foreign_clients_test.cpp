@@ -58,6 +58,24 @@ TEST(UrForeignClients, TimeIsTheControllersEvenBesideAVariableOfThatName) {
   EXPECT_EQ(bench.exceptions, "");
 }
 
+TEST(UrForeignClients, AToolContactSaysHowLongAgoItBegan) {
+  ScriptBench bench("5.12.2.1101534");
+  const auto touch = [&](const char* direction) {
+    return bench.value(concat("tool_contact(direction=", direction, ")"));
+  };
+  bench.run(0.1);
+  EXPECT_EQ(touch("[0,0,0,0,0,0]"), "0");
+  bench.plant.set_wrench({0, 0, 12}, Eigen::Vector3d::Zero());
+  bench.run(20 * bench.controller.period());
+  EXPECT_EQ(touch("[0,0,-1,0,0,0]"), "20");
+  EXPECT_NE(touch("[0,0,0,0,0,0]"), "0") << "any direction";
+  EXPECT_NE(touch("p[0,0,-0.05,0,0,0]"), "0");
+  EXPECT_EQ(touch("[0,0,1,0,0,0]"), "0") << "it is left that way";
+  bench.plant.set_wrench(Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero());
+  bench.run(bench.controller.period());
+  EXPECT_EQ(touch("[0,0,-1,0,0,0]"), "0");
+}
+
 TEST(UrForeignClients, StructuresHaveNamedMembers) {
   // UR's client library keeps the gains of a joint controller in one.
   ScriptBench bench("5.23.0.1234");

@@ -16,13 +16,21 @@ Outcome joints_before(BuiltinCall& call) {
   return Value(to_list(history[std::min(static_cast<std::size_t>(steps), history.size() - 1)]));
 }
 
-Outcome feel(BuiltinCall& call) {  // what the tool meets in the direction that it moves
-  const Six felt = call.host.wrench();
+// Control steps since what the tool meets began to press against the direction (base axes), by default that
+// in which it moves; 0: nothing presses. A direction of zeros, as ur_rtde's moveUntilContact has it: any.
+Outcome feel(BuiltinCall& call) {
+  constexpr double kContact = 5.0;  // N
   Eigen::Vector3d direction = geometry(call).twist(call.host.motion.q(), call.host.motion.qd()).head<3>();
   if (call.has(0)) direction = six(arg(call, 0)).head<3>();
-  constexpr double kContact = 5.0;  // N
-  if (direction.norm() < 1e-9) return Value(0);
-  return Value(-felt.head<3>().dot(direction.normalized()) > kContact ? 1 : 0);
+  const bool any = direction.norm() < 1e-9;
+  if (any && !call.has(0)) return Value(0);
+  const auto presses = [&](std::size_t steps) {
+    const Eigen::Vector3d force = call.host.force_before(steps);
+    return (any ? force.norm() : -force.dot(direction.normalized())) > kContact;
+  };
+  std::size_t steps = 0;
+  while (steps < call.host.history().size() && presses(steps)) ++steps;
+  return Value(static_cast<long long>(steps));
 }
 
 Outcome within_limits(BuiltinCall& call) {

@@ -221,6 +221,11 @@ void UrController::watch_for_collisions() {
   protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);
 }
 
+Eigen::Vector3d UrController::force_before(std::size_t steps) const {
+  if (raw_forces_.empty()) return wrench().head<3>();
+  return raw_forces_[std::min(steps, raw_forces_.size() - 1)] - wrench_zero_.head<3>();
+}
+
 void UrController::measure() {
   measured_ = plant_->step(motion.q(), period_);
   watch_for_collisions();
@@ -235,6 +240,8 @@ void UrController::measure() {
   torque -= Eigen::Vector3d(T_B_F.rotation() * payload_cog).cross(weight);
   torque -= Eigen::Vector3d(T_B_F.rotation() * geometry.T_F_P.translation()).cross(force);
   raw_wrench_ << force, torque;
+  raw_forces_.push_front(force);
+  raw_forces_.resize(history_.size());
 }
 
 }  // namespace stonestack

@@ -123,6 +123,8 @@ class UrController {
   [[nodiscard]] Six wrench() const { return raw_wrench_ - wrench_zero_; }
   [[nodiscard]] const Six& raw_wrench() const { return raw_wrench_; }
   [[nodiscard]] const std::deque<Joints>& history() const { return history_; }
+  /// The force of `wrench()` that many control steps ago, base axes; of the oldest step that is known.
+  [[nodiscard]] Eigen::Vector3d force_before(std::size_t steps) const;
   [[nodiscard]] double scaling() const { return scaling_; }
 
   ControllerFaults faults;
@@ -169,6 +171,7 @@ class UrController {
   PlantState measured_;
   Six raw_wrench_ = Six::Zero(), wrench_zero_ = Six::Zero();
   std::deque<Joints> history_;
+  std::deque<Eigen::Vector3d> raw_forces_;  // as long
   std::unique_ptr<urscript::Machine> program_;
   std::vector<std::unique_ptr<urscript::Machine>> secondaries_;
   std::string program_name_;
