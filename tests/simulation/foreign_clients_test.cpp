@@ -103,6 +103,14 @@ TEST(UrForeignClients, StructuresHaveNamedMembers) {
   EXPECT_THAT(bench.exceptions, HasSubstr("expected Struct, got List"));
 }
 
+TEST(UrForeignClients, EmptyListsAndMembersCountTowardsAListsLength) {
+  using urscript::Fields;
+  using urscript::List;
+  EXPECT_NO_THROW(urscript::check_size(List(1000, List{})));
+  EXPECT_THROW(urscript::check_size(List(20000, List{})), urscript::ScriptError);
+  EXPECT_THROW(urscript::check_size(List(200, Fields(100, {"a", 1}))), urscript::ScriptError);
+}
+
 TEST(UrForeignClients, ControllersBeforeStructuresReadScriptsThatNameMembers) {
   // What the library puts in place of the structure there is a number; the members are never asked for.
   ScriptBench bench;

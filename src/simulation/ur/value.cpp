@@ -32,15 +32,17 @@ std::string print_number(double value) {
   return buffer;
 }
 
+// Elements of a list or structure, those of inner ones included.
 std::size_t count(const Value& value, std::size_t depth) {
+  const auto* list = std::get_if<List>(&value.is);
+  const auto* fields = std::get_if<Fields>(&value.is);
+  if (!list && !fields) return 0;
   if (depth > kDeepestList) throw ScriptError{"Lists are nested too deep"};
   std::size_t sum = 0;
-  if (const auto* list = std::get_if<List>(&value.is))
-    for (const auto& item : *list) sum += count(item, depth + 1);
-  else if (const auto* fields = std::get_if<Fields>(&value.is))
-    for (const auto& field : *fields) sum += count(field.value, depth + 1);
-  else
-    sum = 1;
+  if (list)
+    for (const auto& item : *list) sum += 1 + count(item, depth + 1);
+  if (fields)
+    for (const auto& field : *fields) sum += 1 + count(field.value, depth + 1);
   return sum;
 }
 
