@@ -1,0 +1,71 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+/// What the loop does with a stone that came to lie against the foot of its tower.
+namespace stonestack {
+namespace {
+
+/// m between the scans of two stones, from samples of the first; negative: they overlap.
+double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, const Pose& T_W_b) {
+  double least = 1.0;
+  for (const SurfaceSample& sample : a.samples)
+    least = std::min(least, b.distance.distance(T_W_b.inverse() * T_W_a * sample.point));
+  return least;
+}
+
+/// Slides a stone over the table, as it lies, against another from the side that the robot can reach.
+void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int other) {
+  const Truth truth = world.truth();
+  const auto pose = [&](int k) { return truth.T_W_O[static_cast<std::size_t>(k)]; };
+  const auto& moved = *shapes[static_cast<std::size_t>(stone)];
+  const auto& base = *shapes[static_cast<std::size_t>(other)];
+  const Eigen::Vector3d p_W_base = pose(other) * base.mass.p_O_M;
+  for (double away = 0.2; away > 0.0; away -= 0.0005) {
+    Pose T_W_O = pose(stone);
+    const Eigen::Vector3d shift = p_W_base + Eigen::Vector3d(-away, 0, 0) - T_W_O * moved.mass.p_O_M;
+    T_W_O.pretranslate(Eigen::Vector3d(shift.x(), shift.y(), 0.0));
+    if (gap(moved, T_W_O, base, pose(other)) > 0.001) continue;
+    world.place(stone, T_W_O);
+    return;
+  }
+}
+
+TEST(ClearTheFoot, AStoneThatLiesAgainstTheTowerIsTakenBackAndBuiltOn) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const ShapeList shapes = make_contact_shapes(catalogue.stones);
+  const RobotModel robot = read_robot("ur10");
+  SimulationOptions world_options;
+  world_options.seed = 7;
+  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  std::string said;
+  BuildHooks hooks;
+  bool pushed = false;
+  hooks.report = [&](const std::string& line) {
+    said += line + "\n";
+    if (pushed || line.find(": placed") == std::string::npos) return;
+    pushed = true;
+    const int base = line.starts_with(catalogue.stones[1].name) ? 1 : 2;
+    push_against(world, shapes, 3 - base, base);
+  };
+  BuildOptions options;
+  options.search.horizon = 1;
+  options.search.friction = options.most_friction;
+  Cell cell = world.cell();
+  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  EXPECT_TRUE(pushed);
+  EXPECT_THAT(said, testing::HasSubstr("leans on the tower: it is taken back into the field"));
+  EXPECT_TRUE(std::any_of(result.placements.begin(), result.placements.end(), [](const auto& record) {
+    return record.outcome == PlacementRecord::Outcome::kTakenOff;
+  }));
+  EXPECT_EQ(result.height, 2) << said;
+}
+
+}  // namespace
+}  // namespace stonestack
