@@ -153,9 +153,10 @@ SearchResult Builder::search_by_friction() {
   const std::size_t count = frictions().size();
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
-  if (auto found = rest_that_holds(problem, ways, levels)) return *found;
-  if (last_ways_ == Ways::kTurningToo && may_turn_over())
-    if (auto found = rest_that_holds(make_problem(belief_, last_ways_), last_ways_, levels)) return *found;
+  const bool was_turning = last_ways_ == Ways::kTurningToo && may_turn_over();
+  if (auto found = was_turning ? rest_that_holds(make_problem(belief_, last_ways_), last_ways_, levels)
+                               : rest_that_holds(problem, ways, levels))
+    return *found;
   SearchResult best;
   double most = 0.0;
   const auto sure = [&] { return most >= options_.sure_success * levels; };
