@@ -11,6 +11,7 @@
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 #include "stonestack/hardware/ur/primary_client.hpp"
 
@@ -193,6 +194,21 @@ void examine(const CellConfig& cell, Examination& examination) {
   examination.step("camera", "frames", [&] { return look_twice(cell); });
 }
 
+/// Does `stonestack simulate` serve the cell's standard ports already, in another process?
+bool is_served(const CellFile& file) {
+  if (!file.servers.arm.standard_ports) return false;
+  const auto answers = [&](int port) {
+    try {
+      (void)TcpStream::connect({file.servers.arm.address, port}, Deadline::in(kListen));
+      return true;
+    } catch (const DeviceError&) {
+      return false;
+    }
+  };
+  const auto& arm = file.cell.arm;
+  return answers(arm.dashboard_port) || answers(arm.primary_port) || answers(arm.rtde_port);
+}
+
 void doctor(DoctorCommand& command) {
   command.common.begin();
   const CellFile file =
@@ -200,8 +216,11 @@ void doctor(DoctorCommand& command) {
   CellConfig cell = file.cell;
   std::unique_ptr<SimulatedCell> world;
   std::unique_ptr<SimulatedServers> servers;
-  const Catalogue catalogue = file.simulate ? command.common.read() : Catalogue{};
-  if (file.simulate) {
+  const bool serve = file.simulate && !is_served(file);
+  const Catalogue catalogue = serve ? command.common.read() : Catalogue{};
+  if (file.simulate && !serve)
+    log_info("the devices of " + file.path + " are simulated by another process, which is examined");
+  if (serve) {
     const RobotModel robot = read_robot(cell.robot);
     world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot, to_layout(cell));
     servers = std::make_unique<SimulatedServers>(*world, robot, file.servers);
@@ -238,8 +257,10 @@ void add_doctor(CLI::App& app) {
   command->common.register_on(*sub);
   sub->footer(
       "Says for each device what is wrong and what to do. Exit code 0 when all is well, 6 otherwise.\n"
+      "Of a simulated cell on the standard ports it examines what `stonestack simulate` serves, if it runs.\n"
       "Examples:\n"
       "  stonestack doctor --cell my_lab.yaml\n"
+      "  stonestack doctor --cell simulated-ur10\n"
       "  stonestack doctor --json");
   sub->callback([command] { doctor(*command); });
 }

@@ -263,56 +263,7 @@ TEST_F(Commands, BuildsThroughTheRealBackends) {
   EXPECT_THAT(done.err, HasSubstr("RTDE"));
 }
 
-TEST_F(Commands, DoctorNamesWhatIsWrong) {
-  const Outcome well = run("doctor --json");
-  EXPECT_EQ(well.code, 0) << well.err;
-  EXPECT_EQ(well.data()["findings"].size(), 7u);
-  EXPECT_THAT(well.err, HasSubstr("note  gripper, status: not activated"));
-  write("ill.yaml",
-        "simulate: true\nlayout: {T_T_C: {x: 0, y: 0.1, z: 0.17, qx: 0, qy: 0, qz: 0, qw: 1}}\n"
-        "simulators: {arm: {faults: {protective_stop_at: 0.0}}}\n");
-  const Outcome ill = run("doctor --cell ill.yaml");
-  EXPECT_EQ(ill.code, 6);
-  EXPECT_THAT(ill.err, HasSubstr("inverse"));
-  EXPECT_THAT(ill.err, HasSubstr("PROTECTIVE_STOP"));
-  // What else a user meets, two or three to a cell: each line names device, address and next step.
-  write("e_series.yaml",
-        "simulate: true\nsimulators:\n"
-        "  arm: {version: 5.12.2.1101534, faults: {local_mode: true, no_rtde: true}}\n"
-        "  camera: {faults: {repeated: -1}}\n"
-        "  gripper: {faults: {fault: 14}}\n");
-  const Outcome local = run("doctor --cell e_series.yaml");
-  EXPECT_EQ(local.code, 6);
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1.*local mode.*Remote Control"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, RTDE: .*127.0.0.1:30004.*security settings"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1:[0-9]+.*stale"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  gripper, status: .*activate"));
-  write("old_cb3.yaml",
-        "simulate: true\nsimulators:\n"
-        "  arm: {version: 3.8.0.61336, faults: {fieldbus_owns_lower_registers: true, no_dashboard: true}}\n"
-        "  force_torque: {faults: {silent: true}}\n"
-        "  camera: {faults: {no_frame: -1}}\n");
-  const Outcome owned = run("doctor --cell old_cb3.yaml");
-  EXPECT_EQ(owned.code, 6);
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, RTDE: .*input_int_register_0.*EtherNet/IP"));
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
-  // What shows only when one listens for a while.
-  write("odd.yaml",
-        "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nforce_torque: {stale: "
-        "0.5}\nsimulators:\n"
-        "  arm: {faults: {speed_slider: 0, missing_fields: tcp_offset}}\n"
-        "  force_torque: {faults: {stuck: true}}\n");
-  const Outcome odd = run("doctor --cell odd.yaml");
-  EXPECT_THAT(odd.err, ContainsRegex("note  arm, RTDE: the speed slider stands at 0"));
-  EXPECT_THAT(odd.err, ContainsRegex("FAIL  force sensor, reading: .*repeats one reading"));
-  write("broken.yaml",
-        "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nsimulators:\n"
-        "  arm: {faults: {out_of_step: true}}\n  gripper: {wire_faults: {exceptions: -1}}\n");
-  const Outcome broken = run("doctor --cell broken.yaml");
-  EXPECT_THAT(broken.err, ContainsRegex("FAIL  arm, RTDE: .*the stream broke [0-9]+ times"));
-  EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
+TEST_F(Commands, RunMovesNoRealArmUnlessToldTo) {
   write("lab.yaml", "arm: {address: 192.0.2.1}\n");
   expect_refusal("run --cell lab.yaml", 2, {"192.0.2.1", "--execute"});
 }

@@ -1,0 +1,99 @@
+// What `stonestack doctor` says of cells, well and ill.
+#include <signal.h>
+
+#include <chrono>
+#include <thread>
+
+#include "commands.hpp"
+#include "stonestack/core/clock.hpp"
+
+namespace stonestack {
+namespace {
+
+using ::testing::ContainsRegex;
+
+using DoctorCommand = Commands;
+
+TEST_F(DoctorCommand, NamesWhatIsWrong) {
+  const Outcome well = run("doctor --json");
+  EXPECT_EQ(well.code, 0) << well.err;
+  EXPECT_EQ(well.data()["findings"].size(), 7u);
+  EXPECT_THAT(well.err, HasSubstr("note  gripper, status: not activated"));
+  write("ill.yaml",
+        "simulate: true\nlayout: {T_T_C: {x: 0, y: 0.1, z: 0.17, qx: 0, qy: 0, qz: 0, qw: 1}}\n"
+        "simulators: {arm: {faults: {protective_stop_at: 0.0}}}\n");
+  const Outcome ill = run("doctor --cell ill.yaml");
+  EXPECT_EQ(ill.code, 6);
+  EXPECT_THAT(ill.err, HasSubstr("inverse"));
+  EXPECT_THAT(ill.err, HasSubstr("PROTECTIVE_STOP"));
+  // What else a user meets, two or three to a cell: each line names device, address and next step.
+  write("e_series.yaml",
+        "simulate: true\nsimulators:\n"
+        "  arm: {version: 5.12.2.1101534, faults: {local_mode: true, no_rtde: true}}\n"
+        "  camera: {faults: {repeated: -1}}\n"
+        "  gripper: {faults: {fault: 14}}\n");
+  const Outcome local = run("doctor --cell e_series.yaml");
+  EXPECT_EQ(local.code, 6);
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1.*local mode.*Remote Control"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, RTDE: .*127.0.0.1:30004.*security settings"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1:[0-9]+.*stale"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  gripper, status: .*activate"));
+  write("old_cb3.yaml",
+        "simulate: true\nsimulators:\n"
+        "  arm: {version: 3.8.0.61336, faults: {fieldbus_owns_lower_registers: true, no_dashboard: true}}\n"
+        "  force_torque: {faults: {silent: true}}\n"
+        "  camera: {faults: {no_frame: -1}}\n");
+  const Outcome owned = run("doctor --cell old_cb3.yaml");
+  EXPECT_EQ(owned.code, 6);
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, RTDE: .*input_int_register_0.*EtherNet/IP"));
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
+  EXPECT_THAT(owned.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
+  // What shows only when one listens for a while.
+  write("odd.yaml",
+        "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nforce_torque: {stale: "
+        "0.5}\nsimulators:\n"
+        "  arm: {faults: {speed_slider: 0, missing_fields: tcp_offset}}\n"
+        "  force_torque: {faults: {stuck: true}}\n");
+  const Outcome odd = run("doctor --cell odd.yaml");
+  EXPECT_THAT(odd.err, ContainsRegex("note  arm, RTDE: the speed slider stands at 0"));
+  EXPECT_THAT(odd.err, ContainsRegex("FAIL  force sensor, reading: .*repeats one reading"));
+  write("broken.yaml",
+        "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nsimulators:\n"
+        "  arm: {faults: {out_of_step: true}}\n  gripper: {wire_faults: {exceptions: -1}}\n");
+  const Outcome broken = run("doctor --cell broken.yaml");
+  EXPECT_THAT(broken.err, ContainsRegex("FAIL  arm, RTDE: .*the stream broke [0-9]+ times"));
+  EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
+}
+
+TEST_F(DoctorCommand, ExaminesWhatAnotherProcessServes) {
+  // The test's own process and address, so that tests may run beside each other.
+  const std::string address = concat("127.0.", ::getpid() / 250 % 250 + 1, ".", ::getpid() % 250 + 1);
+  write("cell.yaml",
+        concat("simulate: true\narm: {address: ", address,
+               ", rtde: {stale_after: 1.0}}\ngripper: {preset: tcp2018, address: ", address,
+               ", port: 15502}\nforce_torque: {link: ur_cap, address: ", address,
+               ", port: 63351}\ncamera: {driver: stream, stream: {address: ", address,
+               ", port: 30100}}\nsimulators:\n  arm: {address: ", address,
+               ", standard_ports: true, faults: {speed_slider: 0}}\n  gripper: {address: ", address,
+               ", port: 15502}\n  force_torque: {address: ", address,
+               ", port: 63351, command_port: 63350}\n  camera: {address: ", address, ", port: 30100}\n"));
+  const Outcome started = run(concat("--version > version; (", STONESTACK_BINARY,
+                                     " simulate --cell cell.yaml --seconds 120 > served 2>&1 & echo $!)"));
+  const Stopwatch watch;
+  while (read_file(folder_ + "/served", 1 << 16).find("serving until") == std::string::npos &&
+         watch.seconds() < 60)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  // A cell file of its own without the fault: what is found is what the other process does.
+  std::string text = read_file(folder_ + "/cell.yaml", 1 << 16);
+  const std::string fault = ", faults: {speed_slider: 0}";
+  write("mine.yaml", text.replace(text.find(fault), fault.size(), ""));
+  const Outcome seen = run("doctor --cell mine.yaml");
+  ::kill(std::stoi(started.out), SIGTERM);
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.err, HasSubstr("simulated by another process"));
+  EXPECT_THAT(seen.err, HasSubstr("note  arm, RTDE: the speed slider stands at 0"));
+}
+
+}  // namespace
+}  // namespace stonestack
