@@ -1,10 +1,25 @@
 #include "stonestack/kinematics/joints.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
+
+std::string malformed(const JointTrajectory& trajectory) {
+  const std::size_t knots = trajectory.time.size();
+  if (knots == 0 || trajectory.q.size() != knots || trajectory.qd.size() != knots)
+    return concat("a trajectory needs as many times as positions and velocities, got ", knots, ", ",
+                  trajectory.q.size(), ", ", trajectory.qd.size());
+  for (std::size_t k = 0; k < knots; ++k) {
+    if (!std::isfinite(trajectory.time[k]) || !trajectory.q[k].allFinite() || !trajectory.qd[k].allFinite())
+      return concat("knot ", k, " of the trajectory is not finite");
+    if (k == 0 ? trajectory.time[k] != 0 : trajectory.time[k] <= trajectory.time[k - 1])
+      return concat("times must start at 0 and rise, knot ", k, " is at ", trajectory.time[k], " s");
+  }
+  return {};
+}
 
 JointState sample(const JointTrajectory& trajectory, double t) {
   require(!trajectory.time.empty(), "cannot sample an empty trajectory");

@@ -107,20 +107,12 @@ void SimulatedArm::set_payload(double mass, const Eigen::Vector3d& p_F_com) {
 }
 
 std::string SimulatedArm::refusal(const JointTrajectory& trajectory) const {
-  const auto knots = trajectory.time.size();
   if (!stop_reason_.empty()) return "protective stop not unlocked: " + stop_reason_;
-  if (knots == 0 || trajectory.q.size() != knots || trajectory.qd.size() != knots)
-    return concat("a trajectory needs as many times as positions and velocities, got ", knots, ", ",
-                  trajectory.q.size(), ", ", trajectory.qd.size());
-  for (std::size_t k = 0; k < knots; ++k) {
-    if (!std::isfinite(trajectory.time[k]) || !trajectory.q[k].allFinite() || !trajectory.qd[k].allFinite())
-      return concat("knot ", k, " of the trajectory is not finite");
-    if (k == 0 ? trajectory.time[k] != 0 : trajectory.time[k] <= trajectory.time[k - 1])
-      return concat("times must start at 0 and rise, knot ", k, " is at ", trajectory.time[k], " s");
+  if (std::string fault = malformed(trajectory); !fault.empty()) return fault;
+  for (std::size_t k = 0; k < trajectory.q.size(); ++k)
     if (((trajectory.q[k] - robot_.upper).array() > 1e-6).any() ||
         ((robot_.lower - trajectory.q[k]).array() > 1e-6).any())
       return concat("knot ", k, " lies outside the joint limits: ", trajectory.q[k].transpose());
-  }
   const double gap = (trajectory.q.front() - q_).cwiseAbs().maxCoeff();
   if (gap > kStartTolerance)
     return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ", kStartTolerance,

@@ -1,5 +1,6 @@
 #include "stonestack/kinematics/joints.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +9,8 @@
 
 namespace stonestack {
 namespace {
+
+using ::testing::HasSubstr;
 
 /// Knots of the cubic q = 1 + 2 t - t^2 + 0.5 t^3 in every joint: Hermite pieces must give it back exactly.
 JointTrajectory cubic() {
@@ -41,6 +44,21 @@ TEST(Joints, SampleRefusesWhatIsNoTrajectory) {
   auto trajectory = cubic();
   trajectory.qd.pop_back();
   EXPECT_THROW((void)sample(trajectory, 0.0), InvalidArgument);
+}
+
+TEST(Joints, WhatIsMalformedIsNamed) {
+  EXPECT_EQ(malformed(cubic()), "");
+  EXPECT_THAT(malformed({}), HasSubstr("got 0, 0, 0"));
+  const auto fault = [](const auto& spoil) {
+    auto trajectory = cubic();
+    spoil(trajectory);
+    return malformed(trajectory);
+  };
+  EXPECT_THAT(fault([](auto& t) { t.q.pop_back(); }), HasSubstr("as many times as positions and velocities"));
+  EXPECT_THAT(fault([](auto& t) { t.q[1][3] = std::nan(""); }),
+              HasSubstr("knot 1 of the trajectory is not finite"));
+  EXPECT_THAT(fault([](auto& t) { t.time[0] = 0.1; }), HasSubstr("knot 0 is at 0.1 s"));
+  EXPECT_THAT(fault([](auto& t) { t.time[1] = t.time[0]; }), HasSubstr("knot 1 is at 0 s"));
 }
 
 }  // namespace

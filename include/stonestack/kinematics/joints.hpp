@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 namespace stonestack {
@@ -18,6 +19,10 @@ struct JointTrajectory {
 
   [[nodiscard]] double duration() const { return time.empty() ? 0.0 : time.back(); }
 };
+
+/// Why these numbers are no trajectory: lengths that differ, what is not finite, times that do not start at 0
+/// and rise. Empty: they are one.
+[[nodiscard]] std::string malformed(const JointTrajectory& trajectory);
 
 struct JointState {
   Joints q = Joints::Zero();

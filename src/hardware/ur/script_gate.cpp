@@ -8,20 +8,6 @@ namespace {
 
 constexpr double kLimitSlack = 1e-6;  // rad, of rounding
 
-std::string find_bad_knot(const JointTrajectory& trajectory) {
-  const std::size_t knots = trajectory.time.size();
-  if (knots == 0 || trajectory.q.size() != knots || trajectory.qd.size() != knots)
-    return concat("a trajectory needs as many times as positions and velocities, got ", knots, ", ",
-                  trajectory.q.size(), ", ", trajectory.qd.size());
-  for (std::size_t k = 0; k < knots; ++k) {
-    if (!std::isfinite(trajectory.time[k]) || !trajectory.q[k].allFinite() || !trajectory.qd[k].allFinite())
-      return concat("knot ", k, " of the trajectory is not finite");
-    if (k == 0 ? trajectory.time[k] != 0 : trajectory.time[k] <= trajectory.time[k - 1])
-      return concat("times must start at 0 and rise, knot ", k, " is at ", trajectory.time[k], " s");
-  }
-  return {};
-}
-
 std::string find_bad_step(const Joints& before, const Joints& now, double t, double dt,
                           const RobotModel& robot, double margin) {
   for (int j = 0; j < 6; ++j) {
@@ -40,7 +26,7 @@ std::string find_bad_step(const Joints& before, const Joints& now, double t, dou
 
 std::string find_fault(const JointTrajectory& trajectory, const Joints& q, const RobotModel& robot,
                        const ScriptContext& context) {
-  if (auto fault = find_bad_knot(trajectory); !fault.empty()) return fault;
+  if (auto fault = malformed(trajectory); !fault.empty()) return fault;
   const double gap = (trajectory.q.front() - q).cwiseAbs().maxCoeff();
   if (!(gap <= context.options.start_tolerance))
     return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ",

@@ -117,11 +117,9 @@ void follow_pieces(ScriptLines& out, const JointTrajectory& trajectory, bool gua
   out.add(1, "stopj(", to_script(out.options().stop_acceleration), ")");
 }
 
-void require_knots(const JointTrajectory& trajectory) {
-  const std::size_t knots = trajectory.time.size();
-  require(knots > 0 && trajectory.q.size() == knots && trajectory.qd.size() == knots,
-          "a trajectory needs as many times as positions and velocities, got ", knots, ", ",
-          trajectory.q.size(), ", ", trajectory.qd.size());
+void require_trajectory(const JointTrajectory& trajectory) {
+  const std::string fault = malformed(trajectory);
+  require(fault.empty(), fault);
 }
 
 }  // namespace
@@ -135,7 +133,7 @@ std::string script_name(int run) {
 }
 
 std::string write_trajectory(const JointTrajectory& trajectory, const ScriptContext& context) {
-  require_knots(trajectory);
+  require_trajectory(trajectory);
   ScriptLines out(context);
   begin(out);
   watch_heartbeat(out);
@@ -150,7 +148,7 @@ std::string write_trajectory(const JointTrajectory& trajectory, const ScriptCont
 
 std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& guard,
                           const ScriptContext& context) {
-  require_knots(trajectory);
+  require_trajectory(trajectory);
   require(guard.threshold > 0 && std::abs(guard.n_B_direction.norm() - 1) < 1e-6,
           "a guard needs a positive threshold and a unit direction, got ", guard.threshold, " N and length ",
           guard.n_B_direction.norm());
