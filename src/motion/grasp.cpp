@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "motion/finger_strips.hpp"
 #include "motion/grasp_wrench.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -13,7 +14,6 @@ namespace stonestack {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kNothing = -1e300;
 constexpr int kEqualiseRounds = 4;
 
 /// Directions spread evenly over the sphere (golden spiral).
@@ -38,92 +38,11 @@ struct Sampler {
   double palm_front = 0.0;  ///< m, z of the palm's front in T (negative)
 };
 
-/// What one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
-struct Strip {
-  static constexpr int kSlices = 160;
-  static constexpr double kPerMetre = 250.0;  ///< slices of 4 mm
-  double y = 0.0;                             ///< m, middle of the finger
-  double side = 1.0;                          ///< finger at +x or -x
-  std::array<double, kSlices> highest;
-
-  static int slice(double z) {
-    return std::clamp(static_cast<int>(z * kPerMetre + kSlices / 2), 0, kSlices - 1);
-  }
-  void add(double height, double z) {
-    double& h = highest[static_cast<std::size_t>(slice(z))];
-    h = std::max(h, height);
-  }
-  /// Highest point with z between about `low` and `high`; kNothing if there is none.
-  [[nodiscard]] double height(double low, double high) const {
-    double h = kNothing;
-    for (int i = slice(low + 0.5 / kPerMetre); i <= slice(high - 0.5 / kPerMetre); ++i)
-      h = std::max(h, highest[static_cast<std::size_t>(i)]);
-    return h;
-  }
-};
-
-/// The surface from the hand's side: points about the centre of mass in T's axes.
-struct View {
-  Eigen::Matrix3d R_O_T;
-  std::vector<Eigen::Vector3d> p_T;
-  double back = 0.0;  ///< m, z of the point nearest to the palm
-};
-
-View look(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
-  View view{R_O_T, std::vector<Eigen::Vector3d>(s.surface.size()), 0.0};
-  const Eigen::Matrix3d R_T_O = R_O_T.transpose();
-  for (std::size_t i = 0; i < view.p_T.size(); ++i) {
-    view.p_T[i] = R_T_O * (s.surface[i].point - s.stone.mass.p_O_M);
-    view.back = std::min(view.back, view.p_T[i].z());
-  }
-  return view;
+HandView seen_from(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
+  return view_from(s.surface, s.stone.mass.p_O_M, R_O_T);
 }
 
-/// What fingers A, B and C can meet with the hand shifted by `y`.
-std::array<Strip, 3> cut_strips(const Sampler& s, const View& view, double y) {
-  const double half_spacing = s.gripper.finger_spacing / 2, half_width = s.gripper.finger_width / 2;
-  std::array<Strip, 3> strips;
-  for (std::size_t f = 0; f < 3; ++f) {
-    strips[f].y = y + std::array{0.0, half_spacing, -half_spacing}[f];
-    strips[f].side = f == 0 ? 1.0 : -1.0;
-    strips[f].highest.fill(kNothing);
-    for (const Eigen::Vector3d& p : view.p_T)
-      if (std::abs(p.y() - strips[f].y) <= half_width) strips[f].add(strips[f].side * p.x(), p.z());
-  }
-  return strips;
-}
-
-/// Where the pad of one finger stops when the finger tips are at `tip`.
-double pad_height(const Sampler& s, const Strip& strip, double tip) {
-  return strip.height(tip - s.gripper.pad_length, tip);
-}
-
-/// What a pad touches, in O.
-struct Touch {
-  double height = kNothing;
-  Eigen::Vector3d p = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
-};
-
-Touch touched(const Sampler& s, const View& view, const Strip& strip, double tip) {
-  Touch touch;
-  touch.height = pad_height(s, strip, tip);
-  double area = 0.0;
-  for (std::size_t i = 0; i < view.p_T.size(); ++i) {
-    const Eigen::Vector3d& p = view.p_T[i];
-    if (std::abs(p.y() - strip.y) > s.gripper.finger_width / 2 || p.z() > tip ||
-        p.z() < tip - s.gripper.pad_length || strip.side * p.x() < touch.height - s.options.pad_softness)
-      continue;
-    touch.p += s.surface[i].area * s.surface[i].point;
-    touch.n += s.surface[i].area * s.surface[i].normal;
-    area += s.surface[i].area;
-  }
-  if (area <= 0.0 || touch.n.norm() < 1e-12) return {};
-  touch.p /= area;
-  touch.n.normalize();
-  return touch;
-}
-
-double score(const Sampler& s, const Grasp& grasp, const std::array<Touch, 3>& touch) {
+double score(const Sampler& s, const Grasp& grasp, const std::array<PadTouch, 3>& touch) {
   const Eigen::Vector3d x = grasp.T_O_T.linear().col(0);
   const double aligned =
       (touch[0].n.dot(x) - 0.5 * touch[1].n.dot(x) - 0.5 * touch[2].n.dot(x)) / 2;  // 1: all along x
@@ -136,7 +55,7 @@ double score(const Sampler& s, const Grasp& grasp, const std::array<Touch, 3>& t
 }
 
 /// The contacts have been found: is it a grasp? Adds it, or counts what refused it.
-void judge(Sampler& s, Grasp grasp, const std::array<Touch, 3>& touch) {
+void judge(Sampler& s, Grasp grasp, const std::array<PadTouch, 3>& touch) {
   for (std::size_t i = 0; i < 3; ++i) {
     grasp.p_O_contact[i] = touch[i].p;
     grasp.n_O_contact[i] = touch[i].n;
@@ -163,11 +82,12 @@ void judge(Sampler& s, Grasp grasp, const std::array<Touch, 3>& touch) {
 }
 
 /// One orientation, sideways shift and depth.
-void try_grasp(Sampler& s, const View& view, const std::array<Strip, 3>& strips, double y, double tip) {
+void try_grasp(Sampler& s, const HandView& view, const std::array<FingerStrip, 3>& strips, double y,
+               double tip) {
   ++s.set.tried;
   std::array<double, 3> height{};
-  for (std::size_t i = 0; i < 3; ++i) height[i] = pad_height(s, strips[i], tip);
-  if (std::min({height[0], height[1], height[2]}) == kNothing ||
+  for (std::size_t i = 0; i < 3; ++i) height[i] = pad_height(s.gripper, strips[i], tip);
+  if (std::min({height[0], height[1], height[2]}) == kNoStone ||
       std::abs(height[1] - height[2]) > s.options.unequal) {
     ++s.set.no_contact;
     return;
@@ -192,8 +112,9 @@ void try_grasp(Sampler& s, const View& view, const std::array<Strip, 3>& strips,
   }
   grasp.T_O_T.linear() = view.R_O_T;
   grasp.T_O_T.translation() = s.stone.mass.p_O_M + view.R_O_T * Eigen::Vector3d(0.5 * (left + right), y, tip);
-  std::array<Touch, 3> touch;
-  for (std::size_t i = 0; i < 3; ++i) touch[i] = touched(s, view, strips[i], tip);
+  std::array<PadTouch, 3> touch;
+  for (std::size_t i = 0; i < 3; ++i)
+    touch[i] = touched(s.gripper, s.surface, s.options.pad_softness, view, strips[i], tip);
   judge(s, grasp, touch);
 }
 
@@ -207,10 +128,10 @@ Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
   const double most = std::numbers::pi / s.options.yaws;
   double turned = 0.0;
   for (int round = 0; round < kEqualiseRounds; ++round) {
-    const std::array<Strip, 3> strips = cut_strips(s, look(s, R_O_T), 0.0);
+    const std::array<FingerStrip, 3> strips = cut_strips(s.gripper, seen_from(s, R_O_T), 0.0);
     const double tip = tip_depth(s.options, s.options.depths / 2);
-    const double b = pad_height(s, strips[1], tip), c = pad_height(s, strips[2], tip);
-    if (b == kNothing || c == kNothing) break;
+    const double b = pad_height(s.gripper, strips[1], tip), c = pad_height(s.gripper, strips[2], tip);
+    if (b == kNoStone || c == kNoStone) break;
     const double angle =
         std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -most, most) - turned;
     if (std::abs(angle) < 0.005) break;
@@ -222,11 +143,11 @@ Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
 
 /// All depths of one orientation, and sideways shifts where the middle gives nothing.
 void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
-  const View view = look(s, R_O_T);
+  const HandView view = seen_from(s, R_O_T);
   const std::size_t before = s.set.grasps.size();
   for (const double y : {0.0, -s.options.sideways, s.options.sideways}) {
     if (y != 0.0 && s.set.grasps.size() > before) break;
-    const std::array<Strip, 3> strips = cut_strips(s, view, y);
+    const std::array<FingerStrip, 3> strips = cut_strips(s.gripper, view, y);
     for (int d = 0; d < s.options.depths; ++d) try_grasp(s, view, strips, y, tip_depth(s.options, d));
   }
 }

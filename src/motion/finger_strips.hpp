@@ -1,0 +1,50 @@
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "stonestack/motion/grasp.hpp"
+
+/// Private to motion: what closing fingers meet of a stone's surface.
+namespace stonestack {
+
+inline constexpr double kNoStone = -1e300;  ///< m, a height where there is nothing
+
+/// The surface from the hand's side: points about the centre of mass in T's axes.
+struct HandView {
+  Eigen::Matrix3d R_O_T;
+  std::vector<Eigen::Vector3d> p_T;
+  double back = 0.0;  ///< m, z of the point nearest to the palm
+};
+[[nodiscard]] HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
+                                 const Eigen::Matrix3d& R_O_T);
+
+/// What one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
+struct FingerStrip {
+  static constexpr int kSlices = 160;
+  static constexpr double kPerMetre = 250.0;  ///< slices of 4 mm
+  double y = 0.0;                             ///< m, middle of the finger
+  double side = 1.0;                          ///< finger at +x or -x
+  std::array<double, kSlices> highest;
+
+  static int slice(double z);
+  void add(double height, double z);
+  /// Highest point with z between about `low` and `high`; kNoStone if there is none.
+  [[nodiscard]] double height(double low, double high) const;
+};
+/// What fingers A, B and C can meet with the hand shifted by `y`.
+[[nodiscard]] std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const HandView& view,
+                                                    double y);
+/// Where the pad of one finger stops when the finger tips are at `tip`.
+[[nodiscard]] double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip);
+
+/// What a pad touches, in O.
+struct PadTouch {
+  double height = kNoStone;
+  Eigen::Vector3d p = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
+};
+/// `softness` m: how far below the highest point the pad still touches. `view` is of that surface.
+[[nodiscard]] PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> surface,
+                               double softness, const HandView& view, const FingerStrip& strip, double tip);
+
+}  // namespace stonestack
