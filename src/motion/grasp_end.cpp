@@ -29,11 +29,12 @@ CollisionRules arm_rules(const MotionOptions& options, int object) {
 }
 
 /// The arm itself and its hand, which at a steep tilt comes near to the forearm, at openings up to the
-/// largest. What else stands there is not seen.
-std::vector<CollisionChecker> open_hand(const PlanningScene& scene) {
+/// largest. Objects are not seen; the table is, as near as the arm may come to it at a grasp.
+std::vector<CollisionChecker> open_hand(const PlanningScene& scene, const MotionOptions& options) {
   PlanningScene empty = scene;
   empty.objects.clear();
   CollisionRules rules;
+  rules.padding = options.approach_padding;
   rules.gripper_may_touch = {kTableObject};
   std::vector<CollisionChecker> checkers;
   const double largest = scene.gripper.largest_opening;
@@ -58,7 +59,7 @@ GraspEnd::GraspEnd(const PlanningScene& scene, const Stone& stone, int object, c
   for (Hand& hand : hands_) {
     PlanningScene spaced = scene;
     spaced.gripper = with_spacing(scene.gripper, hand.spacing);
-    hand.open = open_hand(spaced);
+    hand.open = open_hand(spaced, options);
   }
 }
 

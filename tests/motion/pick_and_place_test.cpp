@@ -258,6 +258,30 @@ TEST(GraspFinder, OpenFingersMayMeetTheForearmWhereClosedOnesDoNot) {
   }
 }
 
+TEST(GraspFinder, AtAGraspTheArmMayComeAsNearToTheTableAsOnAnApproach) {
+  Workplace cell;
+  cell.scene.objects.resize(1);  // the stone itself does not count
+  const GraspFinder finder(cell.scene, *cell.task.stone, cell.task.object, cell.task.T_W_O_pick);
+  const Grasp& grasp = finder.set().grasps.front();
+  PlanningScene alone = cell.scene;
+  alone.objects.clear();
+  alone.gripper = with_spacing(alone.gripper, grasp.spacing);
+  CollisionRules near, far;
+  near.padding = MotionOptions{}.approach_padding;
+  near.opening = far.opening = alone.gripper.largest_opening;
+  far.gripper_may_touch = {kTableObject};
+  const CollisionChecker approach(alone, near), transit(alone, far);
+  Random random(11);
+  int between = 0;
+  while (between < 3) {
+    Joints q;
+    for (int j = 0; j < 6; ++j) q[j] = random.uniform(-3.0, 3.0);
+    if (approach.collides(q) || !transit.collides(q)) continue;
+    ++between;
+    EXPECT_TRUE(finder.arm_is_free(0, q)) << q.transpose();
+  }
+}
+
 TEST(GraspFinder, WhatWillStandThereByThenIsNotMet) {
   const Workplace cell;
   const GraspFinder finder(cell.scene, *cell.task.stone, cell.task.object, cell.task.T_W_O_pick);
