@@ -58,9 +58,8 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   command->common.register_on(*sub);
   sub->footer(
-      "The protocols are the real ones, so other people's clients work unchanged: UR's RTDE client, "
-      "ur_rtde,\n"
-      "mbpoll. Everything listens on loopback. Faults are switches of the cell file, e.g.\n"
+      "The protocols are the real ones, for other people's clients, too; docs/clients.md says which were\n"
+      "tried, and how. Everything listens on loopback. Faults are switches of the cell file, e.g.\n"
       "simulators.arm.faults.protective_stop_at: 10.\n"
       "Examples:\n"
       "  stonestack simulate --cell simulated-ur10\n"
