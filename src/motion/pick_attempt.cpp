@@ -14,6 +14,7 @@ constexpr double kTransitSeconds = 0.5;         ///< s, effort for one transit o
 constexpr std::array kBlends{0.2, 0.08, 0.03};  ///< rad, corners cut, widest first
 constexpr double kRoundedStep = 0.03;           ///< rad; a chord leaves a parabola by less than 1 mrad
 constexpr std::array kLifts{1.0, 0.5};  ///< of MotionOptions::lift, where the arm has no room for more
+constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 HeldObject held_stone(const Stone& stone, const Grasp& grasp) {
   return {stone.name, stone.pieces, grasp.T_O_T.inverse()};
@@ -82,6 +83,7 @@ PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& tas
       options_(options),
       T_W_T_pick_(task.T_W_O_pick * grasp.T_O_T),
       T_W_T_place_(task.T_W_O_place * grasp.T_O_T),
+      opening_(grasp.pre_opening),
       open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
       open_wide_(scene_, rules(options.transit_padding, grasp.pre_opening, -1)),
       open_tight_(scene_, rules(options.approach_padding, grasp.pre_opening, -1)),
@@ -105,6 +107,28 @@ std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pos
   return std::nullopt;
 }
 
+std::optional<JointPath> PickAttempt::retreat(const Joints& q) const {
+  const auto back = [&](double share) -> std::optional<JointPath> {
+    auto path = straight(q, backed(T_W_T_place_, share * options_.approach));
+    return path && is_free(open_, *path) ? path : std::nullopt;
+  };
+  if (auto whole = back(1.0)) return whole;
+  std::optional<CollisionChecker> clear;
+  for (const double share : kShorterRetreats) {
+    auto path = back(share);
+    if (!path) continue;
+    if (!clear) clear.emplace(placed_alone(), rules(options_.transit_padding, opening_, -1));
+    if (!clear->collides(path->back())) return path;
+  }
+  return std::nullopt;
+}
+
+PlanningScene PickAttempt::placed_alone() const {
+  PlanningScene scene = scene_;
+  scene.objects = {{task_.stone->name, task_.stone->pieces, task_.T_W_O_place}};
+  return scene;
+}
+
 /// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
 WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
   const double zone = std::min(options_.contact_zone, options_.lift);
@@ -119,8 +143,8 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   if (!near || !is_free(open_, *near)) return WayFault::kLower;
   const auto high = raised_straight(near->back(), T_W_T_place_);
   if (!high) return WayFault::kLower;
-  const auto retreat = straight(q_place, backed(T_W_T_place_, options_.approach));
-  if (!retreat || !is_free(open_, *retreat)) return WayFault::kRetreat;
+  const auto back_out = retreat(q_place);
+  if (!back_out) return WayFault::kRetreat;
   // The guarded part starts at a way point of its own, so that it can be timed by itself.
   const auto start = straight(q_place, raised(T_W_T_place_, options_.descent_length));
   const auto past = straight(q_place, raised(T_W_T_place_, -options_.descent_past));
@@ -133,7 +157,7 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   way.lower = *lower;
   way.descent = joined(reversed(*start), *past);
   way.descent.front() = way.lower.back();
-  way.retreat = *retreat;
+  way.retreat = *back_out;
   return WayFault::kNone;
 }
 

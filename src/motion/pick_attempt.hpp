@@ -26,7 +26,7 @@ struct Way {
   Transit carry;       ///< to above the target
   JointPath lower;     ///< straight down to where the guarded part begins
   JointPath descent;   ///< guarded, through the target to `descent_past` below
-  JointPath retreat;   ///< from the target straight back
+  JointPath retreat;   ///< from the target straight back, as far as there is room
 };
 
 /// One grasp of one task: checkers made once, then tried with several inverse kinematic solutions.
@@ -45,6 +45,11 @@ class PickAttempt {
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
   /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
   [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
+  /// From the target straight back, or a part of that where the arm has no more room and the open hand is far
+  /// enough from the stone for a transit all the same.
+  [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
+  /// The stone at its target and nothing else.
+  [[nodiscard]] PlanningScene placed_alone() const;
   [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
   [[nodiscard]] std::optional<Transit> transit(const CollisionChecker& wide, const CollisionChecker& tight,
                                                const Joints& a, const Joints& b) const;
@@ -53,6 +58,7 @@ class PickAttempt {
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   Pose T_W_T_pick_, T_W_T_place_;
+  double opening_;               ///< m, of the hand before and after it holds the stone
   CollisionChecker open_;        ///< hand open, the stone not there: approach, retreat
   CollisionChecker open_wide_;   ///< hand open, the stone there: transit
   CollisionChecker open_tight_;  ///< the same with the padding of an approach

@@ -84,7 +84,7 @@ struct Hands {
   /// Opens and goes back out, so that the next look starts free.
   [[nodiscard]] ExecutionResult give_up(const PlanStep& step, const std::string& why) const {
     cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
-    const ExecutionResult back = retreat(step);
+    const ExecutionResult back = go_back(step, options.approach);
     if (back.status == Status::kStopped) return back;
     return {Status::kNotPicked, 0.0, why};
   }
@@ -156,9 +156,13 @@ struct Hands {
     cell.gripper.move(step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed, kFingerForce);
   }
 
-  /// Out of the hand's own direction, from where the arm really stands.
+  /// Out of the hand's own direction, from where the arm really stands, as far as the plan found room.
   [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const {
-    return go_back(step, options.approach);
+    const JointPath& way = step.trajectory.q;
+    if (way.empty()) return go_back(step, options.approach);
+    const Pose T_R_T_from = forward(scene.robot, way.front()) * scene.T_F_T;
+    const Pose T_R_T_to = forward(scene.robot, way.back()) * scene.T_F_T;
+    return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
   }
 
   [[nodiscard]] ExecutionResult clear_table(const PlanStep& step) const {

@@ -21,14 +21,16 @@ struct ScriptedArm : Arm {
   Joints q = home_joints();
   std::deque<Status> guarded;
   std::vector<std::string> told;
+  JointTrajectory followed;  ///< the last one
 
   ArmState state() override {
     ArmState state;
     state.q = q;
     return state;
   }
-  MotionResult follow(const JointTrajectory&) override {
+  MotionResult follow(const JointTrajectory& trajectory) override {
     told.push_back("follow");
+    followed = trajectory;
     return {Status::kDone, q, 0.0, ""};
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override {
@@ -162,6 +164,22 @@ TEST(Execute, WhatDoesNotHangInTheHandIsPutBack) {
   EXPECT_THAT(turned.reason, testing::HasSubstr("turned"));
   EXPECT_EQ(hang(1.0, p_F + R_W_F.transpose() * Eigen::Vector3d(0, 0, -0.03)).status,
             ExecutionResult::Status::kReleased);
+}
+
+TEST(Execute, RetreatsAsFarAsThePlanFoundRoom) {
+  Bench bench;
+  const auto tool = [&](const Joints& q) { return Pose(forward(bench.scene.robot, q) * bench.scene.T_F_T); };
+  const auto retreated = [&] {
+    (void)bench.run({Status::kNoContact, Status::kContact});
+    return (tool(bench.arm.followed.q.back()).translation() - tool(bench.arm.q).translation()).norm();
+  };
+  EXPECT_NEAR(retreated(), MotionOptions{}.approach, 1e-6) << "of a plan that does not say how far";
+  const Pose T_R_F_back = tool(bench.arm.q) * Eigen::Translation3d(0, 0, -0.05) * bench.scene.T_F_T.inverse();
+  JointTrajectory& planned = bench.plan.steps.back().trajectory;
+  planned.time = {0.0, 1.0};
+  planned.q = {bench.arm.q, inverse(bench.scene.robot, T_R_F_back, bench.arm.q).front().q};
+  planned.qd = {Joints::Zero(), Joints::Zero()};
+  EXPECT_NEAR(retreated(), 0.05, 1e-6);
 }
 
 TEST(Execute, NearTheTableTheHandGoesBackBeforeItOpensWide) {

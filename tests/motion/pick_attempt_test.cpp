@@ -1,0 +1,96 @@
+#include "motion/pick_attempt.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+
+namespace stonestack {
+namespace {
+
+/// A block that is set on a pedestal, and a board that hangs over it in the height `board`.
+struct UnderABoard {
+  Stone stone;
+  PlanningScene scene;
+  PickAndPlaceTask task;
+
+  UnderABoard(double stone_height, double board) {
+    stone.name = "block";
+    stone.scan = stone.mesh = make_box({0.10, 0.07, stone_height});
+    stone.pieces = {stone.scan};
+    stone.mass = mass_properties(stone.scan, 1500.0);
+    scene.robot = read_robot("ur10");
+    scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
+    task.T_W_O_pick = Pose(Eigen::Translation3d(0.70, -0.18, 0.5 * stone_height));
+    task.T_W_O_place = Pose(Eigen::Translation3d(0.70, 0.28, 0.08 + 0.5 * stone_height));
+    scene.objects = {
+        {"block", stone.pieces, task.T_W_O_pick},
+        {"pedestal", {make_box({0.05, 0.05, 0.08})}, Pose(Eigen::Translation3d(0.70, 0.28, 0.04))},
+        {"board", {make_box({0.4, 0.4, 0.02})}, Pose(Eigen::Translation3d(0.78, 0.28, board))}};
+    task.stone = &stone;
+    task.object = 0;
+    task.support = 1;
+    task.q_start << -0.8, -1.8, 1.8, -1.57, -1.57, 0.0;
+  }
+
+  [[nodiscard]] Pose tool(const Joints& q) const { return forward(scene.robot, q) * scene.T_F_T; }
+
+  /// A way with one of the grasps that point down, and how it ended.
+  struct Tried {
+    double opening = 0.0;  ///< m, of the open hand
+    double spacing = 0.0;
+    PickAttempt::Result result;
+  };
+  [[nodiscard]] std::vector<Tried> ways() const {
+    std::vector<Tried> all;
+    const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick);
+    for (const int index : finder.check(task.T_W_O_place).usable) {
+      const Grasp& grasp = finder.set().grasps[static_cast<std::size_t>(index)];
+      if ((task.T_W_O_place * grasp.T_O_T).linear()(2, 2) > -0.99) continue;
+      const auto joints = [&](const Pose& T_W_O) -> std::optional<Joints> {
+        const Pose T_R_F = scene.T_W_R.inverse() * T_W_O * grasp.T_O_T * scene.T_F_T.inverse();
+        for (const auto& s : inverse(scene.robot, T_R_F, task.q_start))
+          if (finder.arm_is_free(index, s.q)) return s.q;
+        return std::nullopt;
+      };
+      const auto pick = joints(task.T_W_O_pick), place = joints(task.T_W_O_place);
+      if (pick && place)
+        all.push_back({grasp.pre_opening, grasp.spacing,
+                       PickAttempt(scene, task, {}, grasp).try_joints(*pick, *place)});
+    }
+    return all;
+  }
+};
+
+TEST(PickAttempt, RetreatsLessUnderABoard) {
+  const UnderABoard open(0.07, 1.2), low(0.07, 0.60);
+  const double whole = MotionOptions{}.approach;
+  const auto length = [&](const UnderABoard& cell, const JointPath& retreat) {
+    return difference(cell.tool(retreat.front()), cell.tool(retreat.back())).translation;
+  };
+  for (const auto& [opening, spacing, tried] : open.ways()) {
+    if (tried.fault != WayFault::kNone) continue;
+    EXPECT_NEAR(length(open, tried.way.retreat), whole, 1e-6);
+  }
+
+  int shorter = 0, refused = 0;
+  for (const auto& [opening, spacing, tried] : low.ways()) {
+    refused += tried.fault == WayFault::kRetreat ? 1 : 0;
+    if (tried.fault != WayFault::kNone) continue;
+    EXPECT_GE(length(low, tried.way.retreat), 0.5 * whole - 1e-6);
+    if (length(low, tried.way.retreat) > whole - 1e-6) continue;
+    ++shorter;
+    PlanningScene placed = low.scene;  // and then the hand is as far from the stone as in a transit
+    placed.objects = {{"block", low.stone.pieces, low.task.T_W_O_place}};
+    placed.gripper = with_spacing(placed.gripper, spacing);
+    CollisionRules rules;
+    rules.opening = opening;
+    EXPECT_FALSE(CollisionChecker(placed, rules).collides(tried.way.retreat.back()));
+  }
+  EXPECT_GT(shorter, 0);
+  EXPECT_GT(refused, 0) << "of some grasps the hand would still be around the stone";
+}
+
+}  // namespace
+}  // namespace stonestack
