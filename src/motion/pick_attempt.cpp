@@ -4,6 +4,7 @@
 #include <array>
 
 #include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/room_below.hpp"
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/motion/transit.hpp"
 
@@ -84,6 +85,7 @@ PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& tas
       T_W_T_pick_(task.T_W_O_pick * grasp.T_O_T),
       T_W_T_place_(task.T_W_O_place * grasp.T_O_T),
       opening_(grasp.pre_opening),
+      holding_(grasp.opening),
       open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
       open_wide_(scene_, rules(options.transit_padding, grasp.pre_opening, -1)),
       open_tight_(scene_, rules(options.approach_padding, grasp.pre_opening, -1)),
@@ -105,6 +107,11 @@ std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pos
     if (auto path = straight(q, raised(T_W_T, share * options_.lift)); path && is_free(held_, *path))
       return path;
   return std::nullopt;
+}
+
+std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
+  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past, options_);
+  return straight(q, raised(T_W_T_place_, -room));
 }
 
 std::optional<JointPath> PickAttempt::retreat(const Joints& q) const {
@@ -147,8 +154,9 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   if (!back_out) return WayFault::kRetreat;
   // The guarded part starts at a way point of its own, so that it can be timed by itself.
   const auto start = straight(q_place, raised(T_W_T_place_, options_.descent_length));
-  const auto past = straight(q_place, raised(T_W_T_place_, -options_.descent_past));
-  if (!start || !past) return WayFault::kLower;
+  if (!start) return WayFault::kLower;
+  const auto past = descend_past(q_place);
+  if (!past) return WayFault::kLower;
   const auto lower = straight(high->back(), raised(T_W_T_place_, options_.descent_length));
   if (!lower) return WayFault::kLower;
 

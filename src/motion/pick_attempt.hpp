@@ -25,7 +25,7 @@ struct Way {
   JointPath lift;      ///< grasp, straight up
   Transit carry;       ///< to above the target
   JointPath lower;     ///< straight down to where the guarded part begins
-  JointPath descent;   ///< guarded, through the target to `descent_past` below
+  JointPath descent;   ///< guarded, through the target to `descent_past` below or where the hand has no room
   JointPath retreat;   ///< from the target straight back, as far as there is room
 };
 
@@ -45,6 +45,8 @@ class PickAttempt {
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
   /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
   [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
+  /// From the target on down, as far as a stone that has not touched is looked for with the hand clear.
+  [[nodiscard]] std::optional<JointPath> descend_past(const Joints& q) const;
   /// From the target straight back, or a part of that where the arm has no more room and the open hand is far
   /// enough from the stone for a transit all the same.
   [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
@@ -58,7 +60,7 @@ class PickAttempt {
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   Pose T_W_T_pick_, T_W_T_place_;
-  double opening_;               ///< m, of the hand before and after it holds the stone
+  double opening_, holding_;     ///< m, of the hand before and after it holds the stone, and meanwhile
   CollisionChecker open_;        ///< hand open, the stone not there: approach, retreat
   CollisionChecker open_wide_;   ///< hand open, the stone there: transit
   CollisionChecker open_tight_;  ///< the same with the padding of an approach

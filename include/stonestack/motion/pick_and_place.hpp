@@ -18,7 +18,8 @@ struct MotionOptions {
   double lift = 0.10;               ///< m
   double descent_speed = 0.005;     ///< m/s, guarded
   double descent_length = 0.020;    ///< m above the expected contact where the guarded part starts
-  double descent_past = 0.015;      ///< m past the expected contact where it gives up
+  double descent_past = 0.015;      ///< m past the expected contact where it gives up at the latest
+  double descent_padding = 0.001;   ///< m, hand and arm to objects, past the expected contact
   double transit_padding = 0.010;   ///< m
   double approach_padding = 0.002;  ///< m
   double contact_zone = 0.015;    ///< m: so near to where it lies or will lie, a held stone may touch others

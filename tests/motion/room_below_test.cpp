@@ -1,0 +1,54 @@
+#include "stonestack/motion/room_below.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/inverse.hpp"
+
+namespace stonestack {
+namespace {
+
+/// The hand points down with its finger tips 12 mm above a tower that is `width` wide, or above the table.
+struct OverATower {
+  PlanningScene scene;
+  Joints q;
+
+  explicit OverATower(double width, double height = 0.10) {
+    scene.robot = read_robot("ur10");
+    scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
+    if (height > 0)
+      scene.objects.push_back(
+          {"tower", {make_box({width, width, height})}, Pose(Eigen::Translation3d(0.70, 0.20, height / 2))});
+    const Pose T_W_T =
+        Eigen::Translation3d(0.70, 0.20, height + 0.012) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
+    Joints seed;
+    seed << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
+    q = inverse(scene.robot, scene.T_W_R.inverse() * T_W_T * scene.T_F_T.inverse(), seed).front().q;
+  }
+  [[nodiscard]] double room(double most = 0.015, double opening = 0.08) const {
+    return room_below(scene, q, opening, -1, most);
+  }
+};
+
+TEST(RoomBelow, EndsAboveWhatFingersWouldMeet) {
+  const OverATower wide(0.20);
+  const double clear = 0.012 - MotionOptions{}.descent_padding;
+  EXPECT_LE(wide.room(), clear);
+  EXPECT_GE(wide.room(), clear - 0.001);
+  EXPECT_EQ(wide.room(0.010), 0.010) << "no further than asked for";
+}
+
+TEST(RoomBelow, IsWholeWhereFingersPassBeside) {
+  const OverATower narrow(0.05);
+  EXPECT_EQ(narrow.room(), 0.015);
+  EXPECT_LT(narrow.room(0.015, 0.03), 0.013) << "closed further they come down on it";
+}
+
+TEST(RoomBelow, FingersMayFeelTheTable) {
+  const OverATower none(0.20, 0.0);
+  EXPECT_EQ(none.room(), 0.015);
+  EXPECT_THROW((void)none.room(-0.001), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace stonestack
