@@ -139,6 +139,15 @@ struct Hands {
     return give_up(lift, why);
   }
 
+  /// m, that the tool stands above where the step would have ended.
+  [[nodiscard]] double above_end(const PlanStep& step) const {
+    if (step.trajectory.q.empty()) return 0.0;
+    const auto p_W = [&](const Joints& q) -> Eigen::Vector3d {
+      return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+    };
+    return (p_W(cell.arm.state().q) - p_W(step.trajectory.q.back())).z();
+  }
+
   /// Down until the wrist feels something (paper §4.1: impact on the force-torque sensor). `touched` tells
   /// whether it did: above the guarded descent that means a stone that hangs otherwise than planned.
   [[nodiscard]] ExecutionResult feel_down(const PlanStep& step, bool* touched) const {
@@ -147,6 +156,9 @@ struct Hands {
     motion.threshold = step.threshold;
     const MotionResult moved = cell.arm.follow_guarded(motion);
     *touched = moved.status == MotionResult::Status::kContact;
+    if (journal != nullptr)
+      journal->record("touch", concat("{\"touched\": ", *touched ? "true" : "false", ", \"force\": ",
+                                      moved.force, ", \"above_end_m\": ", above_end(step), "}"));
     if (*touched || moved.status == MotionResult::Status::kNoContact)
       return {Status::kReleased, moved.force, ""};
     return {Status::kStopped, moved.force, step.name + ": " + moved.reason};

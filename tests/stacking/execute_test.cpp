@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <deque>
+#include <filesystem>
 
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -103,6 +105,25 @@ TEST(Execute, DescendsUntilItTouchesAndLetsGo) {
   EXPECT_EQ(done.reason, "");
   EXPECT_EQ(done.contact_force, 7.0);
   EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "descend", "open", "follow"));
+}
+
+TEST(Execute, WritesWhereItTouched) {
+  Bench bench;
+  const std::string path = testing::TempDir() + "touch.jsonl";
+  std::filesystem::remove(path);
+  Journal journal(path);
+  JointTrajectory& descent = bench.plan.steps[2].trajectory;  // to 15 mm below where the arm will stand
+  const Pose T_R_F = forward(bench.scene.robot, bench.arm.q);
+  const Pose T_R_F_low = Eigen::Translation3d(0, 0, -0.015) * T_R_F;
+  descent.time = {0.0, 1.0};
+  descent.q = {bench.arm.q, inverse(bench.scene.robot, T_R_F_low, bench.arm.q).front().q};
+  descent.qd = {Joints::Zero(), Joints::Zero()};
+  bench.arm.guarded = {Status::kNoContact, Status::kContact};
+  (void)execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, &journal);
+  const std::string text = read_file(path, 10000);
+  std::filesystem::remove(path);
+  EXPECT_THAT(text, testing::HasSubstr(R"("kind": "touch", "data": {"touched": false)"));
+  EXPECT_THAT(text, testing::HasSubstr(R"({"touched": true, "force": 7, "above_end_m": 0.015)"));
 }
 
 TEST(Execute, FingersAreSpacedBeforeTheHandOpens) {
