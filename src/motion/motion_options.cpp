@@ -12,7 +12,7 @@ FieldList fields(MotionOptions& o) {
           field("descent_speed", o.descent_speed, {0.0005, 0.05}, "m/s", "ours: 5 mm/s; bench descent"),
           field("descent_length", o.descent_length, {0.001, 0.1}, "m", "ours: the last 20 mm"),
           field("descent_past", o.descent_past, {0, 0.1}, "m", "ours: 15 mm past the target"),
-          field("descent_padding", o.descent_padding, {0, 0.1}, "m", "measured: bench descent"),
+          field("descent_padding", o.descent_padding, {0, 0.1}, "m", "ours: 1 mm"),
           field("transit_padding", o.transit_padding, {0, 0.1}, "m", "ours: 10 mm"),
           field("approach_padding", o.approach_padding, {0, 0.1}, "m", "ours: 2 mm"),
           field("contact_zone", o.contact_zone, {0, 0.1}, "m", "ours: the last 15 mm"),
