@@ -9,6 +9,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/collision.hpp"
+#include "stonestack/motion/room_below.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack::bench {
@@ -20,6 +21,8 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kHighest = 0.12;   // m, between stone and support while the hand moves aside
 constexpr double kGap = 0.0005;     // m: contact that is reported further away is a false trigger
 constexpr double kSlipped = 0.015;  // m, in the hand: then another stone is taken
+constexpr double kShoved = 0.005, kShovedTurn = 0.09;      // m, rad: more than a lift does (bench hold)
+constexpr double kSeenShift = 0.0007, kSeenTurn = 0.009;   // m, rad; one sigma an axis, as in bench hold
 constexpr double kLeastSpeed = 0.003, kMostSpeed = 0.007;  // m/s, the default is 0.005
 constexpr double kLook = 0.05;                             // s, along a descent
 constexpr double kPushed = 0.0001, kPushedTurn = 0.001;    // m, rad: a support that gave way was touched
@@ -58,6 +61,8 @@ bool DescentTrial::pick() {
   plan.steps.erase(lift + 1, plan.steps.end());
   if (execute(plan, stones_[0], scene, cell_, options_, nullptr).status != ExecutionResult::Status::kReleased)
     return false;
+  T_W_aside_ = simulated_.truth().T_W_O[1];
+  gripper_ = with_spacing(scene.gripper, plan.spacing);
   T_T_O_ = T_W_T().inverse() * simulated_.truth().T_W_O[0];
   return true;
 }
@@ -73,14 +78,21 @@ bool DescentTrial::descend(bool on_stone, DescentTally& tally) {
     simulated_.place(1, T_W_O);
     simulated_.wait(0.5);
     support = highest(stones_[1], simulated_.truth().T_W_O[1]);
+  } else {  // out of the way, where it was
+    simulated_.place(1, T_W_aside_);
+    simulated_.wait(0.5);
   }
   if (!go_above(at, support + kHighest)) return true;
   const double gap = random_.uniform(0.005, 0.030);
   if (!go_down(kHighest - gap)) return true;
   ++tally.descents;
+  ++descent_;
   tally.on_stone += on_stone ? 1 : 0;
   measure(gap + support, tally);
-  return go_up() && moved_in_hand().translation < kSlipped;
+  if (!go_up()) return false;
+  const PoseDifference moved = moved_in_hand();
+  shoved_ = shoved_ || moved.translation > kShoved || moved.angle > kShovedTurn;
+  return moved.translation < kSlipped;
 }
 
 std::optional<JointTrajectory> DescentTrial::straight(const Pose& T_W_T_goal, double speed) {
@@ -124,13 +136,15 @@ bool DescentTrial::go_down(double by) {
 }
 
 void DescentTrial::measure(double far, DescentTally& tally) {
-  Pose T = T_W_T();
-  T.translation().z() -= std::min(far, 0.060) + options_.descent_past;
-  GuardedMotion motion;
-  const auto way = straight(T, random_.uniform(kLeastSpeed, kMostSpeed));
-  if (!way) return void(--tally.descents);
-  DescentEnds& ends = hand_comes_first(*way) ? tally.hand_first : tally.planned;
+  const Pose T_W_T_start = T_W_T();
+  const auto down = [&](double by) { return Pose(Eigen::Translation3d(0, 0, -by) * T_W_T_start); };
+  const double whole = std::min(far, 0.060) + options_.descent_past, looked = room(whole);
+  const double speed = random_.uniform(kLeastSpeed, kMostSpeed);
+  const auto all = straight(down(whole), speed), way = straight(down(looked), speed);
+  if (!all || !way) return void(--tally.descents);
+  DescentEnds& ends = shoved_ ? tally.shoved : hand_comes_first(*all) ? tally.hand_first : tally.planned;
   ++ends.descents;
+  GuardedMotion motion;
   motion.trajectory = *way;
   motion.threshold = contact_threshold(stones_[0].mass.mass, options_);
   cell_.force_torque.zero();
@@ -142,21 +156,40 @@ void DescentTrial::measure(double far, DescentTally& tally) {
   for (int i = 0; i < 3; ++i) peak = std::max(peak, level_force() - rest);
   const PoseDifference pushed = difference(T_W_support, simulated_.truth().T_W_O[1]);
   const bool touches = touching() || pushed.translation > kPushed || pushed.angle > kPushedTurn;
-  if (result.status == Status::kNoContact) ++(touches ? ends.missed : ends.stopped);
+  const bool no_room = result.status == Status::kNoContact && looked < whole && peak < motion.threshold;
+  if (no_room) ++ends.no_room;
+  if (result.status == Status::kNoContact && !no_room) ++(touches ? ends.missed : ends.stopped);
   if (result.status == Status::kContact && !touches) ++ends.early;
   if (result.status != Status::kContact && result.status != Status::kNoContact) ++ends.stopped;
   if (peak > kForceMark) ++ends.hard;
   ends.peaks.push_back(peak);
-  const bool well = (result.status == Status::kContact) == touches && result.status <= Status::kNoContact;
-  if (!tally.list || (well && peak <= kForceMark)) return;
+  const bool well =
+      no_room || ((result.status == Status::kContact) == touches && result.status <= Status::kNoContact);
+  if (tally.list && (!well || peak > kForceMark))
+    print(tally, ends,
+          concat(result.reason, "; peak ", peak, " N; the stone touches", touches ? "" : " nothing"), before);
+}
+
+double DescentTrial::room(double most) {
+  PlanningScene believed = hand_and_support();
+  Pose& T_W_O = believed.objects.front().T_W_object;
+  for (int i = 0; i < 3; ++i) T_W_O.translation()[i] += belief_.normal(0.0, kSeenShift);
+  const Eigen::Vector3d turn(belief_.normal(0.0, kSeenTurn), belief_.normal(0.0, kSeenTurn),
+                             belief_.normal(0.0, kSeenTurn));
+  T_W_O.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * T_W_O.linear();
+  return room_below(believed, cell_.arm.state().q, cell_.gripper.state().opening, -1, most, options_);
+}
+
+void DescentTrial::print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,
+                         const PoseDifference& before) {
+  const char* kind = &ends == &tally.hand_first ? ", hand first" : &ends == &tally.shoved ? ", shoved" : "";
   const PoseDifference after = moved_in_hand();
   std::printf(
-      "  %.2f kg%s: %s; peak %.1f N; the stone %s; nearest to the hand: %s; in the hand it had moved %.1f "
-      "mm, %.1f deg, "
-      "and %.1f mm, %.1f deg afterwards\n",
-      stones_[0].mass.mass, &ends == &tally.hand_first ? ", hand first" : "", result.reason.c_str(), peak,
-      touches ? "touches" : "touches nothing", nearest_to_hand(result.q).c_str(), 1e3 * before.translation,
-      before.angle / kDegree, 1e3 * after.translation, after.angle / kDegree);
+      "  stone %d, descent %d, %.2f kg%s: %s; nearest to the hand: %s; in the hand it had moved %.1f mm, "
+      "%.1f deg, and %.1f mm, %.1f deg afterwards\n",
+      static_cast<int>(tally.stone), descent_, stones_[0].mass.mass, kind, end.c_str(),
+      nearest_to_hand(cell_.arm.state().q).c_str(), 1e3 * before.translation, before.angle / kDegree,
+      1e3 * after.translation, after.angle / kDegree);
   std::fflush(stdout);
 }
 
@@ -164,6 +197,7 @@ PlanningScene DescentTrial::hand_and_support() {
   PlanningScene scene;
   scene.robot = robot_;
   scene.T_F_T = layout_.T_F_T;
+  scene.gripper = gripper_;
   scene.objects.push_back({stones_[1].name, stones_[1].pieces, simulated_.truth().T_W_O[1]});
   return scene;
 }
