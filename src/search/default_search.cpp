@@ -124,7 +124,6 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
   const auto levels = static_cast<int>(plan.size());
   TowerSearch search(context, levels);
   const bool whole = search.follow(plan, &result->reason);
-  result->held = search.tree().expected_height(0);
   result->unreachable = search.unreachable();
   if (whole) {
     collect(context, search, levels, result);
@@ -132,6 +131,13 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
     if (!result->best.empty() && result->best.front().then.size() + 1 < plan.size()) result->best.clear();
     if (!result->best.empty()) result->reason.clear();
   }
+}
+
+double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan) {
+  TowerSearch search(context, static_cast<int>(plan.size()));
+  std::string reason;
+  static_cast<void>(search.follow(plan, &reason));
+  return search.tree().expected_height(0);
 }
 
 void default_search(const SearchContext& context, SearchResult* result) {

@@ -11,5 +11,7 @@ void default_search(const SearchContext& context, SearchResult* result);
 
 /// Settles and judges a plan and nothing else: its first placement, or the reason why it does not hold.
 void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result);
+/// The stones of a plan that are expected to stand, of as much of it as holds.
+[[nodiscard]] double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan);
 
 }  // namespace stonestack

@@ -74,4 +74,11 @@ SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedS
   return result;
 }
 
+double expected_height(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
+                       const SearchOptions& options) {
+  SearchResult unused;
+  const auto standing = let_stand(problem, options, &unused);
+  return standing ? expected_of_plan(make_context(*standing, options, {}), plan) : 0.0;
+}
+
 }  // namespace stonestack

@@ -103,7 +103,7 @@ double Builder::outlook(const SearchProblem& problem, const Placement& found, st
     if (k == level) return;
     SearchOptions other = search;
     other.friction = assumed[k];
-    expected[k] = follow_plan(here, plan, other).held;
+    expected[k] = expected_height(here, plan, other);
   });
   double sum = 0.0, weights = 0.0;
   for (std::size_t k = 0; k < assumed.size(); ++k) {

@@ -110,11 +110,10 @@ struct CandidateTrace {
 };
 
 struct SearchResult {
-  std::vector<Placement> best;  ///< best first, over all stones; several so that motion can refuse some
-  std::string reason;           ///< when `best` is empty: what stood in the way
-  long candidates = 0;          ///< poses evaluated
-  int unreachable = 0;          ///< proposals that the arm could not bring about
-  double held = 0.0;            ///< follow_plan: stones expected to stand, of as much of the plan as holds
+  std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
+  std::string reason;                 ///< when `best` is empty: what stood in the way
+  long candidates = 0;                ///< poses evaluated
+  int unreachable = 0;                ///< proposals that the arm could not bring about
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
   double seconds = 0.0;
 };
@@ -130,6 +129,11 @@ struct SearchResult {
 /// Nothing is searched: this costs a small part of a search. Throws as find_next_pose does.
 [[nodiscard]] SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                                        const SearchOptions& options = {});
+
+/// How many stones of a plan are expected to stand, of as much of it as holds; each counts as likely as all
+/// below it and itself are to succeed. Cheaper than follow_plan, and throws as it does.
+[[nodiscard]] double expected_height(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
+                                     const SearchOptions& options = {});
 
 /// Plans a tower of `levels` more stones as if each placement succeeded, and returns the highest that it
 /// found to stand, from the bottom up; `reason` tells what stood in the way of more. Throws as find_next_pose
