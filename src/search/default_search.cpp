@@ -33,34 +33,42 @@ std::vector<int> ranked_firsts(const TowerTree& tree, int levels, double frictio
   return order;
 }
 
-void collect(const SearchContext& context, TowerSearch& search, int levels, SearchResult* result) {
-  const SearchOptions& o = *context.options;
-  const auto wanted = static_cast<std::size_t>(o.alternatives);
-  // Not all were judged while the towers grew: enough are now, best first.
-  for (std::size_t judged = 0; judged < wanted && !context.out_of_time() && !interrupt_noted();) {
-    const std::vector<int> order = ranked_firsts(search.tree(), levels, o.friction);
-    std::vector<int> next;
-    judged = 0;
-    for (const int k : order) {
-      if (judged + next.size() == wanted) break;
-      if (search.tree().node(k).judged)
-        ++judged;
-      else
-        next.push_back(k);
-    }
-    if (next.empty()) break;
-    search.judge(next);
+/// Not all first placements were judged and predicted while the towers grew: the best `wanted` are now.
+void know_firsts(const SearchContext& context, TowerSearch& search, int levels, std::size_t wanted) {
+  const TowerTree& tree = search.tree();
+  while (!context.out_of_time() && !interrupt_noted()) {
+    std::vector<int> firsts = ranked_firsts(tree, levels, context.options->friction);
+    firsts.resize(std::min(firsts.size(), wanted));
+    if (std::all_of(firsts.begin(), firsts.end(), [&](int k) { return tree.node(k).predicted; })) return;
+    search.judge(firsts);
   }
-  std::vector<int> offered;
-  for (const int k : ranked_firsts(search.tree(), levels, o.friction))
-    if (search.tree().node(k).judged && offered.size() < wanted) offered.push_back(k);
-  search.judge_longer(offered);
-  for (const int k : ranked_firsts(search.tree(), levels, o.friction)) {
+}
+
+/// Looks closer at the first placement that is best, and at the way on from it, until it stays the best.
+void know_best(const SearchContext& context, TowerSearch& search, int levels) {
+  const TowerTree& tree = search.tree();
+  for (int looked_at = -1; !context.out_of_time() && !interrupt_noted();) {
+    const std::vector<int> firsts = ranked_firsts(tree, levels, context.options->friction);
+    if (firsts.empty() || !tree.node(firsts.front()).predicted) return;
+    const int best = firsts.front();
+    const std::vector<int> way = tree.best_way_from(best);
+    if (!search.predict_way(way.empty() ? best : way.back()) && best == looked_at) return;
+    looked_at = best;
+    search.predict(std::span<const int>(&looked_at, 1), true);
+  }
+}
+
+void collect(const SearchContext& context, TowerSearch& search, int levels, SearchResult* result) {
+  const auto wanted = static_cast<std::size_t>(context.options->alternatives);
+  const double friction = context.options->friction;
+  know_firsts(context, search, levels, wanted);
+  know_best(context, search, levels);
+  for (const int k : ranked_firsts(search.tree(), levels, friction)) {
     const TowerNode& node = search.tree().node(k);
-    if (!node.judged || result->best.size() == wanted) continue;
+    if (!node.predicted || result->best.size() == wanted) continue;
     Placement placement = node.trial.placement;
     placement.terms["plan_levels"] = search.tree().reach(k);
-    placement.terms["plan_chance"] = search.tree().chance(k, levels, o.friction);
+    placement.terms["plan_chance"] = search.tree().chance(k, levels, friction);
     placement.expected_height = search.tree().expected_height(k);
     for (const int above : search.tree().best_way_from(k)) {
       const TowerNode& next = search.tree().node(above);

@@ -42,8 +42,11 @@ std::vector<Placement> plan_whole(const SearchProblem& problem, int levels, cons
     *why = "interrupted";
   }
   std::vector<Placement> tower;
-  for (const int k : search.tree().way_to(search.best()))
+  const int top = search.best() > 0 ? search.best() : search.highest();
+  for (const int k : search.tree().way_to(top)) {
+    if (!search.tree().node(k).predicted) break;  // interrupted before that
     tower.push_back(search.tree().node(k).trial.placement);
+  }
   if (why->empty() && tower.size() < static_cast<std::size_t>(levels)) *why = search.reason();
   return tower;
 }

@@ -56,6 +56,12 @@ std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack
   return bodies;
 }
 
+std::vector<int> stones_of(const Stack& stack) {
+  std::vector<int> list;
+  for (const PlacedStone& placed : stack.stones) list.push_back(placed.stone);
+  return list;
+}
+
 std::vector<LooseStone> loose_stones(const SearchContext& context) {
   std::vector<LooseStone> list;
   for (const PlacedStone& placed : context.available) {

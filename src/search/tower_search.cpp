@@ -2,40 +2,15 @@
 
 #include <algorithm>
 
-#include "search/orientations.hpp"
 #include "search/parallel.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr int kProposalsPerStone = 16;
 constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead asks only sides that nearly lie flat
-constexpr int kTableYaws = 4;      ///< a first stone may be turned freely: variety for the arm
-constexpr std::size_t kAskedPerSettled = 3;  ///< reach is asked at most so many times for each wanted
-constexpr int kTurns = 4;                    ///< times `settled` proposals are kept for a tower
-constexpr double kCrowding = 0.1;            ///< of the friction: TowerTree::choose
-
-/// Takes the best `count` of what was proposed for a tower and not tried yet; no stone gets more than twice
-/// its share.
-std::vector<Trial> next_turn(TowerNode* node, int count) {
-  const int most = std::max(2, 2 * count / std::max(1, static_cast<int>(node->left.size())));
-  std::map<int, int> of_stone;
-  std::vector<Trial> turn, rest;
-  for (Trial& trial : node->spare) {
-    const bool taken = static_cast<int>(turn.size()) < count && of_stone[trial.stone] < most;
-    if (taken) ++of_stone[trial.stone];
-    (taken ? turn : rest).push_back(std::move(trial));
-  }
-  node->spare = std::move(rest);
-  return turn;
-}
-
-std::vector<int> used_stones(const Stack& stack) {
-  std::vector<int> used;
-  for (const PlacedStone& placed : stack.stones) used.push_back(placed.stone);
-  return used;
-}
+constexpr int kCloser = 4;         ///< times the perturbations, where the first of them disagree
+constexpr double kCrowding = 0.1;  ///< of the friction: TowerTree::choose
 
 }  // namespace
 
@@ -97,14 +72,20 @@ int TowerSearch::climb(int node, const PlacedStone& next, std::string* reason) {
 }
 
 bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason) {
-  int top = 0;
-  for (const PlacedStone& next : plan) {
-    top = climb(top, next, reason);
-    if (top < 0) return false;
+  int top = 0, higher = 0;
+  for (auto next = plan.begin(); next != plan.end() && higher >= 0; ++next) {
+    higher = climb(top, *next, reason);
+    if (higher >= 0) top = higher;
   }
+  predict(tree_.way_to(top));
+  if (top == 0 || higher < 0) return false;
   best_ = top;
+  for (const int k : tree_.way_to(top)) {
+    *reason = tree_.node(k).trial.outcome;
+    if (!tree_.node(k).trial.alive) return false;
+  }
   *reason = "it falls too often";  // if a closer look should say so
-  return top > 0;
+  return true;
 }
 
 bool TowerSearch::finish_way_up() {
@@ -115,12 +96,14 @@ bool TowerSearch::finish_way_up() {
     if (higher < 0) break;
     top = higher;
     tree_.set_grown(top);
-    note_best(std::span<const int>(&top, 1));
   }
   const int level = tree_.node(top).level;
-  if (top == 0 || level == levels_) return top > 0;
-  grow(std::span<const int>(&top, 1));
-  round(static_cast<std::size_t>(context_.options->beam), level + 1);
+  if (top > 0 && level < levels_) {
+    grow(std::span<const int>(&top, 1));
+    round(static_cast<std::size_t>(context_.options->beam), level + 1);
+  }
+  find_best();
+  if (best_ == 0 || level == levels_) return best_ > 0;
   context_.say(concat("from the way found before: the highest of ", tree_.node(best_).level, " of ", levels_,
                       " stones"));
   return tree_.node(best_).level == levels_;
@@ -141,9 +124,9 @@ void TowerSearch::round(std::size_t width, int first) {
           tree_.set_grown(k);
         }
     }
-    note_best(ready);
     if (level < levels_) grow(ready);
   }
+  find_best();
 }
 
 void TowerSearch::judge(std::span<const int> nodes) {
@@ -154,95 +137,68 @@ void TowerSearch::judge(std::span<const int> nodes) {
     node.judged = true;
   });
   drop_fallen(nodes);
+  std::vector<int> firsts;
+  for (const int k : nodes)
+    if (tree_.node(k).parent == 0) firsts.push_back(k);
+  predict(firsts);
 }
 
-void TowerSearch::judge_longer(std::span<const int> nodes) {
-  run_tasks(context_.options->threads, nodes.size(), [&](std::size_t k) {
-    TowerNode& node = tree_.node(nodes[k]);
-    if (node.judged) stonestack::judge_longer(context_, tree_.node(node.parent).stack, &node.trial);
-  });
-  drop_fallen(nodes);
+void TowerSearch::predict(std::span<const int> nodes, bool closely) {
+  const SearchOptions& o = *context_.options;
+  std::vector<int> tried;
+  std::vector<Candidate> candidates;
+  for (const int k : nodes) {
+    TowerNode& node = tree_.node(k);
+    const bool sure = node.predicted && node.trial.placement.predicted_success >= 1.0;
+    if (!node.judged || !node.trial.alive || (closely ? sure : node.predicted)) continue;
+    tried.push_back(k);
+    candidates.push_back({&tree_.node(node.parent).stack, &node.trial});
+  }
+  stonestack::predict(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
+  for (const int k : tried) tree_.node(k).predicted = true;
+  drop_fallen(tried);
+}
+
+bool TowerSearch::predict_way(int node) {
+  std::vector<int> unknown;
+  for (const int k : tree_.way_to(node))
+    if (!tree_.node(k).predicted) unknown.push_back(k);
+  predict(unknown);
+  return !unknown.empty();
 }
 
 void TowerSearch::drop_fallen(std::span<const int> nodes) {
-  for (const int k : nodes)
-    if (!tree_.node(k).trial.alive) dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});
+  for (const int k : nodes) {
+    if (tree_.node(k).trial.alive) continue;
+    dropped_.push_back({tree_.node(k).level, tree_.node(k).trial});
+    for (const int above : tree_.subtree(k)) {
+      TowerNode& node = tree_.node(above);
+      node.trial.alive = false;
+      node.trial.outcome = "stands on a stone that was dropped";
+      dropped_.push_back({node.level, node.trial});
+    }
+  }
 }
 
-void TowerSearch::note_best(std::span<const int> nodes) {
+int TowerSearch::highest() const {
   const auto worth = [&](int k) {
     double chance = 1.0;
-    for (const int at : tree_.way_to(k)) chance *= tree_.node(at).trial.placement.predicted_success;
+    for (const int at : tree_.way_to(k)) chance *= tree_.success(at);
     const double reserve = std::min(tree_.node(k).trial.margin / context_.options->friction, 1.0);
     return std::pair(tree_.node(k).level, chance * (0.5 + 0.5 * reserve));
   };
-  for (const int k : nodes)
-    if (best_ == 0 || worth(k) > worth(best_)) best_ = k;
+  int best = 0;
+  for (int k = 1; k < tree_.size(); ++k)
+    if (tree_.node(k).judged && tree_.node(k).trial.alive && (best == 0 || worth(k) > worth(best))) best = k;
+  return best;
 }
 
-bool TowerSearch::accepts(const Proposal& proposal, const Stack& below, Trial* trial) {
-  const auto& reachable = context_.problem->reachable;
-  const int yaws = below.stones.empty() && reachable ? kTableYaws : 1;
-  for (int yaw = 0; yaw < yaws; ++yaw) {
-    BodyPose body = proposal.body;
-    body.R_W_O = yaw_rotation(6.283185307179586 * yaw / yaws) * body.R_W_O;
-    trial->T_W_O = stone_pose(body);
-    if (!reachable || reachable(proposal.stone, trial->T_W_O, below)) return true;
-    ++unreachable_;
-  }
-  return false;
-}
-
-std::vector<Trial> TowerSearch::offers(int k) {
-  survey();
-  const SearchOptions& o = *context_.options;
-  const TowerNode& node = tree_.node(k);
-  const std::vector<BodyPose> bodies = bodies_of(context_, node.stack);
-  std::vector<LooseStone> stones;
-  for (const LooseStone& stone : loose_)
-    if (std::any_of(node.left.begin(), node.left.end(),
-                    [&](const auto& s) { return s.stone == stone.stone; }))
-      stones.push_back(stone);
-  std::vector<Proposal> proposals =
-      propose(bodies, stones, context_.problem->site, kProposalsPerStone, o, &candidates_);
-  const std::vector<int> used = used_stones(node.stack);
-  std::vector<long> counts(proposals.size(), 0);
-  run_tasks(o.threads, proposals.size(), [&](std::size_t p) {
-    Proposal& proposal = proposals[p];
-    std::vector<BodyPose> higher = bodies;
-    higher.push_back(proposal.body);
-    std::vector<int> gone = used;
-    gone.push_back(proposal.stone);
-    if (stones.size() > 1)
-      proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
-    // On the table every estimate is the friction: the margin tells the stones apart.
-    const double base = bodies.empty() ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
-                                       : proposal.robust;
-    proposal.score = std::min(base, o.friction) + proposal.look_ahead;
-  });
-  for (const long count : counts) candidates_ += count;
-  std::stable_sort(proposals.begin(), proposals.end(),
-                   [](const Proposal& p, const Proposal& q) { return p.score > q.score; });
-  return reachable_trials(proposals, node.stack);
-}
-
-/// In turns of `settled`, of which no stone gets more than twice its share.
-std::vector<Trial> TowerSearch::reachable_trials(const std::vector<Proposal>& proposals, const Stack& below) {
-  const auto wanted = static_cast<std::size_t>(kTurns * context_.options->settled);
-  std::vector<Trial> trials;
-  std::size_t asked = 0;
-  for (const Proposal& proposal : proposals) {
-    if (trials.size() == wanted || asked == kAskedPerSettled * wanted) break;
-    throw_if_interrupted();
-    ++asked;
-    Trial trial;
-    if (!accepts(proposal, below, &trial)) continue;
-    trial.stone = proposal.stone;
-    trial.estimate = proposal.robust;
-    trial.look_ahead = proposal.look_ahead;
-    trials.push_back(std::move(trial));
-  }
-  return trials;
+/// What was not tried in displaced worlds may be taken for better than it is: of finished towers ways are
+/// predicted until the best is known, of others the best alone.
+void TowerSearch::find_best() {
+  do {
+    best_ = highest();
+  } while (predict_way(best_) && (tree_.node(best_).level == levels_ || !tree_.node(best_).trial.alive));
 }
 
 void TowerSearch::grow(std::span<const int> nodes) {
@@ -251,7 +207,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
   for (const int k : nodes) {
     if (context_.out_of_time()) break;
     TowerNode& node = tree_.node(k);
-    if (node.grown == 1) node.spare = offers(k);
+    if (node.grown == 1) node.spare = proposals(k);
     for (Trial& trial : next_turn(&node, o.settled)) made.push_back({k, std::move(trial)});
   }
   std::vector<long> counts(made.size(), 0);
@@ -263,7 +219,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
     std::vector<BodyPose> bodies = bodies_of(context_, below.stack);
     bodies.push_back(
         body_pose(context_.geometry[static_cast<std::size_t>(trial.stone)], trial.placement.T_W_O));
-    std::vector<int> used = used_stones(below.stack);
+    std::vector<int> used = stones_of(below.stack);
     used.push_back(trial.stone);
     trial.look_ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull, &counts[k]);
     trial.placement.terms["look_ahead"] = trial.look_ahead;

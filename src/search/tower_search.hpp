@@ -22,13 +22,20 @@ class TowerSearch {
   /// told why not.
   [[nodiscard]] bool follow(std::span<const PlacedStone> plan, std::string* reason);
   [[nodiscard]] const TowerTree& tree() const { return tree_; }
-  /// The judged node whose tower is highest and, of those, most likely to stand; 0 for none.
+  /// The node whose tower is highest and, of those, most likely to stand, after the last whole round; 0 for
+  /// none. It and all below it are predicted.
   [[nodiscard]] int best() const { return best_; }
-  /// Judges nodes (all at once) that are not judged yet; some die.
+  /// The same by what is known now, predicted or not.
+  [[nodiscard]] int highest() const;
+  /// Judges nodes (all at once) that are not judged yet; some die. First placements are predicted, too: they
+  /// are what a search that is cut short returns.
   void judge(std::span<const int> nodes);
-  /// Looks closer at those that were judged and do not always stand: eight perturbations tell a chance from a
-  /// half by luck. Some die.
-  void judge_longer(std::span<const int> nodes);
+  /// Tries those that were judged, but not predicted yet, in displaced worlds; some die. `closely`: in four
+  /// times as many those that do not always stand, for eight tell a chance from a half by luck (bench
+  /// calibration: what they believe to stand in a quarter of the cases stands in half of them).
+  void predict(std::span<const int> nodes, bool closely = false);
+  /// Predicts a node and all below it; false if that was done before.
+  bool predict_way(int node);
 
   [[nodiscard]] long candidates() const { return candidates_; }
   [[nodiscard]] int unreachable() const { return unreachable_; }
@@ -51,8 +58,9 @@ class TowerSearch {
   /// What the loose stones offer: made once, when something is searched at all.
   void survey();
   void grow(std::span<const int> nodes);
-  [[nodiscard]] std::vector<Trial> reachable_trials(const std::vector<Proposal>& proposals,
-                                                    const Stack& below);
+  /// Proposals for the next stone on a node's tower, best first, not asked of the arm.
+  [[nodiscard]] std::vector<Proposal> proposals(int node);
+  [[nodiscard]] std::vector<Trial> next_turn(TowerNode* node, int count);
   [[nodiscard]] bool accepts(const Proposal& proposal, const Stack& below, Trial* trial);
   /// Settles and judges a placement on a node's tower; the new node, or -1 with the reason.
   [[nodiscard]] int climb(int node, const PlacedStone& next, std::string* reason);
@@ -60,9 +68,9 @@ class TowerSearch {
   [[nodiscard]] bool finish_way_up();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);
-  /// Remembers those that died, for the trace and the reason.
+  void find_best();
+  /// Remembers those that died and what stands on them, for the trace and the reason.
   void drop_fallen(std::span<const int> nodes);
-  void note_best(std::span<const int> nodes);
 
   const SearchContext& context_;
   int levels_;

@@ -12,6 +12,10 @@ constexpr double kPlanHolds = 0.5;
 /// Steps that a tower loses each time it is grown: what was tried of it was the best.
 constexpr double kAgain = 3.0;
 
+/// Success of what was not tried in displaced worlds. Nearer to 1, and more ways would be tried before the
+/// best is known (docs/measurements.md, Search).
+constexpr double kUntried = 0.9;
+
 /// g and stones: a reserve beyond it is not worth a stone that may fall.
 constexpr double kReserve = 0.1;
 
@@ -89,6 +93,22 @@ std::vector<int> TowerTree::children(int k) const {
   return list;
 }
 
+std::vector<int> TowerTree::subtree(int k) const {
+  std::vector<int> above;
+  std::vector<bool> in(nodes_.size(), false);
+  in[static_cast<std::size_t>(k)] = true;
+  for (int c = k + 1; c < size(); ++c) {  // children come after their parents
+    if (!in[static_cast<std::size_t>(node(c).parent)]) continue;
+    in[static_cast<std::size_t>(c)] = true;
+    above.push_back(c);
+  }
+  return above;
+}
+
+double TowerTree::success(int k) const {
+  return node(k).predicted ? node(k).trial.placement.predicted_success : kUntried;
+}
+
 std::vector<int> TowerTree::way_to(int k) const {
   std::vector<int> way;
   for (; k > 0; k = node(k).parent) way.push_back(k);
@@ -102,7 +122,7 @@ double TowerTree::chance(int k, int levels, double friction) const {
   double own = 1.0;
   if (k > 0) {
     own = 0.5 + 0.5 * std::clamp(at.trial.margin / friction, 0.0, 1.0);
-    if (at.judged) own *= at.trial.placement.predicted_success;
+    own *= success(k);
   }
   if (at.level >= levels) return own;
   if (at.grown == 0) {
@@ -119,7 +139,7 @@ double TowerTree::expected_height(int k) const {
   if (!at.trial.alive || !at.judged) return 0.0;
   double most = 0.0;
   for (const int c : children(k)) most = std::max(most, expected_height(c));
-  return k == 0 ? most : at.trial.placement.predicted_success * (1.0 + most);
+  return k == 0 ? most : success(k) * (1.0 + most);
 }
 
 std::vector<int> TowerTree::best_way_from(int k) const {

@@ -10,11 +10,12 @@ struct TowerNode {
   Trial trial;      ///< of the last stone
   Stack stack;      ///< with that stone
   std::vector<PlacedStone> left;
-  double promise = 0.0;  ///< g: reserve and prospects
-  bool judged = false;   ///< by simulation of the whole stack and of displaced placements
-  int grown = 0;         ///< times that it got children
+  double promise = 0.0;    ///< g: reserve and prospects
+  bool judged = false;     ///< by simulation of the whole stack
+  bool predicted = false;  ///< tried in displaced worlds
+  int grown = 0;           ///< times that it got children
   int grown_children = 0;
-  std::vector<Trial> spare;  ///< proposals for the next stone that were not tried yet
+  std::vector<Proposal> spare;  ///< proposals for the next stone that were not tried yet
 };
 
 /// Towers grown stone by stone. Keeps every node, so that a search may come back to what it left aside.
@@ -37,6 +38,10 @@ class TowerTree {
   [[nodiscard]] std::vector<int> choose(int level, std::size_t count, double step) const;
   /// Children of a node, in the order of their making.
   [[nodiscard]] std::vector<int> children(int k) const;
+  /// All nodes above a node, parents first.
+  [[nodiscard]] std::vector<int> subtree(int k) const;
+  /// Predicted success of a node's last stone, or what is usual where it was not tried in displaced worlds.
+  [[nodiscard]] double success(int k) const;
   /// From the first stone put to this node's.
   [[nodiscard]] std::vector<int> way_to(int k) const;
   /// Chance that a node's tower can be finished at `levels`, as far as the tree tells: its own success times

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/parallel.hpp"
 #include "search/pose_cost.hpp"
 #include "search/resting_height.hpp"
 #include "stonestack/core/error.hpp"
@@ -14,8 +15,9 @@ namespace {
 
 constexpr double kDrop = 0.001;        ///< m above the first touch
 constexpr double kNearlyStill = 1e-6;  ///< m in 0.1 s: 2 % of what a stone may move in displaced worlds
-constexpr int kLonger = 4;             ///< times the perturbations, where the first of them disagree
-constexpr const char* kFallsTooOften = "falls too often when placed with the expected error";
+
+/// How a placement fares where it is displaced and centres of mass are not where they seem.
+enum class Fate { kStands, kFalls, kTellsNothing };
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
   Stack higher = stack;
@@ -100,31 +102,15 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
   return verdict.stands && verdict.clean;
 }
 
-bool survives(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
+/// A world in which the stack falls without the new stone tells nothing about this placement: the stack
+/// stands already, or whether it will was counted against the stone before.
+Fate try_world(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
   const SettleResult at_rest =
       let_down(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
                com_error(context, trial.stone, k));
-  return at_rest.rests && stands(context, with(below, trial.stone, at_rest.T_W_O), k);
-}
-
-/// Tries worlds `first` to `last`. A world in which the stack falls without the new stone tells nothing about
-/// this placement: the stack stands already, or whether it will was counted against the stone before. Ends
-/// early when `least_success` of `last` cannot be reached any more.
-void try_worlds(const SearchContext& context, const Stack& below, int first, int last, Trial* trial) {
-  const SearchOptions& o = *context.options;
-  for (int k = first; k < last; ++k) {
-    if (survives(context, below, *trial, k))
-      ++trial->survived;
-    else if (o.com_sigma > 0.0 && !below.stones.empty() && !stands(context, below, k))
-      continue;
-    ++trial->tried;
-    const int left = last - 1 - k;
-    if (trial->survived + left < o.least_success * (trial->tried + left)) break;
-  }
-  Placement& placement = trial->placement;
-  placement.predicted_success =
-      trial->tried > 0 ? static_cast<double>(trial->survived) / trial->tried : (last > 0 ? 0.0 : 1.0);
-  placement.expected_height = placement.predicted_success;
+  if (at_rest.rests && stands(context, with(below, trial.stone, at_rest.T_W_O), k)) return Fate::kStands;
+  const bool com_may_err = context.options->com_sigma > 0.0 && !below.stones.empty();
+  return com_may_err && !stands(context, below, k) ? Fate::kTellsNothing : Fate::kFalls;
 }
 
 void drop(Trial* trial, const std::string& why) {
@@ -162,15 +148,36 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
       judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);
   if (!verdict.stands || !verdict.clean)
     return drop(trial, "the stack does not stand for the time of the verdict");
-  try_worlds(context, below, 0, o.perturbations, trial);
-  if (trial->placement.predicted_success < o.least_success) drop(trial, kFallsTooOften);
 }
 
-void judge_longer(const SearchContext& context, const Stack& below, Trial* trial) {
-  const SearchOptions& o = *context.options;
-  if (!trial->alive || trial->placement.predicted_success >= 1.0 || o.perturbations == 0) return;
-  try_worlds(context, below, o.perturbations, kLonger * o.perturbations, trial);
-  if (trial->placement.predicted_success < o.least_success) drop(trial, kFallsTooOften);
+void predict(const SearchContext& context, std::span<const Candidate> candidates, int worlds) {
+  struct Task {
+    std::size_t candidate;
+    int world;
+  };
+  std::vector<Task> tasks;
+  for (std::size_t c = 0; c < candidates.size(); ++c)
+    for (int k = candidates[c].trial->worlds; k < worlds; ++k) tasks.push_back({c, k});
+  std::vector<Fate> outcomes(tasks.size());
+  run_tasks(context.options->threads, tasks.size(), [&](std::size_t t) {
+    const Candidate& candidate = candidates[tasks[t].candidate];
+    outcomes[t] = try_world(context, *candidate.below, *candidate.trial, tasks[t].world);
+  });
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    Trial& trial = *candidates[tasks[t].candidate].trial;
+    trial.tried += outcomes[t] != Fate::kTellsNothing ? 1 : 0;
+    trial.survived += outcomes[t] == Fate::kStands ? 1 : 0;
+  }
+  for (const Candidate& candidate : candidates) {
+    Trial& trial = *candidate.trial;
+    Placement& placement = trial.placement;
+    trial.worlds = std::max(trial.worlds, worlds);
+    placement.predicted_success =
+        trial.tried > 0 ? static_cast<double>(trial.survived) / trial.tried : (worlds > 0 ? 0.0 : 1.0);
+    placement.expected_height = placement.predicted_success;
+    if (placement.predicted_success < context.options->least_success)
+      drop(&trial, "falls too often when placed with the expected error");
+  }
 }
 
 double worth(const SearchContext& context, const Trial& trial) {

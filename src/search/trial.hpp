@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "search/search_context.hpp"
 
 namespace stonestack {
@@ -15,8 +17,9 @@ struct Trial {
   Placement placement;  ///< with the pose at rest
   double margin = 0.0;  ///< g, of the whole stack by equilibrium
   double score = 0.0;   ///< what to verify first: margin and look-ahead
-  int tried = 0;        ///< worlds with displaced placements and centres of mass,
-  int survived = 0;     ///< of which it stood in so many
+  int worlds = 0;       ///< with displaced placements and centres of mass that it was tried in;
+  int tried = 0;        ///< of these tell something,
+  int survived = 0;     ///< and in so many it stood
 };
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole: fills the
@@ -24,13 +27,18 @@ struct Trial {
 /// `least_margin`.
 void settle_trial(const SearchContext& context, const Stack& below, Trial* trial);
 
-/// Judges the whole stack with every stone dynamic, then k placements displaced by the placement uncertainty;
-/// fills `predicted_success`. Every trial sees the same k displacements.
+/// Judges the whole stack with every stone dynamic; drops the trial if it does not stand.
 void judge_trial(const SearchContext& context, const Stack& below, Trial* trial);
 
-/// Four times as many displacements for a judged trial that did not survive all: with eight, what is believed
-/// to stand in a quarter of the cases stands in half of them (bench calibration).
-void judge_longer(const SearchContext& context, const Stack& below, Trial* trial);
+/// A trial that was judged, and the stack it is put on.
+struct Candidate {
+  const Stack* below = nullptr;
+  Trial* trial = nullptr;
+};
+/// Tries each in worlds 0 to `worlds` - 1 (those it was not tried in yet), all at once: placements displaced
+/// by the placement uncertainty, centres of mass by theirs. Fills `predicted_success` and drops what stands
+/// too seldom. Every trial meets the same worlds.
+void predict(const SearchContext& context, std::span<const Candidate> candidates, int worlds);
 
 /// Chance that the finished tower stands, as far as this step can tell: success of this placement, reserve of
 /// the whole stack, prospects of the next.

@@ -63,6 +63,10 @@ void verify(const SearchContext& context, std::vector<Trial> trials, SearchResul
     const std::size_t count = std::min(kWave, order.size() - next);
     run_tasks(o.threads, count,
               [&](std::size_t k) { judge_trial(context, context.stack, &trials[order[next + k]]); });
+    std::vector<Candidate> standing;
+    for (std::size_t k = next; k < next + count; ++k)
+      if (trials[order[k]].alive) standing.push_back({&context.stack, &trials[order[k]]});
+    predict(context, standing, o.perturbations);
     for (std::size_t k = next; k < next + count; ++k)
       if (trials[order[k]].alive) good.push_back(order[k]);
     next += count;

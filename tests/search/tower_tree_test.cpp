@@ -50,7 +50,7 @@ TEST(TowerTree, TheDeadAndTheDoneAreNotChosen) {
   EXPECT_EQ(tree.choose(1, 4, 0.01), std::vector<int>{b});
   tree.set_grown(b);
   EXPECT_TRUE(tree.choose(1, 4, 0.01).empty());
-  tree.node(b).spare.push_back(trial_of(3));
+  tree.node(b).spare.emplace_back();
   EXPECT_EQ(tree.choose(1, 4, 0.01), std::vector<int>{b});
 }
 
@@ -58,7 +58,7 @@ TEST(TowerTree, ChanceGrowsWithWaysToFinishAndFallsWithRisk) {
   TowerTree tree = four_stones();
   const int a = tree.add(0, trial_of(0), 0.1), b = tree.add(0, trial_of(1), 0.1);
   for (const int k : {a, b}) {
-    tree.node(k).judged = true;
+    tree.node(k).judged = tree.node(k).predicted = true;
     tree.set_grown(k);
   }
   EXPECT_EQ(tree.chance(a, 2, 0.1), 0.0);  // grown, and nothing came of it
@@ -79,12 +79,33 @@ TEST(TowerTree, OfWaysAsHighTheFirmerIsBest) {
   const int likelier = tree.add(a, trial_of(3, 0.02), 0.1);
   tree.node(likelier).trial.placement.predicted_success = 1.0;
   for (const int k : {a, weak, firm, likelier}) {
-    tree.node(k).judged = true;
+    tree.node(k).judged = tree.node(k).predicted = true;
     tree.node(k).trial.placement.predicted_success = k == likelier || k == a ? 1.0 : 0.75;
   }
   EXPECT_EQ(tree.best_way_from(a), std::vector<int>{likelier});  // a quarter of a stone more
   tree.node(likelier).trial.placement.predicted_success = 0.75;
   EXPECT_EQ(tree.best_way_from(a), std::vector<int>{firm});
+}
+
+TEST(TowerTree, WhatWasNotTriedIsNeitherCertainNorBehindWhatFallsOften) {
+  TowerTree tree = four_stones();
+  const int certain = tree.add(0, trial_of(0), 0.1), untried = tree.add(0, trial_of(1), 0.1);
+  const int poor = tree.add(0, trial_of(2, 0.1, 0.6), 0.1);
+  for (const int k : {certain, untried, poor}) tree.node(k).judged = true;
+  tree.node(certain).predicted = tree.node(poor).predicted = true;
+  EXPECT_EQ(tree.best_way_from(0), std::vector<int>{certain});
+  tree.node(certain).trial.alive = false;
+  EXPECT_EQ(tree.best_way_from(0), std::vector<int>{untried});
+}
+
+TEST(TowerTree, ASubtreeIsAllThatStandsOnANode) {
+  TowerTree tree = four_stones();
+  const int a = tree.add(0, trial_of(0), 0.1), b = tree.add(0, trial_of(1), 0.1);
+  const int a1 = tree.add(a, trial_of(1), 0.1), b1 = tree.add(b, trial_of(0), 0.1);
+  const int a12 = tree.add(a1, trial_of(2), 0.1);
+  EXPECT_EQ(tree.subtree(a), (std::vector<int>{a1, a12}));
+  EXPECT_EQ(tree.subtree(b), std::vector<int>{b1});
+  EXPECT_TRUE(tree.subtree(a12).empty());
 }
 
 }  // namespace

@@ -1,0 +1,101 @@
+#include <algorithm>
+
+#include "search/orientations.hpp"
+#include "search/parallel.hpp"
+#include "search/tower_search.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kProposalsPerStone = 16;
+constexpr int kTableYaws = 4;         ///< a first stone may be turned freely: variety for the arm
+constexpr int kAskedPerSettled = 12;  ///< reach is asked at most so many times for each wanted
+
+}  // namespace
+
+bool TowerSearch::accepts(const Proposal& proposal, const Stack& below, Trial* trial) {
+  const auto& reachable = context_.problem->reachable;
+  const int yaws = below.stones.empty() && reachable ? kTableYaws : 1;
+  for (int yaw = 0; yaw < yaws; ++yaw) {
+    BodyPose body = proposal.body;
+    body.R_W_O = yaw_rotation(6.283185307179586 * yaw / yaws) * body.R_W_O;
+    trial->T_W_O = stone_pose(body);
+    if (!reachable || reachable(proposal.stone, trial->T_W_O, below)) return true;
+    ++unreachable_;
+  }
+  return false;
+}
+
+std::vector<Proposal> TowerSearch::proposals(int k) {
+  survey();
+  const SearchOptions& o = *context_.options;
+  const TowerNode& node = tree_.node(k);
+  const std::vector<BodyPose> bodies = bodies_of(context_, node.stack);
+  std::vector<LooseStone> stones;
+  for (const LooseStone& stone : loose_)
+    if (std::any_of(node.left.begin(), node.left.end(),
+                    [&](const auto& s) { return s.stone == stone.stone; }))
+      stones.push_back(stone);
+  std::vector<Proposal> list =
+      propose(bodies, stones, context_.problem->site, kProposalsPerStone, o, &candidates_);
+  const std::vector<int> used = stones_of(node.stack);
+  std::vector<long> counts(list.size(), 0);
+  run_tasks(o.threads, list.size(), [&](std::size_t p) {
+    Proposal& proposal = list[p];
+    std::vector<BodyPose> higher = bodies;
+    higher.push_back(proposal.body);
+    std::vector<int> gone = used;
+    gone.push_back(proposal.stone);
+    if (stones.size() > 1)
+      proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
+    // On the table every estimate is the friction: the margin tells the stones apart.
+    const double base = bodies.empty() ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
+                                       : proposal.robust;
+    proposal.score = std::min(base, o.friction) + proposal.look_ahead;
+  });
+  for (const long count : counts) candidates_ += count;
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Proposal& p, const Proposal& q) { return p.score > q.score; });
+  return list;
+}
+
+/// Of what was proposed for a tower the best that the arm reaches and that were not tried yet; no stone gets
+/// more than twice its share.
+std::vector<Trial> TowerSearch::next_turn(TowerNode* node, int count) {
+  const int most = std::max(2, 2 * count / std::max(1, static_cast<int>(node->left.size())));
+  std::map<int, int> of_stone;
+  std::vector<Trial> turn;
+  std::vector<Proposal> rest;
+  int asked = 0;
+  for (Proposal& proposal : node->spare) {
+    throw_if_interrupted();
+    if (static_cast<int>(turn.size()) == count || asked == kAskedPerSettled * count ||
+        of_stone[proposal.stone] == most) {
+      rest.push_back(std::move(proposal));
+      continue;
+    }
+    ++asked;
+    Trial trial;
+    if (!accepts(proposal, node->stack, &trial)) continue;
+    ++of_stone[proposal.stone];
+    trial.stone = proposal.stone;
+    trial.estimate = proposal.robust;
+    trial.look_ahead = proposal.look_ahead;
+    turn.push_back(std::move(trial));
+  }
+  node->spare = std::move(rest);
+  return turn;
+}
+
+std::vector<Trial> TowerSearch::offers(int k) {
+  TowerNode node = tree_.node(k);
+  node.spare = proposals(k);
+  std::vector<Trial> reached;
+  while (!node.spare.empty())
+    for (Trial& trial : next_turn(&node, static_cast<int>(node.spare.size())))
+      reached.push_back(std::move(trial));
+  return reached;
+}
+
+}  // namespace stonestack
