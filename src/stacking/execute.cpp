@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stacking/wrist.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
@@ -25,7 +26,6 @@ constexpr double kBackOff = 0.004;    // m
 using Status = ExecutionResult::Status;
 
 constexpr double kEmptyHand = 0.2;  // of the weight: less than that hangs there for sure
-constexpr int kHoldReadings = 10;   // of the wrist, while the stone hangs still
 
 JointTrajectory reversed(const JointTrajectory& way) {
   JointTrajectory back = way;
@@ -46,6 +46,8 @@ struct Hands {
   Cell& cell;
   const MotionOptions& options;
   Journal* journal;
+  HandMass hand{scene.gripper.mass, cell.layout.T_F_T* Eigen::Vector3d(0, 0, -0.14)};  // palm and fingers
+  Wrist wrist{cell, scene.robot, hand};
 
   void intend(const PlanStep& step) const {
     if (journal != nullptr) journal->record("step", concat("{\"name\": \"", step.name, "\"}"));
@@ -55,12 +57,10 @@ struct Hands {
 
   /// Mass and centre of mass of the hand alone, or with the stone in it.
   void set_payload(bool holding) const {
-    const double hand = scene.gripper.mass;
-    const Eigen::Vector3d p_F_hand = p_F({0, 0, -0.14});  // middle of palm and fingers
-    if (!holding) return cell.arm.set_payload(hand, p_F_hand);
+    if (!holding) return cell.arm.set_payload(hand.mass, hand.p_F_hand);
     const Eigen::Vector3d p_F_stone = p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
-    const double total = hand + stone.mass.mass;
-    cell.arm.set_payload(total, (hand * p_F_hand + stone.mass.mass * p_F_stone) / total);
+    const double total = hand.mass + stone.mass.mass;
+    cell.arm.set_payload(total, (hand.mass * hand.p_F_hand + stone.mass.mass * p_F_stone) / total);
   }
 
   [[nodiscard]] ExecutionResult follow(const PlanStep& step) const {
@@ -89,30 +89,22 @@ struct Hands {
     return {Status::kNotPicked, 0.0, why};
   }
 
-  /// What the wrist says of the stone that hangs in the hand, against what should hang there: the force since
-  /// the zero before the grasp, in the flange's axes, is its weight, and the torque tells where it pulls.
+  /// What the wrist says of the stone that hangs in the hand, against what should hang there: its weight, and
+  /// where it pulls.
   [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift) const {
-    Wrench mean;
-    for (int i = 0; i < kHoldReadings; ++i) {
-      const Wrench one = cell.force_torque.read();
-      mean.force += one.force / kHoldReadings;
-      mean.torque += one.torque / kHoldReadings;
-    }
-    const Eigen::Matrix3d R_W_F = (cell.layout.T_W_R * forward(scene.robot, cell.arm.state().q)).linear();
-    const double weight = -(R_W_F * mean.force).z(), expected = kGravity * stone.mass.mass;
+    const WristLoad load = wrist.feel();
+    const double expected = kGravity * stone.mass.mass;
     // Of the arm of the weight only the part across it can be told.
-    const Eigen::Vector3d n_F_down = -R_W_F.row(2).transpose();
-    const Eigen::Vector3d p_F_pull = mean.force.cross(mean.torque) / std::max(1e-6, mean.force.squaredNorm());
-    Eigen::Vector3d off = p_F_pull - p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
-    off -= off.dot(n_F_down) * n_F_down;
+    Eigen::Vector3d off = load.p_F_pull - p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
+    off -= off.dot(load.n_F_down) * load.n_F_down;
     if (journal != nullptr)
-      journal->record("hold", concat("{\"weight\": ", weight, ", \"expected\": ", expected,
+      journal->record("hold", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected,
                                      ", \"off\": ", off.norm(), "}"));
-    if (weight < options.least_held * expected) {
+    if (load.weight < options.least_held * expected) {
       const std::string why =
-          concat("slipped out of the hand: ", weight, " N hang there, not ", expected, " N");
+          concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
       // What still hangs is set down; what lies below already must not be met from above.
-      return weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
+      return load.weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
     }
     if (off.norm() > options.largest_swing)
       return put_back(lift, concat("turned in the hand: it pulls ", std::lround(1e3 * off.norm()),
@@ -207,7 +199,7 @@ bool still_holds(Cell& cell, const Stone& stone) {
 
 ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
                         Cell& cell, const MotionOptions& options, Journal* journal) {
-  const Hands hands{plan, stone, scene, cell, options, journal};
+  Hands hands{plan, stone, scene, cell, options, journal};
   ExecutionResult result;
   bool lowered = false, touched = false, loose = false;
   for (const PlanStep& step : plan.steps) {
@@ -220,12 +212,12 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         hands.open(step);
         break;
       case PlanStep::Kind::kGrasp:
-        cell.force_torque.zero();
+        hands.wrist.zero();
         now = hands.grasp(step);
         break;
       case PlanStep::Kind::kDescent:
         if (touched) break;  // already while lowering
-        cell.force_torque.zero();
+        hands.wrist.zero();
         now = hands.feel_down(step, &touched);
         lowered = true;
         result.contact_force = now.contact_force;

@@ -1,0 +1,41 @@
+#include "stacking/wrist.hpp"
+
+#include <algorithm>
+
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kReadings = 10;
+constexpr double kGravity = 9.81;  // m/s^2
+
+}  // namespace
+
+Eigen::Vector3d Wrist::down() const {
+  return -(cell_.layout.T_W_R * forward(robot_, cell_.arm.state().q)).linear().row(2).transpose();
+}
+
+void Wrist::zero() {
+  cell_.force_torque.zero();
+  n_F_down_at_zero_ = down();
+}
+
+WristLoad Wrist::feel() const {
+  Wrench mean;
+  for (int i = 0; i < kReadings; ++i) {
+    const Wrench one = cell_.force_torque.read();
+    mean.force += one.force / kReadings;
+    mean.torque += one.torque / kReadings;
+  }
+  WristLoad load;
+  load.n_F_down = down();
+  const Eigen::Vector3d f_F_tilt = kGravity * hand_.mass * (load.n_F_down - n_F_down_at_zero_);
+  const Eigen::Vector3d force = mean.force - f_F_tilt;
+  const Eigen::Vector3d torque = mean.torque - hand_.p_F_hand.cross(f_F_tilt);
+  load.weight = force.dot(load.n_F_down);
+  load.p_F_pull = force.cross(torque) / std::max(1e-6, force.squaredNorm());
+  return load;
+}
+
+}  // namespace stonestack

@@ -1,0 +1,41 @@
+#pragma once
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+
+/// Private to stacking/: what hangs in the hand, as the wrist feels it.
+namespace stonestack {
+
+/// Mass (kg) and centre of mass of what the sensor carries always.
+struct HandMass {
+  double mass = 0.0;
+  Eigen::Vector3d p_F_hand = Eigen::Vector3d::Zero();
+};
+
+/// What hangs there beside the hand itself.
+struct WristLoad {
+  double weight = 0.0;                                   ///< N, downwards
+  Eigen::Vector3d p_F_pull = Eigen::Vector3d::Zero();    ///< on the line along which it pulls, level with F
+  Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< as the arm stands
+};
+
+/// The force sensor, with where its zero was taken: the sensor forgets the hand's own weight as it hung then,
+/// so what a hand that is tilted otherwise weighs now is taken off.
+class Wrist {
+ public:
+  Wrist(Cell& cell, const RobotModel& robot, const HandMass& hand)
+      : cell_(cell), robot_(robot), hand_(hand), n_F_down_at_zero_(down()) {}
+
+  void zero();
+  /// Mean of a tenth of a second, at rest.
+  [[nodiscard]] WristLoad feel() const;
+
+ private:
+  [[nodiscard]] Eigen::Vector3d down() const;
+
+  Cell& cell_;
+  const RobotModel& robot_;
+  HandMass hand_;
+  Eigen::Vector3d n_F_down_at_zero_;
+};
+
+}  // namespace stonestack

@@ -1,0 +1,84 @@
+#include "stacking/wrist.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/stacking/observe.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kGravity = 9.81;
+const HandMass kHand{2.3, {0.01, -0.02, 0.12}};
+
+struct StillArm : Arm {
+  Joints q = home_joints();
+  ArmState state() override {
+    ArmState state;
+    state.q = q;
+    return state;
+  }
+  MotionResult follow(const JointTrajectory&) override { return {}; }
+  MotionResult follow_guarded(const GuardedMotion&) override { return {}; }
+  void stop() override {}
+  void set_payload(double, const Eigen::Vector3d&) override {}
+};
+
+struct NoGripper : Gripper {
+  GripperState state() override { return {}; }
+  GripperState move(double, double, double) override { return {}; }
+  void spread(double) override {}
+};
+
+struct NoCamera : DepthCamera {
+  DepthFrame capture() override { return {}; }
+};
+
+/// Carries the hand and perhaps a stone, as the arm stands.
+struct LoadedSensor : ForceTorqueSensor {
+  const RobotModel& robot;
+  const StillArm& arm;
+  CellLayout layout;
+  double stone = 0.0;
+  Eigen::Vector3d p_F_stone{0.02, 0.01, 0.26};
+  Wrench zero_reading;
+
+  LoadedSensor(const RobotModel& r, const StillArm& a) : robot(r), arm(a) {}
+  [[nodiscard]] Wrench raw() const {
+    const Eigen::Vector3d n_F_down = -(layout.T_W_R * forward(robot, arm.q)).linear().row(2).transpose();
+    const Eigen::Vector3d f_hand = kGravity * kHand.mass * n_F_down, f_stone = kGravity * stone * n_F_down;
+    return {f_hand + f_stone + Eigen::Vector3d(1, 2, 3),
+            kHand.p_F_hand.cross(f_hand) + p_F_stone.cross(f_stone)};
+  }
+  Wrench read() override {
+    Wrench wrench = raw();
+    wrench.force -= zero_reading.force;
+    wrench.torque -= zero_reading.torque;
+    return wrench;
+  }
+  void zero() override { zero_reading = raw(); }
+};
+
+TEST(Wrist, WeighsTheStoneAlsoInAHandThatIsTiltedOtherwiseThanWhenItWasZeroed) {
+  const RobotModel robot = read_robot("ur10");
+  StillArm arm;
+  NoGripper gripper;
+  LoadedSensor sensor(robot, arm);
+  NoCamera camera;
+  const auto clock = make_steady_clock();
+  Cell cell{arm, gripper, sensor, camera, *clock, sensor.layout};
+  Wrist wrist(cell, robot, kHand);
+  wrist.zero();
+  for (const double tilt : {0.0, 0.3, -0.5}) {
+    arm.q[4] = home_joints()[4] + tilt;
+    sensor.stone = 0.0;
+    EXPECT_NEAR(wrist.feel().weight, 0.0, 1e-9) << tilt;
+    sensor.stone = 0.8;
+    const WristLoad load = wrist.feel();
+    EXPECT_NEAR(load.weight, kGravity * 0.8, 1e-9) << tilt;
+    EXPECT_LT((load.p_F_pull - sensor.p_F_stone).cross(load.n_F_down).norm(), 1e-9) << tilt;
+  }
+}
+
+}  // namespace
+}  // namespace stonestack
