@@ -55,7 +55,7 @@ std::vector<int> Builder::out_of_sight() const {
 void Builder::look_around() {
   refused_.clear();
   no_pick_.clear();
-  const bool first = belief_.stack.empty() && belief_.loose.empty();
+  const bool first = seen_before_.empty();
   const Eigen::Vector2d& field = cell_.layout.field_centre;
   const Eigen::Vector2d& site = cell_.layout.site;
   std::vector<Look> looks{look_at({field.x(), field.y(), 0.05}, first)};

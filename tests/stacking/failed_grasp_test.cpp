@@ -82,6 +82,22 @@ TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
   EXPECT_EQ(missed, 2);
 }
 
+TEST(FailedGrasp, OfTheOnlyStoneIsFollowedByAnother) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  SimulationOptions world_options;
+  world_options.seed = 7;
+  SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, world_options);
+  const Cell devices = world.cell();
+  SlipperyGripper gripper(devices, robot, world, 1);
+  Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
+  BuildOptions options;
+  options.search.horizon = 1;
+  const RunResult result = build_tower(cell, catalogue, robot, options);
+  EXPECT_EQ(gripper.grasps().size(), 2U);
+  EXPECT_EQ(result.height, 1) << result.ended;
+}
+
 /// Throws the first stone that it lets go of at the site somewhere else.
 class ClumsyGripper : public Gripper {
  public:
