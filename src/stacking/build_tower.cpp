@@ -48,7 +48,8 @@ std::vector<int> Builder::out_of_sight() const {
     return std::any_of(list.begin(), list.end(), [&](const PlacedStone& s) { return s.stone == stone; });
   };
   for (const int stone : seen_before_)
-    if (!here(belief_.stack, stone) && !here(belief_.loose, stone)) missing.push_back(stone);
+    if (!here(belief_.stack, stone) && !here(belief_.loose, stone) && !gone_.contains(stone))
+      missing.push_back(stone);
   return missing;
 }
 
@@ -81,8 +82,12 @@ void Builder::look_around() {
     looks.push_back(std::move(*look));
     see();
   }
+  for (const int stone : out_of_sight()) gone_.insert(stone);
   for (const auto* list : {&belief_.stack, &belief_.loose})
-    for (const PlacedStone& stone : *list) seen_before_.insert(stone.stone);
+    for (const PlacedStone& stone : *list) {
+      seen_before_.insert(stone.stone);
+      gone_.erase(stone.stone);
+    }
   report(describe(catalogue_, belief_));
   record("observed", belief_json(catalogue_, belief_));
   report_moved(expected);

@@ -90,6 +90,7 @@ class Builder {
     if (belief_.loose.empty()) {
       result_.end = RunResult::End::kAllPlaced;
       result_.ended = "all stones that are seen are placed";
+      for (const int stone : gone_) result_.ended += concat("; ", name(stone), " is out of sight");
       return true;
     }
     if (options_.most_stones > 0 && static_cast<int>(belief_.stack.size()) >= options_.most_stones) {
@@ -109,7 +110,7 @@ class Builder {
   [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool field_unknown);
   /// Nothing if no pose for that look can be reached.
   [[nodiscard]] std::optional<Look> look_if_possible(const Eigen::Vector3d& p_W_target);
-  /// Stones that were seen before and are not now.
+  /// Stones that were seen before and are not now, but for those that were looked for in vain.
   [[nodiscard]] std::vector<int> out_of_sight() const;
   /// Looks at the field once more, half a turn about the optical axis away, and corrects where the camera is
   /// taken to sit, in the layout and in the looks; the second look is added to them.
@@ -183,6 +184,7 @@ class Builder {
   DetectionModels models_;
   Belief belief_;
   std::set<int> seen_before_;
+  std::set<int> gone_;  ///< of these, that were looked for beside the site in vain
   RunResult result_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
