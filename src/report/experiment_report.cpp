@@ -140,6 +140,7 @@ double Rate::high() const {
 
 bool was_tried(const PlacementRecord& record) {
   return record.outcome != PlacementRecord::Outcome::kNotPicked &&
+         record.outcome != PlacementRecord::Outcome::kDropped &&
          record.outcome != PlacementRecord::Outcome::kTakenOff &&
          record.outcome != PlacementRecord::Outcome::kTurnedOver;
 }

@@ -141,6 +141,8 @@ std::string to_text(PlacementRecord::Outcome outcome) {
       return "fallen";
     case PlacementRecord::Outcome::kNotPicked:
       return "not picked";
+    case PlacementRecord::Outcome::kDropped:
+      return "dropped";
     case PlacementRecord::Outcome::kLost:
       return "lost";
     case PlacementRecord::Outcome::kTakenOff:

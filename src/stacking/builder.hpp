@@ -9,6 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/execute.hpp"
 
 /// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
 /// what it learns about its camera, builder_reach.cpp what the arm can bring about, builder_target.cpp the
@@ -151,7 +152,7 @@ class Builder {
   [[nodiscard]] Eigen::Vector3d placing_bias() const;
   /// False when the run is over.
   [[nodiscard]] bool place(const Target& target);
-  void judge(PlacementRecord& record, const Placement& planned, bool released);
+  void judge(PlacementRecord& record, const Placement& planned, ExecutionResult::Status done);
   /// When nothing fits on the stack: puts its top stone, or its top two, back into the field, if the search
   /// then promises a higher tower another way. False when that is not so, or the arm cannot do it.
   [[nodiscard]] bool take_off();

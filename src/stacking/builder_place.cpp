@@ -35,7 +35,7 @@ bool Builder::place(const Target& target) {
   if (released) belief_.stack.push_back({placement.stone, placement.T_W_O});
   std::erase_if(belief_.loose, [&](const PlacedStone& s) { return s.stone == placement.stone; });
   look_around();
-  judge(entry, placement, released);
+  judge(entry, placement, done.status);
   result_.placements.push_back(entry);
   record("outcome",
          concat("{\"stone\": \"", entry.stone, "\", \"outcome\": \"", to_text(entry.outcome), "\"}"));
@@ -45,11 +45,12 @@ bool Builder::place(const Target& target) {
   if (entry.outcome == Outcome::kFallen || entry.outcome == Outcome::kLost)
     last_ = {};  // a plan that failed is not followed again
   if (entry.outcome == Outcome::kPlaced) return true;
-  if (entry.outcome == PlacementRecord::Outcome::kNotPicked) {
+  if (entry.outcome == Outcome::kNotPicked || entry.outcome == Outcome::kDropped) {
     failed_grasps_[placement.stone].push_back(target.plan.T_O_T);
     const auto misses =
         std::count_if(result_.placements.begin(), result_.placements.end(), [&](const PlacementRecord& r) {
-          return r.outcome == PlacementRecord::Outcome::kNotPicked && r.stone == entry.stone;
+          return (r.outcome == Outcome::kNotPicked || r.outcome == Outcome::kDropped) &&
+                 r.stone == entry.stone;
         });
     if (misses < options_.pick_attempts) return true;
   }
@@ -61,7 +62,7 @@ bool Builder::place(const Target& target) {
 }
 
 /// Compares what was seen with what was planned.
-void Builder::judge(PlacementRecord& entry, const Placement& planned, bool released) {
+void Builder::judge(PlacementRecord& entry, const Placement& planned, ExecutionResult::Status done) {
   using Outcome = PlacementRecord::Outcome;
   const auto find = [&](const std::vector<PlacedStone>& list) -> std::optional<Pose> {
     for (const auto& placed : list)
@@ -71,7 +72,12 @@ void Builder::judge(PlacementRecord& entry, const Placement& planned, bool relea
   const auto in_stack = find(belief_.stack);
   const auto on_table = find(belief_.loose);
   entry.T_W_O_measured = in_stack ? in_stack : on_table;
-  if (!released && on_table) {
+  if (done == ExecutionResult::Status::kLost) {
+    entry.outcome = Outcome::kDropped;
+    entry.note += in_stack   ? "; it lies on the tower"
+                  : on_table ? "; it lies on the table"
+                             : "; it is not seen";
+  } else if (done == ExecutionResult::Status::kNotPicked && on_table) {
     entry.outcome = Outcome::kNotPicked;
   } else if (in_stack) {
     const auto error = difference(*in_stack, planned.T_W_O);

@@ -194,17 +194,22 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
                       "look at the cell; the stone may be in the hand");
   const bool picked = done.status == ExecutionResult::Status::kReleased;
   if (!picked) failed_grasps_[stone].push_back(plan.T_O_T);
+  const bool dropped = done.status == ExecutionResult::Status::kLost;
   // What the hand missed is still expected where it was, on the stack maybe.
-  if (picked) {
+  if (picked || dropped) {
     const auto same = [&](const PlacedStone& s) { return s.stone == stone; };
     std::erase_if(belief_.stack, same);
     std::erase_if(belief_.loose, same);  // or the hand, which is there now, would seem to be in it
-    belief_.loose.push_back({stone, T_W_O_down});
   }
+  if (picked) belief_.loose.push_back({stone, T_W_O_down});
   if (outcome == PlacementRecord::Outcome::kTakenOff) last_ = {};  // its plan led nowhere
   look_around();
+  using Outcome = PlacementRecord::Outcome;
   PlacementRecord entry{name(stone), down, std::nullopt,
-                        picked ? outcome : PlacementRecord::Outcome::kNotPicked, done.reason};
+                        picked    ? outcome
+                        : dropped ? Outcome::kDropped
+                                  : Outcome::kNotPicked,
+                        done.reason};
   for (const auto& loose : belief_.loose)
     if (loose.stone == stone) entry.T_W_O_measured = loose.T_W_O;
   result_.placements.push_back(entry);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "stacking/wrist.hpp"
 #include "stonestack/core/error.hpp"
@@ -24,8 +25,6 @@ constexpr double kNearTable = 0.010;  // m, of the tool's tip
 constexpr double kBackOff = 0.004;    // m
 
 using Status = ExecutionResult::Status;
-
-constexpr double kEmptyHand = 0.2;  // of the weight: less than that hangs there for sure
 
 JointTrajectory reversed(const JointTrajectory& way) {
   JointTrajectory back = way;
@@ -110,6 +109,35 @@ struct Hands {
       return put_back(lift, concat("turned in the hand: it pulls ", std::lround(1e3 * off.norm()),
                                    " mm beside where it should"));
     return {};
+  }
+
+  /// Before the hand goes nearer to the tower: a stone that is gone is not set down. `lift` is the step that
+  /// was followed last before the carry, or null if nothing was lifted.
+  [[nodiscard]] ExecutionResult check_carried(const PlanStep* lift, const PlanStep& next) const {
+    if (lift == nullptr) return {};
+    const double expected = kGravity * stone.mass.mass;
+    const CarriedLoad load = feel_carried(wrist, cell, expected, options.least_held);
+    if (journal != nullptr)
+      journal->record("carried", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected,
+                                        ", \"held\": ", load.held ? "true" : "false", "}"));
+    if (load.held) return {};
+    const std::string why =
+        concat("lost on the way: ", load.weight, " N hang in the hand, not ", expected, " N");
+    return go_home({lift + 1, &next}, why);
+  }
+
+  /// With the empty hand to where the carry began, the way it came: of all ways that one is known to be free.
+  /// The fingers open there and not over the tower.
+  [[nodiscard]] ExecutionResult go_home(std::span<const PlanStep> carried, const std::string& why) const {
+    set_payload(false);
+    for (auto step = carried.rbegin(); step != carried.rend(); ++step) {
+      PlanStep back = *step;
+      back.trajectory = reversed(step->trajectory);
+      const ExecutionResult moved = follow(back);
+      if (moved.status == Status::kStopped) return moved;
+    }
+    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+    return {Status::kLost, 0.0, why};
   }
 
   /// Opens where the hand is.
@@ -202,6 +230,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
   Hands hands{plan, stone, scene, cell, options, journal};
   ExecutionResult result;
   bool lowered = false, touched = false, loose = false;
+  const PlanStep* lift = nullptr;
   for (const PlanStep& step : plan.steps) {
     throw_if_interrupted();
     hands.intend(step);
@@ -217,6 +246,8 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         break;
       case PlanStep::Kind::kDescent:
         if (touched) break;  // already while lowering
+        now = hands.check_carried(lift, step);
+        if (now.status != Status::kReleased) break;
         hands.wrist.zero();
         now = hands.feel_down(step, &touched);
         lowered = true;
@@ -239,6 +270,8 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
           now = hands.follow(step);
           break;
         }
+        now = hands.check_carried(lift, step);
+        if (now.status != Status::kReleased) break;
         now = hands.feel_down(step, &touched);
         lowered = touched;
         result.contact_force = now.contact_force;
@@ -247,6 +280,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
       case PlanStep::Kind::kLift:
         now = hands.follow(step);
         if (now.status == Status::kReleased) now = hands.check_hold(step);
+        lift = &step;
         break;
       case PlanStep::Kind::kTransit:
         now = hands.follow(step);

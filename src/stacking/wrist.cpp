@@ -10,6 +10,18 @@ namespace {
 constexpr int kReadings = 10;
 constexpr double kGravity = 9.81;  // m/s^2
 
+constexpr double kSettle = 1.0;  // s, at most, for fingers that close on
+
+GripperState state_at_rest(Cell& cell) {
+  const double start = cell.clock.now();
+  GripperState state = cell.gripper.state();
+  while (state.moving && cell.clock.now() < start + kSettle) {
+    (void)cell.force_torque.read();  // paced by its samples
+    state = cell.gripper.state();
+  }
+  return state;
+}
+
 }  // namespace
 
 Eigen::Vector3d Wrist::down() const {
@@ -35,6 +47,13 @@ WristLoad Wrist::feel() const {
   const Eigen::Vector3d torque = mean.torque - hand_.p_F_hand.cross(f_F_tilt);
   load.weight = force.dot(load.n_F_down);
   load.p_F_pull = force.cross(torque) / std::max(1e-6, force.squaredNorm());
+  return load;
+}
+
+CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double least_held) {
+  CarriedLoad load{wrist.feel().weight, true};
+  if (load.weight < least_held * expected)
+    load.held = load.weight >= kEmptyHand * expected && state_at_rest(cell).object;
   return load;
 }
 

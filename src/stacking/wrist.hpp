@@ -18,6 +18,9 @@ struct WristLoad {
   Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< as the arm stands
 };
 
+/// Share of a stone's weight: when less hangs in the hand, the stone does not.
+constexpr double kEmptyHand = 0.2;
+
 /// The force sensor, with where its zero was taken: the sensor forgets the hand's own weight as it hung then,
 /// so what a hand that is tilted otherwise weighs now is taken off.
 class Wrist {
@@ -37,5 +40,17 @@ class Wrist {
   HandMass hand_;
   Eigen::Vector3d n_F_down_at_zero_;
 };
+
+/// What is left in the hand of a stone that was carried.
+struct CarriedLoad {
+  double weight = 0.0;  // N
+  bool held = false;
+};
+
+/// Two witnesses. Of a stone that hangs by `least_held` of its weight (`expected`, N) the fingers may have
+/// lost some, not the stone; where less than `kEmptyHand` of it hangs the stone is gone, also while the
+/// gripper still says otherwise, as it tells late. Between the two the gripper decides, when its fingers have
+/// come to rest: they close on a stone that slips, and are no verdict while they do.
+[[nodiscard]] CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double least_held);
 
 }  // namespace stonestack

@@ -1,102 +1,20 @@
-#include "stonestack/stacking/execute.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <deque>
 #include <filesystem>
 
+#include "stacking/scripted_cell.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack {
 namespace {
 
-using Kind = PlanStep::Kind;
+using scripted::Bench;
+using scripted::Kind;
 using Status = MotionResult::Status;
-
-/// Notes what it is told; guarded motions end as scripted.
-struct ScriptedArm : Arm {
-  Joints q = home_joints();
-  std::deque<Status> guarded;
-  std::vector<std::string> told;
-  JointTrajectory followed;  ///< the last one
-
-  ArmState state() override {
-    ArmState state;
-    state.q = q;
-    return state;
-  }
-  MotionResult follow(const JointTrajectory& trajectory) override {
-    told.push_back("follow");
-    followed = trajectory;
-    return {Status::kDone, q, 0.0, ""};
-  }
-  MotionResult follow_guarded(const GuardedMotion& motion) override {
-    told.push_back(motion.threshold > 10 ? "lower" : "descend");
-    const Status status = guarded.front();
-    guarded.pop_front();
-    return {status, q, 7.0, "scripted"};
-  }
-  void stop() override { told.push_back("stop"); }
-  void set_payload(double, const Eigen::Vector3d&) override {}
-};
-
-struct EmptyGripper : Gripper {
-  std::vector<std::string>* told;
-  explicit EmptyGripper(std::vector<std::string>* t) : told(t) {}
-  GripperState state() override { return {}; }
-  GripperState move(double, double, double) override {
-    told->push_back("open");
-    return {};
-  }
-  void spread(double) override { told->push_back("spread"); }
-};
-
-struct ScriptedForce : ForceTorqueSensor {
-  Wrench wrench;
-  Wrench read() override { return wrench; }
-  void zero() override {}
-};
-
-struct NoCamera : DepthCamera {
-  DepthFrame capture() override { return {}; }
-};
-
-struct Bench {
-  ScriptedArm arm;
-  EmptyGripper gripper{&arm.told};
-  ScriptedForce force;
-  NoCamera camera;
-  std::unique_ptr<Clock> clock = make_steady_clock();
-  CellLayout layout;
-  Cell cell{arm, gripper, force, camera, *clock, layout};
-  PlanningScene scene;
-  Stone stone;
-  PickAndPlacePlan plan;
-
-  Bench() {
-    scene.robot = read_robot("ur10");
-    scene.T_F_T = layout.T_F_T;
-    stone.mass.mass = 1.0;
-    for (const Kind kind :
-         {Kind::kApproach, Kind::kApproach, Kind::kDescent, Kind::kRelease, Kind::kRetreat}) {
-      PlanStep step;
-      step.kind = kind;
-      step.threshold = kind == Kind::kDescent ? 5.0 : 0.0;
-      plan.steps.push_back(step);
-    }
-    plan.steps[1].threshold = 20.0;  // lowered with the stone in the hand
-  }
-  ExecutionResult run(std::deque<Status> guarded) {
-    arm.told.clear();
-    arm.guarded = std::move(guarded);
-    return execute(plan, stone, scene, cell, {}, nullptr);
-  }
-};
 
 TEST(Execute, DescendsUntilItTouchesAndLetsGo) {
   Bench bench;

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "stacking/scripted_cell.hpp"
 #include "stonestack/kinematics/forward.hpp"
-#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack {
 namespace {
@@ -11,39 +11,16 @@ namespace {
 constexpr double kGravity = 9.81;
 const HandMass kHand{2.3, {0.01, -0.02, 0.12}};
 
-struct StillArm : Arm {
-  Joints q = home_joints();
-  ArmState state() override {
-    ArmState state;
-    state.q = q;
-    return state;
-  }
-  MotionResult follow(const JointTrajectory&) override { return {}; }
-  MotionResult follow_guarded(const GuardedMotion&) override { return {}; }
-  void stop() override {}
-  void set_payload(double, const Eigen::Vector3d&) override {}
-};
-
-struct NoGripper : Gripper {
-  GripperState state() override { return {}; }
-  GripperState move(double, double, double) override { return {}; }
-  void spread(double) override {}
-};
-
-struct NoCamera : DepthCamera {
-  DepthFrame capture() override { return {}; }
-};
-
 /// Carries the hand and perhaps a stone, as the arm stands.
 struct LoadedSensor : ForceTorqueSensor {
   const RobotModel& robot;
-  const StillArm& arm;
+  const scripted::ScriptedArm& arm;
   CellLayout layout;
   double stone = 0.0;
   Eigen::Vector3d p_F_stone{0.02, 0.01, 0.26};
   Wrench zero_reading;
 
-  LoadedSensor(const RobotModel& r, const StillArm& a) : robot(r), arm(a) {}
+  LoadedSensor(const RobotModel& r, const scripted::ScriptedArm& a) : robot(r), arm(a) {}
   [[nodiscard]] Wrench raw() const {
     const Eigen::Vector3d n_F_down = -(layout.T_W_R * forward(robot, arm.q)).linear().row(2).transpose();
     const Eigen::Vector3d f_hand = kGravity * kHand.mass * n_F_down, f_stone = kGravity * stone * n_F_down;
@@ -61,10 +38,10 @@ struct LoadedSensor : ForceTorqueSensor {
 
 TEST(Wrist, WeighsTheStoneAlsoInAHandThatIsTiltedOtherwiseThanWhenItWasZeroed) {
   const RobotModel robot = read_robot("ur10");
-  StillArm arm;
-  NoGripper gripper;
+  scripted::ScriptedArm arm;
+  scripted::ScriptedGripper gripper(&arm.told);
   LoadedSensor sensor(robot, arm);
-  NoCamera camera;
+  scripted::NoCamera camera;
   const auto clock = make_steady_clock();
   Cell cell{arm, gripper, sensor, camera, *clock, sensor.layout};
   Wrist wrist(cell, robot, kHand);

@@ -48,20 +48,21 @@ struct BuildOptions {
   bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
   int most_taken_off = 3;     ///< stones put back into the field to try another way; the paper never does
   int most_turned_over = 3;   ///< stones laid down another way because no grasp served both ends
-  int pick_attempts = 3;      ///< of one stone that the gripper misses
+  int pick_attempts = 3;      ///< of one stone that the gripper misses or drops
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
 /// One attempted placement.
 struct PlacementRecord {
-  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kLost, kTakenOff, kTurnedOver };
+  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kDropped, kLost, kTakenOff, kTurnedOver };
   std::string stone;
   Placement planned;
   std::optional<Pose> T_W_O_measured;
   Outcome outcome = Outcome::kPlaced;
   std::string note;
 };
-/// "placed", "moved", "fallen", "not picked", "lost", "taken off", "turned over".
+/// "placed", "moved", "fallen", "not picked", "dropped" (out of the hand, on the way), "lost" (let go of, not
+/// seen afterwards), "taken off", "turned over".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
 /// Host seconds (detection, search, planning) and arm seconds (motion, by the cell's clock).

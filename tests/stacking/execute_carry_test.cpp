@@ -1,0 +1,82 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "stacking/scripted_cell.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+using scripted::Kind;
+using Status = MotionResult::Status;
+
+/// A stone of 1 kg is lifted, carried, lowered and set down; `hangs` says what of it the wrist feels after
+/// the lift, the carry and the lowering.
+struct Carried : scripted::Bench {
+  std::vector<double> hangs;
+
+  explicit Carried(std::vector<double> felt) : hangs(std::move(felt)) {
+    PlanStep lift, carry;
+    lift.kind = Kind::kLift;
+    carry.kind = Kind::kTransit;
+    carry.trajectory.time = {0.0, 1.0};
+    carry.trajectory.q = {arm.q, arm.q + Joints::Constant(0.1)};
+    carry.trajectory.qd = {Joints::Zero(), Joints::Zero()};
+    plan.steps[0] = carry;
+    plan.steps.insert(plan.steps.begin(), lift);
+    arm.after_motion = [this] {
+      const Eigen::Matrix3d R_W_F = (layout.T_W_R * forward(scene.robot, arm.q)).linear();
+      const double mass = hangs[std::min(hangs.size(), arm.told.size()) - 1];
+      force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
+      force.wrench.torque = layout.T_F_T.translation().cross(force.wrench.force);
+    };
+  }
+  ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact}); }
+};
+
+TEST(Execute, AStoneThatWasLostOnTheWayIsNotSetDown) {
+  Carried cell({1.0, 0.0});
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, ExecutionResult::Status::kLost);
+  EXPECT_THAT(done.reason, testing::HasSubstr("lost on the way"));
+  EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "follow", "open"));
+  const JointTrajectory& carry = cell.plan.steps[1].trajectory;
+  EXPECT_EQ(cell.arm.followed.q.front(), carry.q.back()) << "back as it came";
+  EXPECT_EQ(cell.arm.followed.q.back(), carry.q.front());
+}
+
+TEST(Execute, AStoneThatFallsWhileItIsLoweredIsNotSetDown) {
+  Carried cell({1.0, 1.0, 0.0});
+  EXPECT_EQ(cell.run().status, ExecutionResult::Status::kLost);
+  EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "lower", "follow", "follow", "open"));
+}
+
+TEST(Execute, AStopOnTheWayBackWithAnEmptyHandEndsIt) {
+  Carried cell({1.0, 0.0});
+  cell.arm.stops_after = 2;
+  EXPECT_EQ(cell.run().status, ExecutionResult::Status::kStopped);
+  EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "follow")) << "nothing after a stop";
+}
+
+TEST(Execute, ForLossTheGripperIsAskedWhereTheWristIsInDoubt) {
+  const auto ends = [](double hangs, bool object, int moving = 0) {
+    Carried cell({1.0, hangs});
+    cell.gripper.object = object;
+    cell.gripper.moving = moving;
+    cell.arm.told.clear();
+    cell.plan.steps.erase(cell.plan.steps.begin() + 4, cell.plan.steps.end());  // what lets go
+    return cell.run().status;
+  };
+  using End = ExecutionResult::Status;
+  EXPECT_EQ(ends(0.9, true), End::kReleased);
+  EXPECT_EQ(ends(0.9, false), End::kReleased) << "something as heavy hangs there";
+  EXPECT_EQ(ends(0.4, true), End::kReleased) << "slipped, and still held";
+  EXPECT_EQ(ends(0.4, true, 3), End::kReleased) << "the fingers close on what slips";
+  EXPECT_EQ(ends(0.4, false), End::kLost);
+  EXPECT_EQ(ends(0.05, true), End::kLost) << "a gripper may tell late";
+}
+
+}  // namespace
+}  // namespace stonestack
