@@ -121,7 +121,10 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   const Pose T_W_T = layout.T_W_R * forward(robot, cell.arm.state().q) * layout.T_F_T;
   const auto off = difference(plan.T_O_T.inverse(), T_W_T.inverse() * simulated.truth().T_W_O[0]);
   std::string what = "held";
-  if (result.status != ExecutionResult::Status::kReleased) {
+  if (result.status == ExecutionResult::Status::kLost) {
+    ++tally.dropped;
+    what = result.reason;
+  } else if (result.status != ExecutionResult::Status::kReleased) {
     ++tally.not_held;
     what = result.reason;
   } else if (off.translation > kLost) {
