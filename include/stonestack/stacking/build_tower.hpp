@@ -37,7 +37,7 @@ struct BuildOptions {
   /// limestone slides at more (ours).
   double most_friction = 0.475;
   double friction_step = 0.125;
-  int first_rounds = 1;       ///< of the search at each friction but the last: what they did not finish
+  int first_rounds = 2;       ///< of the search at each friction but the last: what they did not finish
                               ///< begins the search at the next
   double sure_success = 0.8;  ///< share of the tower that is expected to stand, which ends the climb
   /// Stones that must be expected to stand by a placement and what follows it, over all frictions; less is
