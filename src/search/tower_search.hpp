@@ -68,6 +68,7 @@ class TowerSearch {
   [[nodiscard]] bool finish_way_up();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);
+  /// Sets best(): predicts what leads until nothing that is not tried may be better.
   void find_best();
   /// Remembers those that died and what stands on them, for the trace and the reason.
   void drop_fallen(std::span<const int> nodes);

@@ -9,8 +9,7 @@ namespace {
 
 constexpr int kReadings = 10;
 constexpr double kGravity = 9.81;  // m/s^2
-
-constexpr double kSettle = 1.0;  // s, at most, for fingers that close on
+constexpr double kSettle = 1.0;    // s, at most, for fingers that close on
 
 GripperState state_at_rest(Cell& cell) {
   const double start = cell.clock.now();

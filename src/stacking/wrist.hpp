@@ -5,10 +5,10 @@
 /// Private to stacking/: what hangs in the hand, as the wrist feels it.
 namespace stonestack {
 
-/// Mass (kg) and centre of mass of what the sensor carries always.
+/// Of what the sensor carries always.
 struct HandMass {
-  double mass = 0.0;
-  Eigen::Vector3d p_F_hand = Eigen::Vector3d::Zero();
+  double mass = 0.0;                                   ///< kg
+  Eigen::Vector3d p_F_hand = Eigen::Vector3d::Zero();  ///< m, centre of mass
 };
 
 /// What hangs there beside the hand itself.
@@ -19,7 +19,7 @@ struct WristLoad {
 };
 
 /// Share of a stone's weight: when less hangs in the hand, the stone does not.
-constexpr double kEmptyHand = 0.2;
+inline constexpr double kEmptyHand = 0.2;
 
 /// The force sensor, with where its zero was taken: the sensor forgets the hand's own weight as it hung then,
 /// so what a hand that is tilted otherwise weighs now is taken off.
@@ -43,7 +43,7 @@ class Wrist {
 
 /// What is left in the hand of a stone that was carried.
 struct CarriedLoad {
-  double weight = 0.0;  // N
+  double weight = 0.0;  ///< N
   bool held = false;
 };
 

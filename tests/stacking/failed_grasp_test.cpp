@@ -50,19 +50,36 @@ class SlipperyGripper : public Gripper {
   std::vector<std::pair<int, Pose>> grasps_;
 };
 
-TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
-  const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulationOptions world_options;
-  world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
-  const Cell devices = world.cell();
-  SlipperyGripper gripper(devices, robot, world, 2);
-  Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
+/// A simulated cell with some of the limestones, in which a run may have another gripper.
+struct Workplace {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  SimulatedCell world;
+  Cell devices = world.cell();
   BuildOptions options;
-  options.most_stones = 1;
-  options.search.horizon = 1;
-  const RunResult result = build_tower(cell, catalogue, robot, options);
+
+  explicit Workplace(const std::vector<int>& stones)
+      : world(catalogue.stones, stones, robot, CellLayout{}, seeded()) {
+    options.search.horizon = 1;
+  }
+  [[nodiscard]] RunResult run(Gripper& gripper, const BuildHooks& hooks = {}) {
+    Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
+    return build_tower(cell, catalogue, robot, options, hooks);
+  }
+
+ private:
+  static SimulationOptions seeded() {
+    SimulationOptions world_options;
+    world_options.seed = 7;
+    return world_options;
+  }
+};
+
+TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
+  Workplace place({1, 2});
+  SlipperyGripper gripper(place.devices, place.robot, place.world, 2);
+  place.options.most_stones = 1;
+  const RunResult result = place.run(gripper);
   EXPECT_EQ(result.height, 1) << result.ended;
 
   std::map<int, std::vector<Pose>> failed;
@@ -83,17 +100,9 @@ TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
 }
 
 TEST(FailedGrasp, OfTheOnlyStoneIsFollowedByAnother) {
-  const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulationOptions world_options;
-  world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, world_options);
-  const Cell devices = world.cell();
-  SlipperyGripper gripper(devices, robot, world, 1);
-  Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
-  BuildOptions options;
-  options.search.horizon = 1;
-  const RunResult result = build_tower(cell, catalogue, robot, options);
+  Workplace place({1});
+  SlipperyGripper gripper(place.devices, place.robot, place.world, 1);
+  const RunResult result = place.run(gripper);
   EXPECT_EQ(gripper.grasps().size(), 2U);
   EXPECT_EQ(result.height, 1) << result.ended;
 }
@@ -130,19 +139,11 @@ class ClumsyGripper : public Gripper {
 
 /// A run with one stone and that hand; what it says goes to `said`.
 RunResult run_with_clumsy_hand(const Eigen::Vector2d& throw_to, std::string* said) {
-  const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulationOptions world_options;
-  world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, world_options);
-  const Cell devices = world.cell();
-  ClumsyGripper gripper(devices, world, throw_to - devices.layout.site);
-  Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
-  BuildOptions options;
-  options.search.horizon = 1;
+  Workplace place({1});
+  ClumsyGripper gripper(place.devices, place.world, throw_to - place.devices.layout.site);
   BuildHooks hooks;
   hooks.report = [&](const std::string& line) { *said += line + "\n"; };
-  RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  RunResult result = place.run(gripper, hooks);
   EXPECT_TRUE(gripper.has_thrown());
   return result;
 }
