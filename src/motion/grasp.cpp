@@ -27,6 +27,15 @@ std::vector<Eigen::Vector3d> sphere_directions(int count) {
   return directions;
 }
 
+/// Those of them that the options want.
+std::vector<Eigen::Vector3d> approaches(const GraspOptions& options) {
+  std::vector<Eigen::Vector3d> directions = sphere_directions(options.directions);
+  if (options.n_O_towards.isZero()) return directions;
+  const double least = std::cos(options.cone);
+  std::erase_if(directions, [&](const auto& z) { return z.dot(options.n_O_towards) < least; });
+  return directions;
+}
+
 /// The stone's surface, once per stone, and what never changes between samples.
 struct Sampler {
   const Stone& stone;
@@ -173,12 +182,17 @@ void append(const GraspSet& part, GraspSet& all) {
     all.narrowest = part.narrowest;
 }
 
+void sort_by_score(GraspSet& set) {
+  std::stable_sort(set.grasps.begin(), set.grasps.end(),
+                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+}
+
 /// All directions and yaws at one spacing of the fingers.
 void sample_grasps(Sampler s) {
   s.palm_front = -1e300;
   for (const GripperBox& box : s.gripper.boxes)
     if (box.finger_side == 0.0) s.palm_front = std::max(s.palm_front, box.p_T_centre.z() + box.size.z() / 2);
-  const std::vector<Eigen::Vector3d> directions = sphere_directions(s.options.directions);
+  const std::vector<Eigen::Vector3d> directions = approaches(s.options);
   std::vector<GraspSet> parts(directions.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
     throw_if_interrupted();
@@ -191,7 +205,7 @@ void sample_grasps(Sampler s) {
 }  // namespace
 
 FieldList fields(GraspOptions& o) {
-  return {field("directions", o.directions, {8, 5000}, "", "measured: stonestack bench grasp"),
+  return {field("directions", o.directions, {8, 50000}, "", "measured: stonestack bench grasp"),
           field("yaws", o.yaws, {2, 360}, "", "measured: stonestack bench grasp"),
           field("spacing", o.spacing, {0.0005, 0.05}, "m", "ours"),
           field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "ours"),
@@ -204,6 +218,7 @@ FieldList fields(GraspOptions& o) {
           field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "ours"),
           field("friction_share", o.friction_share, {0.05, 1}, "", "ours"),
           field("force_factor", o.force_factor, {1, 10}, "", "ours: holds with a factor 2"),
+          field("cone", o.cone, {0, 3.2}, "rad", "ours"),
           field("narrow_score", o.narrow_score, {0, 1}, "", "ours")};
 }
 
@@ -220,6 +235,8 @@ GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper, const
           " cannot be grasped without a scan and a mass; it has ", stone.scan.faces.size(), " faces and ",
           stone.mass.mass, " kg");
   const auto surface = sample_surface(stone.scan, options.spacing);
+  require(options.n_O_towards.isZero() || std::abs(options.n_O_towards.norm() - 1.0) < 1e-6, "approaches of ",
+          stone.name, " are wanted towards a unit vector, not ", options.n_O_towards.transpose());
   GraspSet set;
   sample_grasps({stone, gripper, options, surface, set});
   if (gripper.narrow_spacing > 0) {
@@ -228,9 +245,15 @@ GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper, const
     narrow.options.unequal *= gripper.narrow_spacing / gripper.finger_spacing;  // the same turn of the stone
     sample_grasps(std::move(narrow));
   }
-  std::stable_sort(set.grasps.begin(), set.grasps.end(),
-                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+  sort_by_score(set);
   return set;
+}
+
+GraspSet joined(const GraspSet& a, const GraspSet& b) {
+  GraspSet both = a;
+  append(b, both);
+  sort_by_score(both);
+  return both;
 }
 
 }  // namespace stonestack

@@ -42,6 +42,7 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
     key.add(box.finger_side);
     key.add(box.spread);
   }
+  key.add(options.n_O_towards);
   for (const Field& field : fields(options)) {
     if (const auto* number = std::get_if<double*>(&field.value)) key.add(**number);
     if (const auto* count = std::get_if<int*>(&field.value)) key.add(static_cast<std::uint64_t>(**count));

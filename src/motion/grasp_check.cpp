@@ -10,10 +10,10 @@ namespace stonestack {
 namespace {
 
 /// How the faults of one end are called in the list of all.
-GraspFault at_pick(EndFault fault) {
+GraspFault fault_at_pick(EndFault fault) {
   return static_cast<GraspFault>(static_cast<int>(fault));
 }
-GraspFault at_place(EndFault fault) {
+GraspFault fault_at_place(EndFault fault) {
   constexpr int kBetween =
       static_cast<int>(GraspFault::kTableAtPlace) - static_cast<int>(GraspFault::kTableAtPick);
   return fault == EndFault::kTooWeak ? GraspFault::kTooWeak
@@ -38,7 +38,7 @@ GraspFinder::GraspFinder(const PlanningScene& scene, const Stone& stone, int obj
   for (int i = 0; i < pick.total; ++i) {
     const Grasp& grasp = parts_->set->grasps[static_cast<std::size_t>(i)];
     if (const auto fault = parts_->end.fault(grasp, T_W_O_pick))
-      ++pick.refused[static_cast<std::size_t>(at_pick(*fault))];
+      ++pick.refused[static_cast<std::size_t>(fault_at_pick(*fault))];
     else
       pick.usable.push_back(i);
   }
@@ -60,7 +60,7 @@ GraspCheck GraspFinder::check(const Pose& T_W_O_place, int enough,
     auto fault = parts_->end.fault(grasp, T_W_O_place);
     if (!fault && later) fault = later->fault(grasp, T_W_O_place);
     if (fault)
-      ++result.refused[static_cast<std::size_t>(at_place(*fault))];
+      ++result.refused[static_cast<std::size_t>(fault_at_place(*fault))];
     else
       result.usable.push_back(i);
     if (enough > 0 && static_cast<int>(result.usable.size()) >= enough) break;
@@ -74,6 +74,10 @@ bool GraspFinder::serves(const Pose& T_W_O_place) const {
 
 bool GraspFinder::arm_is_free(int grasp, const Joints& q) const {
   return parts_->end.arm_is_free(parts_->set->grasps[static_cast<std::size_t>(grasp)], q);
+}
+
+const GraspCheck& GraspFinder::at_pick() const {
+  return parts_->pick;
 }
 
 const GraspSet& GraspFinder::set() const {
@@ -91,6 +95,11 @@ const char* to_text(GraspFault fault) {
                                                           "are out of reach at the target",
                                                           "bring the arm into something at the target"};
   return what[static_cast<std::size_t>(fault)];
+}
+
+bool GraspCheck::can_be_held() const {
+  return total > refused[static_cast<std::size_t>(GraspFault::kTooWeak)] +
+                     refused[static_cast<std::size_t>(GraspFault::kTableAtPick)];
 }
 
 std::string GraspCheck::text() const {

@@ -10,9 +10,13 @@ namespace stonestack {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr std::size_t kFew = 4;        // grasps that pick a stone up, below which more are sampled,
-constexpr int kDenser = 4;             // so many times the directions
-constexpr double kOpeningStep = 0.02;  // m, to which openings are rounded up against the arm's own links
+constexpr std::size_t kFew = 4;            // grasps that pick a stone up, below which more are sampled,
+constexpr int kDenser = 4;                 // so many times the directions;
+constexpr std::size_t kFewOverTable = 12;  // and where most of them meet the table,
+constexpr int kDenserFromAbove = 24;       // so many times,
+constexpr double kFromAbove = 0.45;        // rad, as far from the vertical,
+constexpr double kTightClearance = 0.006;  // m, of the open fingers, which is twice what a seen pose errs by
+constexpr double kOpeningStep = 0.02;      // m, to which openings are rounded up against the arm's own links
 
 bool within_limits(const RobotModel& robot, const Joints& q) {
   return (q.array() >= robot.lower.array()).all() && (q.array() <= robot.upper.array()).all();
@@ -160,10 +164,25 @@ std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone&
   auto usual = cached_grasps(stone, gripper);
   std::vector<int> all(usual->grasps.size());
   std::iota(all.begin(), all.end(), 0);
-  if (all.empty() || end.serving(usual->grasps, all, T_W_O_pick, kFew).size() >= kFew) return usual;
-  GraspOptions dense;
-  dense.directions *= kDenser;
-  return cached_grasps(stone, gripper, dense);
+  const std::size_t serving = end.serving(usual->grasps, all, T_W_O_pick, kFewOverTable).size();
+  if (serving >= kFewOverTable) return usual;
+  const auto over_table = std::count_if(usual->grasps.begin(), usual->grasps.end(), [&](const Grasp& grasp) {
+    const auto fault = end.hand_fault(grasp, T_W_O_pick);
+    return fault != EndFault::kTable && fault != EndFault::kTooWeak;
+  });
+  GraspOptions more;
+  if (static_cast<std::size_t>(over_table) >= kFewOverTable) {  // what stands beside it is in the way
+    if (serving >= kFew || usual->grasps.empty()) return usual;
+    more.directions *= kDenser;
+    return cached_grasps(stone, gripper, more);
+  }
+  more.directions *= kDenserFromAbove;
+  more.cone = kFromAbove;
+  more.finger_clearance = kTightClearance;
+  // Rounded, so that another look at the stone asks for the same ones.
+  const Eigen::Vector3d n_O_down = -T_W_O_pick.linear().row(2).transpose();
+  more.n_O_towards = (8.0 * n_O_down).array().round().matrix().normalized();
+  return std::make_shared<const GraspSet>(joined(*usual, *cached_grasps(stone, gripper, more)));
 }
 
 }  // namespace stonestack

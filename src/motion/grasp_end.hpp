@@ -57,9 +57,11 @@ class GraspEnd {
   std::vector<Hand> hands_;
 };
 
-/// The grasps of a stone to pick it up with where it lies. Where hardly any of the usual ones serves, four
-/// times as many directions are sampled (1 to 3 s of one thread, once): in a flat pose of rest only a narrow
-/// cone of directions holds some stones, as stone_156 of the sixteen rocks.
+/// The grasps of a stone to pick it up with where it lies. Where hardly any of the usual ones serves, more
+/// are sampled, once (2 to 9 s of one thread): in all directions where other things are in the way; where it
+/// is the table, those from above 24 times as densely, fingers opened less. Flat stones can be held in few
+/// ways as they lie: of the sixteen rocks stone_154, stone_156, stone_160, stone_163, stone_177 and
+/// stone_178.
 [[nodiscard]] std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone& stone,
                                                              const GripperModel& gripper,
                                                              const Pose& T_W_O_pick);

@@ -98,6 +98,26 @@ TEST(Grasp, SpacedFingersArePreferred) {
   EXPECT_GT(wide, narrow);
 }
 
+TEST(Grasp, InAConeOnlySuchApproachesAreSampled) {
+  const Stone stone = box_stone({0.12, 0.09, 0.06});
+  GraspOptions options = few();
+  options.directions = 600;
+  options.cone = 0.4;
+  options.n_O_towards = Eigen::Vector3d(0.2, 0.1, -1.0).normalized();
+  const GraspSet set = grasp_candidates(stone, kGripper, options);
+  ASSERT_FALSE(set.grasps.empty());
+  for (const Grasp& grasp : set.grasps)
+    EXPECT_GE(grasp.T_O_T.linear().col(2).dot(options.n_O_towards), std::cos(0.4) - 1e-9);
+  EXPECT_NE(cached_grasps(stone, kGripper, options), cached_grasps(stone, kGripper, few()));
+  const GraspSet both = joined(set, grasp_candidates(stone, kGripper, few()));
+  EXPECT_GT(both.grasps.size(), set.grasps.size());
+  EXPECT_GT(both.tried, set.tried);
+  for (std::size_t i = 1; i < both.grasps.size(); ++i)
+    EXPECT_LE(both.grasps[i].score, both.grasps[i - 1].score);
+  options.n_O_towards = Eigen::Vector3d(0, 0, -2);
+  EXPECT_THROW((void)grasp_candidates(stone, kGripper, options), InvalidArgument);
+}
+
 TEST(Grasp, SameStoneSameGrasps) {
   const Stone stone = box_stone({0.12, 0.09, 0.06});
   const GraspSet a = grasp_candidates(stone, kGripper, few());

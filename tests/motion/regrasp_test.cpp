@@ -101,6 +101,49 @@ TEST(GraspFinder, SamplesMoreWhereHardlyAnyGraspServes) {
   EXPECT_GT(walled.set().tried, 3 * usual);
 }
 
+/// A loaf 28 mm high with slanting sides: what holds it comes from above, and the usual directions hardly
+/// meet it.
+Stone loaf() {
+  Stone stone = block("loaf", {0.15, 0.10, 0.028});
+  for (auto* mesh : {&stone.scan, &stone.mesh, &stone.pieces[0]})
+    for (Eigen::Vector3d& v : mesh->vertices)
+      if (v.z() > 0.0) v.head<2>() *= 0.97;
+  stone.mass = mass_properties(stone.scan, 2600.0);
+  return stone;
+}
+
+TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableIsInTheWay) {
+  const Stone stone = loaf();
+  Workplace cell;
+  const Pose T_W_O = make_pose({0.70, -0.18, 0.014});
+  cell.scene.objects = {{"loaf", stone.pieces, T_W_O}};
+  const auto usual = cached_grasps(stone, cell.scene.gripper);
+  const GraspFinder finder(cell.scene, stone, 0, T_W_O);
+  std::size_t of_usual = 0;
+  for (const int k : finder.at_pick().usable) {
+    const Grasp& grasp = finder.set().grasps[static_cast<std::size_t>(k)];
+    for (const Grasp& other : usual->grasps) of_usual += other.T_O_T.matrix() == grasp.T_O_T.matrix() ? 1 : 0;
+    EXPECT_LT((T_W_O * grasp.T_O_T).linear()(2, 2), -0.5) << "from above";
+  }
+  EXPECT_LT(of_usual, 12U);
+  EXPECT_GT(finder.at_pick().usable.size(), 3 * of_usual);
+  EXPECT_TRUE(finder.at_pick().can_be_held());
+}
+
+TEST(GraspFinder, WhatNoHandGetsUnderCannotBeHeld) {
+  const Stone plate = block("plate", {0.12, 0.10, 0.008});
+  Workplace cell;
+  const Pose T_W_O = make_pose({0.70, -0.18, 0.004});
+  cell.scene.objects = {{"plate", plate.pieces, T_W_O}};
+  EXPECT_FALSE(GraspFinder(cell.scene, plate, 0, T_W_O).at_pick().can_be_held());
+  // Walls around a stone are no fault of the stone.
+  cell.scene.objects = {{"block", cell.stone.pieces, cell.task.T_W_O_pick},
+                        {"lid", {make_box({0.3, 0.3, 0.02})}, make_pose({0.70, -0.18, 0.12})}};
+  const GraspFinder lidded(cell.scene, cell.stone, 0, cell.task.T_W_O_pick);
+  EXPECT_TRUE(lidded.at_pick().usable.empty());
+  EXPECT_TRUE(lidded.at_pick().can_be_held());
+}
+
 TEST(RegraspFinder, TellsWhatTurningOverBringsAbout) {
   const Workplace cell;
   const auto finder = [&](std::span<const Pose> avoid = {}) {

@@ -24,8 +24,11 @@ struct GraspOptions {
   double palm_clearance = 0.005;    ///< m, between palm and stone
   double friction_share = 0.8;      ///< of the pad friction that the squeeze alone may use
   double force_factor = 2.0;        ///< grip force over what friction needs
-  double narrow_score = 0.4;        ///< of a grasp's score when fingers B and C are drawn together: they hold
-                                    ///< less against turning, so they are taken where little else serves
+  /// Unit vector, frame O: only approaches within `cone` (rad) of it are sampled. Zero: all.
+  Eigen::Vector3d n_O_towards = Eigen::Vector3d::Zero();
+  double cone = 0.7;
+  double narrow_score = 0.4;  ///< of a grasp's score when fingers B and C are drawn together: they hold
+                              ///< less against turning, so they are taken where little else serves
 };
 [[nodiscard]] FieldList fields(GraspOptions& options);
 
@@ -68,7 +71,9 @@ struct GraspSet {
 /// InvalidArgument for a stone without scan or mass.
 [[nodiscard]] GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper,
                                         const GraspOptions& options = {});
-/// The same, made once for each stone, gripper and options, and kept for the life of the process.
+/// The grasps of both, best first, and their counts together.
+[[nodiscard]] GraspSet joined(const GraspSet& a, const GraspSet& b);
+/// Candidates made once for each stone, gripper and options, and kept for the life of the process.
 [[nodiscard]] std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                                             const GraspOptions& options = {});
 

@@ -31,6 +31,8 @@ struct GraspCheck {
   std::vector<int> usable;  ///< indices into the grasp set, best score first
   int total = 0;            ///< grasps looked at
   std::array<int, kGraspFaults> refused{};
+  /// True if the hand could hold the stone where it lies, but for what stands beside it and for the arm.
+  [[nodiscard]] bool can_be_held() const;
   /// "of 212 grasps 140 hit the table at pick, 12 are out of reach at place"
   [[nodiscard]] std::string text() const;
 };
@@ -54,6 +56,8 @@ class GraspFinder {
   /// the stone is set down; hand and arm must not meet them.
   [[nodiscard]] GraspCheck check(const Pose& T_W_O_place, int enough = 0,
                                  std::span<const SceneObject> meanwhile = {}) const;
+  /// The pick side alone.
+  [[nodiscard]] const GraspCheck& at_pick() const;
   /// True if the arm meets nothing and itself nowhere with these joints, its open hand at that grasp of the
   /// stone. Other inverse solutions of a usable grasp may well be free.
   [[nodiscard]] bool arm_is_free(int grasp, const Joints& q) const;
