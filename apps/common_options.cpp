@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
 
 namespace stonestack::apps {
 
@@ -39,15 +39,15 @@ std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed) {
   std::vector<int> order(catalogue.stones.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   Random::stream(static_cast<std::uint64_t>(seed), "stones of the run").shuffle(order.begin(), order.end());
-  const double payload = make_robotiq_3f().payload;
-  std::string heavy;
+  const GripperModel hand = make_robotiq_3f();
+  std::string unfit;
   std::erase_if(order, [&](int k) {
     const Stone& stone = catalogue.stones[static_cast<std::size_t>(k)];
-    if (stone.mass.mass <= payload) return false;
-    heavy += concat(heavy.empty() ? "" : ", ", stone.name, " (", stone.mass.mass, " kg)");
-    return true;
+    const std::string why = unfit_for_hand(stone, hand);
+    if (!why.empty()) unfit += concat(unfit.empty() ? "" : ", ", stone.name, " (", why, ")");
+    return !why.empty();
   });
-  if (!heavy.empty()) log_info(concat("not drawn, for the hand carries ", payload, " kg: ", heavy));
+  if (!unfit.empty()) log_info("not drawn, for the hand cannot hold them: " + unfit);
   order.resize(std::min(order.size(), static_cast<std::size_t>(count)));
   std::sort(order.begin(), order.end());
   return order;

@@ -26,7 +26,8 @@ struct CommonOptions {
 };
 
 /// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
-/// What weighs more than the hand carries is not drawn but named in the log; fewer than `count` may be left.
+/// What the hand cannot hold (`unfit_for_hand`) is not drawn but named in the log; fewer than `count` may be
+/// left.
 [[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed);
 
 }  // namespace stonestack::apps

@@ -1,0 +1,47 @@
+#include "stonestack/motion/fit_for_hand.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/motion/regrasp.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr int kTurns = 90;  // of half a turn
+
+double width_along(const Mesh& scan, const Eigen::Vector3d& n_O) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (const Eigen::Vector3d& p : scan.vertices) {
+    least = std::min(least, n_O.dot(p));
+    most = std::max(most, n_O.dot(p));
+  }
+  return most - least;
+}
+
+}  // namespace
+
+double least_width_at_rest(const Stone& stone) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const RestPose& rest : rest_poses(stone))
+    for (int k = 0; k < kTurns; ++k) {
+      const double angle = std::numbers::pi * k / kTurns;
+      const Eigen::Vector3d n_W(std::cos(angle), std::sin(angle), 0.0);
+      least = std::min(least, width_along(stone.scan, rest.R_W_O.conjugate() * n_W));
+    }
+  return std::isfinite(least) ? least : 0.0;
+}
+
+std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper) {
+  if (stone.mass.mass > gripper.payload)
+    return concat(stone.mass.mass, " kg, the fingers carry ", gripper.payload, " kg");
+  if (const double width = least_width_at_rest(stone); width > gripper.largest_opening)
+    return concat(std::lround(1e3 * width), " mm across, the fingers open ",
+                  std::lround(1e3 * gripper.largest_opening), " mm");
+  return {};
+}
+
+}  // namespace stonestack

@@ -1,0 +1,39 @@
+#include "stonestack/motion/fit_for_hand.hpp"
+
+#include <gmock/gmock.h>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+Stone block(const Eigen::Vector3d& size, double density = 2600.0) {
+  Stone stone;
+  stone.name = "block";
+  stone.scan = stone.mesh = make_box(size);
+  stone.mass = mass_properties(stone.scan, density);
+  return stone;
+}
+
+TEST(FitForHand, WidthIsAcrossTheStoneAsItStands) {
+  EXPECT_NEAR(least_width_at_rest(block({0.14, 0.10, 0.07})), 0.07, 1e-9) << "on its narrow side";
+  // A plate stands on its faces only: there it is 0.18 m across, though 0.02 m thick.
+  EXPECT_NEAR(least_width_at_rest(block({0.20, 0.18, 0.02})), 0.18, 1e-9);
+}
+
+TEST(FitForHand, NamesWhatStandsInTheWay) {
+  const GripperModel hand = make_robotiq_3f();
+  EXPECT_EQ(unfit_for_hand(block({0.12, 0.09, 0.06}), hand), "");
+  EXPECT_EQ(unfit_for_hand(block({0.20, 0.18, 0.02}), hand), "180 mm across, the fingers open 155 mm");
+  EXPECT_THAT(unfit_for_hand(block({0.12, 0.09, 0.06}, 5000.0), hand),
+              testing::HasSubstr("kg, the fingers carry 2.5 kg"));
+}
+
+TEST(FitForHand, StoneWithoutMassIsRefused) {
+  Stone stone = block({0.1, 0.1, 0.1});
+  stone.mass.mass = 0.0;
+  EXPECT_THROW((void)least_width_at_rest(stone), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace stonestack
