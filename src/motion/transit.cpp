@@ -149,14 +149,14 @@ std::optional<JointPath> direct(const CollisionChecker& checker, const Joints& s
   return std::nullopt;
 }
 
-/// Path and time law with the hand empty and open.
+/// Path and time law with the hand empty and as wide open as the scene tells.
 std::optional<JointTrajectory> plan(const PlanningScene& scene, const Joints& start,
                                     std::span<const Joints> goals, const MotionOptions& options) {
   for (const double padding : {options.transit_padding, options.approach_padding}) {
     CollisionRules rules;
     rules.padding = std::min(padding, options.transit_padding);
     rules.self_padding = std::min(rules.self_padding, padding);
-    rules.opening = scene.gripper.largest_opening;
+    rules.opening = scene.opening;
     if (const auto path = find_path(CollisionChecker(scene, rules), start, goals, options))
       return limit_jerk(time_path(*path, timing_limits(scene.robot, options)), options.jerk);
   }

@@ -162,6 +162,21 @@ TEST(Transit, ReachesAGoalThatNearlyCollides) {
   expect_free(checker, *path);
 }
 
+/// Fingers that let go beside another stone are no further open than there was room.
+TEST(Transit, LeavesWithTheHandAsFarOpenAsItIs) {
+  PlanningScene scene = empty_scene();
+  const Joints start = tool_down();
+  const Pose T_W_T = scene.T_W_R * forward(scene.robot, start) * scene.T_F_T;
+  for (const double side : {-1.0, 1.0}) {  // a wall close to either finger, 60 mm from the middle
+    const Eigen::Vector3d p = T_W_T * Eigen::Vector3d(side * (0.060 + 0.013 + 0.01), 0, -0.02);
+    scene.objects.push_back({"wall", {make_box({0.02, 0.02, 0.02})}, make_pose(p)});
+  }
+  const Pose up = Pose(Eigen::Translation3d(0, 0, 0.2)) * scene.T_W_R * forward(scene.robot, start);
+  EXPECT_FALSE(plan_transit(scene, start, up)) << "opened to 155 mm it would stand in the walls";
+  scene.opening = 0.090;
+  EXPECT_TRUE(plan_transit(scene, start, up));
+}
+
 TEST(Transit, IsTimedFromStartToGoal) {
   const PlanningScene scene = hard_scene();
   const Joints start = solutions_above(scene, {0.8, -0.3, 0.15}).front();

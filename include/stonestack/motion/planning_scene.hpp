@@ -56,6 +56,7 @@ struct PlanningScene {
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
   double table_z = 0.0;              ///< m; the half space below is solid
+  double opening = 0.155;            ///< m, of the empty hand while `plan_transit` moves it
   std::vector<SceneObject> objects;  ///< loose stones, stack, user's boxes and meshes
 };
 
