@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/pose_json.hpp"
+#include "stacking/steady.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/physics/settle.hpp"
@@ -11,19 +12,12 @@
 namespace stonestack {
 namespace {
 
-constexpr double kAboveTable = 0.012;     // m: lower than this, a stone lies on the table
-constexpr double kSettleFrom = 0.002;     // m above the measured pose
-constexpr double kConsistent = 0.006;     // m: a rest pose nearer than this to the measurement is believed
-constexpr double kConsistentTurn = 0.09;  // rad
-constexpr double kBelievable = 0.012;     // m: the farthest rest pose that can be what was measured
-constexpr int kSeatTries = 12;            // the measured pose, then displaced ones
-// One sigma of a measured pose, ours; the hand-eye error is common to the whole stack and left out.
-constexpr double kMeasuredSigma = 0.001;  // m, along each axis
-constexpr double kMeasuredTurn = 0.01;    // rad
-constexpr double kFloats = 0.05;          // m above the table: higher, nothing loose can lie
-constexpr double kWithin = 0.006;         // m
-constexpr double kTouches = 0.003;        // m: a loose stone that near to the stack touches it
-constexpr double kBaseAtSite = 0.12;      // m: the first stone lies no further from the site
+constexpr double kAboveTable = 0.012;  // m: lower than this, a stone lies on the table
+constexpr int kSeatTries = 12;         // the measured pose, then displaced ones
+constexpr double kFloats = 0.05;       // m above the table: higher, nothing loose can lie
+constexpr double kWithin = 0.006;      // m
+constexpr double kTouches = 0.003;     // m: a loose stone that near to the stack touches it
+constexpr double kBaseAtSite = 0.12;   // m: the first stone lies no further from the site
 
 double lowest(const ContactShape& shape, const Pose& T_W_O) {
   double z = 1e9;
@@ -82,15 +76,6 @@ bool something_stands_on(const ShapeList& shapes, const std::vector<Sighting>& s
   return false;
 }
 
-/// A measured pose moved by what the camera may err.
-Pose displaced(const Pose& T_W_O, Random& random) {
-  Pose moved = T_W_O;
-  for (Eigen::Index i = 0; i < 3; ++i) moved.translation()[i] += random.normal(0.0, kMeasuredSigma);
-  const double turn = random.normal(0.0, kMeasuredTurn);
-  moved.linear() = Eigen::AngleAxisd(turn, random.unit_vector()).toRotationMatrix() * moved.linear();
-  return moved;
-}
-
 /// The measured pose, seated on the stack below. It is seen to rest, so when the measured pose itself slides
 /// off, poses as near as the camera may err are tried; the rest pose nearest to the measurement is believed,
 /// if it is near at all.
@@ -104,13 +89,12 @@ Pose seated(const ShapeList& shapes, const Stack& below, const PlacedStone& meas
   for (int k = 0; k < kSeatTries && nearest > kConsistent; ++k) {
     const Pose lifted = Eigen::Translation3d(0, 0, kSettleFrom) * tried;
     const SettleResult settled = settle(shapes, below, measured.stone, lifted, options);
-    const auto error = difference(settled.T_W_O, measured.T_W_O);
-    const double off = std::max(error.translation, kConsistent / kConsistentTurn * error.angle);
+    const double off = off_measured(settled.T_W_O, measured.T_W_O);
     if (settled.rests && off < nearest) {
       nearest = off;
       best = settled.T_W_O;
     }
-    tried = displaced(measured.T_W_O, random);
+    tried = displaced_as_measured(measured.T_W_O, random);
   }
   return best;
 }
