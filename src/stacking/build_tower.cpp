@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "stacking/builder.hpp"
+#include "stacking/steady.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
 
-/// Where a stone that fell off the tower may have rolled to and no other look reaches.
+constexpr double kOpeningError = 0.003;  // m: fingers may be open that much wider than the hand says
+
+/// Where a stone that fell off the tower may have rolled to and the look at the field does not reach.
 std::vector<Eigen::Vector3d> beside_the_site(const CellLayout& layout) {
   constexpr double kBeside = 0.22;  // m
   std::vector<Eigen::Vector3d> places;
@@ -24,8 +27,15 @@ Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool field_unknown) {
   return look_from(look_poses(cell_.layout, p_W_target, options_.look_distance), field_unknown);
 }
 
-Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
+PlanningScene Builder::scene_of_look() const {
   PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
+  // Fingers that let a stone go beside another were opened no further than there was room.
+  scene.opening = std::min(scene.opening, cell_.gripper.state().opening + kOpeningError);
+  return scene;
+}
+
+Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
+  PlanningScene scene = scene_of_look();
   if (field_unknown) scene.objects.push_back(unseen_field(cell_.layout));
   const double start = cell_.clock.now();
   Look look = take_look(cell_, robot_, scene, T_W_C, options_.motion);
@@ -34,7 +44,7 @@ Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
 }
 
 std::optional<Look> Builder::look_if_possible(const Eigen::Vector3d& p_W_target) {
-  const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
+  const PlanningScene scene = scene_of_look();
   const Pose T_C_F = (cell_.layout.T_F_T * cell_.layout.T_T_C).inverse();
   for (const Pose& T_W_C : look_poses(cell_.layout, p_W_target, options_.look_distance))
     if (plan_transit(scene, cell_.arm.state().q, Pose(T_W_C * T_C_F), options_.motion))
@@ -47,10 +57,14 @@ std::vector<int> Builder::out_of_sight() const {
   const auto here = [&](const std::vector<PlacedStone>& list, int stone) {
     return std::any_of(list.begin(), list.end(), [&](const PlacedStone& s) { return s.stone == stone; });
   };
-  for (const int stone : seen_before_)
+  for (const auto& [stone, place] : seen_before_)
     if (!here(belief_.stack, stone) && !here(belief_.loose, stone) && !gone_.contains(stone))
       missing.push_back(stone);
   return missing;
+}
+
+Eigen::Vector3d Builder::com_of(const PlacedStone& stone) const {
+  return stone.T_W_O * shapes_[static_cast<std::size_t>(stone.stone)]->mass.p_O_M;
 }
 
 void Builder::look_around() {
@@ -71,21 +85,29 @@ void Builder::look_around() {
     const Stopwatch watch;
     const auto sightings = find_in_looks(looks, models_, wanted, expected, options_.detection);
     belief_ = believe(shapes_, cell_.layout, expected, sightings);
+    belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
+    reach_.reset();
+    possible_.clear();
     result_.seconds.detection += watch.seconds();
   };
   see();
-  for (const auto& beside : beside_the_site(cell_.layout)) {
-    if (out_of_sight().empty()) break;
-    report("looking for " + name(out_of_sight().front()) + " beside the site");
-    auto look = look_if_possible(beside);
-    if (!look) continue;
+  const auto search_at = [&](int stone, const Eigen::Vector3d& p_W, const char* where) {
+    report(concat("looking for ", name(stone), where));
+    auto look = look_if_possible(p_W);
+    if (!look) return;
     looks.push_back(std::move(*look));
     see();
+  };
+  // What slipped out of the hand rolls from where it was lifted, beyond the rim of the field perhaps.
+  for (const int stone : out_of_sight()) search_at(stone, seen_before_[stone], " where it was");
+  for (const auto& beside : beside_the_site(cell_.layout)) {
+    if (out_of_sight().empty()) break;
+    search_at(out_of_sight().front(), beside, " beside the site");
   }
   for (const int stone : out_of_sight()) gone_.insert(stone);
   for (const auto* list : {&belief_.stack, &belief_.loose})
     for (const PlacedStone& stone : *list) {
-      seen_before_.insert(stone.stone);
+      seen_before_[stone.stone] = com_of(stone);
       gone_.erase(stone.stone);
     }
   report(describe(catalogue_, belief_));

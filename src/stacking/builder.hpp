@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "stacking/believe.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/execute.hpp"
@@ -35,13 +37,15 @@ class Builder {
         options_(options),
         hooks_(hooks),
         shapes_(make_contact_shapes(catalogue.stones)),
-        models_(catalogue.stones, options.detection) {}
+        models_(catalogue.stones, options.detection) {
+    for (const Stone& stone : catalogue.stones) unfit_.push_back(unfit_for_hand(stone, make_robotiq_3f()));
+  }
 
   RunResult run() {
     look_around();
     if (belief_.loose.empty()) return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
-    if (const std::string heavy = too_heavy(); !heavy.empty())
-      report(concat("left out, for the hand carries ", make_robotiq_3f().payload, " kg: ", heavy));
+    if (const std::string unfit = unfit_stones(); !unfit.empty())
+      report("left out, for the hand cannot hold them: " + unfit);
     while (true) {
       throw_if_interrupted();
       if (clear_the_foot()) continue;
@@ -103,14 +107,18 @@ class Builder {
   }
 
   /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site,
-  /// then beside the site if a stone is missing.
+  /// then where it was and beside the site if a stone is missing.
   void look_around();
   /// Tells of stones of the stack that are no longer where they were.
   void report_moved(const std::vector<PlacedStone>& expected) const;
+  /// What the arm must stay clear of on its way to a look, hand empty.
+  [[nodiscard]] PlanningScene scene_of_look() const;
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
   [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool field_unknown);
   /// Nothing if no pose for that look can be reached.
   [[nodiscard]] std::optional<Look> look_if_possible(const Eigen::Vector3d& p_W_target);
+  /// Centre of mass, m, W.
+  [[nodiscard]] Eigen::Vector3d com_of(const PlacedStone& stone) const;
   /// Stones that were seen before and are not now, but for those that were looked for in vain.
   [[nodiscard]] std::vector<int> out_of_sight() const;
   /// Looks at the field once more, half a turn about the optical axis away, and corrects where the camera is
@@ -124,9 +132,15 @@ class Builder {
   /// Those that failed and those that cannot pick the stone up where it lies, T_O_T.
   [[nodiscard]] std::vector<Pose> useless_grasps(int stone) const;
   void name_useless_grasps(PickAndPlaceTask* task, int stone) const;
-  [[nodiscard]] bool can_carry(int stone) const;
-  /// "stone_150 (3.16 kg), ..." of the loose stones; empty: none is.
-  [[nodiscard]] std::string too_heavy() const;
+  /// What the arm and the hand can do with the stones of that belief, worked out once for `belief_`.
+  class Reach;
+  [[nodiscard]] std::shared_ptr<Reach> reach_in(const Belief& belief) const;
+  /// "stone_156: of 8044 grasps 8044 hit the table at pick; ..." of loose stones that no grasp holds as they
+  /// lie; empty: none is.
+  [[nodiscard]] std::string not_held() const;
+  [[nodiscard]] bool fits_hand(int stone) const;
+  /// "stone_150 (3.16 kg, the fingers carry 2.5 kg), ..." of the loose stones; empty: none is.
+  [[nodiscard]] std::string unfit_stones() const;
   /// Forgets which grasps failed: better one of these once more than none. False if none did.
   [[nodiscard]] bool dare_failed_grasps();
   /// Nothing was found to fit on that stone when it lay nearly there, or no motion brings it there.
@@ -134,10 +148,14 @@ class Builder {
   [[nodiscard]] SearchResult search_by_friction();
   /// The frictions that are assumed, rising.
   [[nodiscard]] std::vector<double> frictions() const;
+  /// Which of them the stones may have, for what stands there stands; all, if with none of them it would.
+  [[nodiscard]] const std::vector<bool>& possible() const;
+  /// Of these, what a search begins with.
+  [[nodiscard]] std::size_t first_level() const;
   /// How a search at one of them goes about it.
   [[nodiscard]] SearchOptions search_at(std::size_t level, Ways ways) const;
-  /// Stones that are expected to stand by a found placement and what is to follow it, over all frictions that
-  /// the stones may have; `level` of them was assumed by the search that found it.
+  /// Stones that are expected to stand by a found placement and what is to follow it, over all possible
+  /// frictions; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
   /// How the tower was meant to go on, moved with where its top really came to lie; the same as before if the
   /// stone was not picked; empty if something else happened.
@@ -183,9 +201,13 @@ class Builder {
   const BuildHooks& hooks_;
   ShapeList shapes_;
   DetectionModels models_;
+  std::vector<std::string> unfit_;  ///< why the hand can hold a stone in no pose; empty: it can
   Belief belief_;
-  std::set<int> seen_before_;
-  std::set<int> gone_;  ///< of these, that were looked for beside the site in vain
+  mutable std::shared_ptr<Reach> reach_;        ///< of `belief_`, or empty
+  mutable std::vector<bool> possible_;          ///< `possible()` for `belief_`, or empty
+  std::string said_not_held_;                   ///< what `not_held` told last
+  std::map<int, Eigen::Vector3d> seen_before_;  ///< m, W, centre of mass of each stone when it was seen last
+  std::set<int> gone_;                          ///< of these, that were looked for beside the site in vain
   RunResult result_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold

@@ -12,21 +12,19 @@ namespace {
 constexpr double kSamePlace = 0.012;  // m, of the centre of mass: nearer is what was tried before
 constexpr double kSameTurn = 0.26;    // rad: the same
 
-/// What the search asks the arm: the pick side of each stone is worked out once.
-class Reach {
+}  // namespace
+
+class Builder::Reach {
  public:
   Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
       : belief_(std::move(belief)), scene_(std::move(scene)), catalogue_(catalogue), options_(options) {}
 
+  /// How grasps of the stone fare where it lies.
+  const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
+
   /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
   bool in_one_go(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
-    auto at = direct_.find(stone);
-    if (at == direct_.end()) {
-      const auto task = lying(stone);
-      at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, task.object, task.T_W_O_pick, options_))
-               .first;
-    }
-    const GraspFinder& finder = at->second;
+    const GraspFinder& finder = direct(stone);
     const GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
     return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
       return !is_near_grasp(avoid, finder.set().grasps[static_cast<std::size_t>(k)].T_O_T);
@@ -46,6 +44,15 @@ class Reach {
   }
 
  private:
+  const GraspFinder& direct(int stone) {
+    auto at = direct_.find(stone);
+    if (at == direct_.end()) {
+      const auto task = lying(stone);
+      at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, task.object, task.T_W_O_pick, options_))
+               .first;
+    }
+    return at->second;
+  }
   [[nodiscard]] PickAndPlaceTask lying(int stone) const {
     return make_task(catalogue_, belief_, stone, Pose::Identity(), Joints::Zero());
   }
@@ -67,17 +74,25 @@ class Reach {
   std::map<int, RegraspFinder> turning_;
 };
 
-}  // namespace
+std::shared_ptr<Builder::Reach> Builder::reach_in(const Belief& belief) const {
+  const auto make = [&] {
+    return std::make_shared<Reach>(belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief),
+                                   catalogue_, options_.motion);
+  };
+  if (&belief != &belief_) return make();
+  if (!reach_) reach_ = make();
+  return reach_;
+}
 
 SearchProblem Builder::make_problem(const Belief& belief, Ways ways) const {
   SearchProblem problem;
   problem.shapes = &shapes_;
   problem.stack.stones = belief.stack;
   problem.site = cell_.layout.site;
+  const auto reach = reach_in(belief);
   for (const PlacedStone& loose : belief.loose)
-    if (can_carry(loose.stone)) problem.available.push_back(loose);
-  auto reach = std::make_shared<Reach>(belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief),
-                                       catalogue_, options_.motion);
+    if (fits_hand(loose.stone) && reach->at_pick(loose.stone).can_be_held())
+      problem.available.push_back(loose);
   problem.reachable = [this, reach, ways](int stone, const Pose& T_W_O, const Stack& below) {
     if (was_given_up(stone, T_W_O)) return false;
     const std::vector<Pose> avoid = useless_grasps(stone);
@@ -110,16 +125,28 @@ RegraspOptions Builder::regrasp_options(int stone) const {
   return regrasp;
 }
 
-bool Builder::can_carry(int stone) const {
-  return catalogue_.stones[static_cast<std::size_t>(stone)].mass.mass <= make_robotiq_3f().payload;
+bool Builder::fits_hand(int stone) const {
+  return unfit_[static_cast<std::size_t>(stone)].empty();
 }
 
-std::string Builder::too_heavy() const {
+std::string Builder::not_held() const {
+  const auto reach = reach_in(belief_);
+  std::string list;
+  for (const PlacedStone& loose : belief_.loose) {
+    const std::string& unfit = unfit_[static_cast<std::size_t>(loose.stone)];
+    if (!unfit.empty() || !reach->at_pick(loose.stone).can_be_held())
+      list += concat(list.empty() ? "" : "; ", name(loose.stone), ": ",
+                     unfit.empty() ? reach->at_pick(loose.stone).text() : unfit);
+  }
+  return list;
+}
+
+std::string Builder::unfit_stones() const {
   std::string list;
   for (const PlacedStone& loose : belief_.loose)
-    if (!can_carry(loose.stone))
+    if (!fits_hand(loose.stone))
       list += concat(list.empty() ? "" : ", ", name(loose.stone), " (",
-                     catalogue_.stones[static_cast<std::size_t>(loose.stone)].mass.mass, " kg)");
+                     unfit_[static_cast<std::size_t>(loose.stone)], ")");
   return list;
 }
 

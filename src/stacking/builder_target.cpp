@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "search/parallel.hpp"
+#include "search/search_context.hpp"
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -37,13 +38,16 @@ std::array<std::vector<Placement>, 2> by_plan_length(const std::vector<Placement
 }  // namespace
 
 std::optional<Target> Builder::find_target() {
+  const Stopwatch watch;
+  if (const std::string stones = not_held(); stones != said_not_held_) {
+    said_not_held_ = stones;
+    if (!stones.empty()) report("no grasp holds a stone as it lies: " + stones);
+  }
   if (make_problem(belief_, Ways::kInOneGo).available.empty()) {
     result_.end = RunResult::End::kNoPose;
-    result_.ended = concat("no feasible pose: what is left is heavier than the hand carries (",
-                           make_robotiq_3f().payload, " kg): ", too_heavy());
+    result_.ended = "no feasible pose: the hand cannot pick up what is left: " + not_held();
     return std::nullopt;
   }
-  const Stopwatch watch;
   const SearchResult found = search_by_friction();
   result_.seconds.search += watch.seconds();
   if (found.best.empty()) {
@@ -82,6 +86,27 @@ std::vector<double> Builder::frictions() const {
   return list;
 }
 
+const std::vector<bool>& Builder::possible() const {
+  if (!possible_.empty()) return possible_;
+  const std::vector<double> assumed = frictions();
+  for (const double friction : assumed) {
+    SearchOptions search = options_.search;
+    search.friction = friction;
+    std::string reason;
+    possible_.push_back(standing_stack(shapes_, Stack{belief_.stack}, search, &reason).has_value());
+  }
+  if (std::none_of(possible_.begin(), possible_.end(), [](bool yes) { return yes; }))
+    possible_.assign(assumed.size(), true);
+  return possible_;
+}
+
+std::size_t Builder::first_level() const {
+  const std::vector<bool>& levels = possible();
+  for (std::size_t level = 1; level < levels.size(); ++level)
+    if (levels[level]) return level;
+  return 0;
+}
+
 SearchOptions Builder::search_at(std::size_t level, Ways ways) const {
   const std::vector<double> assumed = frictions();
   SearchOptions search = options_.search;
@@ -99,14 +124,16 @@ double Builder::outlook(const SearchProblem& problem, const Placement& found, st
   SearchOptions search = options_.search;
   search.threads = 1;
   std::vector<double> expected(assumed.size(), found.expected_height);
+  const std::vector<bool>& levels = possible();
   run_tasks(options_.search.threads, assumed.size(), [&](std::size_t k) {
-    if (k == level) return;
+    if (k == level || !levels[k]) return;
     SearchOptions other = search;
     other.friction = assumed[k];
     expected[k] = expected_height(here, plan, other);
   });
   double sum = 0.0, weights = 0.0;
   for (std::size_t k = 0; k < assumed.size(); ++k) {
+    if (!levels[k]) continue;
     weights += weight_of(k);
     sum += weight_of(k) * expected[k];
   }
@@ -144,9 +171,10 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
   return std::nullopt;
 }
 
-/// A plan that still holds needs no search. Otherwise what holds with little friction first; more is assumed
-/// as long as the tower found so far is not expected to stand whole: first to go on from where it ends, then
-/// for other ways. From the second friction on stones may be turned over on the way.
+/// A plan that still holds needs no search. Otherwise what holds with little friction first, but not the
+/// least, with which towers of four are rarely found (it counts in the outlook); more is assumed as long as
+/// the tower found so far is not expected to stand whole: first to go on from where it ends, then for other
+/// ways. From the second friction on stones may be turned over on the way.
 SearchResult Builder::search_by_friction() {
   Ways ways = Ways::kInOneGo;
   SearchProblem problem = make_problem(belief_, ways);
@@ -187,7 +215,7 @@ SearchResult Builder::search_by_friction() {
     for (std::size_t higher = level + 1; higher < count && most > before && !sure(); ++higher)
       search(higher, true);
   };
-  for (std::size_t level = 0; level < count && !sure(); ++level) {
+  for (std::size_t level = first_level(); level < count && !sure(); ++level) {
     climb(level);
     if (level + 1 < kInOneGoFirst || ways == Ways::kTurningToo || sure() || !may_turn_over()) continue;
     ways = Ways::kTurningToo;

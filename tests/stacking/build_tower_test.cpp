@@ -52,8 +52,10 @@ TEST(BuildTower, AStoneThatTheHandCannotCarryIsLeftOutAndNamed) {
   EXPECT_EQ(result.height, 1);
   EXPECT_EQ(result.belief.stack.front().stone, 2);
   EXPECT_EQ(result.end, RunResult::End::kNoPose);
-  EXPECT_THAT(result.ended, testing::HasSubstr("limestone_2 (3 kg)"));
-  EXPECT_THAT(said, testing::HasSubstr("left out, for the hand carries 2.5 kg: limestone_2 (3 kg)"));
+  EXPECT_THAT(result.ended, testing::HasSubstr("limestone_2: 3 kg, the fingers carry 2.5 kg"));
+  EXPECT_THAT(said,
+              testing::HasSubstr(
+                  "left out, for the hand cannot hold them: limestone_2 (3 kg, the fingers carry 2.5 kg)"));
 }
 
 }  // namespace
