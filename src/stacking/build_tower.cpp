@@ -76,6 +76,7 @@ void Builder::look_around() {
   std::vector<Look> looks{look_at({field.x(), field.y(), 0.05}, first)};
   if (first && options_.refine_camera) refine_camera(looks);
   const std::vector<PlacedStone> expected = belief_.stack;
+  const Belief before = belief_;
   if (!expected.empty())
     looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
 
@@ -83,7 +84,7 @@ void Builder::look_around() {
   for (int i = 0; i < static_cast<int>(catalogue_.stones.size()); ++i) wanted.push_back(i);
   const auto see = [&] {
     const Stopwatch watch;
-    const auto sightings = find_in_looks(looks, models_, wanted, expected, options_.detection);
+    const auto sightings = find_in_looks(looks, models_, wanted, before, options_.detection);
     belief_ = believe(shapes_, cell_.layout, expected, sightings);
     belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
     reach_.reset();

@@ -52,18 +52,18 @@ SceneKnowledge known_in(const Pose& T_W_C, const std::vector<Sighting>& sighting
   return known;
 }
 
-/// Searches for what has not been seen yet in all looks at once.
-void search_jointly(const std::vector<Look>& looks, const DetectionModels& models,
-                    const std::vector<int>& wanted, const DetectionOptions& options,
-                    std::vector<Sighting>& sightings) {
-  const auto missing = unseen(wanted, sightings);
-  if (missing.empty()) return;
-  const Pose& T_W_C = looks.front().T_W_C;
-  std::vector<DepthView> views;
-  for (const auto& look : looks) views.push_back({look.image, look.T_W_C});
-  const SceneKnowledge known = known_in(T_W_C, sightings);
-  for (const auto& found : detect_stones(views, models, missing, options, known).detections)
-    keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible});
+/// Stones of a stack that were not seen, but something above them was, near where it was.
+std::vector<PlacedStone> carrying(const std::vector<PlacedStone>& stack,
+                                  const std::vector<Sighting>& sightings) {
+  std::vector<PlacedStone> hidden;
+  bool carries = false;
+  for (auto placed = stack.rbegin(); placed != stack.rend(); ++placed) {
+    if (seen(sightings, placed->stone))
+      carries = true;
+    else if (carries)
+      hidden.push_back(*placed);
+  }
+  return hidden;
 }
 
 }  // namespace
@@ -125,23 +125,35 @@ Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
 }
 
 std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const DetectionModels& models,
-                                    const std::vector<int>& wanted, const std::vector<PlacedStone>& expected,
+                                    const std::vector<int>& wanted, const Belief& before,
                                     const DetectionOptions& options) {
   std::vector<Sighting> sightings;
   for (const auto& look : looks)
-    for (const auto& placed : expected)
-      if (const auto found =
-              track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
-        keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
-  const auto missing = unseen(wanted, sightings);
+    for (const auto* group : {&before.stack, &before.loose})
+      for (const auto& placed : *group)
+        if (const auto found =
+                track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
+          keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
+  // What is hidden too much to be found again is where it was if what stands on it is.
+  std::vector<Sighting> explained = sightings;
+  for (const PlacedStone& hidden : carrying(before.stack, sightings))
+    explained.push_back({hidden.stone, hidden.T_W_O});
+  const auto missing = unseen(wanted, explained);
   if (missing.empty()) return sightings;
-  const std::vector<Sighting> tracked = sightings;
-  for (const auto& look : looks) {
-    const SceneKnowledge known = known_in(look.T_W_C, tracked);
-    for (const auto& found : detect_stones(look.image, models, missing, options, known).detections)
-      keep_better(sightings, {found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
-  }
-  if (looks.size() > 1) search_jointly(looks, models, wanted, options, sightings);
+  const auto add = [&](const Pose& T_W_C, const DetectionResult& result) {
+    for (const auto& found : result.detections)
+      keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible});
+  };
+  for (const auto& look : looks)
+    add(look.T_W_C, detect_stones(look.image, models, missing, options, known_in(look.T_W_C, explained)));
+  const auto still_missing = unseen(missing, sightings);
+  if (looks.size() == 1 || still_missing.empty()) return sightings;
+  for (const Sighting& s : sightings)
+    if (!seen(explained, s.stone)) explained.push_back(s);
+  const Pose& T_W_C = looks.front().T_W_C;
+  std::vector<DepthView> views;
+  for (const auto& look : looks) views.push_back({look.image, look.T_W_C});
+  add(T_W_C, detect_stones(views, models, still_missing, options, known_in(T_W_C, explained)));
   return sightings;
 }
 

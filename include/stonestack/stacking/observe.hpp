@@ -63,12 +63,12 @@ struct Sighting {
 };
 
 /// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score; what is missing
-/// then is searched in all looks together, as one may show what another hides. `expected` stones are looked
-/// for where they should be first; what is found there is not searched elsewhere.
+/// then is searched in all looks together, as one may show what another hides. Stones that were seen `before`
+/// are looked for where they were first; what is found there is not searched elsewhere, nor are stones of the
+/// stack that are hidden below one that is found in its place.
 [[nodiscard]] std::vector<Sighting> find_in_looks(const std::vector<Look>& looks,
                                                   const DetectionModels& models,
-                                                  const std::vector<int>& wanted,
-                                                  const std::vector<PlacedStone>& expected,
+                                                  const std::vector<int>& wanted, const Belief& before,
                                                   const DetectionOptions& options);
 
 }  // namespace stonestack

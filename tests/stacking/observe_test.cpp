@@ -1,0 +1,80 @@
+#include "stonestack/stacking/observe.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+
+namespace stonestack {
+namespace {
+
+/// One look at a simulated field with limestones 2 and 3, and where they are seen when nothing is known.
+struct SeenField {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  DetectionOptions options;
+  DetectionModels models{catalogue.stones, options};
+  std::vector<int> wanted{1, 2};
+  Look look;
+  std::vector<Sighting> seen;
+
+  SeenField() {
+    SimulationOptions world_options;
+    world_options.seed = 7;
+    SimulatedCell world(catalogue.stones, wanted, robot, CellLayout{}, world_options);
+    Cell cell = world.cell();
+    PlanningScene scene = make_planning_scene(cell.layout, robot, catalogue, {});
+    const Eigen::Vector2d& field = cell.layout.field_centre;
+    look = take_look(cell, robot, scene, look_poses(cell.layout, {field.x(), field.y(), 0.05}, 0.6), {});
+    seen = find({});
+  }
+  [[nodiscard]] std::vector<Sighting> find(const Belief& before) const {
+    auto found = find_in_looks({look}, models, wanted, before, options);
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.stone < b.stone; });
+    return found;
+  }
+};
+
+const SeenField& field() {
+  static const SeenField made;
+  return made;
+}
+
+TEST(FindInLooks, WhatLiesWhereItWasIsFoundThere) {
+  ASSERT_EQ(field().seen.size(), 2U);
+  Belief before;
+  for (const Sighting& s : field().seen)
+    before.loose.push_back({s.stone, Eigen::Translation3d(0.003, -0.002, 0) * s.T_W_O});
+  const auto again = field().find(before);
+  ASSERT_EQ(again.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto moved = difference(again[i].T_W_O, field().seen[i].T_W_O);
+    EXPECT_LT(moved.translation, 0.001);
+    EXPECT_LT(moved.angle, 0.01);
+  }
+}
+
+TEST(FindInLooks, WhatMovedFarIsFoundAnew) {
+  Belief before;
+  for (const Sighting& s : field().seen)
+    before.loose.push_back({s.stone, Eigen::Translation3d(0.2, 0, 0) * s.T_W_O});
+  EXPECT_EQ(field().find(before).size(), 2U);
+}
+
+/// A stone of the stack below one that is in its place is there, though no look shows it: what looks like it
+/// in the field is not taken for it.
+TEST(FindInLooks, WhatIsHiddenBelowASeenStoneIsNotSoughtElsewhere) {
+  Belief before;
+  const Pose T_W_hidden = Eigen::Translation3d(0, 0, -0.08) * field().seen[0].T_W_O;
+  before.stack = {{field().seen[1].stone, T_W_hidden}, {field().seen[0].stone, field().seen[0].T_W_O}};
+  const auto found = field().find(before);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].stone, field().seen[0].stone);
+  std::swap(before.stack[0], before.stack[1]);  // nothing seen stands on it: it fell, perhaps
+  EXPECT_EQ(field().find(before).size(), 2U);
+}
+
+}  // namespace
+}  // namespace stonestack
