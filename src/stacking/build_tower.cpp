@@ -92,7 +92,7 @@ void Builder::look_around() {
     result_.seconds.detection += watch.seconds();
   };
   see();
-  const auto search_at = [&](int stone, const Eigen::Vector3d& p_W, const char* where) {
+  const auto look_for = [&](int stone, const Eigen::Vector3d& p_W, const char* where) {
     report(concat("looking for ", name(stone), where));
     auto look = look_if_possible(p_W);
     if (!look) return;
@@ -100,10 +100,10 @@ void Builder::look_around() {
     see();
   };
   // What slipped out of the hand rolls from where it was lifted, beyond the rim of the field perhaps.
-  for (const int stone : out_of_sight()) search_at(stone, seen_before_[stone], " where it was");
+  for (const int stone : out_of_sight()) look_for(stone, seen_before_[stone], " where it was");
   for (const auto& beside : beside_the_site(cell_.layout)) {
     if (out_of_sight().empty()) break;
-    search_at(out_of_sight().front(), beside, " beside the site");
+    look_for(out_of_sight().front(), beside, " beside the site");
   }
   for (const int stone : out_of_sight()) gone_.insert(stone);
   for (const auto* list : {&belief_.stack, &belief_.loose})

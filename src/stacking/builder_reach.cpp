@@ -154,6 +154,7 @@ bool Builder::dare_failed_grasps() {
   if (failed_grasps_.empty()) return false;
   report("no other way is left than grasps that failed before: they are tried again");
   failed_grasps_.clear();
+  reach_.reset();
   return true;
 }
 

@@ -243,6 +243,7 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   *refusal = target.plan.reason;
   auto& no_pick = no_pick_[placement.stone];
   no_pick.insert(no_pick.end(), target.plan.no_pick.begin(), target.plan.no_pick.end());
+  if (!target.plan.no_pick.empty()) reach_.reset();  // it may count on these
   return std::nullopt;
 }
 
