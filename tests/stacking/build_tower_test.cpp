@@ -56,6 +56,9 @@ TEST(BuildTower, AStoneThatTheHandCannotCarryIsLeftOutAndNamed) {
   EXPECT_THAT(said,
               testing::HasSubstr(
                   "left out, for the hand cannot hold them: limestone_2 (3 kg, the fingers carry 2.5 kg)"));
+  EXPECT_THAT(said, testing::HasSubstr("no grasp holds a stone as it lies: limestone_2: 3 kg"));
+  EXPECT_THAT(said, testing::HasSubstr("friction 0.225: 1 of 1 stones are expected to stand"));
+  EXPECT_THAT(said, testing::Not(testing::HasSubstr("friction 0.1: "))) << "the least is not searched first";
 }
 
 }  // namespace
