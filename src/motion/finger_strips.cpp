@@ -27,7 +27,7 @@ void FingerStrip::add(double height, double z) {
 
 double FingerStrip::height(double low, double high) const {
   double h = kNoStone;
-  for (int i = slice(low + 0.5 / kPerMetre); i <= slice(high - 0.5 / kPerMetre); ++i)
+  for (int i = first_slice(low); i <= last_slice(high); ++i)
     h = std::max(h, highest[static_cast<std::size_t>(i)]);
   return h;
 }
@@ -39,10 +39,25 @@ std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const HandVie
     strips[f].y = y + std::array{0.0, half_spacing, -half_spacing}[f];
     strips[f].side = f == 0 ? 1.0 : -1.0;
     strips[f].highest.fill(kNoStone);
-    for (const Eigen::Vector3d& p : view.p_T)
-      if (std::abs(p.y() - strips[f].y) <= half_width) strips[f].add(strips[f].side * p.x(), p.z());
   }
+  for (const Eigen::Vector3d& p : view.p_T)
+    for (FingerStrip& strip : strips)
+      if (std::abs(p.y() - strip.y) <= half_width) strip.add(strip.side * p.x(), p.z());
   return strips;
+}
+
+std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const HandView& view, double tip) {
+  const double half_width = gripper.finger_width / 2;
+  const std::array<double, 2> y{gripper.finger_spacing / 2, -gripper.finger_spacing / 2};
+  const int first = FingerStrip::first_slice(tip - gripper.pad_length), last = FingerStrip::last_slice(tip);
+  std::array<double, 2> height{kNoStone, kNoStone};
+  for (const Eigen::Vector3d& p : view.p_T)
+    for (std::size_t f = 0; f < 2; ++f) {
+      if (std::abs(p.y() - y[f]) > half_width || -p.x() <= height[f]) continue;
+      const int at = FingerStrip::slice(p.z());
+      if (at >= first && at <= last) height[f] = -p.x();
+    }
+  return height;
 }
 
 double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip) {

@@ -28,6 +28,9 @@ struct FingerStrip {
   std::array<double, kSlices> highest;
 
   static int slice(double z);
+  /// The slices of points with z between about `low` and `high`.
+  static int first_slice(double low) { return slice(low + 0.5 / kPerMetre); }
+  static int last_slice(double high) { return slice(high - 0.5 / kPerMetre); }
   void add(double height, double z);
   /// Highest point with z between about `low` and `high`; kNoStone if there is none.
   [[nodiscard]] double height(double low, double high) const;
@@ -37,6 +40,9 @@ struct FingerStrip {
                                                     double y);
 /// Where the pad of one finger stops when the finger tips are at `tip`.
 [[nodiscard]] double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip);
+/// The same of fingers B and C alone, the hand not shifted: cheaper than to cut strips for it.
+[[nodiscard]] std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const HandView& view,
+                                                       double tip);
 
 /// What a pad touches, in O.
 struct PadTouch {

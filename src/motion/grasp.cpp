@@ -136,10 +136,9 @@ double tip_depth(const GraspOptions& o, int step) {
 Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
   const double most = std::numbers::pi / s.options.yaws;
   double turned = 0.0;
+  const double tip = tip_depth(s.options, s.options.depths / 2);
   for (int round = 0; round < kEqualiseRounds; ++round) {
-    const std::array<FingerStrip, 3> strips = cut_strips(s.gripper, seen_from(s, R_O_T), 0.0);
-    const double tip = tip_depth(s.options, s.options.depths / 2);
-    const double b = pad_height(s.gripper, strips[1], tip), c = pad_height(s.gripper, strips[2], tip);
+    const auto [b, c] = heights_of_b_and_c(s.gripper, seen_from(s, R_O_T), tip);
     if (b == kNoStone || c == kNoStone) break;
     const double angle =
         std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -most, most) - turned;
