@@ -100,7 +100,10 @@ void Builder::look_around() {
     see();
   };
   // What slipped out of the hand rolls from where it was lifted, beyond the rim of the field perhaps.
-  for (const int stone : out_of_sight()) look_for(stone, seen_before_[stone], " where it was");
+  for (const int stone : out_of_sight())
+    if (const auto missing = out_of_sight();
+        std::find(missing.begin(), missing.end(), stone) != missing.end())
+      look_for(stone, seen_before_[stone], " where it was");  // unless the look for another showed it
   for (const auto& beside : beside_the_site(cell_.layout)) {
     if (out_of_sight().empty()) break;
     look_for(out_of_sight().front(), beside, " beside the site");

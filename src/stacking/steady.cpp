@@ -1,48 +1,15 @@
 #include "stacking/steady.hpp"
 
 #include <algorithm>
-#include <optional>
 
-#include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
+#include "search/search_context.hpp"
 
 namespace stonestack {
 namespace {
 
 constexpr double kSigma = 0.001;     // m
 constexpr double kSigmaTurn = 0.01;  // rad
-constexpr double kStandSeconds = 2.0;
-constexpr double kStill = 1e-7;  // m in 0.1 s, as in the verdicts of the search
 constexpr int kTries = 24;
-
-bool stands(const ShapeList& shapes, const Stack& stack, double friction) {
-  StandOptions stand;
-  stand.friction = friction;
-  stand.seconds = kStandSeconds;
-  stand.still = kStill;
-  stand.fall = 0.0;
-  const StandVerdict verdict = judge_stack(shapes, stack, stand);
-  return verdict.stands && verdict.clean;
-}
-
-/// The stack built anew from poses near the given ones; empty if a stone ends too far from where it was seen.
-/// `random`: empty to begin at the given poses themselves.
-std::optional<Stack> let_down(const ShapeList& shapes, const Stack& seen, double friction, Random* random,
-                              double* off) {
-  SettleOptions settling;
-  settling.world.friction = friction;
-  Stack built;
-  *off = 0.0;
-  for (const PlacedStone& stone : seen.stones) {
-    const Pose T_W_O = random != nullptr ? displaced_as_measured(stone.T_W_O, *random) : stone.T_W_O;
-    const Pose lifted = Eigen::Translation3d(0, 0, kSettleFrom) * T_W_O;
-    const SettleResult at_rest = settle(shapes, built, stone.stone, lifted, settling);
-    *off = std::max(*off, off_measured(at_rest.T_W_O, stone.T_W_O));
-    if (!at_rest.rests || *off > kBelievable) return std::nullopt;
-    built.stones.push_back({stone.stone, at_rest.T_W_O});
-  }
-  return built;
-}
 
 }  // namespace
 
@@ -60,16 +27,24 @@ double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured) {
 }
 
 Stack steadied(const ShapeList& shapes, const Stack& seen, double friction) {
-  if (seen.stones.empty() || stands(shapes, seen, friction)) return seen;
-  Random random = Random::stream(static_cast<std::uint64_t>(seen.stones.back().stone), "steadied");
-  Stack best = seen;
+  Random random = Random::stream(
+      seen.stones.empty() ? 0 : static_cast<std::uint64_t>(seen.stones.back().stone), "steadied");
+  SearchOptions options;
+  options.friction = friction;
+  Stack best = seen, tried = seen;
   double nearest = kBelievable;
   for (int k = 0; k < kTries && nearest > kConsistent / 2; ++k) {
+    std::string reason;
+    const auto standing = standing_stack(shapes, tried, options, &reason);
     double off = 0.0;
-    auto built = let_down(shapes, seen, friction, k > 0 ? &random : nullptr, &off);
-    if (!built || off >= nearest || !stands(shapes, *built, friction)) continue;
-    nearest = off;
-    best = std::move(*built);
+    for (std::size_t i = 0; standing && i < seen.stones.size(); ++i)
+      off = std::max(off, off_measured(standing->stones[i].T_W_O, seen.stones[i].T_W_O));
+    if (standing && off < nearest) {
+      nearest = off;
+      best = *standing;
+    }
+    for (std::size_t i = 0; i < seen.stones.size(); ++i)
+      tried.stones[i].T_W_O = displaced_as_measured(seen.stones[i].T_W_O, random);
   }
   return best;
 }

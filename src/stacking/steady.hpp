@@ -7,9 +7,9 @@ namespace stonestack {
 
 /// A stack that was seen to stand, with poses in which it stands in the model, too, at that friction.
 /// Measured poses err by a millimetre, and by that much a stack may slide in the model that stands in truth.
-/// If the stack as given stands (2 s), it is returned; else the stones are let down one by one from their
-/// poses, then from poses displaced by what the camera may err. Of those that stand the one nearest to the
-/// given, at most 12 mm off at any stone; as given if none stands. Deterministic.
+/// If the stack as given stands, it is returned; else `standing_stack` (search/) is asked for one near the
+/// given poses, then near poses displaced by what the camera may err. Of those that stand the one nearest to
+/// the given, at most 12 mm off at any stone; as given if none stands. Deterministic.
 [[nodiscard]] Stack steadied(const ShapeList& shapes, const Stack& seen, double friction);
 
 /// A measured pose moved by what the camera may err: 1 mm along each axis, 0.01 rad, one sigma (ours; the

@@ -2,15 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "box_shape.hpp"
+
 namespace stonestack {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
-
-std::shared_ptr<const ContactShape> box(const std::string& name, const Eigen::Vector3d& size) {
-  const Mesh mesh = make_box(size);
-  return make_contact_shape(mesh, mass_properties(mesh, 2600.0), name, {0.003, 0.015, 0.005});
-}
 
 /// Four slabs, the lower ones wider; the site is the default one.
 const ShapeList& slabs() {
