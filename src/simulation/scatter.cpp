@@ -13,6 +13,7 @@ constexpr double kDropHeight = 0.010;  // m under the lowest point
 constexpr double kLongestFall = 5.0;   // s until a stone must rest
 constexpr int kDraws = 400;            // places tried for one stone
 constexpr int kDrops = 40;             // of them simulated
+constexpr int kFields = 8;             // begun anew before the field is said to be too small
 constexpr std::size_t kOutline = 300;  // surface points that stand for an outline
 
 using Outline = std::vector<Eigen::Vector2d>;
@@ -41,7 +42,8 @@ class Scatter {
  public:
   Scatter(TrueWorld& world, const StoneField& field) : world_(&world), field_(field) {}
 
-  void drop(int stone, Random random) {
+  /// False when no room is found for it.
+  [[nodiscard]] bool drop(int stone, Random random) {
     const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
     for (int draw = 0, drops = 0; draw < kDraws && drops < kDrops; ++draw) {
       throw_if_interrupted();
@@ -51,12 +53,16 @@ class Scatter {
       world_->place(stone, T_W_O);
       if (comes_to_rest(stone)) {
         outlines_.push_back(outline(shape, world_->pose(stone)));
-        return;
+        return true;
       }
     }
-    throw InvalidArgument(concat("no room for stone ", shape.name, " in a field of ", field_.size.x(), " x ",
-                                 field_.size.y(), " m with ", field_.clearance,
-                                 " m between stones; use fewer stones or a larger field"));
+    return false;
+  }
+
+  /// Takes every stone out again.
+  void clear() {
+    for (const int stone : world_->present()) world_->set_aside(stone, true);
+    outlines_.clear();
   }
 
  private:
@@ -96,15 +102,27 @@ class Scatter {
 
 void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed) {
   Scatter scatter(world, field);
+  const auto name = [&](int stone) { return world.shapes()[static_cast<std::size_t>(stone)]->name; };
   // The widest first: small ones find room between large ones, not the other way round.
   std::vector<int> order = world.present();
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return world.shapes()[static_cast<std::size_t>(a)]->radius >
            world.shapes()[static_cast<std::size_t>(b)]->radius;
   });
-  for (const int stone : order)
-    scatter.drop(stone, Random::stream(
-                            seed, concat("scatter ", world.shapes()[static_cast<std::size_t>(stone)]->name)));
+  int homeless = -1;
+  // The first stones may lie so that the last finds no room, though there is enough in all.
+  for (int k = 0; k < kFields; ++k) {
+    scatter.clear();
+    const std::string stream = k == 0 ? "scatter " : concat("scatter anew ", k, " ");
+    const auto left_over = std::find_if(order.begin(), order.end(), [&](int stone) {
+      return !scatter.drop(stone, Random::stream(seed, stream + name(stone)));
+    });
+    if (left_over == order.end()) return;
+    homeless = *left_over;
+  }
+  throw InvalidArgument(concat("no room for stone ", name(homeless), " in a field of ", field.size.x(), " x ",
+                               field.size.y(), " m with ", field.clearance, " m between stones, scattered ",
+                               kFields, " times; use fewer stones or a larger field"));
 }
 
 }  // namespace stonestack

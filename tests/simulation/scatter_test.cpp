@@ -1,0 +1,78 @@
+#include "simulation/scatter.hpp"
+
+#include <gtest/gtest.h>
+
+#include "pebble.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kClearance = 0.02;
+
+TrueWorld world_of(int pebbles) {
+  std::vector<Stone> stones;
+  std::vector<int> present;
+  for (int i = 0; i < pebbles; ++i) {
+    stones.push_back(make_pebble("pebble_" + std::to_string(i + 1), 1.0));
+    present.push_back(i);
+  }
+  TrueWorld world(stones, present, make_robotiq_3f(), {});
+  HandPose away;
+  away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
+  world.set_hand(away);
+  return world;
+}
+
+std::vector<Eigen::Vector2d> seen_from_above(const TrueWorld& world, int stone) {
+  std::vector<Eigen::Vector2d> points;
+  for (const auto& sample : world.shapes()[static_cast<std::size_t>(stone)]->samples)
+    points.emplace_back((world.pose(stone) * sample.point).head<2>());
+  return points;
+}
+
+double gap(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vector2d>& b) {
+  double nearest = 1e9;
+  for (const auto& p : a)
+    for (const auto& q : b) nearest = std::min(nearest, (p - q).norm());
+  return nearest;
+}
+
+/// A field that three stones just fill: how the first two lie decides whether the third finds room. With the
+/// seed 6 the third attempt is the first that does.
+TEST(Scatter, BeginsAnewWhereTheLastFindsNoRoom) {
+  const StoneField field{{0.4, -0.2}, {0.19, 0.17}, kClearance};
+  for (const std::uint64_t seed : {5, 6}) {
+    TrueWorld world = world_of(3);
+    ASSERT_NO_THROW(scatter_stones(world, field, seed)) << "seed " << seed;
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_TRUE(world.rests(i));
+      EXPECT_LE(std::abs(world.centre_of_mass(i).x() - 0.4), 0.5 * field.size.x() + 0.002);
+      EXPECT_LE(std::abs(world.centre_of_mass(i).y() + 0.2), 0.5 * field.size.y() + 0.002);
+      for (int j = 0; j < i; ++j)
+        EXPECT_GT(gap(seen_from_above(world, i), seen_from_above(world, j)), 0.8 * kClearance);
+    }
+  }
+}
+
+TEST(Scatter, TheSameSeedGivesTheSameField) {
+  const StoneField field{{0.0, 0.0}, {0.4, 0.4}, kClearance};
+  TrueWorld once = world_of(2), again = world_of(2);
+  scatter_stones(once, field, 7);
+  scatter_stones(again, field, 7);
+  for (int i = 0; i < 2; ++i) EXPECT_TRUE(once.pose(i).isApprox(again.pose(i), 0.0));
+}
+
+TEST(Scatter, AFieldThatIsTooSmallIsRefusedByName) {
+  const StoneField field{{0.0, 0.0}, {0.12, 0.10}, kClearance};
+  TrueWorld world = world_of(3);
+  try {
+    scatter_stones(world, field, 1);
+    FAIL() << "three stones of 10 cm in a field of 12 cm";
+  } catch (const InvalidArgument& error) {
+    EXPECT_NE(std::string(error.what()).find("no room for stone pebble_"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace stonestack
