@@ -6,10 +6,15 @@
 #include "stacking/builder.hpp"
 #include "stacking/steady.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/jerk.hpp"
+#include "stonestack/motion/timing.hpp"
+#include "stonestack/motion/transit.hpp"
 
 namespace stonestack {
 namespace {
 
+constexpr double kBackAwaySpeed = 0.05;  // m/s
 constexpr double kOpeningError = 0.003;  // m: fingers may be open that much wider than the hand says
 
 /// Where a stone that fell off the tower may have rolled to and the look at the field does not reach.
@@ -19,6 +24,14 @@ std::vector<Eigen::Vector3d> beside_the_site(const CellLayout& layout) {
   for (const auto& [x, y] : {std::pair(0, 1), std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1)})
     places.emplace_back(layout.site.x() + kBeside * x, layout.site.y() + kBeside * y, 0.04);
   return places;
+}
+
+/// Unit, W: where a straight path takes the tool.
+Eigen::Vector3d way_of_tool(const PlanningScene& scene, const JointPath& path) {
+  const auto p_W = [&](const Joints& q) -> Eigen::Vector3d {
+    return (scene.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+  };
+  return (p_W(path.back()) - p_W(path.front())).normalized();
 }
 
 }  // namespace
@@ -34,10 +47,28 @@ PlanningScene Builder::scene_of_look() const {
   return scene;
 }
 
+void Builder::step_clear(const PlanningScene& scene) {
+  const auto out = way_out(scene, cell_.arm.state().q, options_.motion);
+  if (!out || out->size() < 2) return;  // without a way out the look finds no way, and says so
+  report("the hand stands too near to something to go on: it backs away first");
+  record("step", "{\"name\": \"back away\"}");
+  TimingLimits limits = timing_limits(robot_, options_.motion);
+  limits.tool_speed = kBackAwaySpeed;
+  GuardedMotion away;
+  away.trajectory = limit_jerk(time_path(*out, limits, robot_, scene.T_F_T), options_.motion.jerk);
+  away.n_W_direction = way_of_tool(scene, *out);
+  away.threshold = options_.motion.early_threshold;
+  const MotionResult moved = cell_.arm.follow_guarded(away);
+  if (moved.status == MotionResult::Status::kNoContact) return;
+  throw DeviceError("arm", "stopped as the hand backed away from what it is near: " + moved.reason,
+                    "look at the cell and free the hand");
+}
+
 Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
   PlanningScene scene = scene_of_look();
   if (field_unknown) scene.objects.push_back(unseen_field(cell_.layout));
   const double start = cell_.clock.now();
+  step_clear(scene);
   Look look = take_look(cell_, robot_, scene, T_W_C, options_.motion);
   result_.seconds.motion += cell_.clock.now() - start;
   return look;

@@ -113,6 +113,9 @@ class Builder {
   void report_moved(const std::vector<PlacedStone>& expected) const;
   /// What the arm must stay clear of on its way to a look, hand empty.
   [[nodiscard]] PlanningScene scene_of_look() const;
+  /// Where the hand stands too near to something to go anywhere: backs away from it, until it touches. Throws
+  /// DeviceError when it does, or when the arm stops.
+  void step_clear(const PlanningScene& scene);
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
   [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool field_unknown);
   /// Nothing if no pose for that look can be reached.

@@ -61,5 +61,32 @@ TEST(BuildTower, AStoneThatTheHandCannotCarryIsLeftOutAndNamed) {
   EXPECT_THAT(said, testing::Not(testing::HasSubstr("friction 0.1: "))) << "the least is not searched first";
 }
 
+/// An arm that was left low over the field, where nobody knows what lies: no transit begins there.
+TEST(BuildTower, AHandThatIsLowOverTheFieldBacksAwayFirst) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  SimulationOptions world_options;
+  world_options.seed = 7;
+  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  Cell cell = world.cell();
+  const Eigen::Vector2d& field = cell.layout.field_centre;
+  Pose T_W_T = make_pose({field.x(), field.y(), 0.20});
+  T_W_T.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const PlanningScene empty = make_planning_scene(cell.layout, robot, catalogue, {});
+  const auto down = plan_transit(empty, cell.arm.state().q, Pose(T_W_T * cell.layout.T_F_T.inverse()), {});
+  ASSERT_TRUE(down.has_value());
+  ASSERT_EQ(cell.arm.follow(*down).status, MotionResult::Status::kDone);
+
+  BuildOptions options;
+  options.most_stones = 1;
+  options.search.horizon = 1;
+  std::string said;
+  BuildHooks hooks;
+  hooks.report = [&](const std::string& line) { said += line + "\n"; };
+  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  EXPECT_EQ(result.height, 1) << result.ended;
+  EXPECT_THAT(said, testing::HasSubstr("it backs away first"));
+}
+
 }  // namespace
 }  // namespace stonestack
