@@ -105,17 +105,21 @@ void Builder::look_around() {
   const Eigen::Vector2d& field = cell_.layout.field_centre;
   const Eigen::Vector2d& site = cell_.layout.site;
   std::vector<Look> looks{look_at({field.x(), field.y(), 0.05}, first)};
-  if (first && options_.refine_camera) refine_camera(looks);
   const std::vector<PlacedStone> expected = belief_.stack;
-  const Belief before = belief_;
+  const Belief before = first && options_.refine_camera ? refine_camera(looks) : belief_;
   if (!expected.empty())
     looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
 
-  std::vector<int> wanted;
-  for (int i = 0; i < static_cast<int>(catalogue_.stones.size()); ++i) wanted.push_back(i);
+  // What no first look showed may come to light when others are taken away, but is not worth a search in all
+  // looks together after each of them.
+  std::vector<int> wanted, together;
+  for (int i = 0; i < static_cast<int>(catalogue_.stones.size()); ++i) {
+    wanted.push_back(i);
+    if (first || seen_before_.contains(i)) together.push_back(i);
+  }
   const auto see = [&] {
     const Stopwatch watch;
-    const auto sightings = find_in_looks(looks, models_, wanted, before, options_.detection);
+    const auto sightings = find_in_looks(looks, models_, wanted, together, before, options_.detection);
     belief_ = believe(shapes_, cell_.layout, expected, sightings);
     belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
     reach_.reset();

@@ -125,8 +125,9 @@ class Builder {
   /// Stones that were seen before and are not now, but for those that were looked for in vain.
   [[nodiscard]] std::vector<int> out_of_sight() const;
   /// Looks at the field once more, half a turn about the optical axis away, and corrects where the camera is
-  /// taken to sit, in the layout and in the looks; the second look is added to them.
-  void refine_camera(std::vector<Look>& looks);
+  /// taken to sit, in the layout and in the looks; the second look is added to them. What they showed is
+  /// returned as loose.
+  [[nodiscard]] Belief refine_camera(std::vector<Look>& looks);
   /// What is to be placed next; lays a stone down another way on the way to it, if need be.
   [[nodiscard]] std::optional<Target> find_target();
   /// What the search is told: the stack, the loose stones, and as out of reach what the arm does not reach

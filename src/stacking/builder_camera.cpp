@@ -36,13 +36,25 @@ void add_marks(const ShapeList& shapes, const Look& a, const DetectionResult& in
     }
 }
 
+/// Every stone that some look showed, where the first of them did.
+Belief seen_in(const std::vector<Look>& looks, const std::vector<DetectionResult>& seen) {
+  Belief belief;
+  for (std::size_t k = 0; k < looks.size(); ++k)
+    for (const Detection& found : seen[k].detections)
+      if (std::none_of(belief.loose.begin(), belief.loose.end(),
+                       [&](const PlacedStone& s) { return s.stone == found.stone; }))
+        belief.loose.push_back({found.stone, looks[k].T_W_C * found.T_C_O});
+  return belief;
+}
+
 }  // namespace
 
-void Builder::refine_camera(std::vector<Look>& looks) {
+Belief Builder::refine_camera(std::vector<Look>& looks) {
   try {
     looks.push_back(look_from(turned_poses(looks.front().T_W_C), true));
   } catch (const DeviceError&) {
-    return report("the camera cannot be turned above the field; its mount is taken as calibrated");
+    report("the camera cannot be turned above the field; its mount is taken as calibrated");
+    return {};
   }
   const Stopwatch watch;
   const Pose T_T_C = cell_.layout.T_T_C;
@@ -63,11 +75,14 @@ void Builder::refine_camera(std::vector<Look>& looks) {
   record("camera_mount", concat("{\"shift_m\": ", found.shift, ", \"turn_rad\": ", found.turn,
                                 ", \"marks\": ", found.shared_marks, ", \"before_m\": ", found.before,
                                 ", \"after_m\": ", found.after, "}"));
-  if (found.shift > kLargestShift || found.turn > kLargestTurn || found.after > kLargestLeft)
-    return report(text + "; not believed: run `stonestack calibrate`");
-  report(text);
-  cell_.layout.T_T_C = found.T_T_C;
-  for (std::size_t k = 0; k < looks.size(); ++k) looks[k].T_W_C = views[k].T_W_T * found.T_T_C;
+  if (found.shift > kLargestShift || found.turn > kLargestTurn || found.after > kLargestLeft) {
+    report(text + "; not believed: run `stonestack calibrate`");
+  } else {
+    report(text);
+    cell_.layout.T_T_C = found.T_T_C;
+    for (std::size_t k = 0; k < looks.size(); ++k) looks[k].T_W_C = views[k].T_W_T * found.T_T_C;
+  }
+  return seen_in(looks, seen);
 }
 
 }  // namespace stonestack

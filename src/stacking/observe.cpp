@@ -125,8 +125,8 @@ Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
 }
 
 std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const DetectionModels& models,
-                                    const std::vector<int>& wanted, const Belief& before,
-                                    const DetectionOptions& options) {
+                                    const std::vector<int>& wanted, const std::vector<int>& together,
+                                    const Belief& before, const DetectionOptions& options) {
   std::vector<Sighting> sightings;
   for (const auto& look : looks)
     for (const auto* group : {&before.stack, &before.loose})
@@ -146,7 +146,10 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
   };
   for (const auto& look : looks)
     add(look.T_W_C, detect_stones(look.image, models, missing, options, known_in(look.T_W_C, explained)));
-  const auto still_missing = unseen(missing, sightings);
+  auto still_missing = unseen(missing, sightings);
+  std::erase_if(still_missing, [&](int stone) {
+    return std::find(together.begin(), together.end(), stone) == together.end();
+  });
   if (looks.size() == 1 || still_missing.empty()) return sightings;
   for (const Sighting& s : sightings)
     if (!seen(explained, s.stone)) explained.push_back(s);

@@ -31,7 +31,7 @@ struct SeenField {
     seen = find({});
   }
   [[nodiscard]] std::vector<Sighting> find(const Belief& before) const {
-    auto found = find_in_looks({look}, models, wanted, before, options);
+    auto found = find_in_looks({look}, models, wanted, wanted, before, options);
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.stone < b.stone; });
     return found;
   }

@@ -62,13 +62,14 @@ struct Sighting {
   double visible = 0.0;
 };
 
-/// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score; what is missing
-/// then is searched in all looks together, as one may show what another hides. Stones that were seen `before`
-/// are looked for where they were first; what is found there is not searched elsewhere, nor are stones of the
-/// stack that are hidden below one that is found in its place.
+/// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score; of those
+/// missing then the ones in `together` are searched in all looks at once, as one may show what another hides.
+/// Stones that were seen `before` are looked for where they were first; what is found there is not searched
+/// elsewhere, nor are stones of the stack that are hidden below one that is found in its place.
 [[nodiscard]] std::vector<Sighting> find_in_looks(const std::vector<Look>& looks,
                                                   const DetectionModels& models,
-                                                  const std::vector<int>& wanted, const Belief& before,
+                                                  const std::vector<int>& wanted,
+                                                  const std::vector<int>& together, const Belief& before,
                                                   const DetectionOptions& options);
 
 }  // namespace stonestack
