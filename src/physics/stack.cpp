@@ -13,7 +13,9 @@ constexpr double kSample = 0.05;           // s, between looks at a stack that i
 constexpr double kStillSeconds = 0.1;      // s, in which less motion than StandOptions::still is none
 constexpr int kStill = 3;                  // samples without motion that end a verdict
 constexpr double kFineStep = 0.001;        // s, while contacts for an equilibrium are found
-constexpr double kSettle = 0.1;            // s, before they are collected
+constexpr double kSettle = 0.1;            // s, before they are collected, at most;
+constexpr double kSettleLook = 0.01;       // s, between looks whether
+constexpr double kCalm = 0.0005;           // m/s, of any surface: less, twice running, is settled
 constexpr int kCollect = 8;                // steps over which they are collected
 constexpr double kCarries = 0.0003;        // m: contacts further apart carry nothing
 constexpr std::size_t kMostContacts = 16;  // of a pair
@@ -83,6 +85,16 @@ PoseDifference moved_by(const ContactShape& shape, const Pose& before, const Pos
   PoseDifference d = difference(before, now);
   d.translation = (now * shape.mass.p_O_M - before * shape.mass.p_O_M).norm();
   return d;
+}
+
+/// Speed of the fastest surface of any stone, at most, m/s.
+double speed(const ShapeList& shapes, const Stack& stack, const World& world) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < stack.stones.size(); ++i) {
+    const Twist twist = world.twist(static_cast<int>(i));
+    most = std::max(most, twist.v.norm() + shape_of(shapes, stack.stones[i]).radius * twist.w.norm());
+  }
+  return most;
 }
 
 /// How far the surface of any stone went since the last look, m; the poses are kept for the next.
@@ -180,7 +192,10 @@ StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double f
   settings.contact_gap = kCarries;
   settings.step = kFineStep;
   World world = world_of(shapes, stack, settings);
-  world.run(kSettle);
+  for (int calm = 0; calm < 2 && world.time() < kSettle - 1e-9;) {
+    world.run(kSettleLook);
+    calm = speed(shapes, stack, world) < kCalm ? calm + 1 : 0;
+  }
   StackStatics statics;
   for (int i = 0; i < kCollect; ++i) {
     world.step();
