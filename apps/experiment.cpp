@@ -101,10 +101,18 @@ void write_record(const Experiment& experiment, const std::string& folder) {
   write_file(folder + "/summary.txt", experiment_table(experiment));
 }
 
-/// All runs; what is done is on disk after each of them, and is returned when the user interrupts.
-Experiment perform_runs(const ExperimentCommand& command, const SimulatedRun& settings,
-                        const Catalogue& catalogue, const RobotModel& robot, const std::string& folder) {
+/// What was done, and whether the user ended it early.
+struct Performed {
   Experiment experiment;
+  bool interrupted = false;
+};
+
+/// All runs; what is done is on disk after each of them, and is returned when the user interrupts. The run
+/// that was under way then tells nothing about the design: its folder stays, but it is not counted.
+Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& settings,
+                       const Catalogue& catalogue, const RobotModel& robot, const std::string& folder) {
+  Performed performed;
+  Experiment& experiment = performed.experiment;
   experiment.per_run = std::min(command.per_run, static_cast<int>(catalogue.stones.size()));
   experiment.title = concat(command.runs, " runs of ", experiment.per_run, " of ", catalogue.stones.size(),
                             " stones, ", robot.name, ", seed ", command.common.seed);
@@ -116,15 +124,24 @@ Experiment perform_runs(const ExperimentCommand& command, const SimulatedRun& se
     spread_seed(run);
     const auto present = draw_stones(catalogue, command.per_run, run.seed);
     log_info(concat("run ", k, " of ", command.runs));
-    const FinishedRun done = perform(run, catalogue, robot, present, concat(folder, "/run-", k),
-                                     command.survival ? &survival : nullptr);
+    FinishedRun done;
+    try {
+      done = perform(run, catalogue, robot, present, concat(folder, "/run-", k),
+                     command.survival ? &survival : nullptr);
+      performed.interrupted = done.report.result.end == RunResult::End::kInterrupted;
+    } catch (const Interrupted&) {
+      performed.interrupted = true;
+    }
+    if (performed.interrupted) {
+      log_info(concat("interrupted; run ", k, " is not counted"));
+      break;
+    }
     experiment.runs.push_back({done.report, done.survival});
     write_record(experiment, folder);
     log_info(concat("run ", k, ": height ", judged_height(experiment.runs.back()), "; ",
                     done.report.result.ended));
-    if (done.report.result.end == RunResult::End::kInterrupted) break;
   }
-  return experiment;
+  return performed;
 }
 
 std::string out_folder(const ExperimentCommand& command) {
@@ -158,10 +175,6 @@ std::string comparison_row(const Variant& variant, const Experiment& experiment)
   return row;
 }
 
-bool interrupted(const Experiment& experiment) {
-  return !experiment.runs.empty() && experiment.runs.back().report.result.end == RunResult::End::kInterrupted;
-}
-
 /// A table with a row for each variant.
 void compare(ExperimentCommand& command, const std::vector<Variant>& variants, const Catalogue& catalogue,
              const RobotModel& robot, const std::string& folder) {
@@ -171,14 +184,14 @@ void compare(ExperimentCommand& command, const std::vector<Variant>& variants, c
     SimulatedRun run = command.run;
     const FieldList list = fields(run);
     for (const auto& assignment : variants[v].assignments) set_field(list, assignment);
-    const Experiment experiment =
-        perform_runs(command, run, catalogue, robot, concat(folder, "/variant-", v + 1));
-    if (experiment.runs.empty()) continue;
-    const std::string row = comparison_row(variants[v], experiment);
-    table += row;
-    std::cerr << row;
-    write_file(folder + "/comparison.txt", table);
-    if (interrupted(experiment)) throw Interrupted();
+    const Performed done = perform_runs(command, run, catalogue, robot, concat(folder, "/variant-", v + 1));
+    if (!done.experiment.runs.empty()) {
+      const std::string row = comparison_row(variants[v], done.experiment);
+      table += row;
+      std::cerr << row;
+      write_file(folder + "/comparison.txt", table);
+    }
+    if (done.interrupted) throw Interrupted();
   }
   std::cerr << '\n' << table << "record: " << folder << '\n';
 }
@@ -193,11 +206,14 @@ void experiment(ExperimentCommand& command) {
   require(!std::filesystem::exists(folder), folder,
           " is there already; name another folder with --out, or remove it");
   if (!variants.empty()) return compare(command, variants, catalogue, robot, folder);
-  const Experiment done = perform_runs(command, command.run, catalogue, robot, folder);
-  std::cerr << '\n'
-            << experiment_table(done) << "record: " << folder << " (figure5.svg, runs.csv, a folder a run)\n";
-  if (command.common.json) std::cout << experiment_json(done);
-  if (interrupted(done)) throw Interrupted();
+  const auto [done, interrupted] = perform_runs(command, command.run, catalogue, robot, folder);
+  if (!done.runs.empty()) {
+    std::cerr << '\n'
+              << experiment_table(done) << "record: " << folder
+              << " (figure5.svg, runs.csv, a folder a run)\n";
+    if (command.common.json) std::cout << experiment_json(done);
+  }
+  if (interrupted) throw Interrupted();
 }
 
 }  // namespace

@@ -62,7 +62,9 @@ class Balance {
     model_.setLogLevel(0);
     model_.scaling(0);  // shares of the weight are scaled already
     model_.setPrimalTolerance(options_.tolerance);
-    model_.initialPrimalSolve();
+    // Not initialPrimalSolve: that takes SIGINT over while it runs, and of two threads one restores the
+    // other's handler, so that Ctrl-C is lost for good.
+    model_.primal();
     return model_.primalFeasible() && model_.status() == 0;
   }
 

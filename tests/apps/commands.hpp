@@ -47,7 +47,10 @@ class Commands : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] Outcome run(const std::string& arguments) const {
-    const std::string command = concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err");
+    return shell(concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err"));
+  }
+  /// A shell command that leaves its messages in the file `err` of the folder.
+  [[nodiscard]] Outcome shell(const std::string& command) const {
     Outcome outcome;
     FILE* pipe = ::popen(command.c_str(), "r");
     if (pipe == nullptr) return outcome;

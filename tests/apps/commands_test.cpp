@@ -379,5 +379,31 @@ TEST_F(Commands, CheckRefusesWhatCannotBeAndTellsWhatFalls) {
   expect_refusal("check missing.yaml", 3, {"missing.yaml"});
 }
 
+/// Starts the command, and Ctrl-C comes as soon as its messages show `line`; its exit code is printed.
+std::string interrupted_at(const std::string& folder, const std::string& arguments, const std::string& line) {
+  return concat("cd ", folder, " && { ", STONESTACK_BINARY, " ", arguments, " 2>err & pid=$!; ",
+                "for i in $(seq 1200); do grep -q '", line, "' err && break; sleep 0.1; done; ",
+                "kill -INT $pid; wait $pid; echo code $?; }");
+}
+
+TEST_F(Commands, CtrlCEndsARunAfterItsFirstSearchAndKeepsTheRecord) {
+  const Outcome outcome = shell(interrupted_at(folder_, "run --seed 7 --out record", "level 1:"));
+  EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("interrupted by the user"));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("level 4:")));
+  EXPECT_THAT(read_file(folder_ + "/record/journal.jsonl", 1 << 20), HasSubstr("observed"));
+  EXPECT_TRUE(fs::exists(folder_ + "/record/result.json"));
+}
+
+TEST_F(Commands, CtrlCEndsAnExperimentWithWhatWasDone) {
+  const Outcome outcome = shell(interrupted_at(
+      folder_, "experiment --runs 9 --per-run 1 --seed 7 --survival false --out record", "run 3 of 9"));
+  EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("run 3 is not counted"));
+  EXPECT_THAT(outcome.err, HasSubstr("towers of 1: 100.0 % (2 of 2;"));
+  const json record = json::parse(read_file(folder_ + "/record/experiment.json", 1 << 20), nullptr, false);
+  EXPECT_EQ(record["runs"].size(), 2U);
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -1,9 +1,13 @@
 #include "stonestack/physics/equilibrium.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
+#include <atomic>
 #include <cmath>
+#include <csignal>
 #include <limits>
+#include <thread>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -131,6 +135,34 @@ TEST(Equilibrium, ScaleOfMassesDoesNotMatterAndTwinsCountOnce) {
   auto doubled = contacts;
   doubled.insert(doubled.end(), contacts.begin(), contacts.end());
   EXPECT_NEAR(solve_equilibrium(bodies, doubled, with(0.3)).margin, margin, 1e-9);
+}
+
+volatile std::sig_atomic_t noted = 0;
+void note(int) {
+  noted = 1;
+}
+
+/// Clp's own `initialSolve` takes SIGINT over while it runs: with two threads at once the handler of the
+/// program was lost for good, and Ctrl-C no longer stopped a run.
+TEST(Equilibrium, LeavesTheHandlerOfCtrlCAlone) {
+  struct sigaction ours {
+  }, before{};
+  ours.sa_handler = note;
+  ASSERT_EQ(sigaction(SIGINT, &ours, &before), 0);
+  std::atomic<bool> done = false;
+  std::thread solving([&] {
+    for (int i = 0; i < 100; ++i) static_cast<void>(arch(1.2, 0.5));
+    done = true;
+  });
+  long taken = 0;
+  while (!done) {
+    struct sigaction now {};
+    sigaction(SIGINT, nullptr, &now);
+    taken += now.sa_handler == note ? 0 : 1;
+  }
+  solving.join();
+  EXPECT_EQ(taken, 0);
+  ASSERT_EQ(sigaction(SIGINT, &before, nullptr), 0);
 }
 
 TEST(Equilibrium, RefusesWhatCannotBe) {
