@@ -176,6 +176,37 @@ SceneObject unseen_field(const CellLayout& layout) {
           make_pose({layout.field_centre.x(), layout.field_centre.y(), kHeight / 2})};
 }
 
+SceneObject unseen_site(const CellLayout& layout) {
+  constexpr double kHeight = 0.45, kWidth = 0.20;  // m
+  return {"unseen site",
+          {make_box({kWidth, kWidth, kHeight})},
+          make_pose({layout.site.x(), layout.site.y(), kHeight / 2})};
+}
+
+SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& site) {
+  constexpr double kRadius = 0.10;     // m about the site
+  constexpr double kOnTable = 0.015;   // m: higher is something
+  constexpr double kSomething = 8e-4;  // m^2 of it that count, seen along the camera's rays
+  constexpr double kEnough = 0.6;      // of the circle, in one look
+  constexpr int kStride = 2;
+  bool free = false;
+  for (const Look& look : looks) {
+    const CameraIntrinsics& camera = look.image.camera;
+    double table = 0.0, above = 0.0;
+    for (int v = 0; v < camera.height; v += kStride)
+      for (int u = 0; u < camera.width; u += kStride) {
+        const double z = look.image.at(u, v);
+        if (!(z > 0.0)) continue;
+        const Eigen::Vector3d p_W = look.T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
+        if ((p_W.head<2>() - site).norm() > kRadius) continue;
+        (p_W.z() > kOnTable ? above : table) += kStride * kStride * z * z / (camera.fx * camera.fy);
+      }
+    if (above > kSomething) return SiteView::kTaken;
+    free = free || table > kEnough * M_PI * kRadius * kRadius;
+  }
+  return free ? SiteView::kFree : SiteView::kUnseen;
+}
+
 double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {
   double top = 0.0;
   for (const auto& placed : stones)

@@ -21,6 +21,12 @@ namespace stonestack {
 
 /// A box over the field where stones of unknown place may lie, before the first look.
 [[nodiscard]] SceneObject unseen_field(const CellLayout& layout);
+/// The same for the site, as high as a tower may be that somebody left there.
+[[nodiscard]] SceneObject unseen_site(const CellLayout& layout);
+
+/// What looks tell of the site before anything is built: table only, something above it, or neither.
+enum class SiteView { kUnseen, kFree, kTaken };
+[[nodiscard]] SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& site);
 
 /// Highest point of the stones, m in W; 0 for none.
 [[nodiscard]] double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones);

@@ -36,8 +36,8 @@ Eigen::Vector3d way_of_tool(const PlanningScene& scene, const JointPath& path) {
 
 }  // namespace
 
-Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool field_unknown) {
-  return look_from(look_poses(cell_.layout, p_W_target, options_.look_distance), field_unknown);
+Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool all_unknown) {
+  return look_from(look_poses(cell_.layout, p_W_target, options_.look_distance), all_unknown);
 }
 
 PlanningScene Builder::scene_of_look() const {
@@ -64,9 +64,12 @@ void Builder::step_clear(const PlanningScene& scene) {
                     "look at the cell and free the hand");
 }
 
-Look Builder::look_from(const std::vector<Pose>& T_W_C, bool field_unknown) {
+Look Builder::look_from(const std::vector<Pose>& T_W_C, bool all_unknown) {
   PlanningScene scene = scene_of_look();
-  if (field_unknown) scene.objects.push_back(unseen_field(cell_.layout));
+  if (all_unknown) {
+    scene.objects.push_back(unseen_field(cell_.layout));
+    scene.objects.push_back(unseen_site(cell_.layout));
+  }
   const double start = cell_.clock.now();
   step_clear(scene);
   Look look = take_look(cell_, robot_, scene, T_W_C, options_.motion);
@@ -107,6 +110,7 @@ void Builder::look_around() {
   std::vector<Look> looks{look_at({field.x(), field.y(), 0.05}, first)};
   const std::vector<PlacedStone> expected = belief_.stack;
   const Belief before = first && options_.refine_camera ? refine_camera(looks) : belief_;
+  if (first) look_at_site(looks);
   if (!expected.empty())
     looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
 
@@ -120,7 +124,8 @@ void Builder::look_around() {
   const auto see = [&] {
     const Stopwatch watch;
     const auto sightings = find_in_looks(looks, models_, wanted, together, before, options_.detection);
-    belief_ = believe(shapes_, cell_.layout, expected, sightings);
+    belief_ =
+        believe(shapes_, cell_.layout, first && site_taken_ ? standing(sightings) : expected, sightings);
     belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
     reach_.reset();
     possible_.clear();

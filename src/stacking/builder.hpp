@@ -14,9 +14,9 @@
 #include "stonestack/stacking/execute.hpp"
 
 /// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
-/// what it learns about its camera, builder_reach.cpp what the arm can bring about, builder_target.cpp the
-/// search for what comes next, builder_place.cpp what is done and how it is judged, builder_take_off.cpp the
-/// way back: stones taken off, turned over, cleared away.
+/// what it learns about its camera, builder_site.cpp what stood there already, builder_reach.cpp what the arm
+/// can bring about, builder_target.cpp the search for what comes next, builder_place.cpp what is done and how
+/// it is judged, builder_take_off.cpp the way back: stones taken off, turned over, cleared away.
 namespace stonestack {
 
 /// What is to be done next, with the plan that does it.
@@ -43,7 +43,9 @@ class Builder {
 
   RunResult run() {
     look_around();
-    if (belief_.loose.empty()) return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
+    if (const std::string fault = fault_of_site(); !fault.empty()) return end(RunResult::End::kNoPose, fault);
+    if (belief_.loose.empty() && belief_.stack.empty())
+      return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
     if (const std::string unfit = unfit_stones(); !unfit.empty())
       report("left out, for the hand cannot hold them: " + unfit);
     while (true) {
@@ -109,6 +111,8 @@ class Builder {
   /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site,
   /// then where it was and beside the site if a stone is missing.
   void look_around();
+  /// What stands at the site by what was seen, from the table up.
+  [[nodiscard]] std::vector<PlacedStone> standing(const std::vector<Sighting>& sightings) const;
   /// Tells of stones of the stack that are no longer where they were.
   void report_moved(const std::vector<PlacedStone>& expected) const;
   /// What the arm must stay clear of on its way to a look, hand empty.
@@ -116,8 +120,9 @@ class Builder {
   /// Where the hand stands too near to something to go anywhere: backs away from it, until it touches. Throws
   /// DeviceError when it does, or when the arm stops.
   void step_clear(const PlanningScene& scene);
-  [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool field_unknown);
-  [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool field_unknown);
+  [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool all_unknown);
+  /// `all_unknown`: at the beginning, when stones may lie or stand anywhere.
+  [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool all_unknown);
   /// Nothing if no pose for that look can be reached.
   [[nodiscard]] std::optional<Look> look_if_possible(const Eigen::Vector3d& p_W_target);
   /// Centre of mass, m, W.
@@ -128,6 +133,11 @@ class Builder {
   /// taken to sit, in the layout and in the looks; the second look is added to them. What they showed is
   /// returned as loose.
   [[nodiscard]] Belief refine_camera(std::vector<Look>& looks);
+  /// Nobody knows what stands at the site when a run begins: if the looks do not show that nothing does, two
+  /// more are added that show it from its sides, and `site_taken_` tells whether something was seen.
+  void look_at_site(std::vector<Look>& looks);
+  /// Why nothing can be built on what stood there already; empty: nothing did, or it is a tower of ours.
+  [[nodiscard]] std::string fault_of_site() const;
   /// What is to be placed next; lays a stone down another way on the way to it, if need be.
   [[nodiscard]] std::optional<Target> find_target();
   /// What the search is told: the stack, the loose stones, and as out of reach what the arm does not reach
@@ -207,6 +217,7 @@ class Builder {
   DetectionModels models_;
   std::vector<std::string> unfit_;  ///< why the hand can hold a stone in no pose; empty: it can
   Belief belief_;
+  bool site_taken_ = false;                     ///< something stood at the site when the run began
   mutable std::shared_ptr<Reach> reach_;        ///< of `belief_`, or empty
   mutable std::vector<bool> possible_;          ///< `possible()` for `belief_`, or empty
   std::string said_not_held_;                   ///< what `not_held` told last

@@ -7,18 +7,22 @@
 namespace stonestack {
 namespace {
 
-constexpr double kSameShift = 0.015;  // m: a stone seen further off in the other view is not the same pose
-constexpr double kSameTurn = 0.10;    // rad
+constexpr double kSameShift = 0.015;   // m: a stone seen further off in the other view is not the same pose
+constexpr double kSameTurn = 0.10;     // rad
+constexpr double kTowardsSite = 0.10;  // m
 // A mount further off than this was calibrated wrongly or has been hit; a person should know.
 constexpr double kLargestShift = 0.008;  // m
 constexpr double kLargestTurn = 0.026;   // rad
 constexpr double kLargestLeft = 0.002;   // m between the views afterwards
 
-/// The same place, seen with the camera turned about its axis: by half a turn, else by a quarter.
-std::vector<Pose> turned_poses(const Pose& T_W_C) {
+/// The same place, a little towards the site so that it shows, too, seen with the camera turned about its
+/// axis: by half a turn, else by a quarter.
+std::vector<Pose> turned_poses(const Pose& T_W_C, const CellLayout& layout) {
+  const Eigen::Vector2d towards = kTowardsSite * (layout.site - layout.field_centre).normalized();
+  const Pose moved = Eigen::Translation3d(towards.x(), towards.y(), 0.0) * T_W_C;
   std::vector<Pose> poses;
   for (const double turn : {M_PI, 0.5 * M_PI, -0.5 * M_PI})
-    poses.push_back(T_W_C * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
+    poses.push_back(moved * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
   return poses;
 }
 
@@ -51,7 +55,7 @@ Belief seen_in(const std::vector<Look>& looks, const std::vector<DetectionResult
 
 Belief Builder::refine_camera(std::vector<Look>& looks) {
   try {
-    looks.push_back(look_from(turned_poses(looks.front().T_W_C), true));
+    looks.push_back(look_from(turned_poses(looks.front().T_W_C, cell_.layout), true));
   } catch (const DeviceError&) {
     report("the camera cannot be turned above the field; its mount is taken as calibrated");
     return {};

@@ -43,12 +43,13 @@ struct BuildOptions {
   /// Stones that must be expected to stand by a placement and what follows it, over all frictions; less is
   /// not tried, as a fall takes the stones below with it.
   double least_expected = 0.4;
-  int most_failures = 3;      ///< placements that may fail before the run ends; the paper ends at the first
-  bool refine_camera = true;  ///< two first looks, half a turn apart, tell where the camera really sits
-  bool correct_aim = true;    ///< aim beside the target by how far earlier stones were seen beside theirs
-  int most_taken_off = 3;     ///< stones put back into the field to try another way; the paper never does
-  int most_turned_over = 3;   ///< stones laid down another way because no grasp served both ends
-  int pick_attempts = 3;      ///< of one stone that the gripper misses or drops
+  int most_failures = 3;  ///< placements that may fail before the run ends; the paper ends at the first
+  bool refine_camera =
+      true;  ///< two first looks, half a turn and 10 cm apart, tell where the camera really sits
+  bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
+  int most_taken_off = 3;    ///< stones put back into the field to try another way; the paper never does
+  int most_turned_over = 3;  ///< stones laid down another way because no grasp served both ends
+  int pick_attempts = 3;     ///< of one stone that the gripper misses or drops
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 

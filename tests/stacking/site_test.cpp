@@ -1,0 +1,96 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stacking/believe.hpp"
+#include "stonestack/core/data.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+/// What a run does about what stands at the site when it begins.
+namespace stonestack {
+namespace {
+
+using testing::HasSubstr;
+
+/// A camera that looks straight down on an empty table from 0.6 m, above `p_W`.
+Look look_down(const Eigen::Vector2d& p_W) {
+  Look look;
+  look.T_W_C.linear() = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  look.T_W_C.translation() << p_W, 0.6;
+  const CameraIntrinsics& camera = look.image.camera;
+  look.image.z.assign(static_cast<std::size_t>(camera.width * camera.height), 0.6F);
+  return look;
+}
+
+TEST(ViewOfSite, TellsTableThingsAndNothingApart) {
+  const Eigen::Vector2d site(0.7, 0.28);
+  EXPECT_EQ(view_of_site({look_down(site)}, site), SiteView::kFree);
+  EXPECT_EQ(view_of_site({look_down(site - Eigen::Vector2d(0, 0.8))}, site), SiteView::kUnseen);
+  Look blind = look_down(site);
+  for (float& z : blind.image.z) z = 0.0F;
+  EXPECT_EQ(view_of_site({blind}, site), SiteView::kUnseen) << "no depth is no table";
+  Look thing = look_down(site);
+  const CameraIntrinsics& camera = thing.image.camera;
+  for (int v = camera.height / 2; v < camera.height / 2 + 40; ++v)  // 5 cm square, 5 cm high
+    for (int u = camera.width / 2; u < camera.width / 2 + 40; ++u)
+      thing.image.z[static_cast<std::size_t>(v * camera.width + u)] = 0.55F;
+  EXPECT_EQ(view_of_site({thing}, site), SiteView::kTaken);
+  EXPECT_EQ(view_of_site({look_down(site), thing}, site), SiteView::kTaken) << "one look is enough";
+}
+
+struct Started {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  std::unique_ptr<SimulatedCell> world;
+  std::string said;
+
+  explicit Started(const std::vector<int>& present) {
+    SimulationOptions options;
+    options.seed = 7;
+    world = std::make_unique<SimulatedCell>(catalogue.stones, present, robot, CellLayout{}, options);
+  }
+  RunResult build(int most_stones, const Catalogue& known) {
+    BuildOptions options;
+    options.most_stones = most_stones;
+    options.search.horizon = 1;
+    BuildHooks hooks;
+    said.clear();
+    hooks.report = [this](const std::string& line) { said += line + "\n"; };
+    Cell cell = world->cell();
+    return build_tower(cell, known, robot, options, hooks);
+  }
+};
+
+TEST(Site, ATowerThatStandsThereIsBuiltOn) {
+  Started lab({1, 2, 3});
+  const RunResult first = lab.build(2, lab.catalogue);
+  ASSERT_EQ(first.height, 2) << lab.said;
+  EXPECT_THAT(lab.said, testing::Not(HasSubstr("stands at the site already")));
+  const Truth before = lab.world->truth();
+  const RunResult second = lab.build(3, lab.catalogue);
+  EXPECT_THAT(lab.said, HasSubstr("something stands at the site already"));
+  EXPECT_EQ(second.height, 3) << lab.said;
+  ASSERT_EQ(second.placements.size(), 1U) << lab.said;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto stone = static_cast<std::size_t>(first.belief.stack[i].stone);
+    EXPECT_EQ(second.belief.stack[i].stone, first.belief.stack[i].stone);
+    EXPECT_LT(difference(lab.world->truth().T_W_O[stone], before.T_W_O[stone]).translation, 0.003);
+  }
+}
+
+TEST(Site, WhatNobodyKnowsIsNotBuiltOn) {
+  Started lab({1, 2, 5});
+  Pose T_W_O = lab.world->truth().T_W_O[5];  // as it lies, moved to the site
+  T_W_O.translation().head<2>() = CellLayout{}.site;
+  lab.world->place(5, T_W_O);
+  Catalogue known = lab.catalogue;
+  known.stones.pop_back();
+  const RunResult result = lab.build(1, known);
+  EXPECT_EQ(result.end, RunResult::End::kNoPose);
+  EXPECT_THAT(result.ended, HasSubstr("none of the known stones: clear the site"));
+  EXPECT_TRUE(result.placements.empty());
+}
+
+}  // namespace
+}  // namespace stonestack
