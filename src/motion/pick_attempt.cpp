@@ -15,6 +15,7 @@ constexpr double kTransitSeconds = 0.5;         ///< s, effort for one transit o
 constexpr std::array kBlends{0.2, 0.08, 0.03};  ///< rad, corners cut, widest first
 constexpr double kRoundedStep = 0.03;           ///< rad; a chord leaves a parabola by less than 1 mrad
 constexpr std::array kLifts{1.0, 0.5};  ///< of MotionOptions::lift, where the arm has no room for more
+constexpr std::array kOut{0.03, 0.06};  ///< m, that a stone is taken out of a lean before it goes up
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 HeldObject held_stone(const Stone& stone, const Grasp& grasp) {
@@ -109,6 +110,25 @@ std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pos
   return std::nullopt;
 }
 
+std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
+  const Eigen::Vector3d& along = task_.n_W_lift;
+  const double zone = std::min(options_.contact_zone, options_.lift);
+  const auto out = [&](double by) { return Pose(Eigen::Translation3d(by * along) * T_W_T_pick_); };
+  auto loose = straight(q_pick, out(zone));
+  if (!loose || !is_free(open_, *loose)) return std::nullopt;
+  if (along == Eigen::Vector3d::UnitZ()) {
+    const auto up = raised_straight(loose->back(), T_W_T_pick_);
+    return up ? std::optional(joined(std::move(*loose), *up)) : std::nullopt;
+  }
+  for (const double by : kOut) {
+    const auto clear = straight(loose->back(), out(by));
+    if (!clear || !is_free(held_, *clear)) return std::nullopt;
+    if (const auto up = raised_straight(clear->back(), out(by)))
+      return joined(joined(std::move(*loose), *clear), *up);
+  }
+  return std::nullopt;
+}
+
 std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
   const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past, options_);
   return straight(q, raised(T_W_T_place_, -room));
@@ -141,9 +161,7 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   const double zone = std::min(options_.contact_zone, options_.lift);
   const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
   if (!back || !is_free(open_, *back)) return WayFault::kApproach;
-  const auto loose = straight(q_pick, raised(T_W_T_pick_, zone));
-  if (!loose || !is_free(open_, *loose)) return WayFault::kLift;
-  const auto lift = raised_straight(loose->back(), T_W_T_pick_);
+  const auto lift = lifted(q_pick);
   if (!lift) return WayFault::kLift;
 
   const auto near = straight(q_place, raised(T_W_T_place_, zone));
@@ -161,7 +179,7 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   if (!lower) return WayFault::kLower;
 
   way.approach = reversed(*back);
-  way.lift = joined(*loose, *lift);
+  way.lift = *lift;
   way.lower = *lower;
   way.descent = joined(reversed(*start), *past);
   way.descent.front() = way.lower.back();

@@ -43,6 +43,8 @@ class PickAttempt {
 
  private:
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
+  /// From where the stone lies out along PickAndPlaceTask::n_W_lift, then up.
+  [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
   /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
   [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
   /// From the target on down, as far as a stone that has not touched is looked for with the hand clear.

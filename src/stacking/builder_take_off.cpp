@@ -70,6 +70,14 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
   return poses;
 }
 
+/// Up and away from what a stone leans on, by as much.
+Eigen::Vector3d out_of_the_lean(const Eigen::Vector3d& p_W_leaning, const Eigen::Vector3d& p_W_other) {
+  Eigen::Vector3d away = p_W_leaning - p_W_other;
+  away.z() = 0.0;
+  if (away.norm() < 1e-6) return Eigen::Vector3d::UnitZ();
+  return (away.normalized() + Eigen::Vector3d::UnitZ()).normalized();
+}
+
 }  // namespace
 
 std::optional<Belief> Builder::without_top(std::size_t count) const {
@@ -127,9 +135,14 @@ bool Builder::clear_the_foot() {
   std::erase_if(others.loose, [&](const PlacedStone& s) { return s.stone == stray->stone.stone; });
   const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
   std::string refusals;
-  for (const Pose& T_W_O_down : free_places(shapes_, cell_.layout, others, stray->stone)) {
+  const auto places = free_places(shapes_, cell_.layout, others, stray->stone);
+  // As it lies straight up, or first away from what it leans on.
+  for (std::size_t k = 0; k < 2 * places.size(); ++k) {
+    const Pose& T_W_O_down = places[k / 2];
     auto task = make_task(catalogue_, belief_, stray->stone.stone, T_W_O_down, cell_.arm.state().q);
     task.support = -1;
+    if (k % 2 == 1)
+      task.n_W_lift = out_of_the_lean(com_of(stray->stone), com_of(belief_.stack[stray->level]));
     name_useless_grasps(&task, stray->stone.stone);
     const Stopwatch watch;
     const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);

@@ -81,6 +81,9 @@ struct PickAndPlaceTask {
   int support = -1;  ///< object that it is to touch at the target; -1: the table
   Pose T_W_O_pick = Pose::Identity();
   Pose T_W_O_place = Pose::Identity();
+  /// Unit, W: the way on which the stone leaves where it lies, before it is lifted straight up. Up, unless it
+  /// leans on something.
+  Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();
   Joints q_start = Joints::Zero();
   std::vector<Pose> avoid;    ///< grasps T_O_T that failed before: none near them is taken
   std::vector<Pose> no_pick;  ///< the same of grasps that do not bring it up from where it lies now
