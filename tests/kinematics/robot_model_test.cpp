@@ -29,7 +29,9 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 /// Writes `text` to a file and returns what read_robot says about it; "read" when it was taken.
 std::string answer(const std::string& text) {
-  const std::string path = testing::TempDir() + "robot_model_test.urdf";
+  // Of this test alone: others run at the same time and remove theirs.
+  const std::string path = concat(testing::TempDir(), "robot_model_",
+                                  testing::UnitTest::GetInstance()->current_test_info()->name(), ".urdf");
   write_file(path, text);
   std::string said = "read";
   try {
