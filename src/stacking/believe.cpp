@@ -19,12 +19,6 @@ constexpr double kWithin = 0.006;      // m
 constexpr double kTouches = 0.003;     // m: a loose stone that near to the stack touches it
 constexpr double kBaseAtSite = 0.12;   // m: the first stone lies no further from the site
 
-double lowest(const ContactShape& shape, const Pose& T_W_O) {
-  double z = 1e9;
-  for (const auto& sample : shape.samples) z = std::min(z, (T_W_O * sample.point).z());
-  return z;
-}
-
 const ContactShape& shape_of(const ShapeList& shapes, int stone) {
   return *shapes[static_cast<std::size_t>(stone)];
 }
@@ -205,6 +199,12 @@ SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& sit
     free = free || table > kEnough * M_PI * kRadius * kRadius;
   }
   return free ? SiteView::kFree : SiteView::kUnseen;
+}
+
+double lowest(const ContactShape& shape, const Pose& T_W_O) {
+  double z = 1e9;
+  for (const auto& sample : shape.samples) z = std::min(z, (T_W_O * sample.point).z());
+  return z;
 }
 
 double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {

@@ -28,6 +28,8 @@ namespace stonestack {
 enum class SiteView { kUnseen, kFree, kTaken };
 [[nodiscard]] SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& site);
 
+/// Lowest point of a stone, m in W.
+[[nodiscard]] double lowest(const ContactShape& shape, const Pose& T_W_O);
 /// Highest point of the stones, m in W; 0 for none.
 [[nodiscard]] double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones);
 

@@ -124,8 +124,8 @@ void Builder::look_around() {
   const auto see = [&] {
     const Stopwatch watch;
     const auto sightings = find_in_looks(looks, models_, wanted, together, before, options_.detection);
-    belief_ =
-        believe(shapes_, cell_.layout, first && site_taken_ ? standing(sightings) : expected, sightings);
+    belief_ = believe(shapes_, cell_.layout,
+                      first && site_ == SiteView::kTaken ? standing(sightings) : expected, sightings);
     belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
     reach_.reset();
     possible_.clear();

@@ -43,9 +43,9 @@ class Builder {
 
   RunResult run() {
     look_around();
-    if (const std::string fault = fault_of_site(); !fault.empty()) return end(RunResult::End::kNoPose, fault);
-    if (belief_.loose.empty() && belief_.stack.empty())
+    if (belief_.loose.empty() && belief_.stack.empty() && site_ != SiteView::kTaken)
       return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
+    if (const std::string fault = fault_of_site(); !fault.empty()) return end(RunResult::End::kNoPose, fault);
     if (const std::string unfit = unfit_stones(); !unfit.empty())
       report("left out, for the hand cannot hold them: " + unfit);
     while (true) {
@@ -134,9 +134,10 @@ class Builder {
   /// returned as loose.
   [[nodiscard]] Belief refine_camera(std::vector<Look>& looks);
   /// Nobody knows what stands at the site when a run begins: if the looks do not show that nothing does, two
-  /// more are added that show it from its sides, and `site_taken_` tells whether something was seen.
+  /// more are added that show it from its sides, and `site_` tells what they show.
   void look_at_site(std::vector<Look>& looks);
-  /// Why nothing can be built on what stood there already; empty: nothing did, or it is a tower of ours.
+  /// Why nothing can be built there: something unknown stood there already, or nobody knows; empty: it was
+  /// free, or a tower of known stones.
   [[nodiscard]] std::string fault_of_site() const;
   /// What is to be placed next; lays a stone down another way on the way to it, if need be.
   [[nodiscard]] std::optional<Target> find_target();
@@ -217,7 +218,7 @@ class Builder {
   DetectionModels models_;
   std::vector<std::string> unfit_;  ///< why the hand can hold a stone in no pose; empty: it can
   Belief belief_;
-  bool site_taken_ = false;                     ///< something stood at the site when the run began
+  SiteView site_ = SiteView::kFree;             ///< when the run began
   mutable std::shared_ptr<Reach> reach_;        ///< of `belief_`, or empty
   mutable std::vector<bool> possible_;          ///< `possible()` for `belief_`, or empty
   std::string said_not_held_;                   ///< what `not_held` told last

@@ -23,9 +23,8 @@ void Builder::look_at_site(std::vector<Look>& looks) {
       look_poses(cell_.layout, {site.x(), site.y(), kLookHeight}, options_.look_distance);
   std::erase_if(poses, [](const Pose& T_W_C) { return -T_W_C.linear()(2, 2) > kLow; });
   std::vector<Look> of_site{look_from(poses, true)};
-  const SiteView view = view_of_site(of_site, site);
-  if (view == SiteView::kTaken) {
-    site_taken_ = true;
+  site_ = view_of_site(of_site, site);
+  if (site_ == SiteView::kTaken) {
     report("something stands at the site already");
     const Eigen::Vector2d seen_along = level_direction(of_site.front().T_W_C);
     std::erase_if(poses,
@@ -46,13 +45,14 @@ std::vector<PlacedStone> Builder::standing(const std::vector<Sighting>& sighting
 }
 
 std::string Builder::fault_of_site() const {
-  if (!site_taken_) return "";
+  if (site_ == SiteView::kFree) return "";
+  if (site_ == SiteView::kUnseen)
+    return "no look shows whether something stands at the site: check the camera, and that the site is on "
+           "the table";
   if (belief_.stack.empty())
     return "something stands at the site that is none of the known stones: clear the site, or name another";
   const PlacedStone& base = belief_.stack.front();
-  double low = 1.0;
-  for (const auto& sample : shapes_[static_cast<std::size_t>(base.stone)]->samples)
-    low = std::min(low, (base.T_W_O * sample.point).z());
+  const double low = lowest(*shapes_[static_cast<std::size_t>(base.stone)], base.T_W_O);
   if (low > kOnTable)
     return concat(name(base.stone), " stands at the site, ", std::lround(1000 * low),
                   " mm above the table, on something that is not seen: clear the site, or name another");

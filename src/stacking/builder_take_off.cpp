@@ -25,13 +25,11 @@ double radius(const ShapeList& shapes, int stone) {
 /// How the stone would come to rest on the table from the way it is held: rotation, and height of O.
 Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
   const ContactShape& shape = *shapes[static_cast<std::size_t>(held.stone)];
-  double lowest = 1e9;
-  for (const auto& sample : shape.samples) lowest = std::min(lowest, (held.T_W_O * sample.point).z());
   SettleOptions options;
   options.world.friction = 0.5;   // it shall roll to rest, not slide about
   options.largest_travel = 0.20;  // m
   options.seconds = 2.0;
-  const Pose lifted = Eigen::Translation3d(0, 0, 0.002 - lowest) * held.T_W_O;
+  const Pose lifted = Eigen::Translation3d(0, 0, 0.002 - lowest(shape, held.T_W_O)) * held.T_W_O;
   return settle(shapes, Stack{}, held.stone, lifted, options).T_W_O;
 }
 
@@ -141,9 +139,11 @@ bool Builder::clear_the_foot() {
     const Pose& T_W_O_down = places[k / 2];
     auto task = make_task(catalogue_, belief_, stray->stone.stone, T_W_O_down, cell_.arm.state().q);
     task.support = -1;
-    if (k % 2 == 1)
-      task.n_W_lift = out_of_the_lean(com_of(stray->stone), com_of(belief_.stack[stray->level]));
     name_useless_grasps(&task, stray->stone.stone);
+    if (k % 2 == 1) {
+      task.n_W_lift = out_of_the_lean(com_of(stray->stone), com_of(belief_.stack[stray->level]));
+      task.no_pick.clear();  // known of the way straight up only
+    }
     const Stopwatch watch;
     const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);
     result_.seconds.planning += watch.seconds();

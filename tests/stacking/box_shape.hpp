@@ -1,5 +1,9 @@
 #pragma once
-#include "stonestack/physics/contact.hpp"
+#include <memory>
+#include <string>
+
+#include "stonestack/geometry/mass_properties.hpp"
+#include "stonestack/physics/shape.hpp"
 
 namespace stonestack {
 
