@@ -57,6 +57,7 @@ struct World::Bullet {
         factory(&rules),
         gravity(0, 0, -o.gravity) {
     rules.friction = o.friction;
+    world.getSolverInfo().m_numIterations = o.iterations;
     dispatcher.registerCollisionCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, CUSTOM_CONCAVE_SHAPE_TYPE, &factory);
     world.setGravity(btVector3(0, 0, 0));  // applied below, so that fixed bodies may be set free
     world.getSimulationIslandManager()->setSplitIslands(false);

@@ -85,6 +85,26 @@ TEST(World, ImpulsesCarryTheWeight) {
   EXPECT_NEAR(on_cube, weight, 1e-3 * weight);
 }
 
+/// What the table carries of four cubes in the very first step, when nothing is known of the impulses yet:
+/// 1 for all of their weight.
+double carried_at_once(int iterations) {
+  WorldOptions options;
+  options.iterations = iterations;
+  World world(options);
+  const auto cube = box(0.06, 0.06, 0.06);
+  for (int i = 0; i < 4; ++i) world.add_stone(cube, at(0.004 * i, 0, 0.03 + 0.06 * i));
+  world.step();
+  double on_table = 0.0;
+  for (const Contact& c : world.contacts())
+    if (c.below == kTable) on_table += c.impulse * c.n_W.z();
+  return on_table / (4 * cube->mass.mass * 9.81 * options.step);
+}
+
+TEST(World, TurnsOverTheTouchesAsOftenAsItIsTold) {
+  EXPECT_LT(carried_at_once(10), 0.9);
+  EXPECT_NEAR(carried_at_once(2000), 1.0, 1e-3);
+}
+
 TEST(World, BoxPushesAStoneAndFixedStonesStay) {
   World world;
   const int stone = world.add_stone(box(0.06, 0.06, 0.06), at(0, 0, 0.03));
