@@ -6,7 +6,7 @@
 namespace stonestack {
 namespace {
 
-constexpr double kCalm = 1e-9;     // m/s: smaller changes end the iteration
+constexpr double kCalm = 1e-8;  // m/s: smaller changes end the iteration
 constexpr double kSlop = 2e-5;     // m: depth that is left alone, so that resting touches do not flicker
 constexpr double kRecovery = 0.2;  // share of a depth beyond kSlop that one step takes away
 constexpr double kFastest = 0.5;   // m/s: at most, while positions are corrected
@@ -22,7 +22,7 @@ btScalar ConeSolver::solveGroup(btCollisionObject** bodies, int body_count, btPe
   const double scale = last_dt_ > 0.0 ? info.m_timeStep / last_dt_ : 1.0;
   last_dt_ = info.m_timeStep;
   for (Row& row : rows_)
-    for (double& impulse : row.impulse) impulse *= scale;
+    for (Axis& axis : row.axis) axis.impulse *= scale;
   solve_velocities(info.m_numIterations, info.m_timeStep);
   solve_positions(info.m_numIterations, info.m_timeStep);
   write_back(info.m_timeStep);
@@ -36,18 +36,17 @@ void ConeSolver::gather_bodies(btCollisionObject** bodies, int count, double dt)
     rigid->setCompanionId(i);
     Body body;
     body.rigid = rigid;
-    body.v = to_eigen(rigid->getLinearVelocity());
-    body.w = to_eigen(rigid->getAngularVelocity());
-    body.push_v.setZero();
-    body.push_w.setZero();
+    Vector v = to_eigen(rigid->getLinearVelocity()), w = to_eigen(rigid->getAngularVelocity());
+    body.push.setZero();
     body.inverse_inertia.setZero();
     if (!rigid->isStaticOrKinematicObject()) {
       body.inverse_mass = rigid->getInvMass();
       body.inverse_inertia = to_eigen(rigid->getInvInertiaTensorWorld());
-      body.v += dt * body.inverse_mass * to_eigen(rigid->getTotalForce());
-      body.w += dt * (body.inverse_inertia * to_eigen(rigid->getTotalTorque()));
-      body.w += to_eigen(rigid->computeGyroscopicImpulseImplicit_Body(dt));
+      v += dt * body.inverse_mass * to_eigen(rigid->getTotalForce());
+      w += dt * (body.inverse_inertia * to_eigen(rigid->getTotalTorque()));
+      w += to_eigen(rigid->computeGyroscopicImpulseImplicit_Body(dt));
     }
+    body.velocity << v, w;
     bodies_.push_back(body);
   }
 }
@@ -58,32 +57,30 @@ ConeSolver::Row ConeSolver::make_row(int a, int b, Touch& touch, double friction
   row.b = b;
   row.touch = &touch;
   row.friction = friction;
-  row.axis[0] = touch.n_W;
-  row.axis[1] = touch.n_W.unitOrthogonal();
-  row.axis[2] = touch.n_W.cross(row.axis[1]);
+  row.direction[0] = touch.n_W;
+  row.direction[1] = touch.n_W.unitOrthogonal();
+  row.direction[2] = touch.n_W.cross(row.direction[1]);
   const Body& A = bodies_[static_cast<std::size_t>(a)];
   const Body& B = bodies_[static_cast<std::size_t>(b)];
   const Vector r_a = touch.p_W + touch.gap * touch.n_W - to_eigen(A.rigid->getCenterOfMassPosition());
   const Vector r_b = touch.p_W - to_eigen(B.rigid->getCenterOfMassPosition());
   for (int i = 0; i < 3; ++i) {
-    row.turn_a[i] = r_a.cross(row.axis[i]);
-    row.turn_b[i] = r_b.cross(row.axis[i]);
-    row.inertia_a[i] = A.inverse_inertia * row.turn_a[i];
-    row.inertia_b[i] = B.inverse_inertia * row.turn_b[i];
-    row.mass[i] = 1.0 / (A.inverse_mass + B.inverse_mass + row.turn_a[i].dot(row.inertia_a[i]) +
-                         row.turn_b[i].dot(row.inertia_b[i]));
+    Axis& axis = row.axis[i];
+    const Vector& n = row.direction[i];
+    axis.of_a << n, r_a.cross(n);
+    axis.of_b << -n, -r_b.cross(n);
+    axis.change_a << A.inverse_mass * n, A.inverse_inertia * axis.of_a.tail<3>();
+    axis.change_b << -B.inverse_mass * n, B.inverse_inertia * axis.of_b.tail<3>();
+    axis.mass = 1.0 / (axis.of_a.dot(axis.change_a) + axis.of_b.dot(axis.change_b));
   }
   // One effective mass for both tangents, else friction would not oppose the sliding: the smallest along any.
-  const auto response = [&](int i, int j) {
-    return row.turn_a[i].dot(row.inertia_a[j]) + row.turn_b[i].dot(row.inertia_b[j]);
-  };
-  const double mean = 0.5 * (1.0 / row.mass[1] + 1.0 / row.mass[2]);
-  const double half = 0.5 * (1.0 / row.mass[1] - 1.0 / row.mass[2]);
-  const double skew = response(1, 2);
-  row.mass[1] = row.mass[2] = 1.0 / (mean + std::sqrt(half * half + skew * skew));
-  row.impulse[0] = touch.impulse;
-  row.impulse[1] = touch.friction.dot(row.axis[1]);
-  row.impulse[2] = touch.friction.dot(row.axis[2]);
+  Axis &first = row.axis[1], &second = row.axis[2];
+  const double mean = 0.5 * (1.0 / first.mass + 1.0 / second.mass);
+  const double half = 0.5 * (1.0 / first.mass - 1.0 / second.mass);
+  const double skew = first.of_a.dot(second.change_a) + first.of_b.dot(second.change_b);
+  first.mass = second.mass = 1.0 / (mean + std::sqrt(half * half + skew * skew));
+  row.axis[0].impulse = touch.impulse;
+  for (int i = 1; i < 3; ++i) row.axis[i].impulse = touch.friction.dot(row.direction[i]);
   return row;
 }
 
@@ -107,46 +104,44 @@ void ConeSolver::gather_rows() {
 double ConeSolver::speed(const Row& row, int axis) const {
   const Body& A = bodies_[static_cast<std::size_t>(row.a)];
   const Body& B = bodies_[static_cast<std::size_t>(row.b)];
-  return row.axis[axis].dot(A.v - B.v) + row.turn_a[axis].dot(A.w) - row.turn_b[axis].dot(B.w);
+  return row.axis[axis].of_a.dot(A.velocity) + row.axis[axis].of_b.dot(B.velocity);
 }
 
-void ConeSolver::push(const Row& row, int axis, double impulse) {
-  Body& A = bodies_[static_cast<std::size_t>(row.a)];
-  Body& B = bodies_[static_cast<std::size_t>(row.b)];
-  A.v += (impulse * A.inverse_mass) * row.axis[axis];
-  A.w += impulse * row.inertia_a[axis];
-  B.v -= (impulse * B.inverse_mass) * row.axis[axis];
-  B.w -= impulse * row.inertia_b[axis];
+void ConeSolver::apply(const Row& row, int axis, double impulse) {
+  bodies_[static_cast<std::size_t>(row.a)].velocity += impulse * row.axis[axis].change_a;
+  bodies_[static_cast<std::size_t>(row.b)].velocity += impulse * row.axis[axis].change_b;
 }
 
 /// One turn over a touch; returns the largest change of a relative speed, m/s.
 double ConeSolver::solve_row(Row& row, double dt) {
+  Axis &normal = row.axis[0], &first = row.axis[1], &second = row.axis[2];
   const double allowed = std::max(row.touch->gap, 0.0) / dt;
-  const double before = row.impulse[0];
-  row.impulse[0] = std::max(0.0, before - row.mass[0] * (speed(row, 0) + allowed));
-  double change = std::abs(row.impulse[0] - before) / row.mass[0];
-  if (row.impulse[0] != before) push(row, 0, row.impulse[0] - before);
+  const double before = normal.impulse;
+  normal.impulse = std::max(0.0, before - normal.mass * (speed(row, 0) + allowed));
+  double change = std::abs(normal.impulse - before) / normal.mass;
+  if (normal.impulse != before) apply(row, 0, normal.impulse - before);
 
-  const double old1 = row.impulse[1], old2 = row.impulse[2];
-  double f1 = old1 - row.mass[1] * speed(row, 1);
-  double f2 = old2 - row.mass[2] * speed(row, 2);
-  const double limit = row.friction * row.impulse[0],
-               length = std::sqrt(f1 * f1 + f2 * f2);  // std::hypot took 4 % of a run
+  const double old1 = first.impulse, old2 = second.impulse;
+  const double limit = row.friction * normal.impulse;
+  if (limit == 0.0 && old1 == 0.0 && old2 == 0.0) return change;  // it does not touch: most rows
+  double f1 = old1 - first.mass * speed(row, 1);
+  double f2 = old2 - second.mass * speed(row, 2);
+  const double length = std::sqrt(f1 * f1 + f2 * f2);  // std::hypot took 4 % of a run
   if (length > limit) {
     f1 *= limit / length;
     f2 *= limit / length;
   }
-  row.impulse[1] = f1;
-  row.impulse[2] = f2;
-  if (f1 != old1) push(row, 1, f1 - old1);
-  if (f2 != old2) push(row, 2, f2 - old2);
-  change = std::max(change, std::abs(f1 - old1) / row.mass[1]);
-  return std::max(change, std::abs(f2 - old2) / row.mass[2]);
+  first.impulse = f1;
+  second.impulse = f2;
+  if (f1 != old1) apply(row, 1, f1 - old1);
+  if (f2 != old2) apply(row, 2, f2 - old2);
+  change = std::max(change, std::abs(f1 - old1) / first.mass);
+  return std::max(change, std::abs(f2 - old2) / second.mass);
 }
 
 void ConeSolver::solve_velocities(int iterations, double dt) {
   for (const Row& row : rows_)
-    for (int i = 0; i < 3; ++i) push(row, i, row.impulse[i]);
+    for (int i = 0; i < 3; ++i) apply(row, i, row.axis[i].impulse);
   for (iterations_ = 0; iterations_ < iterations;) {
     double change = 0.0;
     for (Row& row : rows_) change = std::max(change, solve_row(row, dt));
@@ -154,8 +149,8 @@ void ConeSolver::solve_velocities(int iterations, double dt) {
     if (change < kCalm) break;
   }
   for (Row& row : rows_) {
-    row.touch->impulse = row.impulse[0];
-    row.touch->friction = row.impulse[1] * row.axis[1] + row.impulse[2] * row.axis[2];
+    row.touch->impulse = row.axis[0].impulse;
+    row.touch->friction = row.axis[1].impulse * row.direction[1] + row.axis[2].impulse * row.direction[2];
   }
 }
 
@@ -168,18 +163,17 @@ void ConeSolver::solve_positions(int iterations, double dt) {
     for (Row& row : rows_) {
       Body& A = bodies_[static_cast<std::size_t>(row.a)];
       Body& B = bodies_[static_cast<std::size_t>(row.b)];
+      const Axis& normal = row.axis[0];
       const double depth = -row.touch->gap - kSlop;
       const double wanted = depth > 0.0 ? std::min(kRecovery * depth / dt, kFastest) : depth / dt;
-      const double now =
-          row.axis[0].dot(A.push_v - B.push_v) + row.turn_a[0].dot(A.push_w) - row.turn_b[0].dot(B.push_w);
+      const double now = normal.of_a.dot(A.push) + normal.of_b.dot(B.push);
       const double before = row.push;
-      row.push = std::max(0.0, before - row.mass[0] * (now - wanted));
+      row.push = std::max(0.0, before - normal.mass * (now - wanted));
       const double impulse = row.push - before;
-      A.push_v += (impulse * A.inverse_mass) * row.axis[0];
-      A.push_w += impulse * row.inertia_a[0];
-      B.push_v -= (impulse * B.inverse_mass) * row.axis[0];
-      B.push_w -= impulse * row.inertia_b[0];
-      change = std::max(change, std::abs(impulse) / row.mass[0]);
+      if (impulse == 0.0) continue;
+      A.push += impulse * normal.change_a;
+      B.push += impulse * normal.change_b;
+      change = std::max(change, std::abs(impulse) / normal.mass);
     }
     if (change < 1e-3 * kRecovery * kSlop / dt) break;
   }
@@ -188,12 +182,13 @@ void ConeSolver::solve_positions(int iterations, double dt) {
 void ConeSolver::write_back(double dt) {
   for (Body& body : bodies_) {
     if (body.rigid->isStaticOrKinematicObject()) continue;
-    body.rigid->setLinearVelocity(to_bullet(body.v));
-    body.rigid->setAngularVelocity(to_bullet(body.w));
-    if (body.push_v.isZero(0.0) && body.push_w.isZero(0.0)) continue;
+    body.rigid->setLinearVelocity(to_bullet(Vector(body.velocity.head<3>())));
+    body.rigid->setAngularVelocity(to_bullet(Vector(body.velocity.tail<3>())));
+    if (body.push.isZero(0.0)) continue;
     btTransform moved;
-    btTransformUtil::integrateTransform(body.rigid->getWorldTransform(), to_bullet(body.push_v),
-                                        to_bullet(body.push_w), dt, moved);
+    btTransformUtil::integrateTransform(body.rigid->getWorldTransform(),
+                                        to_bullet(Vector(body.push.head<3>())),
+                                        to_bullet(Vector(body.push.tail<3>())), dt, moved);
     body.rigid->setCenterOfMassTransform(moved);
   }
 }

@@ -25,29 +25,34 @@ class ConeSolver : public btConstraintSolver {
 
  private:
   using Vector = Eigen::Vector3d;
+  using Vector6 = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular
   struct Body {
     btRigidBody* rigid = nullptr;
     double inverse_mass = 0.0;
     Eigen::Matrix3d inverse_inertia;  ///< world axes
-    Vector v, w;                      ///< velocity
-    Vector push_v, push_w;            ///< correction of the position, as a velocity
+    Vector6 velocity;
+    Vector6 push;  ///< correction of the position, as a velocity
+  };
+  /// What a touch does to its two bodies along one direction.
+  struct Axis {
+    Vector6 of_a, of_b;          ///< relative speed is of_a . velocity of A + of_b . velocity of B
+    Vector6 change_a, change_b;  ///< of their velocities by an impulse of 1
+    double mass = 0.0;           ///< effective
+    double impulse = 0.0;
   };
   struct Row {
     int a, b;
     Touch* touch;
     double friction;
-    Vector axis[3];                     ///< normal, two tangents
-    Vector turn_a[3], turn_b[3];        ///< r x axis
-    Vector inertia_a[3], inertia_b[3];  ///< inverse inertia times turn
-    double mass[3];                     ///< effective
-    double impulse[3];
+    Vector direction[3];  ///< normal, two tangents
+    Axis axis[3];
     double push = 0.0;
   };
   void gather_bodies(btCollisionObject** bodies, int count, double dt);
   void gather_rows();
   Row make_row(int a, int b, Touch& touch, double friction) const;
   [[nodiscard]] double speed(const Row& row, int axis) const;
-  void push(const Row& row, int axis, double impulse);
+  void apply(const Row& row, int axis, double impulse);
   double solve_row(Row& row, double dt);
   void solve_velocities(int iterations, double dt);
   void solve_positions(int iterations, double dt);
