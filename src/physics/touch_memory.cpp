@@ -4,10 +4,6 @@
 
 namespace stonestack {
 namespace {
-/// How alike two touches are as a place and a direction, m.
-double apart(const Touch& a, const Touch& b) {
-  return (a.p_A - b.p_A).norm() + 0.02 * (a.n_W - b.n_W).norm();
-}
 bool same(const Touch& a, const Touch& b) {
   if (a.kind != b.kind) return false;
   switch (a.kind) {  // a vertex that crosses a seam is the same touch
@@ -42,10 +38,14 @@ void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::
     chosen.push_back(next);
     taken[next] = 1;
     double best = -1e9;
-    const std::size_t last = next;
+    const Touch& last = touches[next];
     for (std::size_t i = 0; i < count; ++i) {
-      nearest[i] = std::min(nearest[i], apart(touches[i], touches[last]));
-      if (!taken[i] && nearest[i] + bonus[i] > best) {
+      if (taken[i]) continue;
+      // Alike as a place and, by 20 mm, as a direction; the place alone is often too far to matter.
+      const double square = (touches[i].p_A - last.p_A).squaredNorm();
+      if (square < nearest[i] * nearest[i])
+        nearest[i] = std::min(nearest[i], std::sqrt(square) + 0.02 * (touches[i].n_W - last.n_W).norm());
+      if (nearest[i] + bonus[i] > best) {
         best = nearest[i] + bonus[i];
         next = i;
       }
