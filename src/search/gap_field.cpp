@@ -161,7 +161,7 @@ Underside make_underside(const std::vector<Eigen::Vector3d>& vertices_M,
   }
   HeightRaster raster(Eigen::Vector2d::Zero(), options.cell,
                       std::max(kRun / 2, static_cast<int>(std::ceil(reach / options.cell))));
-  raise_to(raster, turned, low);
+  raise_to(raster, turned, low, Winding::kClockwise);
   Underside underside;
   underside.R_W_O = R_W_O;
   underside.lowest = -deepest;

@@ -10,10 +10,18 @@ namespace {
 struct NodeRange {
   int first, last;
 };
+/// A value known to be within the range of int; std::floor is a call where SSE 4.1 may not be counted on.
+int floor_of(double x) {
+  const int k = static_cast<int>(x);
+  return k - (x < k ? 1 : 0);
+}
+int ceil_of(double x) {
+  const int k = static_cast<int>(x);
+  return k + (x > k ? 1 : 0);
+}
 NodeRange nodes_between(double low, double high, int half) {
   const double limit = half;
-  return {static_cast<int>(std::ceil(std::clamp(low, -limit, limit + 1))),
-          static_cast<int>(std::floor(std::clamp(high, -limit - 1, limit)))};
+  return {ceil_of(std::clamp(low, -limit, limit + 1)), floor_of(std::clamp(high, -limit - 1, limit))};
 }
 
 }  // namespace
@@ -26,7 +34,7 @@ HeightRaster::HeightRaster(const Eigen::Vector2d& centre_in, double cell_in, int
       z(static_cast<std::size_t>(stride) * static_cast<std::size_t>(stride), kNoSurface) {}
 
 void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
-              std::span<const Eigen::Vector3i> faces) {
+              std::span<const Eigen::Vector3i> faces, Winding which) {
   const double per_cell = 1.0 / raster.cell;
   const auto in_cells = [&](const Eigen::Vector3d& p) -> Eigen::Vector2d {
     return (p.head<2>() - raster.centre) * per_cell;
@@ -38,8 +46,10 @@ void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
     const Eigen::Vector2d pa = in_cells(a), pb = in_cells(b), pc = in_cells(c);
     const double twice_area = (pb.x() - pa.x()) * (pc.y() - pa.y()) - (pb.y() - pa.y()) * (pc.x() - pa.x());
     if (std::abs(twice_area) < 1e-9) continue;
+    if (which != Winding::kAny && (twice_area > 0.0) != (which == Winding::kCounterclockwise)) continue;
     const NodeRange rows =
         nodes_between(std::min({pa.y(), pb.y(), pc.y()}), std::max({pa.y(), pb.y(), pc.y()}), raster.half);
+    if (rows.first > rows.last) continue;
     const NodeRange columns =
         nodes_between(std::min({pa.x(), pb.x(), pc.x()}), std::max({pa.x(), pb.x(), pc.x()}), raster.half);
     const double inverse = 1.0 / twice_area;

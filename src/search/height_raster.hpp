@@ -24,9 +24,13 @@ struct HeightRaster {
   }
 };
 
+/// How the corners of triangles go round, seen from above. The highest of a closed surface are those that go
+/// round counterclockwise, or clockwise once its heights are negated.
+enum class Winding { kAny, kCounterclockwise, kClockwise };
+
 /// Raises the raster to the surface of triangles where that is higher. A triangle steeper than a right angle
-/// has no height and is skipped.
+/// has no height and is skipped, and so are those that go round otherwise than `which`.
 void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
-              std::span<const Eigen::Vector3i> faces);
+              std::span<const Eigen::Vector3i> faces, Winding which = Winding::kAny);
 
 }  // namespace stonestack

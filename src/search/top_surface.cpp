@@ -13,7 +13,7 @@ void raise_by(HeightRaster& raster, const BodyPose& body) {
   std::vector<Eigen::Vector3d> vertices_W(body.stone->vertices_M.size());
   for (std::size_t k = 0; k < vertices_W.size(); ++k)
     vertices_W[k] = body.R_W_O * body.stone->vertices_M[k] + body.p_W_M;
-  raise_to(raster, vertices_W, body.stone->faces);
+  raise_to(raster, vertices_W, body.stone->faces, Winding::kCounterclockwise);
 }
 
 constexpr double kInterfaceCell = 0.003;  ///< m
