@@ -26,8 +26,26 @@ constexpr int kAttempts = 60;              // for each level of a random stack
 struct BenchOptions {
   int stacks = 500, stones = 3, seed = 1;
   double friction = 0.3, push = 0.02, seconds = 2.0, band = 0.02;
+  bool steps = false;
   bench::PoolOptions pools;
 };
+
+/// A step (s) and iterations with which a stack may be judged, and how that fared.
+struct Stepping {
+  double step;
+  int iterations;
+  int stand = 0, as_finest = 0;
+  double seconds = 0.0;
+};
+
+/// The finest last.
+std::vector<Stepping> steppings() {
+  std::vector<Stepping> list;
+  for (const double rate : {240.0, 480.0, 1000.0})
+    for (const int iterations : {10, 50, 200}) list.push_back({1.0 / rate, iterations});
+  list.push_back({1.0 / 2000.0, 200});
+  return list;
+}
 
 /// Both verdicts on one stack.
 struct Compared {
@@ -98,6 +116,32 @@ Compared compare(const BenchOptions& options, const StonePool& pool, const Stack
   return out;
 }
 
+/// The search's verdict: ten seconds that end once nothing moves.
+void judge_by(const BenchOptions& options, const StonePool& pool, const Stack& stack,
+              std::vector<Stepping>* list) {
+  StandOptions stand;
+  stand.friction = options.friction;
+  stand.still = 5e-8;
+  stand.fall = 0.0;
+  std::vector<bool> stands;
+  for (Stepping& by : *list) {
+    stand.step = by.step;
+    stand.iterations = by.iterations;
+    const Stopwatch watch;
+    stands.push_back(judge_stack(pool.shapes, stack, stand).stands);
+    by.seconds += watch.seconds();
+    by.stand += stands.back() ? 1 : 0;
+  }
+  for (std::size_t k = 0; k < list->size(); ++k) (*list)[k].as_finest += stands[k] == stands.back() ? 1 : 0;
+}
+
+void print(const std::vector<Stepping>& list, int count) {
+  std::printf("  %8s %10s %6s %12s %9s\n", "step", "iterations", "stand", "as finest", "ms each");
+  for (const Stepping& by : list)
+    std::printf("  1/%-6.0f %10d %6d %10.1f %% %9.2f\n", 1.0 / by.step, by.iterations, by.stand,
+                100.0 * by.as_finest / count, 1e3 * by.seconds / count);
+}
+
 /// How far from the edge, in units of the friction: margin of what stands, missing friction of what falls.
 bool outside_band(const BenchOptions& options, const Equilibrium& e) {
   if (e.stands) return e.margin >= options.band;
@@ -107,6 +151,7 @@ bool outside_band(const BenchOptions& options, const Equilibrium& e) {
 void measure_pool(const BenchOptions& options, const StonePool& pool) {
   int agree = 0, clear = 0, clear_agree = 0, only_lp = 0, only_simulated = 0, stand = 0, count = 0;
   std::vector<double> times;
+  std::vector<Stepping> list = steppings();
   for (int k = 0; count < options.stacks && k < 100 * options.stacks; ++k) {
     Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("stack ", k));
     const auto stack = random_stack(options, pool, random);
@@ -123,11 +168,13 @@ void measure_pool(const BenchOptions& options, const StonePool& pool) {
       clear_agree += same ? 1 : 0;
     }
     times.push_back(c.solve_ms);
+    if (options.steps) judge_by(options, pool, *stack, &list);
   }
   require(count > 0, "no random stack of ", options.stones, " came to rest; try fewer stones");
   std::printf("%-10s %6d %6d %9.1f %% %8d %13.1f %% %8d %9d %9.2f %9.2f\n", pool.name.c_str(), count, stand,
               100.0 * agree / count, clear, 100.0 * clear_agree / std::max(1, clear), only_lp, only_simulated,
               quantile(times, 0.5), quantile(times, 0.95));
+  if (options.steps) print(list, count);
   std::fflush(stdout);
 }
 
@@ -163,8 +210,12 @@ void add_bench_equilibrium(CLI::App& bench) {
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   sub->add_option("--seed", options->seed)->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub->add_flag("--steps", options->steps, "Judge each stack with other steps and iterations, too");
   options->pools.register_on(*sub);
-  sub->footer("Example:\n  stonestack bench equilibrium --stacks 500 --friction 0.3");
+  sub->footer(
+      "Examples:\n"
+      "  stonestack bench equilibrium --stacks 500 --friction 0.3\n"
+      "  stonestack bench equilibrium --stacks 150 --friction 0.5 --steps");
   sub->callback([options] { measure(*options); });
 }
 

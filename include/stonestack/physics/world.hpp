@@ -15,7 +15,7 @@ namespace stonestack {
 struct WorldOptions {
   double friction = 0.1;        ///< stone on stone and stone on table, unless given for a pair
   double step = 1.0 / 240.0;    ///< s
-  int iterations = 50;          ///< of the solver, at most; 200 for a verdict
+  int iterations = 50;          ///< over all touches, at most; 200 for a verdict
   double gravity = 9.81;        ///< m/s^2
   double contact_gap = 0.0005;  ///< m, contacts further apart do not count
   double linear_damping = 0.0;
