@@ -108,8 +108,11 @@ std::string summary(const RunReport& report) {
                    report.truth->height, report.truth->stands ? "standing" : "not standing",
                    report.truth->seconds, 1000 * report.truth->shift);
   const auto& s = report.result.seconds;
-  text += format("seconds: detection %.1f, search %.1f, planning %.1f (host); motion %.1f (robot)\n",
-                 s.detection, s.search, s.planning, s.motion);
+  text += format(
+      "seconds: detection %.1f, search %.1f, planning %.1f (host; %.1f more while the arm moved); motion "
+      "%.1f "
+      "(robot)\n",
+      s.detection, s.search, s.planning, s.beside_motion, s.motion);
   return text;
 }
 
@@ -131,7 +134,8 @@ std::string run_json(const RunReport& report) {
                {{"detection", result.seconds.detection},
                 {"search", result.seconds.search},
                 {"planning", result.seconds.planning},
-                {"motion", result.seconds.motion}}}};
+                {"motion", result.seconds.motion},
+                {"beside_motion", result.seconds.beside_motion}}}};
   if (report.truth)
     out["truth"] = {{"height", report.truth->height},   {"stands", report.truth->stands},
                     {"seconds", report.truth->seconds}, {"shift_m", report.truth->shift},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 #include "stacking/builder.hpp"
 #include "stacking/steady.hpp"
@@ -64,7 +65,7 @@ void Builder::step_clear(const PlanningScene& scene) {
                     "look at the cell and free the hand");
 }
 
-Look Builder::look_from(const std::vector<Pose>& T_W_C, bool all_unknown) {
+JointTrajectory Builder::way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown) {
   PlanningScene scene = scene_of_look();
   if (all_unknown) {
     scene.objects.push_back(unseen_field(cell_.layout));
@@ -72,8 +73,37 @@ Look Builder::look_from(const std::vector<Pose>& T_W_C, bool all_unknown) {
   }
   const double start = cell_.clock.now();
   step_clear(scene);
-  Look look = take_look(cell_, robot_, scene, T_W_C, options_.motion);
   result_.seconds.motion += cell_.clock.now() - start;
+  return stonestack::way_to_look(cell_, scene, T_W_C, options_.motion);
+}
+
+Look Builder::look_from(const std::vector<Pose>& T_W_C, bool all_unknown) {
+  return look_along(way_to_look(T_W_C, all_unknown));
+}
+
+Look Builder::look_along(const JointTrajectory& way, const std::function<void()>& meanwhile) {
+  double moved = 0.0;
+  const auto go = [&] {
+    const double start = cell_.clock.now();
+    Look look = stonestack::look_along(cell_, robot_, way);
+    moved = cell_.clock.now() - start;
+    return look;
+  };
+  const StageSeconds before = result_.seconds;
+  std::future<Look> coming;
+  if (meanwhile) {
+    coming = std::async(std::launch::async, go);
+    meanwhile();  // if it throws, the future waits until the arm has stopped
+  }
+  Look look = coming.valid() ? coming.get() : go();
+  double left = moved;  // of the motion, beside which nobody waited for anything
+  for (double StageSeconds::*stage : {&StageSeconds::detection, &StageSeconds::search}) {
+    const double beside = std::min(left, result_.seconds.*stage - before.*stage);
+    result_.seconds.*stage -= beside;
+    result_.seconds.beside_motion += beside;
+    left -= beside;
+  }
+  result_.seconds.motion += moved;
   return look;
 }
 
@@ -101,18 +131,28 @@ Eigen::Vector3d Builder::com_of(const PlacedStone& stone) const {
   return stone.T_W_O * shapes_[static_cast<std::size_t>(stone.stone)]->mass.p_O_M;
 }
 
-void Builder::look_around() {
+void Builder::look_around(bool as_planned) {
   refused_.clear();
   no_pick_.clear();
+  ahead_.reset();
   const bool first = seen_before_.empty();
-  const Eigen::Vector2d& field = cell_.layout.field_centre;
+  const Eigen::Vector3d field(cell_.layout.field_centre.x(), cell_.layout.field_centre.y(), 0.05);
   const Eigen::Vector2d& site = cell_.layout.site;
-  std::vector<Look> looks{look_at({field.x(), field.y(), 0.05}, first)};
   const std::vector<PlacedStone> expected = belief_.stack;
-  const Belief before = first && options_.refine_camera ? refine_camera(looks) : belief_;
-  if (first) look_at_site(looks);
-  if (!expected.empty())
+  Belief before = belief_;
+  std::vector<Look> looks;
+  if (expected.empty()) {
+    looks.push_back(look_at(field, first));
+    if (first && options_.refine_camera) before = refine_camera(looks);
+    if (first) look_at_site(looks);
+  } else {
+    // The tower first: what comes next hangs on it, and the field rarely shows anything new.
     looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
+    const auto way = way_to_look(look_poses(cell_.layout, field, options_.look_distance), false);
+    looks.push_back(look_along(way, [&] {
+      if (as_planned) search_on_tower(looks.front());
+    }));
+  }
 
   // What no first look showed may come to light when others are taken away, but is not worth a search in all
   // looks together after each of them.
@@ -127,17 +167,18 @@ void Builder::look_around() {
     belief_ = believe(shapes_, cell_.layout,
                       first && site_ == SiteView::kTaken ? standing(sightings) : expected, sightings);
     belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
-    reach_.reset();
-    possible_.clear();
+    forget_reach();
     result_.seconds.detection += watch.seconds();
   };
   see();
+  keep_ahead();
   const auto look_for = [&](int stone, const Eigen::Vector3d& p_W, const char* where) {
     report(concat("looking for ", name(stone), where));
     auto look = look_if_possible(p_W);
     if (!look) return;
     looks.push_back(std::move(*look));
     see();
+    keep_ahead();
   };
   // What slipped out of the hand rolls from where it was lifted, beyond the rim of the field perhaps.
   for (const int stone : out_of_sight())

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -14,9 +15,10 @@
 #include "stonestack/stacking/execute.hpp"
 
 /// Private to stacking/: one run of the loop, in parts. build_tower.cpp has the loop, builder_camera.cpp
-/// what it learns about its camera, builder_site.cpp what stood there already, builder_reach.cpp what the arm
-/// can bring about, builder_target.cpp the search for what comes next, builder_place.cpp what is done and how
-/// it is judged, builder_take_off.cpp the way back: stones taken off, turned over, cleared away.
+/// what it learns about its camera, builder_ahead.cpp what it thinks of while the arm moves, builder_site.cpp
+/// what stood there already, builder_reach.cpp what the arm can bring about, builder_target.cpp the search
+/// for what comes next, builder_place.cpp what is done and how it is judged, builder_take_off.cpp the way
+/// back: stones taken off, turned over, cleared away.
 namespace stonestack {
 
 /// What is to be done next, with the plan that does it.
@@ -42,7 +44,7 @@ class Builder {
   }
 
   RunResult run() {
-    look_around();
+    look_around(false);
     if (belief_.loose.empty() && belief_.stack.empty() && site_ != SiteView::kTaken)
       return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
     if (const std::string fault = fault_of_site(); !fault.empty()) return end(RunResult::End::kNoPose, fault);
@@ -100,7 +102,7 @@ class Builder {
       for (const int stone : gone_) result_.ended += concat("; ", name(stone), " is out of sight");
       return true;
     }
-    if (options_.most_stones > 0 && static_cast<int>(belief_.stack.size()) >= options_.most_stones) {
+    if (height_is_reached(belief_)) {
       result_.end = RunResult::End::kHeightReached;
       result_.ended = concat("the tower has the ", options_.most_stones, " stones that were asked for");
       return true;
@@ -108,9 +110,23 @@ class Builder {
     return false;
   }
 
-  /// Eq. (1) for every stone that can be seen: first the field, then, when something stands there, the site,
-  /// then where it was and beside the site if a stone is missing.
-  void look_around();
+  [[nodiscard]] bool height_is_reached(const Belief& belief) const {
+    return options_.most_stones > 0 && static_cast<int>(belief.stack.size()) >= options_.most_stones;
+  }
+
+  /// Eq. (1) for every stone that can be seen: first the site, when something was built there, and the field,
+  /// then where it was and beside the site if a stone is missing. `as_planned`: a stone has just been let go
+  /// of where it should be, and the tower is searched on while the arm goes on to the field.
+  void look_around(bool as_planned);
+  /// Searches by what one look at the tower shows, and what was known of the field before.
+  void search_on_tower(const Look& of_site);
+  /// Searches as if that were the belief already, and keeps what is found in `ahead_`.
+  void search_ahead(const Belief& belief);
+  /// What was found ahead stays if the belief is now as it was thought to be; the tower then counts as seen
+  /// by the look that was searched on.
+  void keep_ahead();
+  /// What was found ahead, or a search.
+  [[nodiscard]] SearchResult search();
   /// What stands at the site by what was seen, from the table up.
   [[nodiscard]] std::vector<PlacedStone> standing(const std::vector<Sighting>& sightings) const;
   /// Tells of stones of the stack that are no longer where they were.
@@ -123,6 +139,10 @@ class Builder {
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool all_unknown);
   /// `all_unknown`: at the beginning, when stones may lie or stand anywhere.
   [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool all_unknown);
+  [[nodiscard]] JointTrajectory way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown);
+  /// `meanwhile` is done while the arm is on its way, and may use anything but the arm and the camera; its
+  /// seconds of detection and search count only as far as the arm has to wait for them.
+  [[nodiscard]] Look look_along(const JointTrajectory& way, const std::function<void()>& meanwhile = {});
   /// Nothing if no pose for that look can be reached.
   [[nodiscard]] std::optional<Look> look_if_possible(const Eigen::Vector3d& p_W_target);
   /// Centre of mass, m, W.
@@ -150,6 +170,10 @@ class Builder {
   /// What the arm and the hand can do with the stones of that belief, worked out once for `belief_`.
   class Reach;
   [[nodiscard]] std::shared_ptr<Reach> reach_in(const Belief& belief) const;
+  void forget_reach() {
+    reach_.reset();
+    possible_.clear();
+  }
   /// "stone_156: of 8044 grasps 8044 hit the table at pick; ..." of loose stones that no grasp holds as they
   /// lie; empty: none is.
   [[nodiscard]] std::string not_held() const;
@@ -225,6 +249,14 @@ class Builder {
   std::map<int, Eigen::Vector3d> seen_before_;  ///< m, W, centre of mass of each stone when it was seen last
   std::set<int> gone_;                          ///< of these, that were looked for beside the site in vain
   RunResult result_;
+  /// A search that was done before the belief was certain.
+  struct Ahead {
+    Belief belief;
+    SearchResult found;
+    std::size_t level = 0;       ///< `last_level_` after it
+    Ways ways = Ways::kInOneGo;  ///< `last_ways_` after it
+  };
+  std::optional<Ahead> ahead_;
   std::vector<Eigen::Vector3d> aimed_off_;  ///< m, the bias that each placement already made up for
   int failures_ = 0;                        ///< placements that did not hold
   int taken_off_ = 0, turned_over_ = 0, cleared_ = 0;

@@ -40,6 +40,13 @@ void add_marks(const ShapeList& shapes, const Look& a, const DetectionResult& in
     }
 }
 
+std::vector<Sighting> sightings_in(const Look& look, const DetectionResult& seen) {
+  std::vector<Sighting> list;
+  for (const Detection& found : seen.detections)
+    list.push_back({found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
+  return list;
+}
+
 /// Every stone that some look showed, where the first of them did.
 Belief seen_in(const std::vector<Look>& looks, const std::vector<DetectionResult>& seen) {
   Belief belief;
@@ -54,20 +61,28 @@ Belief seen_in(const std::vector<Look>& looks, const std::vector<DetectionResult
 }  // namespace
 
 Belief Builder::refine_camera(std::vector<Look>& looks) {
+  const Pose T_T_C = cell_.layout.T_T_C;
+  std::vector<MountView> views;
+  std::vector<DetectionResult> seen;
+  const auto detect = [&](const Look& look) {
+    const Stopwatch watch;
+    seen.push_back(detect_stones(look.image, models_, {}, options_.detection));
+    views.push_back({look.T_W_C * T_T_C.inverse(), seen.back().table_C, {}});
+    result_.seconds.detection += watch.seconds();
+  };
+  JointTrajectory way;
   try {
-    looks.push_back(look_from(turned_poses(looks.front().T_W_C, cell_.layout), true));
+    way = way_to_look(turned_poses(looks.front().T_W_C, cell_.layout), true);
   } catch (const DeviceError&) {
     report("the camera cannot be turned above the field; its mount is taken as calibrated");
     return {};
   }
+  looks.push_back(look_along(way, [&] {
+    detect(looks.front());
+    search_ahead(believe(shapes_, cell_.layout, {}, sightings_in(looks.front(), seen.front())));
+  }));
+  detect(looks.back());
   const Stopwatch watch;
-  const Pose T_T_C = cell_.layout.T_T_C;
-  std::vector<MountView> views;
-  std::vector<DetectionResult> seen;
-  for (const Look& look : looks) {
-    seen.push_back(detect_stones(look.image, models_, {}, options_.detection));
-    views.push_back({look.T_W_C * T_T_C.inverse(), seen.back().table_C, {}});
-  }
   add_marks(shapes_, looks[0], seen[0], looks[1], seen[1], views[0], views[1]);
   const MountRefinement found = refine_camera_mount(views, T_T_C);
   result_.seconds.detection += watch.seconds();

@@ -34,8 +34,9 @@ bool Builder::place(const Target& target) {
   const bool released = done.status == ExecutionResult::Status::kReleased;
   if (released) belief_.stack.push_back({placement.stone, placement.T_W_O});
   std::erase_if(belief_.loose, [&](const PlacedStone& s) { return s.stone == placement.stone; });
-  look_around();
+  look_around(released);
   judge(entry, placement, done.status);
+  if (entry.outcome != PlacementRecord::Outcome::kPlaced) ahead_.reset();
   result_.placements.push_back(entry);
   record("outcome",
          concat("{\"stone\": \"", entry.stone, "\", \"outcome\": \"", to_text(entry.outcome), "\"}"));

@@ -216,7 +216,7 @@ void Builder::lay_down(const PickAndPlacePlan& plan, const PlanningScene& scene,
   }
   if (picked) belief_.loose.push_back({stone, T_W_O_down});
   if (outcome == PlacementRecord::Outcome::kTakenOff) last_ = {};  // its plan led nowhere
-  look_around();
+  look_around(false);
   using Outcome = PlacementRecord::Outcome;
   PlacementRecord entry{name(stone), down, std::nullopt,
                         picked    ? outcome

@@ -48,7 +48,7 @@ std::optional<Target> Builder::find_target() {
     result_.ended = "no feasible pose: the hand cannot pick up what is left: " + not_held();
     return std::nullopt;
   }
-  const SearchResult found = search_by_friction();
+  const SearchResult found = search();
   result_.seconds.search += watch.seconds();
   if (found.best.empty()) {
     result_.end = RunResult::End::kNoPose;

@@ -106,22 +106,28 @@ std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_
   return poses;
 }
 
-Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
-               const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options) {
+JointTrajectory way_to_look(Cell& cell, const PlanningScene& scene, const std::vector<Pose>& T_W_C_candidates,
+                            const MotionOptions& options) {
   const Pose T_C_F = (cell.layout.T_F_T * cell.layout.T_T_C).inverse();
   const Joints q_start = cell.arm.state().q;
-  for (const Pose& T_W_C : T_W_C_candidates) {
-    const auto trajectory = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options);
-    if (!trajectory) continue;
-    const MotionResult moved = cell.arm.follow(*trajectory);
-    if (moved.status != MotionResult::Status::kDone)
-      throw DeviceError("arm", "stopped on the way to a look: " + moved.reason,
-                        "clear the cell and start again");
-    const DepthFrame frame = cell.camera.capture();
-    return {frame.image, camera_pose(cell.layout, robot, cell.arm.state().q)};
-  }
+  for (const Pose& T_W_C : T_W_C_candidates)
+    if (auto way = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options)) return *std::move(way);
   throw DeviceError("arm", concat("none of ", T_W_C_candidates.size(), " camera poses can be reached"),
                     "check the cell's layout: site, field and robot base");
+}
+
+Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way) {
+  const MotionResult moved = cell.arm.follow(way);
+  if (moved.status != MotionResult::Status::kDone)
+    throw DeviceError("arm", "stopped on the way to a look: " + moved.reason,
+                      "clear the cell and start again");
+  const DepthFrame frame = cell.camera.capture();
+  return {frame.image, camera_pose(cell.layout, robot, cell.arm.state().q)};
+}
+
+Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
+               const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options) {
+  return look_along(cell, robot, way_to_look(cell, scene, T_W_C_candidates, options));
 }
 
 std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const DetectionModels& models,

@@ -66,9 +66,11 @@ struct PlacementRecord {
 /// seen afterwards), "taken off", "turned over".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
-/// Host seconds (detection, search, planning) and arm seconds (motion, by the cell's clock).
+/// Host seconds for which the arm waited (detection, search, planning) and arm seconds (motion, by the cell's
+/// clock). What was detected and searched beside a motion, as far as it was no longer than that, is counted
+/// apart.
 struct StageSeconds {
-  double detection = 0, search = 0, planning = 0, motion = 0;
+  double detection = 0, search = 0, planning = 0, motion = 0, beside_motion = 0;
 };
 
 /// What a run did, as the program knows it.

@@ -49,8 +49,14 @@ struct Look {
   Pose T_W_C = Pose::Identity();
 };
 
-/// Moves the camera to the first of `T_W_C_candidates` that the arm reaches without touching anything, and
-/// takes a frame. Throws DeviceError when no candidate can be reached or the arm does not get there.
+/// The way of the arm to the first of `T_W_C_candidates` that it reaches without touching anything. Throws
+/// DeviceError when it reaches none.
+[[nodiscard]] JointTrajectory way_to_look(Cell& cell, const PlanningScene& scene,
+                                          const std::vector<Pose>& T_W_C_candidates,
+                                          const MotionOptions& options);
+/// Follows it and takes a frame at its end. Throws DeviceError when the arm does not get there.
+[[nodiscard]] Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way);
+/// Both.
 [[nodiscard]] Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
                              const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options);
 

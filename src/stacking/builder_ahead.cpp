@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <utility>
+
+#include "stacking/builder.hpp"
+#include "stacking/steady.hpp"
+#include "stonestack/core/clock.hpp"
+
+namespace stonestack {
+namespace {
+
+// The next look may show a stone this much beside where the last one did, and it lies as it was thought to.
+constexpr double kSameShift = 0.015;  // m
+constexpr double kSameTurn = 0.10;    // rad
+constexpr double kSameLevel = 0.002;  // m, a stone of the tower: most that two looks at it differ by
+constexpr double kSameTilt = 0.035;   // rad
+
+bool alike(const std::vector<PlacedStone>& a, const std::vector<PlacedStone>& b, const ShapeList& shapes,
+           double shift, double turn) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const PlacedStone& p, const PlacedStone& q) {
+    if (p.stone != q.stone) return false;
+    const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(p.stone)]->mass.p_O_M;
+    return (p.T_W_O * p_O_M - q.T_W_O * p_O_M).norm() <= shift && difference(p.T_W_O, q.T_W_O).angle <= turn;
+  });
+}
+
+}  // namespace
+
+void Builder::search_on_tower(const Look& of_site) {
+  const Stopwatch watch;
+  Belief seen = belief_;
+  const Belief tower{belief_.stack, {}};
+  const auto sightings = find_in_looks({of_site}, models_, {}, {}, tower, options_.detection);
+  seen.stack = believe(shapes_, cell_.layout, belief_.stack, sightings).stack;
+  seen.stack = steadied(shapes_, Stack{seen.stack}, options_.most_friction).stones;
+  result_.seconds.detection += watch.seconds();
+  if (seen.stack.size() == belief_.stack.size()) search_ahead(seen);
+}
+
+void Builder::search_ahead(const Belief& belief) {
+  if (belief.loose.empty() || height_is_reached(belief)) return;
+  const Belief known = std::exchange(belief_, belief);
+  const std::size_t level = last_level_;
+  const Ways ways = last_ways_;
+  forget_reach();
+  if (!make_problem(belief_, Ways::kInOneGo).available.empty()) {
+    const Stopwatch watch;
+    SearchResult found = search_by_friction();
+    ahead_ = Ahead{belief, std::move(found), last_level_, last_ways_};
+    result_.seconds.search += watch.seconds();
+  }
+  belief_ = known;
+  last_level_ = level;
+  last_ways_ = ways;
+  forget_reach();
+}
+
+void Builder::keep_ahead() {
+  if (!ahead_) return;
+  if (site_ != SiteView::kFree ||
+      !alike(ahead_->belief.stack, belief_.stack, shapes_, kSameLevel, kSameTilt) ||
+      !alike(ahead_->belief.loose, belief_.loose, shapes_, kSameShift, kSameTurn)) {
+    ahead_.reset();
+    return;
+  }
+  belief_.stack = ahead_->belief.stack;
+  forget_reach();
+}
+
+SearchResult Builder::search() {
+  if (!ahead_) return search_by_friction();
+  last_level_ = ahead_->level;
+  last_ways_ = ahead_->ways;
+  return std::move(std::exchange(ahead_, std::nullopt)->found);
+}
+
+}  // namespace stonestack

@@ -1,0 +1,154 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+/// What a run thinks of while its arm is on the way to the next look.
+namespace stonestack {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+/// An arm that does something of a test's when it is about to follow its n-th trajectory (from 0).
+struct WatchedArm : Arm {
+  Arm& arm;
+  int count = 0;
+  std::function<std::optional<MotionResult>(int)> before;
+  explicit WatchedArm(Arm& a) : arm(a) {}
+  ArmState state() override { return arm.state(); }
+  MotionResult follow(const JointTrajectory& trajectory) override {
+    if (before)
+      if (const auto instead = before(count++)) return *instead;
+    return arm.follow(trajectory);
+  }
+  MotionResult follow_guarded(const GuardedMotion& motion) override { return arm.follow_guarded(motion); }
+  void stop() override { arm.stop(); }
+  void set_payload(double mass, const Eigen::Vector3d& p_F_com) override { arm.set_payload(mass, p_F_com); }
+};
+
+/// A camera that gets no depth within 9 cm of a place, in its n-th frame (from 0) only.
+struct Curtain : DepthCamera {
+  Cell cell;
+  const RobotModel& robot;
+  int count = 0, drawn = -1;
+  Eigen::Vector2d p_W_hidden = Eigen::Vector2d::Zero();
+  Curtain(const Cell& c, const RobotModel& r) : cell(c), robot(r) {}
+  DepthFrame capture() override {
+    DepthFrame frame = cell.camera.capture();
+    if (count++ != drawn) return frame;
+    const Pose T_W_C = camera_pose(cell.layout, robot, cell.arm.state().q);
+    const CameraIntrinsics& camera = frame.image.camera;
+    for (int v = 0; v < camera.height; ++v)
+      for (int u = 0; u < camera.width; ++u) {
+        float& z = frame.image.z[static_cast<std::size_t>(v * camera.width + u)];
+        const Eigen::Vector3d p_W = T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
+        if ((p_W.head<2>() - p_W_hidden).norm() < 0.09) z = 0.0F;
+      }
+    return frame;
+  }
+};
+
+struct Lab {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  SimulatedCell world;
+  Cell cell;
+  WatchedArm arm;
+  Curtain camera;
+  std::string said;
+  std::function<void(const std::string&)> listener;
+
+  Lab()
+      : world(catalogue.stones, {1, 2}, robot, CellLayout{}, seeded()),
+        cell(world.cell()),
+        arm(cell.arm),
+        camera(cell, robot) {}
+  static SimulationOptions seeded() {
+    SimulationOptions options;
+    options.seed = 7;
+    return options;
+  }
+  RunResult build(int most_stones) {
+    BuildOptions options;
+    options.most_stones = most_stones;
+    options.search.horizon = 1;
+    BuildHooks hooks;
+    hooks.report = [this](const std::string& line) {
+      said += line + "\n";
+      if (listener) listener(line);
+    };
+    Cell watched{arm, cell.gripper, cell.force_torque, camera, cell.clock, cell.layout};
+    return build_tower(watched, catalogue, robot, options, hooks);
+  }
+  [[nodiscard]] std::string said_between(const std::string& from, const std::string& to) const {
+    const auto begin = said.find(from), end = said.find(to, begin);
+    return begin == std::string::npos ? "" : said.substr(begin, end - begin);
+  }
+};
+
+constexpr const char* kSearched = "stones are expected to stand";
+
+TEST(Ahead, TheArmIsOnItsWayWhileItIsSearched) {
+  Lab lab;
+  std::mutex mutex;
+  std::condition_variable changed;
+  int searches = 0;
+  bool waited_in_vain = false;
+  lab.listener = [&](const std::string& line) {
+    if (line.find(kSearched) == std::string::npos) return;
+    const std::lock_guard lock(mutex);
+    ++searches;
+    changed.notify_all();
+  };
+  // The second look is not reached before a search has ended: that comes to nothing unless it runs meanwhile.
+  lab.arm.before = [&](int motion) -> std::optional<MotionResult> {
+    if (motion != 1) return std::nullopt;
+    std::unique_lock lock(mutex);
+    waited_in_vain = !changed.wait_for(lock, std::chrono::seconds(60), [&] { return searches > 0; });
+    return std::nullopt;
+  };
+  const RunResult result = lab.build(2);
+  EXPECT_FALSE(waited_in_vain) << lab.said;
+  EXPECT_EQ(result.height, 2) << lab.said;
+  EXPECT_GT(result.seconds.beside_motion, 0.0);
+  EXPECT_THAT(lab.said_between("stack: none", "level 1"), Not(HasSubstr("round")))
+      << "it is not searched again";
+  EXPECT_THAT(lab.said_between("level 1", "placed, "), HasSubstr(kSearched)) << "nor for the second stone";
+  EXPECT_THAT(lab.said_between("placed, ", "level 2"), Not(HasSubstr("round")));
+}
+
+TEST(Ahead, AStoneThatOnlyTheSecondLookShowsIsSearchedWith) {
+  Lab lab;
+  lab.camera.drawn = 0;
+  lab.camera.p_W_hidden = lab.world.truth().T_W_O[1].translation().head<2>();
+  const RunResult result = lab.build(2);
+  EXPECT_EQ(result.height, 2) << lab.said;
+  EXPECT_THAT(lab.said_between("", "camera mount"), HasSubstr(kSearched)) << "by what the first look showed";
+  EXPECT_THAT(lab.said_between("stack: none; loose: limestone_2, limestone_3", "level 1"),
+              HasSubstr(kSearched));
+}
+
+TEST(Ahead, AnArmThatStopsOnItsWayEndsTheRun) {
+  Lab lab;
+  int motions = 0;
+  lab.arm.before = [&](int motion) -> std::optional<MotionResult> {
+    motions = motion + 1;
+    if (motion != 1) return std::nullopt;
+    return MotionResult{MotionResult::Status::kStopped, Joints::Zero(), 0.0, "somebody stood in the way"};
+  };
+  const RunResult result = lab.build(2);
+  EXPECT_EQ(result.end, RunResult::End::kStopped);
+  EXPECT_THAT(result.ended, HasSubstr("somebody stood in the way"));
+  EXPECT_EQ(motions, 2) << "nothing moves after that";
+}
+
+}  // namespace
+}  // namespace stonestack
