@@ -39,6 +39,23 @@ TEST(HeightRaster, FollowsATiltedTriangle) {
   EXPECT_NEAR(raster.node(raster.index(-3, 2)).y(), 0.02, 1e-12);
 }
 
+TEST(HeightRaster, OfAClosedSurfaceOneWindingIsEnough) {
+  Mesh mesh = make_sphere(0.05, 2);
+  for (std::size_t k = 0; k < mesh.vertices.size(); ++k) mesh.vertices[k] *= 1.0 - 0.01 * (k % 7);
+  HeightRaster all({0, 0}, 0.002, 30), upper = all, lower = all, below = all;
+  raise_to(all, mesh.vertices, mesh.faces);
+  raise_to(upper, mesh.vertices, mesh.faces, Winding::kCounterclockwise);
+  EXPECT_EQ(upper.z, all.z);
+  raise_to(lower, mesh.vertices, mesh.faces, Winding::kClockwise);
+  EXPECT_NE(lower.z, all.z);
+  std::vector<Eigen::Vector3d> negated = mesh.vertices;
+  for (auto& v : negated) v.z() = -v.z();
+  HeightRaster all_below({0, 0}, 0.002, 30);
+  raise_to(all_below, negated, mesh.faces);
+  raise_to(below, negated, mesh.faces, Winding::kClockwise);
+  EXPECT_EQ(below.z, all_below.z);
+}
+
 TEST(GapField, BoxLiesFlatOnATable) {
   const TopSurface table = surface_of([](double, double) { return 0.5; });
   GapField field;
