@@ -85,9 +85,14 @@ Look Builder::look_along(const JointTrajectory& way, const std::function<void()>
   double moved = 0.0;
   const auto go = [&] {
     const double start = cell_.clock.now();
-    Look look = stonestack::look_along(cell_, robot_, way);
-    moved = cell_.clock.now() - start;
-    return look;
+    try {
+      Look look = stonestack::look_along(cell_, robot_, way);
+      moved = cell_.clock.now() - start;
+      return look;
+    } catch (const Interrupted&) {
+      cell_.arm.stop();  // at once, whatever else is still being done
+      throw;
+    }
   };
   const StageSeconds before = result_.seconds;
   std::future<Look> coming;

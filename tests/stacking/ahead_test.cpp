@@ -1,11 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
 
 #include "stonestack/core/data.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
@@ -21,6 +23,7 @@ using testing::Not;
 struct WatchedArm : Arm {
   Arm& arm;
   int count = 0;
+  std::atomic<int> stops = 0;
   std::function<std::optional<MotionResult>(int)> before;
   explicit WatchedArm(Arm& a) : arm(a) {}
   ArmState state() override { return arm.state(); }
@@ -30,7 +33,10 @@ struct WatchedArm : Arm {
     return arm.follow(trajectory);
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override { return arm.follow_guarded(motion); }
-  void stop() override { arm.stop(); }
+  void stop() override {
+    ++stops;
+    arm.stop();
+  }
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override { arm.set_payload(mass, p_F_com); }
 };
 
@@ -134,6 +140,21 @@ TEST(Ahead, AStoneThatOnlyTheSecondLookShowsIsSearchedWith) {
   EXPECT_THAT(lab.said_between("", "camera mount"), HasSubstr(kSearched)) << "by what the first look showed";
   EXPECT_THAT(lab.said_between("stack: none; loose: limestone_2, limestone_3", "level 1"),
               HasSubstr(kSearched));
+}
+
+TEST(Ahead, CtrlCStopsTheArmBeforeTheSearchHasEnded) {
+  Lab lab;
+  int stops_at_search = -1;
+  lab.listener = [&](const std::string& line) {
+    if (line.find(kSearched) != std::string::npos) stops_at_search = lab.arm.stops;
+  };
+  lab.arm.before = [&](int motion) -> std::optional<MotionResult> {
+    if (motion == 1) throw Interrupted();
+    return std::nullopt;
+  };
+  const RunResult result = lab.build(2);
+  EXPECT_EQ(result.end, RunResult::End::kInterrupted);
+  EXPECT_GE(stops_at_search, 1) << lab.said;
 }
 
 TEST(Ahead, AnArmThatStopsOnItsWayEndsTheRun) {
