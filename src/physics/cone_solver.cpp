@@ -6,7 +6,7 @@
 namespace stonestack {
 namespace {
 
-constexpr double kCalm = 1e-8;  // m/s: smaller changes end the iteration
+constexpr double kCalm = 1e-8;     // m/s: smaller changes end the iteration
 constexpr double kSlop = 2e-5;     // m: depth that is left alone, so that resting touches do not flicker
 constexpr double kRecovery = 0.2;  // share of a depth beyond kSlop that one step takes away
 constexpr double kFastest = 0.5;   // m/s: at most, while positions are corrected

@@ -216,9 +216,11 @@ class Builder {
   /// The belief when the top `count` stones lie in the field; empty when there is no room for them.
   [[nodiscard]] std::optional<Belief> without_top(std::size_t count) const;
   [[nodiscard]] bool can_grow_higher(const Belief& without_top) const;
-  /// Puts the top stone into the field, wherever the arm can.
-  [[nodiscard]] bool set_down_top();
-  [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down);
+  /// Puts the top stone into the field, wherever the arm can: lifted straight up or, if that is given, along
+  /// `n_W_lift` first (unit), out of what leans on it.
+  [[nodiscard]] bool set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift = std::nullopt);
+  [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down,
+                              const std::optional<Eigen::Vector3d>& n_W_lift);
   /// Takes a stone that fell against the tower back into the field: a tower on which a stone leans is not
   /// clean, and fingers have no room between the two. False if there is none, or nothing could be done.
   [[nodiscard]] bool clear_the_foot();

@@ -114,11 +114,12 @@ bool Builder::take_off() {
   return false;
 }
 
-bool Builder::set_down_top() {
+bool Builder::set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift) {
   const PlacedStone top = belief_.stack.back();
   const auto places = free_places(shapes_, cell_.layout, belief_, top);
-  const bool done = std::any_of(places.begin(), places.end(),
-                                [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down); });
+  const bool done = std::any_of(places.begin(), places.end(), [&](const Pose& T_W_O_down) {
+    return set_down(top, T_W_O_down, std::nullopt) || (n_W_lift && set_down(top, T_W_O_down, n_W_lift));
+  });
   if (!done) report("no motion takes " + name(top.stone) + " off");
   return done;
 }
@@ -153,7 +154,9 @@ bool Builder::clear_the_foot() {
     return true;
   }
   report("it stays: " + (refusals.empty() ? "the field has no room" : refusals));
-  return false;
+  // Nothing from the stone that it leans on upwards counts; without that stone it lies free.
+  report(concat(name(belief_.stack.back().stone), " is taken off so that it comes free"));
+  return set_down_top(out_of_the_lean(com_of(belief_.stack.back()), com_of(stray->stone)));
 }
 
 bool Builder::can_grow_higher(const Belief& without_top) const {
@@ -173,7 +176,8 @@ bool Builder::can_grow_higher(const Belief& without_top) const {
 }
 
 /// False when no motion was found; a motion that went wrong is seen by the next look.
-bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down) {
+bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down,
+                       const std::optional<Eigen::Vector3d>& n_W_lift) {
   const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
   const Stone& stone = catalogue_.stones[static_cast<std::size_t>(top.stone)];
   PickAndPlaceTask task;
@@ -182,6 +186,7 @@ bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down) {
   task.T_W_O_pick = top.T_W_O;
   task.T_W_O_place = T_W_O_down;
   task.q_start = cell_.arm.state().q;
+  if (n_W_lift) task.n_W_lift = *n_W_lift;
   const Stopwatch watch;
   const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);
   result_.seconds.planning += watch.seconds();

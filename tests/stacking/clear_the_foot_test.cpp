@@ -20,8 +20,9 @@ double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, cons
   return least;
 }
 
-/// Slides a stone over the table, as it lies, against another from the side that the robot can reach.
-void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int other) {
+/// Slides a stone over the table against another: `from` it (unit, level), as it lies or tilted by some rad.
+void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int other,
+                  const Eigen::Vector3d& from, double tilt = 0.0) {
   const Truth truth = world.truth();
   const auto pose = [&](int k) { return truth.T_W_O[static_cast<std::size_t>(k)]; };
   const auto& moved = *shapes[static_cast<std::size_t>(stone)];
@@ -29,7 +30,13 @@ void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int 
   const Eigen::Vector3d p_W_base = pose(other) * base.mass.p_O_M;
   for (double away = 0.2; away > 0.0; away -= 0.0005) {
     Pose T_W_O = pose(stone);
-    const Eigen::Vector3d shift = p_W_base + Eigen::Vector3d(-away, 0, 0) - T_W_O * moved.mass.p_O_M;
+    const Eigen::Vector3d p_W_M = T_W_O * moved.mass.p_O_M;
+    T_W_O = Eigen::Translation3d(p_W_M) * Eigen::AngleAxisd(tilt, from.cross(Eigen::Vector3d::UnitZ())) *
+            Eigen::Translation3d(-p_W_M) * T_W_O;
+    double low = 1.0;
+    for (const auto& v : moved.scan.vertices) low = std::min(low, (T_W_O * v).z());
+    T_W_O.pretranslate(Eigen::Vector3d(0, 0, 0.0005 - low));
+    const Eigen::Vector3d shift = p_W_base + away * from - T_W_O * moved.mass.p_O_M;
     T_W_O.pretranslate(Eigen::Vector3d(shift.x(), shift.y(), 0.0));
     if (gap(moved, T_W_O, base, pose(other)) > 0.001) continue;
     world.place(stone, T_W_O);
@@ -37,34 +44,58 @@ void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int 
   }
 }
 
-TEST(ClearTheFoot, AStoneThatLiesAgainstTheTowerIsTakenBackAndBuiltOn) {
+struct Pushed {
+  RunResult result;
+  std::string said;
+  bool pushed = false;
+};
+
+/// Builds with two stones; the second is slid against the first once that stands, and may fall against it.
+Pushed build_and_push(const Eigen::Vector3d& from, double tilt = 0.0) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const ShapeList shapes = make_contact_shapes(catalogue.stones);
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
   SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
-  std::string said;
+  Pushed run;
   BuildHooks hooks;
-  bool pushed = false;
   hooks.report = [&](const std::string& line) {
-    said += line + "\n";
-    if (pushed || line.find(": placed") == std::string::npos) return;
-    pushed = true;
+    run.said += line + "\n";
+    if (run.pushed || line.find(": placed") == std::string::npos) return;
+    run.pushed = true;
     const int base = line.starts_with(catalogue.stones[1].name) ? 1 : 2;
-    push_against(world, shapes, 3 - base, base);
+    push_against(world, shapes, 3 - base, base, from, tilt);
   };
   BuildOptions options;
   options.search.horizon = 1;
   options.search.friction = options.most_friction;
   Cell cell = world.cell();
-  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
-  EXPECT_TRUE(pushed);
-  EXPECT_THAT(said, testing::HasSubstr("leans on the tower: it is taken back into the field"));
-  EXPECT_TRUE(std::any_of(result.placements.begin(), result.placements.end(), [](const auto& record) {
+  run.result = build_tower(cell, catalogue, robot, options, hooks);
+  return run;
+}
+
+bool took_off(const RunResult& result) {
+  return std::any_of(result.placements.begin(), result.placements.end(), [](const auto& record) {
     return record.outcome == PlacementRecord::Outcome::kTakenOff;
-  }));
-  EXPECT_EQ(result.height, 2) << said;
+  });
+}
+
+TEST(ClearTheFoot, AStoneThatLiesAgainstTheTowerIsTakenBackAndBuiltOn) {
+  const Pushed run = build_and_push(-Eigen::Vector3d::UnitX());  // the side that the robot can reach
+  EXPECT_TRUE(run.pushed);
+  EXPECT_THAT(run.said, testing::HasSubstr("leans on the tower: it is taken back into the field"));
+  EXPECT_TRUE(took_off(run.result));
+  EXPECT_EQ(run.result.height, 2) << run.said;
+}
+
+TEST(ClearTheFoot, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
+  const Pushed run = build_and_push(-Eigen::Vector3d::UnitX(), 1.2);
+  EXPECT_TRUE(run.pushed);
+  EXPECT_THAT(run.said, testing::HasSubstr("it stays: limestone_2")) << "else this tests nothing";
+  EXPECT_THAT(run.said, testing::HasSubstr("limestone_3 is taken off so that it comes free"));
+  EXPECT_TRUE(took_off(run.result));
+  EXPECT_EQ(run.result.height, 2) << run.said;
 }
 
 }  // namespace
