@@ -10,7 +10,7 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kInOneGoFirst = 2;  // frictions at which nothing is turned over: that takes 25 s each
+constexpr std::size_t kInOneGoFirst = 3;  // frictions at which nothing is turned over: that takes 25 s each
 constexpr std::size_t kMostRefused = 12;  // poses without a motion, after which no others are looked for
 
 /// Of an assumed friction in the outlook; ours: dry stone has more friction rather than less.
@@ -174,7 +174,7 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
 /// A plan that still holds needs no search. Otherwise what holds with little friction first, but not the
 /// least, with which towers of four are rarely found (it counts in the outlook); more is assumed as long as
 /// the tower found so far is not expected to stand whole: first to go on from where it ends, then for other
-/// ways. From the second friction on stones may be turned over on the way.
+/// ways. From the third friction on, or the last, stones may be turned over on the way.
 SearchResult Builder::search_by_friction() {
   Ways ways = Ways::kInOneGo;
   SearchProblem problem = make_problem(belief_, ways);
@@ -217,7 +217,8 @@ SearchResult Builder::search_by_friction() {
   };
   for (std::size_t level = first_level(); level < count && !sure(); ++level) {
     climb(level);
-    if (level + 1 < kInOneGoFirst || ways == Ways::kTurningToo || sure() || !may_turn_over()) continue;
+    if (level + 1 < std::min(kInOneGoFirst, count) || ways == Ways::kTurningToo || sure() || !may_turn_over())
+      continue;
     ways = Ways::kTurningToo;
     problem = make_problem(belief_, ways);
     climb(level);

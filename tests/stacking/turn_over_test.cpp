@@ -42,7 +42,8 @@ TEST(TurnOver, AStoneThatLiesOnTheWrongSideIsLaidDownAnotherWayAndPlaced) {
   BuildOptions options;
   options.search.horizon = 1;
   // On the side that it lies on the stone bears 0.23 g, on its broad side 0.25 g, on the others less: a base
-  // that shall bear 0.24 g stands on its broad side. Turning is thought of from the second friction on.
+  // that shall bear 0.24 g stands on its broad side. Turning is thought of at the last friction at the
+  // latest.
   options.search.least_margin = 0.24;  // g
   options.search.friction = 0.35;
   options.most_friction = 0.475;
