@@ -116,6 +116,7 @@ std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
   stand.friction = options.friction;
   stand.seconds = kStandSeconds;
   stand.still = kStill;
+  stand.step = kVerdictStep;
   if (const StandVerdict verdict = judge_stack(shapes, stack, stand); verdict.stands && verdict.clean)
     return stack;
   Stack let_down;

@@ -34,6 +34,8 @@ struct SearchContext {
 
 /// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
 inline constexpr double kStill = 1e-7;
+/// s: the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact).
+inline constexpr double kVerdictStep = 1.0 / 480.0;
 
 /// Throws InvalidArgument for stones and options that cannot be.
 void check_problem(const SearchProblem& problem, const SearchOptions& options);

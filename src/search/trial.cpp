@@ -96,6 +96,7 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
   stand.friction = context.options->friction;
   stand.seconds = context.options->perturbed_seconds;
   stand.still = kNearlyStill;
+  stand.step = kVerdictStep;
   stand.iterations = kFewer;
   stand.fall = 0.0;
   for (const PlacedStone& placed : stack.stones)
@@ -145,6 +146,7 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   stand.friction = o.friction;
   stand.seconds = o.verdict_seconds;
   stand.still = kStill;
+  stand.step = kVerdictStep;
   stand.fall = 0.0;
   const StandVerdict verdict =
       judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);

@@ -7,6 +7,7 @@
 #include "stacking/builder.hpp"
 #include "stacking/steady.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
@@ -65,7 +66,7 @@ void Builder::step_clear(const PlanningScene& scene) {
                     "look at the cell and free the hand");
 }
 
-JointTrajectory Builder::way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown) {
+std::optional<JointTrajectory> Builder::find_way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown) {
   PlanningScene scene = scene_of_look();
   if (all_unknown) {
     scene.objects.push_back(unseen_field(cell_.layout));
@@ -74,7 +75,16 @@ JointTrajectory Builder::way_to_look(const std::vector<Pose>& T_W_C, bool all_un
   const double start = cell_.clock.now();
   step_clear(scene);
   result_.seconds.motion += cell_.clock.now() - start;
-  return stonestack::way_to_look(cell_, scene, T_W_C, options_.motion);
+  const Stopwatch watch;
+  auto way = stonestack::find_way_to_look(cell_, scene, T_W_C, options_.motion);
+  result_.seconds.planning += watch.seconds();
+  return way;
+}
+
+JointTrajectory Builder::way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown) {
+  if (auto way = find_way_to_look(T_W_C, all_unknown)) return *std::move(way);
+  throw DeviceError("arm", concat("none of ", T_W_C.size(), " camera poses can be reached"),
+                    "check the cell's layout: site, field and robot base");
 }
 
 Look Builder::look_from(const std::vector<Pose>& T_W_C, bool all_unknown) {
@@ -89,8 +99,12 @@ Look Builder::look_along(const JointTrajectory& way, const std::function<void()>
       Look look = stonestack::look_along(cell_, robot_, way);
       moved = cell_.clock.now() - start;
       return look;
-    } catch (const Interrupted&) {
-      cell_.arm.stop();  // at once, whatever else is still being done
+    } catch (...) {  // stopped at once, whatever else is still being done
+      try {
+        cell_.arm.stop();
+      } catch (const Error& problem) {
+        log_warning(problem.what());  // what ended the motion is told by the caller
+      }
       throw;
     }
   };

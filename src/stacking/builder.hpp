@@ -125,6 +125,8 @@ class Builder {
   /// What was found ahead stays if the belief is now as it was thought to be; the tower then counts as seen
   /// by the look that was searched on.
   void keep_ahead();
+  /// The loose stones that the hand gets hold of where they lie.
+  [[nodiscard]] std::vector<int> held_stones() const;
   /// What was found ahead, or a search.
   [[nodiscard]] SearchResult search();
   /// What stands at the site by what was seen, from the table up.
@@ -139,6 +141,9 @@ class Builder {
   [[nodiscard]] Look look_at(const Eigen::Vector3d& p_W_target, bool all_unknown);
   /// `all_unknown`: at the beginning, when stones may lie or stand anywhere.
   [[nodiscard]] Look look_from(const std::vector<Pose>& T_W_C, bool all_unknown);
+  /// Nothing if no pose can be reached; the other throws DeviceError then.
+  [[nodiscard]] std::optional<JointTrajectory> find_way_to_look(const std::vector<Pose>& T_W_C,
+                                                                bool all_unknown);
   [[nodiscard]] JointTrajectory way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown);
   /// `meanwhile` is done while the arm is on its way, and may use anything but the arm and the camera; its
   /// seconds of detection and search count only as far as the arm has to wait for them.
@@ -225,6 +230,9 @@ class Builder {
   /// clean, and fingers have no room between the two. False if there is none, or nothing could be done.
   [[nodiscard]] bool clear_the_foot();
   [[nodiscard]] bool may_turn_over() const { return turned_over_ < options_.most_turned_over; }
+  /// Takes the tower off down to the stone that another leans on, with that one: above it nothing counts, and
+  /// without it the other lies free. False if that may not be or nothing could be done.
+  [[nodiscard]] bool take_off_down_to(const Stray& stray);
   /// Lays one of the stones down in another pose of rest, so that it can be grasped anew and brought to its
   /// placement. False when no motion does that.
   [[nodiscard]] bool turn_over(const std::vector<Placement>& found);
@@ -254,6 +262,7 @@ class Builder {
   /// A search that was done before the belief was certain.
   struct Ahead {
     Belief belief;
+    std::vector<int> held;  ///< `held_stones` of it
     SearchResult found;
     std::size_t level = 0;       ///< `last_level_` after it
     Ways ways = Ways::kInOneGo;  ///< `last_ways_` after it

@@ -33,37 +33,55 @@ void Builder::search_on_tower(const Look& of_site) {
   seen.stack = believe(shapes_, cell_.layout, belief_.stack, sightings).stack;
   seen.stack = steadied(shapes_, Stack{seen.stack}, options_.most_friction).stones;
   result_.seconds.detection += watch.seconds();
-  if (seen.stack.size() == belief_.stack.size()) search_ahead(seen);
+  // Where the new stone went astray or one leans on the tower, something else comes first.
+  if (seen.stack.size() != belief_.stack.size() || stray_at_stack(shapes_, seen)) return;
+  const PoseDifference off = difference(seen.stack.back().T_W_O, belief_.stack.back().T_W_O);
+  if (off.translation <= options_.placed_shift && off.angle <= options_.placed_turn) search_ahead(seen);
 }
 
 void Builder::search_ahead(const Belief& belief) {
   if (belief.loose.empty() || height_is_reached(belief)) return;
-  const Belief known = std::exchange(belief_, belief);
-  const std::size_t level = last_level_;
-  const Ways ways = last_ways_;
+  const Stopwatch watch;
+  struct Restored {  // whatever the search ends with
+    Builder& builder;
+    Belief belief = builder.belief_;
+    std::size_t level = builder.last_level_;
+    Ways ways = builder.last_ways_;
+    ~Restored() {
+      builder.belief_ = std::move(belief);
+      builder.last_level_ = level;
+      builder.last_ways_ = ways;
+      builder.forget_reach();
+    }
+  } restored{*this};
+  belief_ = belief;
   forget_reach();
-  if (!make_problem(belief_, Ways::kInOneGo).available.empty()) {
-    const Stopwatch watch;
+  const std::vector<int> held = held_stones();
+  if (!held.empty()) {
     SearchResult found = search_by_friction();
-    ahead_ = Ahead{belief, std::move(found), last_level_, last_ways_};
-    result_.seconds.search += watch.seconds();
+    if (!found.best.empty()) ahead_ = Ahead{belief, held, std::move(found), last_level_, last_ways_};
   }
-  belief_ = known;
-  last_level_ = level;
-  last_ways_ = ways;
-  forget_reach();
+  result_.seconds.search += watch.seconds();
+}
+
+std::vector<int> Builder::held_stones() const {
+  std::vector<int> stones;
+  for (const PlacedStone& stone : make_problem(belief_, Ways::kInOneGo).available)
+    stones.push_back(stone.stone);
+  return stones;
 }
 
 void Builder::keep_ahead() {
   if (!ahead_) return;
-  if (site_ != SiteView::kFree ||
-      !alike(ahead_->belief.stack, belief_.stack, shapes_, kSameLevel, kSameTilt) ||
+  if (!alike(ahead_->belief.stack, belief_.stack, shapes_, kSameLevel, kSameTilt) ||
       !alike(ahead_->belief.loose, belief_.loose, shapes_, kSameShift, kSameTurn)) {
     ahead_.reset();
     return;
   }
   belief_.stack = ahead_->belief.stack;
   forget_reach();
+  if (held_stones() != ahead_->held)
+    ahead_.reset();  // a millimetre decided whether the hand gets hold of one
 }
 
 SearchResult Builder::search() {

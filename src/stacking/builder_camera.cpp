@@ -70,14 +70,12 @@ Belief Builder::refine_camera(std::vector<Look>& looks) {
     views.push_back({look.T_W_C * T_T_C.inverse(), seen.back().table_C, {}});
     result_.seconds.detection += watch.seconds();
   };
-  JointTrajectory way;
-  try {
-    way = way_to_look(turned_poses(looks.front().T_W_C, cell_.layout), true);
-  } catch (const DeviceError&) {
+  const auto way = find_way_to_look(turned_poses(looks.front().T_W_C, cell_.layout), true);
+  if (!way) {
     report("the camera cannot be turned above the field; its mount is taken as calibrated");
     return {};
   }
-  looks.push_back(look_along(way, [&] {
+  looks.push_back(look_along(*way, [&] {
     detect(looks.front());
     search_ahead(believe(shapes_, cell_.layout, {}, sightings_in(looks.front(), seen.front())));
   }));

@@ -117,9 +117,11 @@ bool Builder::take_off() {
 bool Builder::set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift) {
   const PlacedStone top = belief_.stack.back();
   const auto places = free_places(shapes_, cell_.layout, belief_, top);
-  const bool done = std::any_of(places.begin(), places.end(), [&](const Pose& T_W_O_down) {
-    return set_down(top, T_W_O_down, std::nullopt) || (n_W_lift && set_down(top, T_W_O_down, n_W_lift));
-  });
+  const auto lifted = [&](const std::optional<Eigen::Vector3d>& n_W) {
+    return std::any_of(places.begin(), places.end(),
+                       [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down, n_W); });
+  };
+  const bool done = lifted(std::nullopt) || (n_W_lift && lifted(n_W_lift));
   if (!done) report("no motion takes " + name(top.stone) + " off");
   return done;
 }
@@ -137,11 +139,11 @@ bool Builder::clear_the_foot() {
   const auto places = free_places(shapes_, cell_.layout, others, stray->stone);
   // As it lies straight up, or first away from what it leans on.
   for (std::size_t k = 0; k < 2 * places.size(); ++k) {
-    const Pose& T_W_O_down = places[k / 2];
+    const Pose& T_W_O_down = places[k % places.size()];
     auto task = make_task(catalogue_, belief_, stray->stone.stone, T_W_O_down, cell_.arm.state().q);
     task.support = -1;
     name_useless_grasps(&task, stray->stone.stone);
-    if (k % 2 == 1) {
+    if (k >= places.size()) {
       task.n_W_lift = out_of_the_lean(com_of(stray->stone), com_of(belief_.stack[stray->level]));
       task.no_pick.clear();  // known of the way straight up only
     }
@@ -154,9 +156,24 @@ bool Builder::clear_the_foot() {
     return true;
   }
   report("it stays: " + (refusals.empty() ? "the field has no room" : refusals));
-  // Nothing from the stone that it leans on upwards counts; without that stone it lies free.
-  report(concat(name(belief_.stack.back().stone), " is taken off so that it comes free"));
-  return set_down_top(out_of_the_lean(com_of(belief_.stack.back()), com_of(stray->stone)));
+  return take_off_down_to(*stray);
+}
+
+bool Builder::take_off_down_to(const Stray& stray) {
+  const std::size_t count = belief_.stack.size() - stray.level;
+  if (taken_off_ + static_cast<int>(count) > options_.most_taken_off) return false;
+  if (count == 1 && height_is_reached(belief_)) return false;  // all of it counts
+  bool any = false;
+  while (belief_.stack.size() > stray.level) {
+    const PlacedStone top = belief_.stack.back();
+    report(concat(name(top.stone), " is taken off so that ", name(stray.stone.stone), " comes free"));
+    std::optional<Eigen::Vector3d> n_W_lift;
+    if (belief_.stack.size() == stray.level + 1) n_W_lift = out_of_the_lean(com_of(top), com_of(stray.stone));
+    if (!set_down_top(n_W_lift)) break;
+    any = true;
+    if (++taken_off_ >= options_.most_taken_off) break;  // a hand that misses takes its share, too
+  }
+  return any;
 }
 
 bool Builder::can_grow_higher(const Belief& without_top) const {
@@ -186,7 +203,11 @@ bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down,
   task.T_W_O_pick = top.T_W_O;
   task.T_W_O_place = T_W_O_down;
   task.q_start = cell_.arm.state().q;
-  if (n_W_lift) task.n_W_lift = *n_W_lift;
+  name_useless_grasps(&task, top.stone);
+  if (n_W_lift) {
+    task.n_W_lift = *n_W_lift;
+    task.no_pick.clear();  // known of the way straight up only
+  }
   const Stopwatch watch;
   const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);
   result_.seconds.planning += watch.seconds();

@@ -106,14 +106,14 @@ std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_
   return poses;
 }
 
-JointTrajectory way_to_look(Cell& cell, const PlanningScene& scene, const std::vector<Pose>& T_W_C_candidates,
-                            const MotionOptions& options) {
+std::optional<JointTrajectory> find_way_to_look(Cell& cell, const PlanningScene& scene,
+                                                const std::vector<Pose>& T_W_C_candidates,
+                                                const MotionOptions& options) {
   const Pose T_C_F = (cell.layout.T_F_T * cell.layout.T_T_C).inverse();
   const Joints q_start = cell.arm.state().q;
   for (const Pose& T_W_C : T_W_C_candidates)
-    if (auto way = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options)) return *std::move(way);
-  throw DeviceError("arm", concat("none of ", T_W_C_candidates.size(), " camera poses can be reached"),
-                    "check the cell's layout: site, field and robot base");
+    if (auto way = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options)) return way;
+  return std::nullopt;
 }
 
 Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way) {
@@ -123,11 +123,6 @@ Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way)
                       "clear the cell and start again");
   const DepthFrame frame = cell.camera.capture();
   return {frame.image, camera_pose(cell.layout, robot, cell.arm.state().q)};
-}
-
-Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
-               const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options) {
-  return look_along(cell, robot, way_to_look(cell, scene, T_W_C_candidates, options));
 }
 
 std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const DetectionModels& models,

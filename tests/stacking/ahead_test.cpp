@@ -96,6 +96,8 @@ struct Lab {
   }
   [[nodiscard]] std::string said_between(const std::string& from, const std::string& to) const {
     const auto begin = said.find(from), end = said.find(to, begin);
+    EXPECT_NE(begin, std::string::npos) << from << " in\n" << said;
+    EXPECT_NE(end, std::string::npos) << to << " in\n" << said;
     return begin == std::string::npos ? "" : said.substr(begin, end - begin);
   }
 };

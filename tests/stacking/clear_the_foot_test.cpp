@@ -93,7 +93,7 @@ TEST(ClearTheFoot, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
   const Pushed run = build_and_push(-Eigen::Vector3d::UnitX(), 1.2);
   EXPECT_TRUE(run.pushed);
   EXPECT_THAT(run.said, testing::HasSubstr("it stays: limestone_2")) << "else this tests nothing";
-  EXPECT_THAT(run.said, testing::HasSubstr("limestone_3 is taken off so that it comes free"));
+  EXPECT_THAT(run.said, testing::HasSubstr("limestone_3 is taken off so that limestone_2 comes free"));
   EXPECT_TRUE(took_off(run.result));
   EXPECT_EQ(run.result.height, 2) << run.said;
 }

@@ -27,7 +27,9 @@ struct SeenField {
     Cell cell = world.cell();
     PlanningScene scene = make_planning_scene(cell.layout, robot, catalogue, {});
     const Eigen::Vector2d& field = cell.layout.field_centre;
-    look = take_look(cell, robot, scene, look_poses(cell.layout, {field.x(), field.y(), 0.05}, 0.6), {});
+    const auto way =
+        find_way_to_look(cell, scene, look_poses(cell.layout, {field.x(), field.y(), 0.05}, 0.6), {});
+    look = look_along(cell, robot, way.value());
     seen = find({});
   }
   [[nodiscard]] std::vector<Sighting> find(const Belief& before) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,16 +50,13 @@ struct Look {
   Pose T_W_C = Pose::Identity();
 };
 
-/// The way of the arm to the first of `T_W_C_candidates` that it reaches without touching anything. Throws
-/// DeviceError when it reaches none.
-[[nodiscard]] JointTrajectory way_to_look(Cell& cell, const PlanningScene& scene,
-                                          const std::vector<Pose>& T_W_C_candidates,
-                                          const MotionOptions& options);
+/// The way of the arm to the first of `T_W_C_candidates` that it reaches without touching anything; nothing
+/// if it reaches none.
+[[nodiscard]] std::optional<JointTrajectory> find_way_to_look(Cell& cell, const PlanningScene& scene,
+                                                              const std::vector<Pose>& T_W_C_candidates,
+                                                              const MotionOptions& options);
 /// Follows it and takes a frame at its end. Throws DeviceError when the arm does not get there.
 [[nodiscard]] Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way);
-/// Both.
-[[nodiscard]] Look take_look(Cell& cell, const RobotModel& robot, const PlanningScene& scene,
-                             const std::vector<Pose>& T_W_C_candidates, const MotionOptions& options);
 
 /// A stone seen in one of several looks, in the world.
 struct Sighting {
