@@ -109,9 +109,8 @@ std::string summary(const RunReport& report) {
                    report.truth->seconds, 1000 * report.truth->shift);
   const auto& s = report.result.seconds;
   text += format(
-      "seconds: detection %.1f, search %.1f, planning %.1f (host; %.1f more while the arm moved); motion "
-      "%.1f "
-      "(robot)\n",
+      "seconds: detection %.1f, search %.1f, planning %.1f (host; %.1f more while the arm moved); "
+      "motion %.1f (robot)\n",
       s.detection, s.search, s.planning, s.beside_motion, s.motion);
   return text;
 }

@@ -201,6 +201,13 @@ SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& sit
   return free ? SiteView::kFree : SiteView::kUnseen;
 }
 
+bool same_place(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double shift,
+                double turn) {
+  if (a.stone != b.stone) return false;
+  const Eigen::Vector3d& p_O_M = shape_of(shapes, a.stone).mass.p_O_M;
+  return (a.T_W_O * p_O_M - b.T_W_O * p_O_M).norm() <= shift && difference(a.T_W_O, b.T_W_O).angle <= turn;
+}
+
 double lowest(const ContactShape& shape, const Pose& T_W_O) {
   double z = 1e9;
   for (const auto& sample : shape.samples) z = std::min(z, (T_W_O * sample.point).z());

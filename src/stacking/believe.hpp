@@ -28,6 +28,11 @@ namespace stonestack {
 enum class SiteView { kUnseen, kFree, kTaken };
 [[nodiscard]] SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& site);
 
+/// Is it the same stone at nearly the same pose: centres of mass within `shift` (m), turned by at most `turn`
+/// (rad)?
+[[nodiscard]] bool same_place(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b,
+                              double shift, double turn);
+
 /// Lowest point of a stone, m in W.
 [[nodiscard]] double lowest(const ContactShape& shape, const Pose& T_W_O);
 /// Highest point of the stones, m in W; 0 for none.

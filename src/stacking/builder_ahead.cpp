@@ -17,9 +17,7 @@ constexpr double kSameTilt = 0.035;   // rad
 bool alike(const std::vector<PlacedStone>& a, const std::vector<PlacedStone>& b, const ShapeList& shapes,
            double shift, double turn) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const PlacedStone& p, const PlacedStone& q) {
-    if (p.stone != q.stone) return false;
-    const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(p.stone)]->mass.p_O_M;
-    return (p.T_W_O * p_O_M - q.T_W_O * p_O_M).norm() <= shift && difference(p.T_W_O, q.T_W_O).angle <= turn;
+    return same_place(shapes, p, q, shift, turn);
   });
 }
 

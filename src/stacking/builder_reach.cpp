@@ -160,10 +160,7 @@ bool Builder::dare_failed_grasps() {
 
 bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
   const auto same = [&](const PlacedStone& top) {
-    if (top.stone != stone) return false;
-    const Eigen::Vector3d& p_O_M = shapes_[static_cast<std::size_t>(stone)]->mass.p_O_M;
-    return (top.T_W_O * p_O_M - T_W_O * p_O_M).norm() < kSamePlace &&
-           difference(top.T_W_O, T_W_O).angle < kSameTurn;
+    return same_place(shapes_, top, {stone, T_W_O}, kSamePlace, kSameTurn);
   };
   return std::any_of(given_up_.begin(), given_up_.end(), same) ||
          std::any_of(refused_.begin(), refused_.end(), same);

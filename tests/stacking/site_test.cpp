@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "stacking/believe.hpp"
+#include "stacking/hiding_camera.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -79,29 +80,12 @@ TEST(Site, ATowerThatStandsThereIsBuiltOn) {
   }
 }
 
-/// A camera that gets no depth within 15 cm of the site: something black or wet, say.
-struct BlindAtTheSite : DepthCamera {
-  Cell cell;
-  const RobotModel& robot;
-  BlindAtTheSite(const Cell& c, const RobotModel& r) : cell(c), robot(r) {}
-  DepthFrame capture() override {
-    DepthFrame frame = cell.camera.capture();
-    const Pose T_W_C = camera_pose(cell.layout, robot, cell.arm.state().q);
-    const CameraIntrinsics& camera = frame.image.camera;
-    for (int v = 0; v < camera.height; ++v)
-      for (int u = 0; u < camera.width; ++u) {
-        float& z = frame.image.z[static_cast<std::size_t>(v * camera.width + u)];
-        const Eigen::Vector3d p_W = T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
-        if ((p_W.head<2>() - cell.layout.site).norm() < 0.15) z = 0.0F;
-      }
-    return frame;
-  }
-};
-
 TEST(Site, WhatNoLookShowsIsNotBuiltOn) {
   Started lab({1, 2});
   const Cell seeing = lab.world->cell();
-  BlindAtTheSite blind(seeing, lab.robot);
+  test::HidingCamera blind(seeing, lab.robot);
+  blind.p_W_hidden = seeing.layout.site;
+  blind.radius = 0.15;
   Cell cell{seeing.arm, seeing.gripper, seeing.force_torque, blind, seeing.clock, seeing.layout};
   BuildOptions options;
   options.most_stones = 1;
