@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stacking/believe.hpp"
+#include "stacking/friction_belief.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/motion/regrasp.hpp"
@@ -39,7 +40,8 @@ class Builder {
         options_(options),
         hooks_(hooks),
         shapes_(make_contact_shapes(catalogue.stones)),
-        models_(catalogue.stones, options.detection) {
+        models_(catalogue.stones, options.detection),
+        friction_(assumed_frictions(options)) {
     for (const Stone& stone : catalogue.stones) unfit_.push_back(unfit_for_hand(stone, make_robotiq_3f()));
   }
 
@@ -190,14 +192,21 @@ class Builder {
   /// Nothing was found to fit on that stone when it lay nearly there, or no motion brings it there.
   [[nodiscard]] bool was_given_up(int stone, const Pose& T_W_O) const;
   [[nodiscard]] SearchResult search_by_friction();
-  /// The frictions that are assumed, rising.
-  [[nodiscard]] std::vector<double> frictions() const;
+  /// Rising, from search.friction to most_friction.
+  [[nodiscard]] static std::vector<double> assumed_frictions(const BuildOptions& options);
   /// Which of them the stones may have, for what stands there stands; all, if with none of them it would.
   [[nodiscard]] const std::vector<bool>& possible() const;
   /// Of these, what a search begins with.
   [[nodiscard]] std::size_t first_level() const;
   /// How a search at one of them goes about it.
   [[nodiscard]] SearchOptions search_at(std::size_t level, Ways ways) const;
+  /// Stones of a plan that are expected to stand, with each friction that is asked about; 0 for the others.
+  [[nodiscard]] std::vector<double> expected_by_friction(const SearchProblem& problem,
+                                                         const std::vector<PlacedStone>& plan,
+                                                         const std::vector<bool>& asked) const;
+  /// A stone that was let go of there, on those, did not stay: the frictions with which it should have are
+  /// less likely than was thought.
+  void learn_from_fall(const std::vector<PlacedStone>& below, const Placement& fallen);
   /// Stones that are expected to stand by a found placement and what is to follow it, over all possible
   /// frictions; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
@@ -251,6 +260,7 @@ class Builder {
   ShapeList shapes_;
   DetectionModels models_;
   std::vector<std::string> unfit_;  ///< why the hand can hold a stone in no pose; empty: it can
+  FrictionBelief friction_;
   Belief belief_;
   SiteView site_ = SiteView::kFree;             ///< when the run began
   mutable std::shared_ptr<Reach> reach_;        ///< of `belief_`, or empty

@@ -32,6 +32,7 @@ bool Builder::place(const Target& target) {
     return false;
   }
   const bool released = done.status == ExecutionResult::Status::kReleased;
+  const std::vector<PlacedStone> below = belief_.stack;
   if (released) belief_.stack.push_back({placement.stone, placement.T_W_O});
   std::erase_if(belief_.loose, [&](const PlacedStone& s) { return s.stone == placement.stone; });
   look_around(released);
@@ -45,6 +46,8 @@ bool Builder::place(const Target& target) {
   using Outcome = PlacementRecord::Outcome;
   if (entry.outcome == Outcome::kFallen || entry.outcome == Outcome::kLost)
     last_ = {};  // a plan that failed is not followed again
+  if (released && (entry.outcome == Outcome::kFallen || entry.outcome == Outcome::kLost))
+    learn_from_fall(below, placement);
   if (entry.outcome == Outcome::kPlaced) return true;
   if (entry.outcome == Outcome::kNotPicked || entry.outcome == Outcome::kDropped) {
     failed_grasps_[placement.stone].push_back(target.plan.T_O_T);

@@ -181,8 +181,8 @@ bool Builder::can_grow_higher(const Belief& without_top) const {
   SearchProblem problem = make_problem(without_top, ways);
   if (problem.available.empty()) return false;
   const auto levels = static_cast<int>(problem.available.size());
-  const std::vector<double> assumed = frictions();
-  for (std::size_t level = first_level(); level < assumed.size(); ++level) {
+  const std::size_t count = friction_.frictions().size();
+  for (std::size_t level = first_level(); level < count; ++level) {
     std::string reason;
     const auto tower = plan_tower(problem, levels, search_at(level, ways), &reason);
     if (without_top.stack.size() + tower.size() > belief_.stack.size()) return true;

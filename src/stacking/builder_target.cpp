@@ -13,11 +13,6 @@ namespace {
 constexpr std::size_t kInOneGoFirst = 3;  // frictions at which nothing is turned over: that takes 25 s each
 constexpr std::size_t kMostRefused = 12;  // poses without a motion, after which no others are looked for
 
-/// Of an assumed friction in the outlook; ours: dry stone has more friction rather than less.
-double weight_of(std::size_t level) {
-  return static_cast<double>(level + 1);
-}
-
 std::vector<PlacedStone> plan_of(const Placement& first) {
   std::vector<PlacedStone> plan{{first.stone, first.T_W_O}};
   plan.insert(plan.end(), first.then.begin(), first.then.end());
@@ -79,36 +74,36 @@ std::optional<Target> Builder::find_target() {
   return std::nullopt;
 }
 
-std::vector<double> Builder::frictions() const {
-  std::vector<double> list{options_.search.friction};
-  while (list.back() < options_.most_friction)
-    list.push_back(std::min(options_.most_friction, list.back() + options_.friction_step));
+std::vector<double> Builder::assumed_frictions(const BuildOptions& options) {
+  std::vector<double> list{options.search.friction};
+  while (list.back() < options.most_friction)
+    list.push_back(std::min(options.most_friction, list.back() + options.friction_step));
   return list;
 }
 
 const std::vector<bool>& Builder::possible() const {
   if (!possible_.empty()) return possible_;
-  const std::vector<double> assumed = frictions();
-  for (const double friction : assumed) {
+  for (const double friction : friction_.frictions()) {
     SearchOptions search = options_.search;
     search.friction = friction;
     std::string reason;
     possible_.push_back(standing_stack(shapes_, Stack{belief_.stack}, search, &reason).has_value());
   }
   if (std::none_of(possible_.begin(), possible_.end(), [](bool yes) { return yes; }))
-    possible_.assign(assumed.size(), true);
+    possible_.assign(possible_.size(), true);
   return possible_;
 }
 
 std::size_t Builder::first_level() const {
   const std::vector<bool>& levels = possible();
+  if (levels[0] && friction_.least_is_likeliest()) return 0;
   for (std::size_t level = 1; level < levels.size(); ++level)
     if (levels[level]) return level;
   return 0;
 }
 
 SearchOptions Builder::search_at(std::size_t level, Ways ways) const {
-  const std::vector<double> assumed = frictions();
+  const std::vector<double>& assumed = friction_.frictions();
   SearchOptions search = options_.search;
   search.friction = assumed[level];
   if (ways == Ways::kTurningToo) search.largest_tilt = M_PI;
@@ -116,28 +111,54 @@ SearchOptions Builder::search_at(std::size_t level, Ways ways) const {
   return search;
 }
 
-double Builder::outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const {
-  const std::vector<double> assumed = frictions();
-  const std::vector<PlacedStone> plan = plan_of(found);
+std::vector<double> Builder::expected_by_friction(const SearchProblem& problem,
+                                                  const std::vector<PlacedStone>& plan,
+                                                  const std::vector<bool>& asked) const {
+  const std::vector<double>& assumed = friction_.frictions();
   SearchProblem here = problem;
   here.reachable = nullptr;  // it was asked when the plan was made
   SearchOptions search = options_.search;
   search.threads = 1;
-  std::vector<double> expected(assumed.size(), found.expected_height);
-  const std::vector<bool>& levels = possible();
+  std::vector<double> expected(assumed.size(), 0.0);
   run_tasks(options_.search.threads, assumed.size(), [&](std::size_t k) {
-    if (k == level || !levels[k]) return;
+    if (!asked[k]) return;
     SearchOptions other = search;
     other.friction = assumed[k];
     expected[k] = expected_height(here, plan, other);
   });
+  return expected;
+}
+
+double Builder::outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const {
+  const std::vector<bool>& levels = possible();
+  std::vector<bool> asked = levels;
+  asked[level] = false;
+  std::vector<double> expected = expected_by_friction(problem, plan_of(found), asked);
+  expected[level] = found.expected_height;
   double sum = 0.0, weights = 0.0;
-  for (std::size_t k = 0; k < assumed.size(); ++k) {
+  for (std::size_t k = 0; k < expected.size(); ++k) {
     if (!levels[k]) continue;
-    weights += weight_of(k);
-    sum += weight_of(k) * expected[k];
+    weights += friction_.weight(k);
+    sum += friction_.weight(k) * expected[k];
   }
   return sum / weights;
+}
+
+void Builder::learn_from_fall(const std::vector<PlacedStone>& below, const Placement& fallen) {
+  const Stopwatch watch;
+  SearchProblem problem;
+  problem.shapes = &shapes_;
+  problem.stack.stones = below;
+  problem.site = cell_.layout.site;
+  const PlacedStone stone{fallen.stone, fallen.T_W_O};
+  problem.available = {stone};
+  const std::vector<double>& assumed = friction_.frictions();
+  friction_.fell(expected_by_friction(problem, {stone}, std::vector<bool>(assumed.size(), true)));
+  result_.seconds.search += watch.seconds();
+  std::string text;
+  for (std::size_t k = 0; k < assumed.size(); ++k)
+    text += concat(k == 0 ? "" : ", ", assumed[k], ": ", std::lround(100 * friction_.weight(k)), " %");
+  report("how likely each friction is after that fall: " + text);
 }
 
 std::vector<PlacedStone> Builder::rest_of_plan() const {
@@ -152,9 +173,9 @@ std::vector<PlacedStone> Builder::rest_of_plan() const {
 }
 
 std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& problem, Ways ways, double levels) {
-  const std::vector<double> assumed = frictions();
+  const std::size_t count = friction_.frictions().size();
   const std::vector<PlacedStone> plan = rest_of_plan();
-  for (std::size_t level = last_level_; !plan.empty() && level < assumed.size(); ++level) {
+  for (std::size_t level = last_level_; !plan.empty() && level < count; ++level) {
     SearchOptions search = search_at(level, ways);
     SearchResult found = follow_plan(problem, plan, search);
     if (found.best.empty()) {
@@ -178,7 +199,7 @@ std::optional<SearchResult> Builder::rest_that_holds(const SearchProblem& proble
 SearchResult Builder::search_by_friction() {
   Ways ways = Ways::kInOneGo;
   SearchProblem problem = make_problem(belief_, ways);
-  const std::size_t count = frictions().size();
+  const std::size_t count = friction_.frictions().size();
   const auto levels = static_cast<double>(
       std::min(problem.available.size(), static_cast<std::size_t>(options_.search.horizon)));
   const bool was_turning = last_ways_ == Ways::kTurningToo && may_turn_over();
