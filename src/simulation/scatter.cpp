@@ -61,7 +61,7 @@ class Scatter {
 
   /// Takes every stone out again.
   void clear() {
-    for (const int stone : world_->present()) world_->set_aside(stone, true);
+    for (const int stone : world_->present()) world_->put_away(stone);
     outlines_.clear();
   }
 

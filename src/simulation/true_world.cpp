@@ -30,6 +30,11 @@ MassProperties true_mass(const MassProperties& believed, const SimulationOptions
   return mass;
 }
 
+/// Where the k-th stone waits while it is not there.
+Pose away_pose(int k) {
+  return make_pose(Eigen::Vector3d(kAside + static_cast<double>(k), kAside, 1.0));
+}
+
 }  // namespace
 
 TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present,
@@ -52,7 +57,7 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
   for (std::size_t k = 0; k < present_.size(); ++k) {
     auto& it = states_[at(present_[k])];
     shapes_[at(present_[k])] = shapes[k];
-    it.T_W_O = make_pose(Eigen::Vector3d(kAside + static_cast<double>(k), kAside, 1.0));
+    it.T_W_O = away_pose(static_cast<int>(k));
     for (int f = 0; f < kFingers; ++f) it.pads.emplace_back(*shapes[k], model_.pad);
   }
   Random random = Random::stream(seed, "true friction");
@@ -98,9 +103,10 @@ void TrueWorld::place(int stone, const Pose& T_W_O) {
   engine_.reset();
 }
 
-void TrueWorld::set_aside(int stone, bool aside) {
-  state(stone).aside = aside;
-  engine_.reset();
+void TrueWorld::put_away(int stone) {
+  place(stone,
+        away_pose(static_cast<int>(std::find(present_.begin(), present_.end(), stone) - present_.begin())));
+  state(stone).aside = true;
 }
 
 World TrueWorld::make_world(double step, int iterations, double damping,

@@ -72,8 +72,8 @@ class TrueWorld {
   [[nodiscard]] bool rests(int stone) const;
   /// Puts a stone somewhere at once, at rest. For setting up.
   void place(int stone, const Pose& T_W_O);
-  /// Takes a stone out of play, or back in.
-  void set_aside(int stone, bool aside);
+  /// Takes a stone out of play, far from where any other may come; `place` brings it back. For setting up.
+  void put_away(int stone);
   /// Contacts as they are now, after one step of a world of its own.
   [[nodiscard]] std::vector<Contact> contacts() const;
   /// A world with every stone free and the true frictions, without the hand. Body i is `present()[i]`.

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "pebble.hpp"
+#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack {
 namespace {
@@ -52,6 +55,26 @@ TEST(Scatter, BeginsAnewWhereTheLastFindsNoRoom) {
       for (int j = 0; j < i; ++j)
         EXPECT_GT(gap(seen_from_above(world, i), seen_from_above(world, j)), 0.8 * kClearance);
     }
+  }
+}
+
+/// The six stones that come along in the cell's field, with seeds whose first field has no room for the last:
+/// what lay there then must not be in the way of what is dropped anew.
+TEST(Scatter, WhatLayThereIsGoneWhenItBeginsAnew) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const CellLayout layout;
+  for (const int seed : {3, 4, 18}) {
+    SimulationOptions options;
+    options.seed = seed;
+    TrueWorld world(catalogue.stones, {0, 1, 2, 3, 4, 5}, make_robotiq_3f(), options);
+    HandPose away;
+    away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
+    world.set_hand(away);
+    ASSERT_NO_THROW(scatter_stones(world, {layout.field_centre, layout.field_size, options.clearance},
+                                   static_cast<std::uint64_t>(seed)))
+        << "seed " << seed;
+    for (const Contact& contact : world.contacts())
+      EXPECT_EQ(contact.below, kTable) << "seed " << seed << ": a stone lies on another";
   }
 }
 
