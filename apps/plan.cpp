@@ -65,20 +65,27 @@ const char* kind_text(PlanStep::Kind kind) {
   return "unknown";
 }
 
-/// The stone and its target: from --stone and --target, or the first placement of `search --json`.
-NamedPose read_target(const PlanCommand& command) {
+NamedPose read_placement(const nlohmann::json& entry) {
+  const auto& t = entry.at("T_W_O");
+  const auto number = [&](const char* key) { return t.at(key).get<double>(); };
+  return {entry.at("stone").get<std::string>(),
+          make_pose({number("x"), number("y"), number("z")},
+                    {number("qw"), number("qx"), number("qy"), number("qz")})};
+}
+
+/// Stones and targets, the first that can be carried out counts: from --stone and --target, or the first
+/// placement of `search --json` and its alternatives.
+std::vector<NamedPose> read_targets(const PlanCommand& command) {
   if (command.search.empty()) {
     require(!command.stone.empty() && !command.target.empty(), "give --stone and --target, or --search FILE");
-    return {command.stone, parse_pose(command.target)};
+    return {{command.stone, parse_pose(command.target)}};
   }
   try {
     const auto json = nlohmann::json::parse(read_file(command.search, std::size_t{1} << 24));
-    const auto& first = json.at("placements").at(0);
-    const auto& t = first.at("T_W_O");
-    const auto number = [&](const char* key) { return t.at(key).get<double>(); };
-    return {first.at("stone").get<std::string>(),
-            make_pose({number("x"), number("y"), number("z")},
-                      {number("qw"), number("qx"), number("qy"), number("qz")})};
+    std::vector<NamedPose> targets{read_placement(json.at("placements").at(0))};
+    if (json.contains("alternatives"))
+      for (const auto& entry : json.at("alternatives")) targets.push_back(read_placement(entry));
+    return targets;
   } catch (const nlohmann::json::exception& problem) {
     throw FileError(command.search, concat("holds no placement: ", problem.what()),
                     "make it with `stonestack search --json`");
@@ -115,18 +122,29 @@ std::string csv_text(const PickAndPlacePlan& plan) {
   return text;
 }
 
-Planned make_plan(const PlanCommand& command, const Catalogue& catalogue, const NamedPose& target) {
+/// For the first target that can be carried out; fails with what stands in the way of each.
+Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
+                  const std::vector<NamedPose>& targets) {
   const RobotModel robot = read_robot(command.robot);
   const SceneFile file = read_scene_file(command.scene);
   Belief belief;
   for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
-  const int stone = catalogue.index(target.stone);
-  Planned planned{make_planning_scene(CellLayout{}, robot, catalogue, belief),
-                  make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
-                  {}};
-  planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
-  return planned;
+  const PlanningScene scene = make_planning_scene(CellLayout{}, robot, catalogue, belief);
+  std::string refusals;
+  for (const NamedPose& target : targets) {
+    throw_if_interrupted();
+    const int stone = catalogue.index(target.stone);
+    Planned planned{scene, make_task(catalogue, belief, stone, target.T_W_O, home_joints()), {}};
+    planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
+    if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
+    refusals += concat(refusals.empty() ? "" : "; ", target.stone, ": ", planned.plan.reason);
+  }
+  throw Error(concat("no plan: ", refusals,
+                     command.search.empty()
+                         ? ""
+                         : "; `search --robot` offers poses that the arm reaches, `run` turns stones over"),
+              ExitCode::kExecutionFailed);
 }
 
 /// One PNG for the start and for the end of each motion: frames/00_start.png, 01_transit.png, ...
@@ -160,15 +178,15 @@ void plan(PlanCommand& command) {
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("motion", fields(command.options)));
   const Catalogue catalogue = command.common.read();
-  const Planned planned = make_plan(command, catalogue, read_target(command));
+  const Planned planned = make_plan(command, catalogue, read_targets(command));
   const PickAndPlacePlan& plan = planned.plan;
-  if (plan.status != PickAndPlacePlan::Status::kPlanned)
-    throw Error("no plan: " + plan.reason, ExitCode::kExecutionFailed);
   write_files(command, planned);
   if (command.common.json) {
     nlohmann::json steps = nlohmann::json::array();
     for (const auto& step : plan.steps) steps.push_back(step_json(step));
     std::cout << nlohmann::json{{"schema", "stonestack.plan/1"},
+                                {"stone", planned.task.stone->name},
+                                {"T_W_O", pose_json(planned.task.T_W_O_place)},
                                 {"steps", steps},
                                 {"T_O_T", pose_json(plan.T_O_T)},
                                 {"seconds", plan.seconds}}
@@ -176,6 +194,8 @@ void plan(PlanCommand& command) {
               << '\n';
     return;
   }
+  const auto& p_W = planned.task.T_W_O_place.translation();
+  std::printf("%s to %.3f, %.3f, %.3f\n", planned.task.stone->name.c_str(), p_W.x(), p_W.y(), p_W.z());
   for (const auto& step : plan.steps)
     std::printf("%-10s %6.2f s  %s\n", kind_text(step.kind), step.trajectory.duration(), step.name.c_str());
   std::printf("%.1f s of motion\n", plan.seconds);
@@ -191,7 +211,9 @@ void add_plan(CLI::App& app) {
       ->capture_default_str();
   sub->add_option("--stone", command->stone, "Which stone to move");
   sub->add_option("--target", command->target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
-  sub->add_option("--search", command->search, "Take stone and target from this output of `search --json`");
+  sub->add_option(
+      "--search", command->search,
+      "Take stone and target from this output of `search --json`; its alternatives if the first fails");
   command->common.settings.bind(sub->add_option("--jerk", command->options.jerk,
                                                 "Limit every joint's jerk, rad/s^3 (default: no limit)")
                                     ->check(CLI::Range(1.0, 10000.0)),
@@ -206,7 +228,7 @@ void add_plan(CLI::App& app) {
   sub->footer(
       "Examples:\n"
       "  stonestack render --out scene --seed 1\n"
-      "  stonestack search scene/scene.yaml --json > next.json\n"
+      "  stonestack search scene/scene.yaml --robot ur10 --json > next.json\n"
       "  stonestack plan scene/scene.yaml --search next.json --csv motion.csv\n"
       "  stonestack plan scene/scene.yaml --search next.json --plot motion.svg --frames frames\n"
       "  stonestack plan scene/scene.yaml --stone limestone_3 --target 0.7,0.28,0.06,0,0,0,1 --json");

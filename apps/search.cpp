@@ -8,12 +8,15 @@
 #include "geometry/pose_json.hpp"
 #include "scene_input.hpp"
 #include "search_trace.hpp"
+#include "stacking/reach.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
@@ -28,9 +31,17 @@ struct SearchCommand {
   std::string picture;
   std::string out;
   std::string trace;
+  std::string robot;
   int levels = 1;
   SearchOptions options;
   DetectionOptions detection;
+  MotionOptions motion;
+};
+
+/// What was found: the next placement, or one a level; other poses for the first, should the arm refuse it.
+struct Found {
+  std::vector<Placement> placements, alternatives;
+  std::string reason;
 };
 
 /// What the search starts from, by whatever way it was given.
@@ -115,44 +126,71 @@ void write_outputs(const SearchCommand& command, const Catalogue& catalogue,
   log_info("wrote " + command.picture);
 }
 
+/// With --robot only poses are wanted to which that arm can bring the stones from where they lie, in one go.
+void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, SearchProblem* problem) {
+  if (command.robot.empty()) return;
+  require(!command.input.empty(), "--robot asks how stones are reached where they lie; give a SCENE");
+  const RobotModel robot = read_robot(command.robot);
+  const Belief belief{problem->stack.stones, problem->available};
+  const auto reach = std::make_shared<Reach>(
+      belief, make_planning_scene(CellLayout{}, robot, catalogue, belief), catalogue, command.motion);
+  problem->reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {
+    return reach->in_one_go(stone, T_W_O, below);
+  };
+}
+
+Found find(const SearchCommand& command, const Catalogue& catalogue, const SearchProblem& problem) {
+  Found found;
+  const auto progress = [](const std::string& line) { log_progress(line); };
+  if (command.levels > 1) {
+    found.placements = plan_tower(problem, command.levels, command.options, &found.reason, progress);
+    return found;
+  }
+  SearchOptions options = command.options;
+  options.trace = options.trace || !command.trace.empty();
+  SearchResult result = find_next_pose(problem, options, progress);
+  if (!command.trace.empty()) write_trace(command.trace, catalogue, result);
+  found.reason = result.reason;
+  if (result.best.empty()) return found;
+  found.placements.push_back(result.best.front());
+  found.alternatives.assign(result.best.begin() + 1, result.best.end());
+  return found;
+}
+
+void print(const SearchCommand& command, const Catalogue& catalogue, const Found& found) {
+  if (!command.common.json) return print_table(catalogue, found.placements);
+  const auto list = [&](const std::vector<Placement>& placements) {
+    nlohmann::json array = nlohmann::json::array();
+    for (const auto& p : placements) array.push_back(placement_json(catalogue, p));
+    return array;
+  };
+  std::cout << nlohmann::json{{"schema", "stonestack.search/1"},
+                              {"placements", list(found.placements)},
+                              {"alternatives", list(found.alternatives)},
+                              {"reason", found.reason},
+                              {"seed", command.common.seed}}
+                   .dump(2)
+            << '\n';
+}
+
 void search(SearchCommand& command) {
   command.common.begin();
   command.options.seed = command.detection.seed = command.common.seed;
+  if (!command.robot.empty()) command.options.largest_tilt = BuildOptions{}.search.largest_tilt;
   command.common.settings.apply(
-      join({nest("search", fields(command.options)), nest("detection", fields(command.detection))}));
+      join({nest("search", fields(command.options)), nest("detection", fields(command.detection)),
+            nest("motion", fields(command.motion))}));
   require(command.trace.empty() || command.levels == 1, "--trace tells of one level; give --levels 1");
   const Catalogue catalogue = command.common.read();
   const ShapeList shapes = make_contact_shapes(catalogue.stones);
-  const SearchProblem problem = read_problem(command, catalogue, shapes);
-
-  std::vector<Placement> placements;
-  std::string reason;
-  const auto progress = [](const std::string& line) { log_progress(line); };
-  if (command.levels > 1) {
-    placements = plan_tower(problem, command.levels, command.options, &reason, progress);
-  } else {
-    command.options.trace = command.options.trace || !command.trace.empty();
-    SearchResult found = find_next_pose(problem, command.options, progress);
-    if (!command.trace.empty()) write_trace(command.trace, catalogue, found);
-    reason = found.reason;
-    if (!found.best.empty()) placements.push_back(found.best.front());
-  }
-  write_outputs(command, catalogue, tower_of(problem, placements), problem.site);
-  if (command.common.json) {
-    nlohmann::json list = nlohmann::json::array();
-    for (const auto& p : placements) list.push_back(placement_json(catalogue, p));
-    std::cout << nlohmann::json{{"schema", "stonestack.search/1"},
-                                {"placements", list},
-                                {"reason", reason},
-                                {"seed", command.common.seed}}
-                     .dump(2)
-              << '\n';
-  } else {
-    print_table(catalogue, placements);
-  }
-  if (placements.empty()) throw Error("no stable pose: " + reason, ExitCode::kNoStablePose);
-  if (static_cast<int>(placements.size()) < command.levels)
-    log_warning(concat(placements.size(), " of ", command.levels, " levels: ", reason));
+  SearchProblem problem = read_problem(command, catalogue, shapes);
+  ask_the_arm(command, catalogue, &problem);
+  const Found found = find(command, catalogue, problem);
+  write_outputs(command, catalogue, tower_of(problem, found.placements), problem.site);
+  print(command, catalogue, found);
+  if (found.placements.empty()) throw Error("no stable pose: " + found.reason, ExitCode::kNoStablePose);
+  if (static_cast<int>(found.placements.size()) < command.levels)
+    log_warning(concat(found.placements.size(), " of ", command.levels, " levels: ", found.reason));
 }
 
 }  // namespace
@@ -168,6 +206,8 @@ void add_search(CLI::App& app) {
                   "Stones to plan with when there is no scene, by name, comma-separated");
   sub->add_option("--site", command->site,
                   "Where the tower stands, x,y in metres (default: the cell's site)");
+  sub->add_option("--robot", command->robot,
+                  "Only poses to which this arm (name, URDF or YAML) brings the stones from where they lie");
   sub->add_option("--levels", command->levels, "Plan on as if each placement had succeeded")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
@@ -198,6 +238,7 @@ void add_search(CLI::App& app) {
       "  stonestack search --stones limestone_1,limestone_2,limestone_3 --levels 3 --picture tower.png\n"
       "  stonestack search scene.ply --camera-pose 0.7,-0.18,0.7,1,0,0,0 --json\n"
       "  stonestack search scene.yaml --site 0.7,0.28 --method paper\n"
+      "  stonestack search scene.yaml --robot ur10 --json > next.json    # for stonestack plan --search\n"
       "A cloud without --camera-pose is taken to be in the world frame (z up, table at z = 0), unless it is "
       "organised as a\n"
       "depth camera's: then the table that is seen becomes z = 0.");

@@ -9,6 +9,7 @@
 
 #include "stacking/believe.hpp"
 #include "stacking/friction_belief.hpp"
+#include "stacking/reach.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/motion/regrasp.hpp"
@@ -174,8 +175,7 @@ class Builder {
   /// Those that failed and those that cannot pick the stone up where it lies, T_O_T.
   [[nodiscard]] std::vector<Pose> useless_grasps(int stone) const;
   void name_useless_grasps(PickAndPlaceTask* task, int stone) const;
-  /// What the arm and the hand can do with the stones of that belief, worked out once for `belief_`.
-  class Reach;
+  /// Of that belief; worked out once for `belief_`.
   [[nodiscard]] std::shared_ptr<Reach> reach_in(const Belief& belief) const;
   void forget_reach() {
     reach_.reset();

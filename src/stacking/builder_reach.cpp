@@ -3,8 +3,6 @@
 
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/grasp_check.hpp"
-#include "stonestack/motion/regrasp.hpp"
 
 namespace stonestack {
 namespace {
@@ -14,67 +12,7 @@ constexpr double kSameTurn = 0.26;    // rad: the same
 
 }  // namespace
 
-class Builder::Reach {
- public:
-  Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
-      : belief_(std::move(belief)), scene_(std::move(scene)), catalogue_(catalogue), options_(options) {}
-
-  /// How grasps of the stone fare where it lies.
-  const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
-
-  /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
-  bool in_one_go(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
-    const GraspFinder& finder = direct(stone);
-    const GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
-    return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
-      return !is_near_grasp(avoid, finder.set().grasps[static_cast<std::size_t>(k)].T_O_T);
-    });
-  }
-
-  /// The same, if it is set down on the table on the way.
-  bool by_turning(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid,
-                  const RegraspOptions& regrasp) {
-    auto at = turning_.find(stone);
-    if (at == turning_.end()) {
-      const auto task = lying(stone);
-      RegraspFinder made(scene_, *task.stone, task.object, task.T_W_O_pick, avoid, options_, regrasp);
-      at = turning_.emplace(stone, std::move(made)).first;
-    }
-    return at->second.serves(T_W_O, planned(below));
-  }
-
- private:
-  const GraspFinder& direct(int stone) {
-    auto at = direct_.find(stone);
-    if (at == direct_.end()) {
-      const auto task = lying(stone);
-      at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, task.object, task.T_W_O_pick, options_))
-               .first;
-    }
-    return at->second;
-  }
-  [[nodiscard]] PickAndPlaceTask lying(int stone) const {
-    return make_task(catalogue_, belief_, stone, Pose::Identity(), Joints::Zero());
-  }
-  /// What will stand there that does not stand yet.
-  [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const {
-    std::vector<SceneObject> objects;
-    for (std::size_t k = belief_.stack.size(); k < below.stones.size(); ++k) {
-      const Stone& lower = catalogue_.stones[static_cast<std::size_t>(below.stones[k].stone)];
-      objects.push_back({lower.name, lower.pieces, below.stones[k].T_W_O});
-    }
-    return objects;
-  }
-
-  Belief belief_;
-  PlanningScene scene_;
-  const Catalogue& catalogue_;
-  const MotionOptions& options_;
-  std::map<int, GraspFinder> direct_;
-  std::map<int, RegraspFinder> turning_;
-};
-
-std::shared_ptr<Builder::Reach> Builder::reach_in(const Belief& belief) const {
+std::shared_ptr<Reach> Builder::reach_in(const Belief& belief) const {
   const auto make = [&] {
     return std::make_shared<Reach>(belief, make_planning_scene(cell_.layout, robot_, catalogue_, belief),
                                    catalogue_, options_.motion);

@@ -1,0 +1,45 @@
+#pragma once
+#include <map>
+#include <vector>
+
+#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/motion/regrasp.hpp"
+#include "stonestack/stacking/observe.hpp"
+
+/// Private to stacking/ and the commands: what a search may ask of arm and hand.
+namespace stonestack {
+
+/// What arm and hand can do with the stones of one belief. What does not depend on the target is worked out
+/// once for each stone, when it is first asked about; so not to be shared by threads.
+class Reach {
+ public:
+  /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and
+  /// must be among the loose ones (InvalidArgument else).
+  Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options);
+
+  /// How grasps of the stone fare where it lies.
+  [[nodiscard]] const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
+
+  /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
+  [[nodiscard]] bool in_one_go(int stone, const Pose& T_W_O, const Stack& below,
+                               const std::vector<Pose>& avoid = {});
+
+  /// The same, if it is set down on the table on the way.
+  [[nodiscard]] bool by_turning(int stone, const Pose& T_W_O, const Stack& below,
+                                const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
+
+ private:
+  const GraspFinder& direct(int stone);
+  [[nodiscard]] PickAndPlaceTask lying(int stone) const;
+  /// What will stand there that does not stand yet.
+  [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const;
+
+  Belief belief_;
+  PlanningScene scene_;
+  const Catalogue& catalogue_;
+  const MotionOptions& options_;
+  std::map<int, GraspFinder> direct_;
+  std::map<int, RegraspFinder> turning_;
+};
+
+}  // namespace stonestack
