@@ -70,7 +70,7 @@ struct RobotiqFtSensor::Stream {
   explicit Stream(const FtSensorOptions& o)
       : options(o),
         name(ft_name(o)),
-        link(start_ft_link(o, Deadline::in(o.start_timeout))),
+        link(start_ft_link(o, Deadline::in(o.start_timeout).or_interrupt())),
         firmware(link.firmware) {
     thread = std::thread([this] { drain(); });
   }

@@ -31,6 +31,7 @@ struct Script {
   };
   std::deque<Frame> frames;
   double clock = 100.0;
+  bool endless = false;  // frames of the second 99, as many as one asks for
   bool streaming = false;
   int queued = 0, mapped = 0;
 };
@@ -83,7 +84,10 @@ class FakeKernel final : public V4l2Calls {
     return memory_.at(static_cast<std::size_t>(offset / 4096)).data();
   }
   void unmap(void* /*address*/, std::size_t /*length*/) override { --script_->mapped; }
-  bool wait(Deadline /*deadline*/) override { return !script_->frames.empty(); }
+  bool wait(Deadline /*deadline*/) override {
+    if (script_->endless && script_->frames.empty()) script_->frames.push_back({99.0, 0, 12, {}});
+    return !script_->frames.empty();
+  }
   double now() override { return script_->clock; }
 
  private:
@@ -151,6 +155,14 @@ TEST(V4l2Camera, FramesExposedBeforeTheCallAndDamagedOnesAreDropped) {
 
 TEST(V4l2Camera, AFrozenImageIsRefused) {
   Bench bench;
+TEST(V4l2Camera, OldFramesWithoutEndEndAtTheDeadline) {
+  Bench bench;
+  bench.script.endless = true;  // all exposed before the call: a clock that stands
+  V4l2Stream stream = bench.open();
+  EXPECT_THAT([&] { (void)stream.capture(); },
+              ThrowsMessage<DeviceError>(HasSubstr("no frame within 0.1 s")));
+}
+
   bench.script.frames = {{100.1, 0, 12, kRaw}, {100.2, 0, 12, kRaw}, {100.3, 0, 12, kOther}};
   V4l2Stream stream = bench.open();
   (void)stream.capture();
