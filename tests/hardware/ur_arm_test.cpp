@@ -270,6 +270,38 @@ TEST(UrArm, AStopThatIsNotObeyedIsAnError) {
   EXPECT_THROW(bench.arm.stop(), DeviceError);
 }
 
+TEST(UrArm, AStopThatCannotBeSentLeavesTheArmToTheWatchdog) {
+  Bench bench(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 100000); });
+  std::thread moving([&] { EXPECT_NE(bench.arm.follow(small_move()).status, Status::kDone); });
+  ASSERT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
+  bench.robot.close_scripts();
+  bench.robot.change([](State& s) { s.set("actual_qd", std::array<double, 6>{0.5, 0, 0, 0, 0, 0}); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the arm has seen the connection end
+  EXPECT_THROW(bench.arm.stop(), DeviceError);
+  moving.join();
+  const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // what was under way has arrived
+  const auto before = beats();
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  EXPECT_EQ(beats(), before) << "a heartbeat keeps the program, and the arm, going";
+  EXPECT_THAT(bench.arm.state().stop_reason, HasSubstr("could not send a stop"));
+  EXPECT_THROW(bench.arm.rearm(), DeviceError) << "the program runs";
+  bench.robot.change([](State& s) {
+    s.later.clear();
+    s.set_running(false);
+  });
+  EXPECT_TRUE(eventually([&] {
+    try {
+      bench.arm.rearm();
+      return true;
+    } catch (const DeviceError&) {
+      return false;
+    }
+  }));
+  EXPECT_TRUE(eventually([&] { return beats() > before; }));
+}
+
 TEST(UrArm, AnotherClientsProgram) {
   Bench taken([](State& s, const std::string& script, int run) {
     obey(s, script, run);

@@ -174,6 +174,7 @@ void UrArm::set_payload(double mass, const Eigen::Vector3d& p_F_com) {
   device_->payload = mass;
   device_->p_F_com = p_F_com;
   device_->stop_asked = false;
+  device_->link.starve("a stop was not obeyed");
   const ScriptContext context = device_->context();
   const MotionResult set = run_program(
       device_->link, {write_settings(context), context.run, kSettingsTime, {}, &device_->stop_asked});

@@ -59,6 +59,7 @@ UrStatus UrLink::status() const {
   return read_status(rtde.sample(), registers);
 }
 
+  if (starved_) return;
 UrStatus UrLink::next_status() const {
   if (const auto sample = rtde.wait_for_next(Deadline::in(kNextState)))
     return read_status(*sample, registers);
@@ -100,6 +101,11 @@ void UrLink::beat() {
 std::string UrLink::stop_reason() const {
   const std::lock_guard lock(arming_mutex_);
   return stop_reason_;
+void UrLink::starve(const std::string& reason) {
+  starved_ = true;
+  disarm(reason);
+}
+
 }
 
 void UrLink::disarm(const std::string& reason) {
@@ -108,7 +114,12 @@ void UrLink::disarm(const std::string& reason) {
 }
 
 void UrLink::rearm() {
-  if (const auto stop = find_safety_stop(next_status()); !stop.empty())
+  const UrStatus now = next_status();
+  if (starved_ && now.program_running)
+  starved_ = false;
+    throw DeviceError("UR arm at " + options.address, "a program still runs that could not be stopped",
+                      "stop it on the pendant");
+  if (const auto stop = find_safety_stop(now); !stop.empty())
     throw DeviceError("UR arm at " + options.address, stop,
                       "look at the arm, remove the cause and unlock it on the pendant");
   const std::lock_guard lock(arming_mutex_);
