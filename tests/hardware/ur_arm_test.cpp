@@ -428,6 +428,7 @@ TEST(UrArm, PayloadIsSetAndReadBack) {
   Bench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     s.set("payload", 2.5);
+    s.set("payload_cog", std::array<double, 3>{0, 0, 0.1});
     s.set("tcp_offset", std::array<double, 6>{0, 0, 0.264, 0, 0, 0});
   });
   bench.arm.set_payload(2.5, {0, 0, 0.1});
@@ -442,6 +443,28 @@ TEST(UrArm, PayloadIsSetAndReadBack) {
   } catch (const DeviceError& error) {
     EXPECT_THAT(error.what(), HasSubstr("reads back a payload of 2.5 kg, not 3"));
   }
+}
+
+TEST(UrArm, ACentreOrATurnedToolThatIsReadBackOtherwiseIsAnError) {
+  const auto problem_of = [](std::array<double, 3> centre, std::array<double, 6> tool) -> std::string {
+    Bench bench([=](State& s, const std::string& script, int run) {
+      obey(s, script, run);
+      s.set("payload", 2.5);
+      s.set("payload_cog", centre);
+      s.set("tcp_offset", tool);
+    });
+    try {
+      bench.arm.set_payload(2.5, {0, 0, 0.1});
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(problem_of({0, 0, 0.1}, {0, 0, 0.264, 0, 0, 0}), "");
+  EXPECT_THAT(problem_of({0, 0, 0.2}, {0, 0, 0.264, 0, 0, 0}),
+              HasSubstr("payload's centre at (  0   0 0.2) m"));
+  EXPECT_THAT(problem_of({0, 0, 0.1}, {0, 0, 0.264, 0, 0, 0.5}), HasSubstr("turned by (  0   0 0.5) rad"));
+  EXPECT_EQ(problem_of({0, 0, 0.1}, {0, 0, 0.264, 0, 0, 2 * M_PI}), "") << "a whole turn is none";
 }
 
 TEST(UrArm, OldControllersUseTheLowerRegisters) {
