@@ -479,7 +479,7 @@ TEST(UrArm, PolyScopeXIsRefused) {
     const UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool());
     FAIL();
   } catch (const DeviceError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("PolyScope X 10.7.0.0"));
+    EXPECT_THAT(error.what(), HasSubstr("UR controller at 127.0.0.1: PolyScope X 10.7.0.0"));
   }
 }
 
