@@ -193,6 +193,10 @@ ThreeFingerGripper::ThreeFingerGripper(ThreeFingerGripper&&) noexcept = default;
 
 ThreeFingerStatus ThreeFingerGripper::status() {
   return link_->read();
+const std::string& ThreeFingerGripper::name() const {
+  return link_->client.name();
+}
+
 }
 
 bool ThreeFingerGripper::is_active() {
