@@ -164,7 +164,7 @@ struct RtdeClient::Link {
     ++session_packets;
     booted = booted || time > options.booted_time ||
              static_cast<double>(session_packets) >= options.booted_data * current.frequency;
-    newest = RtdeSample(current.outputs, std::move(values), clock->now());
+    newest = RtdeSample(current.outputs, std::move(values), host_seconds());
     have_sample = true;
     changed.notify_all();
   }
@@ -179,7 +179,6 @@ struct RtdeClient::Link {
   const Endpoint controller;
   const RtdeRecipeFor recipe;
   const RtdeOptions options;
-  const std::unique_ptr<Clock> clock = make_steady_clock();
   std::thread thread;
 
   std::mutex mutex;  // guards what follows
@@ -228,7 +227,7 @@ std::vector<std::string> RtdeClient::missing() const {
 
 RtdeSample RtdeClient::sample() const {
   const std::lock_guard lock(link_->mutex);
-  const double age = link_->clock->now() - link_->newest.host_time();
+  const double age = host_seconds() - link_->newest.host_time();
   if (link_->have_sample && age <= link_->options.stale_after) return link_->newest;
   throw DeviceError(link_->name(),
                     concat("the state is ", age, " s old, ", link_->options.stale_after, " s allowed",
@@ -267,7 +266,7 @@ RtdeCounts RtdeClient::counts() const {
 }
 
 double RtdeClient::now() const {
-  return link_->clock->now();
+  return host_seconds();
 }
 
 FieldList fields(RtdeOptions& o) {
