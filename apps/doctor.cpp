@@ -18,7 +18,9 @@
 namespace stonestack::apps {
 namespace {
 
+constexpr std::uint32_t kPolyScopeX = 10;
 constexpr double kListen = 1.0;  // s to RTDE
+constexpr double kHello = 2.0;   // s until a controller has said who it is; it sends a state every 0.1 s
 
 struct DoctorCommand {
   CommonOptions common;
@@ -47,6 +49,7 @@ class Examination {
  public:
   /// `look` returns what it found, or throws with what is wrong. False when it threw.
   bool step(const std::string& device, const std::string& step, const std::function<Look()>& look) {
+    throw_if_interrupted();
     Finding finding{device, step, true, false, ""};
     try {
       const Look found = look();
@@ -81,7 +84,7 @@ std::string ask_dashboard(const CellConfig& cell) {
   const std::string mode = dashboard.robot_mode(), safety = dashboard.safety();
   const auto remote = dashboard.is_in_remote_control();
   const std::string name = "UR controller at " + cell.arm.address;
-  if (version.major >= 10)
+  if (version.major >= kPolyScopeX)
     refuse(name, "PolyScope X is not supported", "use a CB3 or an e-Series controller");
   if (remote && !*remote)
     refuse(name, "is in local mode and ignores programs from outside",
@@ -97,13 +100,19 @@ std::string ask_dashboard(const CellConfig& cell) {
 std::string hear_primary(const CellConfig& cell) {
   PrimaryOptions options;
   options.ports = {cell.arm.primary_port, cell.arm.secondary_port, cell.arm.realtime_port};
+  std::erase(options.ports, 0);  // left out
   const PrimaryClient primary(cell.arm.address, options);
+  primary.wait_until_heard(Deadline::in(kHello));
   return concat("scripts go to port ", primary.port());
 }
 
 /// For a while, so that a stream that breaks again and again is found; with all that a run reads and writes.
-Look listen_rtde(const CellConfig& cell) {
-  const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, arm_recipe, cell.arm.rtde);
+Look listen_rtde(const CellConfig& cell, UrVersion& version) {
+  const auto recipe = [&, served = served_recipe(cell.arm.address)](const UrVersion& reported) {
+    version = reported;
+    return served(reported);
+  };
+  const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, recipe, cell.arm.rtde);
   for (const Stopwatch watch; watch.seconds() < kListen;) {
     throw_if_interrupted();
     (void)rtde.wait_for_next(Deadline::in(kListen));
@@ -125,9 +134,8 @@ Look listen_rtde(const CellConfig& cell) {
 Look ask_gripper(const CellConfig& cell) {
   ThreeFingerGripper gripper(cell.gripper);
   const ThreeFingerStatus status = gripper.status();
-  const std::string name = "Robotiq gripper";
   if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
-    refuse(name, gripper_fault_text(status.fault), "empty the hand and activate the gripper");
+    refuse(gripper.name(), gripper_fault_text(status.fault), "empty the hand and activate the gripper");
   std::string text = status.active ? "active"
                                    : "not activated; `run` activates it: it opens and closes fully, so empty "
                                      "the hand first";
@@ -154,21 +162,11 @@ std::string look_twice(const CellConfig& cell) {
   const auto describe = [](const DepthFrame& frame) {
     return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
   };
-  const auto twice = [&](DepthCamera& camera) {
-    const DepthFrame first = camera.capture(), second = camera.capture();
-    return concat(describe(second), ", ", second.device_time - first.device_time, " s after the one before");
-  };
-  if (cell.camera == "recorded") return describe(RecordedCamera(cell.recorded).capture());
-  if (cell.camera == "v4l2") {
-    V4l2Camera camera(cell.v4l2);
-    return twice(camera);
-  }
-  if (cell.camera == "realsense") {
-    RealsenseCamera camera(cell.realsense);
-    return twice(camera);
-  }
-  StreamCamera camera(cell.stream);
-  return twice(camera);
+  const auto camera = make_camera(cell);
+  const DepthFrame first = camera->capture();
+  if (cell.camera == "recorded") return describe(first);
+  const DepthFrame second = camera->capture();
+  return concat(describe(second), ", ", second.device_time - first.device_time, " s after the one before");
 }
 
 /// The camera sits behind the finger tips and looks where the hand points; the inverse transform does
@@ -184,11 +182,26 @@ std::string check_hand_eye(const CellConfig& cell) {
   return concat("camera ", -p.z(), " m behind the finger tips, ", std::hypot(p.x(), p.y()), " m aside");
 }
 
-void examine(const CellConfig& cell, Examination& examination) {
-  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell); });
+/// RTDE first: its version tells what else there may be. PolyScope X has no Dashboard, and must not be asked
+/// to enable one.
+void examine_arm(const CellConfig& cell, Examination& examination) {
+  if (cell.arm.address.empty()) {
+    examination.step("cell file", "arm", [&] {
+      require_arm_address(cell);
+      return Look("");
+    });
+    return;
+  }
+  UrVersion version;
+  examination.step("arm", "RTDE", [&] { return listen_rtde(cell, version); });
+  if (version.major >= kPolyScopeX) return;
   examination.step("arm", "Dashboard", [&] { return ask_dashboard(cell); });
   examination.step("arm", "script port", [&] { return hear_primary(cell); });
-  examination.step("arm", "RTDE", [&] { return listen_rtde(cell); });
+}
+
+void examine(const CellConfig& cell, Examination& examination) {
+  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell); });
+  examine_arm(cell, examination);
   examination.step("gripper", "status", [&] { return ask_gripper(cell); });
   examination.step("force sensor", "reading", [&] { return read_force(cell); });
   examination.step("camera", "frames", [&] { return look_twice(cell); });
@@ -199,7 +212,7 @@ bool is_served(const CellFile& file) {
   if (!file.servers.arm.standard_ports) return false;
   const auto answers = [&](int port) {
     try {
-      (void)TcpStream::connect({file.servers.arm.address, port}, Deadline::in(kListen));
+      (void)TcpStream::connect({file.servers.arm.address, port}, Deadline::in(kListen).or_interrupt());
       return true;
     } catch (const DeviceError&) {
       return false;

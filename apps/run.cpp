@@ -24,6 +24,7 @@ struct RunCommand {
 
 /// A real arm moves only when somebody who knows says so.
 void check_permission(const RunCommand& command, const CellFile& file) {
+  require_arm_address(file.cell);
   require(command.execute, "--cell ", command.cell, " moves the robot at ", file.cell.arm.address,
           ": check the cell with `stonestack doctor --cell ", command.cell,
           "`, clear it of people, and add --execute");

@@ -20,6 +20,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kLongest = 1e9;                  // s, what a deadline may be away: 30 years
+constexpr double kTurn = 0.1;                     // s between looks at Ctrl-C
 constexpr std::size_t kMostDropped = 16U << 20U;  // bytes: a peer that never stops sending must not hold us
 
 double steady_seconds() {
@@ -45,7 +46,17 @@ double Deadline::left() const {
 }
 
 Deadline Deadline::or_in(double seconds) const {
-  return Deadline(std::min(at_, Deadline::in(seconds).at_));
+  return Deadline(std::min(at_, Deadline::in(seconds).at_), interruptible_);
+}
+
+Deadline Deadline::or_interrupt() const {
+  return Deadline(at_, true);
+}
+
+double Deadline::turn() const {
+  if (!interruptible_) return left();
+  throw_if_interrupted();
+  return std::min(left(), kTurn);
 }
 
 std::string_view io_status_name(IoStatus status) {
@@ -84,7 +95,7 @@ ByteStream::ByteStream(Descriptor descriptor, std::string name)
 IoStatus ByteStream::wait(short events, Deadline deadline) const {
   for (;;) {
     std::array<pollfd, 2> watched{{{descriptor_.number(), events, 0}, {wake_.number(), POLLIN, 0}}};
-    const double left = deadline.left();
+    const double left = deadline.turn();
     const auto whole = static_cast<time_t>(left);
     const timespec limit{whole, static_cast<long>((left - static_cast<double>(whole)) * 1e9)};
     const int ready = ::ppoll(watched.data(), watched.size(), &limit, nullptr);
@@ -125,6 +136,7 @@ IoResult ByteStream::read_exact(std::span<std::uint8_t> bytes, Deadline deadline
     const IoResult part = receive(bytes.subspan(done), deadline);
     done += part.bytes;
     if (!part) return {part.status, done};
+    if (done < bytes.size() && deadline.over()) return {IoStatus::kTimeOut, done};
   }
   return {IoStatus::kDone, done};
 }
@@ -146,6 +158,7 @@ LineResult ByteStream::read_line(std::size_t longest, Deadline deadline) {
     const IoResult got = receive(part, deadline);
     if (!got) return {got.status, {}};
     kept_.append(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got.bytes));
+    if (deadline.over() && kept_.find('\n', searched) == std::string::npos) return {IoStatus::kTimeOut, {}};
   }
 }
 
@@ -158,6 +171,7 @@ IoResult ByteStream::write_all(std::span<const std::uint8_t> bytes, Deadline dea
                                   : ::write(descriptor_.number(), rest.data(), rest.size());
     if (count >= 0) {
       done += static_cast<std::size_t>(count);
+      if (done < bytes.size() && deadline.over()) return {IoStatus::kTimeOut, done};
     } else if (means_closed(errno)) {
       return {IoStatus::kClosed, done};
     } else if (errno != EAGAIN && errno != EINTR) {

@@ -24,6 +24,10 @@ std::unique_ptr<Clock> make_steady_clock() {
   return std::make_unique<SteadyClock>();
 }
 
+double host_seconds() {
+  return steady_seconds();
+}
+
 double processor_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }

@@ -52,7 +52,7 @@ void make_prompt(const Descriptor& socket) {
 unsigned wait_for(pollfd first, int second, Deadline deadline) {
   std::array<pollfd, 2> watched{{first, {second, POLLIN, 0}}};
   for (;;) {
-    const double left = deadline.left();
+    const double left = deadline.turn();
     const auto whole = static_cast<time_t>(left);
     const timespec limit{whole, static_cast<long>((left - static_cast<double>(whole)) * 1e9)};
     const int ready = ::ppoll(watched.data(), second < 0 ? 1 : 2, &limit, nullptr);

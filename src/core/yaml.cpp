@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "stonestack/core/file.hpp"
 
@@ -27,11 +28,32 @@ struct Walk {
   }
 };
 
+/// yaml-cpp keeps both of two equal keys and finds one of them; who wrote the other would never know. Stops
+/// early in what is too deep or too large, which `Walk` refuses.
+void refuse_double_keys(const YAML::Node& node, const std::string& path, int& visits, int level) {
+  if (++visits > kMostVisits || level > kMostLevels) return;
+  if (node.IsSequence())
+    for (const auto& entry : node) refuse_double_keys(entry, path, visits, level + 1);
+  if (!node.IsMap()) return;
+  std::set<std::string> keys;
+  for (const auto& entry : node) {
+    if (entry.first.IsScalar() && !keys.insert(entry.first.Scalar()).second)
+      throw FileError(path,
+                      concat("the key '", entry.first.Scalar(), "' stands twice in one map, again in line ",
+                             entry.first.Mark().line + 1),
+                      "keep one of the two");
+    refuse_double_keys(entry.second, path, visits, level + 1);
+  }
+}
+
 }  // namespace
 
 YAML::Node parse(const std::string& text, const std::string& path) {
   try {
-    return YAML::Load(text);
+    YAML::Node node = YAML::Load(text);
+    int visits = 0;
+    refuse_double_keys(node, path, visits, 0);
+    return node;
   } catch (const YAML::Exception& problem) {
     throw FileError(path, concat("not YAML: ", problem.what()), "mend the file at that line");
   }

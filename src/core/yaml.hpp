@@ -10,7 +10,7 @@
 /// error names the file, the place and the remedy.
 namespace stonestack::yaml {
 
-/// Reads and parses. Throws FileError.
+/// Reads and parses. Throws FileError, also for a key that a map has twice (named, with its line).
 [[nodiscard]] YAML::Node read_file(const std::string& path);
 /// Parses text that came from `path` (named in errors).
 [[nodiscard]] YAML::Node parse(const std::string& text, const std::string& path);

@@ -43,7 +43,39 @@ FieldList layout_fields(CellConfig& c) {
                 field("field.depth", c.field_depth, {0.05, 3.0}, "m", "along y")}});
 }
 
-std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
+void require_word(const std::string& path, const std::string& name, const std::string& word,
+                  std::initializer_list<const char*> allowed) {
+  std::string list;
+  for (const char* known : allowed) {
+    if (word == known) return;
+    list += concat(list.empty() ? "" : ", ", known);
+  }
+  throw FileError(path, concat(name, " is '", word, "'"), "write one of " + list);
+}
+
+void require_known_words(const CellConfig& c, const std::string& path) {
+  require_word(path, "gripper.preset", c.gripper.preset, {"tcp2018", "tcp2014", "rtu"});
+  require_word(path, "gripper.mode", c.gripper.mode, {"basic", "pinch", "wide", "scissor"});
+  require_word(path, "force_torque.link", c.force_torque.link, {"serial", "ur_cap"});
+  require_word(path, "camera.driver", c.camera, {"stream", "v4l2", "realsense", "recorded"});
+}
+
+void require_usable_settings(const CellConfig& config) {
+  try {
+    static_cast<void>(to_layout(config));
+  } catch (const InvalidArgument& problem) {
+    throw FileError(config.file, problem.what(), "write a unit quaternion");
+  }
+  if (config.camera == "v4l2") try {
+      static_cast<void>(depth_unit(config.v4l2.camera));
+      static_cast<void>(to_intrinsics(config.v4l2.camera));
+    } catch (const InvalidArgument& problem) {
+      throw FileError(config.file, std::string("camera.v4l2: ") + problem.what(),
+                      "see data/cells/lab-ur10.yaml");
+    }
+}
+
+std::unique_ptr<DepthCamera> open_camera(const CellConfig& config) {
   if (config.camera == "stream") return std::make_unique<StreamCamera>(config.stream);
   if (config.camera == "v4l2") return std::make_unique<V4l2Camera>(config.v4l2);
   if (config.camera == "realsense") return std::make_unique<RealsenseCamera>(config.realsense);
@@ -93,12 +125,26 @@ CellLayout to_layout(const CellConfig& c) {
 CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   CellConfig config;
   read_fields(fields(config), path, others);
-  try {
-    static_cast<void>(to_layout(config));
-  } catch (const InvalidArgument& problem) {
-    throw FileError(path, problem.what(), "write a unit quaternion");
-  }
+  config.file = path;
+  require_known_words(config, path);
+  require_usable_settings(config);
   return config;
+}
+
+void require_arm_address(const CellConfig& config) {
+  if (config.arm.address.empty())
+    throw FileError(config.file.empty() ? "the cell" : config.file, "arm.address is missing",
+                    "write the address of the robot's controller, as `arm: {address: 192.168.1.10}`");
+}
+
+std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
+  try {
+    return open_camera(config);
+  } catch (const InvalidArgument& problem) {
+    if (config.file.empty()) throw;
+    throw FileError(config.file, concat("camera.", config.camera, ": ", problem.what()),
+                    "`stonestack config cell` lists all settings");
+  }
 }
 
 struct HardwareCell::Devices {
@@ -120,7 +166,7 @@ struct HardwareCell::Devices {
 };
 
 HardwareCell::HardwareCell(const CellConfig& config) {
-  require(!config.arm.address.empty(), "the cell names no address of the arm; write arm.address");
+  require_arm_address(config);
   devices_ = std::make_unique<Devices>(config);
 }
 

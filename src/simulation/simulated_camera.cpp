@@ -27,7 +27,7 @@ DepthFrame SimulatedCamera::capture() {
   DepthFrame frame;
   frame.image = true_view(what_is_seen(*world_), *stones_, T_W_C, sensor_, random_);
   frame.number = ++number_;
-  frame.device_time = world_->time();
+  frame.device_time = frame.host_time = world_->time();
   return frame;
 }
 

@@ -56,7 +56,7 @@ Wrench SimulatedForceTorque::measure() {
     wrench.force = counted(wrench.force + normals(random_, kForceSigma), kForceCount);
     wrench.torque = counted(wrench.torque + normals(random_, kTorqueSigma), kTorqueCount);
   }
-  wrench.device_time = last_time_;
+  wrench.device_time = wrench.host_time = last_time_;
   return wrench;
 }
 

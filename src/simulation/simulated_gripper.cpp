@@ -20,6 +20,7 @@ constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep tow
 
 GripperState SimulatedGripper::state() {
   GripperState state;
+  state.host_time = world_->time();
   state.opening = opening(world_->hand());
   // A stone that was lost lets the fingers close to the end.
   const auto& drives = world_->finger_drives();

@@ -6,11 +6,14 @@
 
 #include "commands.hpp"
 #include "stonestack/core/clock.hpp"
+#include "stonestack/core/socket.hpp"
 
 namespace stonestack {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ContainsRegex;
+using ::testing::Not;
 
 using DoctorCommand = Commands;
 
@@ -37,7 +40,7 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
   EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1.*local mode.*Remote Control"));
   EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, RTDE: .*127.0.0.1:30004.*security settings"));
   EXPECT_THAT(local.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1:[0-9]+.*stale"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  gripper, status: .*activate"));
+  EXPECT_THAT(local.err, ContainsRegex("FAIL  gripper, status: .*127.0.0.1:[0-9]+ unit 2.*activate"));
   write("old_cb3.yaml",
         "simulate: true\nsimulators:\n"
         "  arm: {version: 3.8.0.61336, faults: {fieldbus_owns_lower_registers: true, no_dashboard: true}}\n"
@@ -64,6 +67,58 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
   const Outcome broken = run("doctor --cell broken.yaml");
   EXPECT_THAT(broken.err, ContainsRegex("FAIL  arm, RTDE: .*the stream broke [0-9]+ times"));
   EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
+}
+
+TEST_F(DoctorCommand, RefusesPolyScopeX) {
+  write("x.yaml", "simulate: true\nsimulators: {arm: {version: 10.7.0.0}}\n");
+  const Outcome refused = run("doctor --cell x.yaml");
+  EXPECT_EQ(refused.code, 6);
+  EXPECT_THAT(refused.err, ContainsRegex("FAIL  arm, RTDE: UR controller at 127.*PolyScope X 10.7.0.0"));
+  EXPECT_THAT(refused.err, Not(HasSubstr("Dashboard"))) << "there is none to be enabled";
+}
+
+/// A cell all of whose ports take connections and say nothing.
+struct SilentCell {
+  TcpListener listener{ListenOptions{}};
+  [[nodiscard]] std::string text() const {
+    const int port = listener.endpoint().port;
+    return concat("simulate: false\narm: {address: 127.0.0.1, rtde_port: ", port, ", primary_port: ", port,
+                  ", secondary_port: 0, realtime_port: 0, dashboard_port: ", port,
+                  ", rtde: {attempts: 1, reply_timeout: 0.2}}\ngripper: {address: 127.0.0.1, port: ", port,
+                  "}\nforce_torque: {link: ur_cap, address: 127.0.0.1, port: ", port,
+                  "}\ncamera: {driver: stream, stream: {address: 127.0.0.1, port: ", port,
+                  ", frame_timeout: 0.2}}\n");
+  }
+};
+
+TEST_F(DoctorCommand, AnOpenPortIsNoController) {
+  const SilentCell silent;
+  write("silent.yaml", silent.text());
+  const Outcome heard = run("doctor --cell silent.yaml");
+  EXPECT_EQ(heard.code, 6);
+  EXPECT_THAT(heard.err,
+              ContainsRegex("FAIL  arm, script port: .*127.0.0.1:[0-9]+: says neither.*primary_port"));
+  EXPECT_THAT(heard.err, Not(HasSubstr("ok    arm")));
+}
+
+TEST_F(DoctorCommand, CtrlCEndsItAtOnce) {
+  const SilentCell silent;
+  std::string text = silent.text();
+  const std::string soon = "reply_timeout: 0.2";
+  write("silent.yaml", text.replace(text.find(soon), soon.size(), "reply_timeout: 60"));
+  const Stopwatch watch;
+  const Outcome ended = shell(concat("cd ", folder_, " && timeout --preserve-status -s INT 1 ",
+                                     STONESTACK_BINARY, " doctor --cell silent.yaml 2>err"));
+  EXPECT_LT(watch.seconds(), 40) << "it does not wait for the controller";
+  EXPECT_EQ(ended.code, 130);
+  EXPECT_THAT(ended.err, Not(HasSubstr("FAIL"))) << "and looks at nothing else";
+}
+
+TEST_F(DoctorCommand, SaysThatACellHasNoAddressOfAnArm) {
+  write("empty.yaml", "");
+  const Outcome run_it = run("run --cell empty.yaml --execute");
+  EXPECT_EQ(run_it.code, 3);
+  EXPECT_THAT(run_it.err, AllOf(HasSubstr("empty.yaml"), HasSubstr("arm.address is missing")));
 }
 
 TEST_F(DoctorCommand, ExaminesWhatAnotherProcessServes) {

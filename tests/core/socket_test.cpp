@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <atomic>
 #include <numeric>
 #include <thread>
 #include <vector>
@@ -33,6 +34,19 @@ TEST(Deadline, IsBoundedAndRefusesNonsense) {
   EXPECT_LE(Deadline::in(1).or_in(5).left(), 1.0);
   EXPECT_THROW((void)Deadline::in(-1), InvalidArgument);
   EXPECT_THROW((void)Deadline::in(std::nan("")), InvalidArgument);
+}
+
+TEST(Socket, BytesWithoutEndDoNotPutOffTheDeadline) {
+  Pair pair;
+  std::atomic<bool> enough{false};
+  std::thread talker([&] {
+    const Bytes some(65536, 'x');
+    for (const Deadline end = Deadline::in(kLong); !enough && !end.over();)
+      if (!pair.client.write_all(some, Deadline::in(kSoon))) continue;
+  });
+  EXPECT_EQ(pair.server.read_line(std::size_t{1} << 28U, Deadline::in(0.05)).status, IoStatus::kTimeOut);
+  enough = true;
+  talker.join();
 }
 
 TEST(Socket, CarriesBytesBothWays) {

@@ -1,9 +1,13 @@
 #include "core/yaml.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace stonestack::yaml {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
 
 TEST(YamlMap, RefusesMissingWrongAndUnknownKeys) {
   Map map(parse("{mass: 1.5, friction: nan, extra: 1}", "stone.yaml"), "stone.yaml");
@@ -17,6 +21,21 @@ TEST(YamlMap, RefusesMissingWrongAndUnknownKeys) {
 TEST(YamlMap, RefusesWhatIsNotAMap) {
   EXPECT_THROW(Map(parse("[1, 2]", "a.yaml"), "a.yaml"), FileError);
   EXPECT_THROW((void)parse("{a: [}", "a.yaml"), FileError);
+}
+
+TEST(Yaml, RefusesAKeyThatAMapHasTwice) {
+  const auto problem_of = [](const std::string& text) -> std::string {
+    try {
+      (void)parse(text, "cell.yaml");
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problem_of("arm:\n  port: 1\n  port: 2\n"),
+              AllOf(HasSubstr("cell.yaml"), HasSubstr("'port'"), HasSubstr("line 3")));
+  EXPECT_THAT(problem_of("list:\n  - {a: 1, a: 2}\n"), HasSubstr("'a'"));
+  EXPECT_EQ(problem_of("a: {x: 1}\nb: {x: 2}\n"), "");
 }
 
 TEST(YamlWalk, EndsOnAnAliasBomb) {

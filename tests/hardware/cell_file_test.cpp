@@ -12,6 +12,7 @@
 namespace stonestack {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 class CellFile : public testing::Test {
@@ -59,7 +60,47 @@ TEST_F(CellFile, RefusesWhatCannotBe) {
   EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("900"));
   EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("config cell"));
   EXPECT_NE(problem_of("arm: [1, 2\n"), "");
-  EXPECT_THROW(HardwareCell(CellConfig{}), InvalidArgument) << "no address";
+}
+
+TEST_F(CellFile, NamesFileAndWordsThatItMayHave) {
+  const auto refuses = [&](const std::string& text, const std::string& what, const std::string& instead) {
+    EXPECT_THAT(problem_of(text), AllOf(HasSubstr(path_), HasSubstr(what), HasSubstr(instead)));
+  };
+  refuses("gripper: {preset: tcp2020}\n", "gripper.preset is 'tcp2020'", "tcp2018, tcp2014, rtu");
+  refuses("gripper: {mode: pinc}\n", "gripper.mode is 'pinc'", "basic, pinch, wide, scissor");
+  refuses("force_torque: {link: usb}\n", "force_torque.link is 'usb'", "serial, ur_cap");
+  refuses("camera: {driver: kinect}\n", "camera.driver is 'kinect'", "stream, v4l2, realsense, recorded");
+  refuses("camera: {driver: v4l2, v4l2: {fx: 400, fy: 400}}\n", "camera.v4l2: depth_scale is not given", "");
+  refuses("arm: {address: 127.0.0.1}\ngripper: {}\narm: {address: 127.0.0.2}\n", "'arm' stands twice",
+          "line 3");
+}
+
+TEST_F(CellFile, NamesTheFileThatHasNoAddressOfTheArm) {
+  const auto problem = [&](const std::string& text) -> std::string {
+    try {
+      HardwareCell(read(text));
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(problem(""), AllOf(HasSubstr(path_), HasSubstr("arm.address is missing")));
+  EXPECT_THAT(problem("robot: ur10\n"), HasSubstr("arm.address is missing"));
+}
+
+TEST_F(CellFile, NamesTheFileWhoseCameraLacksSettings) {
+  const std::string folder = testing::TempDir() + "cell_file_frames";
+  std::filesystem::create_directories(folder);
+  write_file(folder + "/frames.z16", "not yet a frame");
+  CellConfig cell = read("camera: {driver: recorded, recorded: {path: " + folder +
+                         "/frames.z16, format: z16, fx: 400, fy: 400}}\n");
+  try {
+    static_cast<void>(make_camera(cell));
+    ADD_FAILURE() << "a depth scale is never guessed";
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr(path_), HasSubstr("depth_scale")));
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(CellFile, TheTemplateForALabIsReadable) {

@@ -41,7 +41,7 @@ class FakeUr {
       : version_(version),
         on_script_(std::move(on_script)),
         rtde_(std::make_unique<FakeRtde>([this](int) { return plan(); })),
-        primary_([this](TcpStream& stream, int) { serve_scripts(stream); }),
+        primary_(std::make_unique<FakeServer>([this](TcpStream& stream, int) { serve_scripts(stream); })),
         dashboard_([this](TcpStream& stream, int) { serve_dashboard(stream); }) {
     state_.first = first_register(version);
     for (const std::string& name : outputs()) state_.fields[name] = rtde_zero(find_rtde_output(name)->type);
@@ -54,7 +54,7 @@ class FakeUr {
     state_.set_running(false);
   }
   ~FakeUr() {
-    primary_.stop();
+    close_scripts();
     dashboard_.stop();
     rtde_.reset();
   }
@@ -63,7 +63,7 @@ class FakeUr {
     UrArmOptions o;
     o.address = "127.0.0.1";
     o.rtde_port = rtde_->endpoint().port;
-    o.primary_port = primary_.port();
+    o.primary_port = primary_->port();
     o.secondary_port = o.realtime_port = 0;
     o.dashboard_port = dashboard_.port();
     o.start_timeout = 0.4;
@@ -90,7 +90,12 @@ class FakeUr {
     for (auto at = all.find(text); at != std::string::npos; at = all.find(text, at + 1)) ++n;
     return n;
   }
-  [[nodiscard]] int script_connections() const { return primary_.connections(); }
+  [[nodiscard]] int script_connections() const { return primary_->connections(); }
+  /// No scripts any more: the connection is closed and others are refused.
+  void close_scripts() {
+    closing_scripts_ = true;
+    primary_.reset();
+  }
   [[nodiscard]] FakeRtde& rtde() { return *rtde_; }
   void set_remote(bool remote) { remote_ = remote; }
 
@@ -139,7 +144,7 @@ class FakeUr {
 
   void serve_scripts(TcpStream& stream) {
     std::string text;
-    while (!primary_.ending()) {
+    while (!closing_scripts_) {
       std::array<std::uint8_t, 65536> bytes{};
       const IoResult read = stream.read_some(bytes, Deadline::in(0.005));
       if (read.status == IoStatus::kClosed) return;
@@ -190,7 +195,8 @@ class FakeUr {
   bool drop_ = false;
   std::atomic<bool> remote_{true};
   std::unique_ptr<FakeRtde> rtde_;
-  FakeServer primary_;
+  std::atomic<bool> closing_scripts_{false};
+  std::unique_ptr<FakeServer> primary_;
   FakeServer dashboard_;
 };
 

@@ -14,6 +14,7 @@ namespace stonestack {
 namespace {
 
 using Kind = PrimaryMessage::Kind;
+using testing::AllOf;
 using testing::HasSubstr;
 
 // Frames written by hand: size, type 20, time stamp, source, kind, and what belongs to it.
@@ -152,6 +153,24 @@ TEST(PrimaryClient, FallsBackToTheNextPort) {
     EXPECT_THAT(error.what(), HasSubstr(std::to_string(closed)));
     EXPECT_THAT(error.what(), HasSubstr("security settings"));
   }
+}
+
+TEST(PrimaryClient, TellsAControllerFromWhatElseListens) {
+  const auto problem_of = [](const std::string& hello) -> std::string {
+    FakePrimary server(hello);
+    const PrimaryClient client("127.0.0.1", {{server.server.port()}, 0.5, 0.5});
+    try {
+      client.wait_until_heard(Deadline::in(hello.empty() ? 0.2 : 20.0));
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(problem_of(kVersion), "");
+  EXPECT_EQ(problem_of(kText + kState), "");
+  EXPECT_THAT(problem_of(""), AllOf(HasSubstr("127.0.0.1:"), HasSubstr("neither its version"),
+                                    HasSubstr("arm.primary_port")));
+  EXPECT_THAT(problem_of("HTTP/1.1 400 Bad Request\r\n"), HasSubstr("no UR controller: package of"));
 }
 
 TEST(PrimaryClient, ConnectsAgainWhenTheStreamIsLostOrGarbage) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hardware/fake_rtde.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -73,7 +74,7 @@ TEST(RtdeClient, SetsUpReadsAndWrites) {
   const auto next = client.wait_for_next(Deadline::in(1.0));
   ASSERT_TRUE(next);
   EXPECT_GE(next->device_time(), 100.0);
-  EXPECT_GT(next->host_time(), 0.0);
+  EXPECT_LE(std::abs(next->host_time() - host_seconds()), 60.0) << "the clock of all devices";
   EXPECT_EQ((next->get<std::array<double, 6>>("actual_q"))[5], 0.5);
   EXPECT_FALSE(next->has("actual_qd"));
   EXPECT_THROW(static_cast<void>(next->get<double>("actual_q")), InvalidArgument);
@@ -164,6 +165,59 @@ TEST(RtdeClient, NamesWhatIsRequiredAndMissing) {
     return plan;
   });
   EXPECT_THAT(error_of(input), HasSubstr("input_int_register_24"));
+}
+
+TEST(RtdeClient, NamesAFieldOfAnotherTypeThanItMustHave) {
+  FakeRtde time([](int) {
+    FakeRtdePlan plan = good_plan();
+    plan.replies['O'] = {hex("00 13 4F 01 'UINT32,VECTOR6D'")};
+    return plan;
+  });
+  EXPECT_THAT(error_of(time),
+              AllOf(HasSubstr("timestamp as UINT32, not as DOUBLE"), HasSubstr("127.0.0.1:")));
+  FakeRtde joints([](int) {
+    FakeRtdePlan plan = good_plan();
+    plan.replies['O'] = {hex("00 11 4F 01 'DOUBLE,DOUBLE'")};
+    return plan;
+  });
+  EXPECT_THAT(error_of(joints), HasSubstr("actual_q as DOUBLE, not as VECTOR6D"));
+  FakeRtde input([](int) {
+    FakeRtdePlan plan = good_plan();
+    plan.replies['I'] = {hex("00 0A 49 01 'DOUBLE'")};
+    return plan;
+  });
+  EXPECT_THAT(error_of(input), HasSubstr("input_int_register_24 as DOUBLE, not as INT32"));
+}
+
+TEST(RtdeClient, ATypeThatChangesOnTheWayIsALostLink) {
+  FakeRtde server([](int connection) {
+    FakeRtdePlan plan = good_plan();
+    if (connection > 0) plan.replies['O'] = {hex("00 13 4F 01 'UINT32,VECTOR6D'")};
+    plan.drop_after_data = true;
+    plan.data = [](long n) { return n > 20 ? std::string() : steady(n); };
+    return plan;
+  });
+  RtdeClient client(server.endpoint(), recipe, quick());
+  ASSERT_TRUE(eventually([&] { return server.connections() >= 3; }));
+  try {
+    static_cast<void>(client.version());
+    ADD_FAILURE() << "the link must be down";
+  } catch (const DeviceError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("timestamp as UINT32"));
+  }
+}
+
+TEST(RtdeClient, ATimestampBeyondAllTimesIsRefused) {
+  FakeRtde server([](int) {
+    FakeRtdePlan plan = good_plan();
+    plan.data = [](long n) { return n == 5 ? data(1e300) : n == 8 ? data(-1e300) : steady(n); };
+    return plan;
+  });
+  RtdeClient client(server.endpoint(), recipe, quick());
+  ASSERT_TRUE(eventually([&] { return client.counts().accepted > 30; }));
+  EXPECT_EQ(client.counts().refused, 2);
+  EXPECT_EQ(client.counts().skipped, 2) << "the refused ones leave gaps, no others";
+  EXPECT_EQ(client.counts().sessions, 1);
 }
 
 TEST(RtdeClient, RetriesAnInputInUseThenNamesIt) {

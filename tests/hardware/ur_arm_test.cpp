@@ -270,6 +270,38 @@ TEST(UrArm, AStopThatIsNotObeyedIsAnError) {
   EXPECT_THROW(bench.arm.stop(), DeviceError);
 }
 
+TEST(UrArm, AStopThatCannotBeSentLeavesTheArmToTheWatchdog) {
+  Bench bench(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 100000); });
+  std::thread moving([&] { EXPECT_NE(bench.arm.follow(small_move()).status, Status::kDone); });
+  ASSERT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
+  bench.robot.close_scripts();
+  bench.robot.change([](State& s) { s.set("actual_qd", std::array<double, 6>{0.5, 0, 0, 0, 0, 0}); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the arm has seen the connection end
+  EXPECT_THROW(bench.arm.stop(), DeviceError);
+  moving.join();
+  const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // what was under way has arrived
+  const auto before = beats();
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  EXPECT_EQ(beats(), before) << "a heartbeat keeps the program, and the arm, going";
+  EXPECT_THAT(bench.arm.state().stop_reason, HasSubstr("could not send a stop"));
+  EXPECT_THROW(bench.arm.rearm(), DeviceError) << "the program runs";
+  bench.robot.change([](State& s) {
+    s.later.clear();
+    s.set_running(false);
+  });
+  EXPECT_TRUE(eventually([&] {
+    try {
+      bench.arm.rearm();
+      return true;
+    } catch (const DeviceError&) {
+      return false;
+    }
+  }));
+  EXPECT_TRUE(eventually([&] { return beats() > before; }));
+}
+
 TEST(UrArm, AnotherClientsProgram) {
   Bench taken([](State& s, const std::string& script, int run) {
     obey(s, script, run);
@@ -396,6 +428,7 @@ TEST(UrArm, PayloadIsSetAndReadBack) {
   Bench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     s.set("payload", 2.5);
+    s.set("payload_cog", std::array<double, 3>{0, 0, 0.1});
     s.set("tcp_offset", std::array<double, 6>{0, 0, 0.264, 0, 0, 0});
   });
   bench.arm.set_payload(2.5, {0, 0, 0.1});
@@ -412,6 +445,28 @@ TEST(UrArm, PayloadIsSetAndReadBack) {
   }
 }
 
+TEST(UrArm, ACentreOrATurnedToolThatIsReadBackOtherwiseIsAnError) {
+  const auto problem_of = [](std::array<double, 3> centre, std::array<double, 6> tool) -> std::string {
+    Bench bench([=](State& s, const std::string& script, int run) {
+      obey(s, script, run);
+      s.set("payload", 2.5);
+      s.set("payload_cog", centre);
+      s.set("tcp_offset", tool);
+    });
+    try {
+      bench.arm.set_payload(2.5, {0, 0, 0.1});
+    } catch (const DeviceError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(problem_of({0, 0, 0.1}, {0, 0, 0.264, 0, 0, 0}), "");
+  EXPECT_THAT(problem_of({0, 0, 0.2}, {0, 0, 0.264, 0, 0, 0}),
+              HasSubstr("payload's centre at (  0   0 0.2) m"));
+  EXPECT_THAT(problem_of({0, 0, 0.1}, {0, 0, 0.264, 0, 0, 0.5}), HasSubstr("turned by (  0   0 0.5) rad"));
+  EXPECT_EQ(problem_of({0, 0, 0.1}, {0, 0, 0.264, 0, 0, 2 * M_PI}), "") << "a whole turn is none";
+}
+
 TEST(UrArm, OldControllersUseTheLowerRegisters) {
   Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); }, {3, 8, 0, 0});
   EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
@@ -424,7 +479,7 @@ TEST(UrArm, PolyScopeXIsRefused) {
     const UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool());
     FAIL();
   } catch (const DeviceError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("PolyScope X 10.7.0.0"));
+    EXPECT_THAT(error.what(), HasSubstr("UR controller at 127.0.0.1: PolyScope X 10.7.0.0"));
   }
 }
 

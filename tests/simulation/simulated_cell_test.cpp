@@ -137,6 +137,17 @@ TEST(SimulatedCell, ALateForceLetsTheHandPressHarder) {
   EXPECT_NEAR(height_at_contact(0.0) - height_at_contact(0.020), 0.0001, 0.00006);
 }
 
+TEST(SimulatedCell, EveryStateHasTheTimeOfTheCellsClock) {
+  Bench bench({make_pebble("pebble", 1.2)});
+  bench.cell.force_torque.zero();  // takes its time
+  const double before = bench.cell.clock.now();
+  ASSERT_GT(before, 0.0);
+  EXPECT_GE(bench.cell.force_torque.read().host_time, before);
+  EXPECT_GE(bench.cell.gripper.state().host_time, before);
+  EXPECT_GE(bench.cell.arm.state().host_time, before);
+  EXPECT_GE(bench.cell.camera.capture().host_time, before);
+}
+
 TEST(SimulatedCell, ArmRefusesAndStops) {
   Bench bench({make_pebble("pebble", 1.2)});
   auto& arm = bench.cell.arm;

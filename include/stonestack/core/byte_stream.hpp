@@ -18,10 +18,16 @@ class Deadline {
   [[nodiscard]] bool over() const { return left() <= 0.0; }
   /// The earlier of the two.
   [[nodiscard]] Deadline or_in(double seconds) const;
+  /// The same point; who waits for it throws Interrupted within 0.1 s of Ctrl-C. Not for what must still work
+  /// then, as stopping an arm.
+  [[nodiscard]] Deadline or_interrupt() const;
+  /// Seconds to wait before the next look at it. Throws Interrupted, see `or_interrupt`.
+  [[nodiscard]] double turn() const;
 
  private:
-  explicit Deadline(double at) : at_(at) {}
+  explicit Deadline(double at, bool interruptible = false) : at_(at), interruptible_(interruptible) {}
   double at_;  // s of the steady clock
+  bool interruptible_ = false;
 };
 
 /// How a read or a write ended. Anything else (a broken descriptor, no memory) is a DeviceError.
@@ -66,7 +72,8 @@ class ByteStream {
 
   /// Whatever is there, at least one byte. `bytes` may stay partly unused; an empty span is kDone at once.
   IoResult read_some(std::span<std::uint8_t> bytes, Deadline deadline);
-  /// Fills `bytes`. After kTimeOut the bytes counted in the result are lost to later reads.
+  /// Fills `bytes`; bytes that trickle in do not put off the deadline. After kTimeOut the bytes counted in
+  /// the result are lost to later reads.
   IoResult read_exact(std::span<std::uint8_t> bytes, Deadline deadline);
   /// One line up to '\n'. After kTimeOut the part that came is kept for the next call. Throws DeviceError
   /// for a line longer than `longest`.

@@ -14,6 +14,9 @@ class Clock {
 /// std::chrono::steady_clock.
 [[nodiscard]] std::unique_ptr<Clock> make_steady_clock();
 
+/// s of std::chrono::steady_clock, one origin for all of the process: when something reached this host.
+[[nodiscard]] double host_seconds();
+
 /// s, of all threads of this process so far: what a stage costs, however busy the machine is.
 [[nodiscard]] double processor_seconds();
 

@@ -6,7 +6,8 @@
 
 namespace stonestack {
 
-/// What the arm reports. Times in seconds; `device_time` is the controller's own.
+/// What the arm reports. Times in seconds; `device_time` is the controller's own, `host_time` that of
+/// `host_seconds` (in a simulated cell of its clock).
 struct ArmState {
   Joints q = Joints::Zero();
   Joints qd = Joints::Zero();

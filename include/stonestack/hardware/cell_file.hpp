@@ -20,6 +20,7 @@ using PoseNumbers = std::array<double, 7>;
 
 /// One file (data/cells/*.yaml) says which devices a cell has, where they are, and how things are mounted.
 struct CellConfig {
+  std::string file;            ///< where it was read, for errors; empty: nowhere
   std::string robot = "ur10";  ///< ur3 to ur16e or the path of a URDF
   UrArmOptions arm;
   ThreeFingerOptions gripper;
@@ -40,13 +41,21 @@ struct CellConfig {
 [[nodiscard]] FieldList fields(CellConfig& config);
 /// Throws InvalidArgument for a quaternion that is not one (length off by more than 1e-3).
 [[nodiscard]] CellLayout to_layout(const CellConfig& config);
-/// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value.
+/// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value,
+/// also for a word that is none of those that a setting knows.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
+
+/// Throws FileError that names the file when it says no `arm.address`.
+void require_arm_address(const CellConfig& config);
+/// The camera of `camera.driver`, connected. Throws FileError that names the file for settings that do not
+/// do.
+[[nodiscard]] std::unique_ptr<DepthCamera> make_camera(const CellConfig& config);
 
 /// The devices of a cell, connected. Making it moves nothing.
 class HardwareCell {
  public:
-  /// Throws DeviceError that names the device, its address and what to do.
+  /// Throws DeviceError that names the device, its address and what to do, FileError for a cell file that
+  /// does not say enough.
   explicit HardwareCell(const CellConfig& config);
   ~HardwareCell();
   [[nodiscard]] Cell cell();

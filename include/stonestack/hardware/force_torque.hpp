@@ -8,6 +8,7 @@ struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   double device_time = 0.0;  ///< s
+  double host_time = 0.0;    ///< s of `host_seconds`, when it arrived; in a simulated cell of its clock
 };
 
 /// A wrist sensor. A reading older than 50 ms is a DeviceError.

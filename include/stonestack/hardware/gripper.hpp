@@ -7,8 +7,9 @@ namespace stonestack {
 struct GripperState {
   double opening = 0.155;
   bool moving = false;
-  bool object = false;  ///< stopped by an object while closing
-  std::string fault;    ///< empty: none
+  bool object = false;     ///< stopped by an object while closing
+  std::string fault;       ///< empty: none
+  double host_time = 0.0;  ///< s of `host_seconds`, when it was read; in a simulated cell of its clock
 };
 
 /// A gripper whose fingers close on one axis (x of T).

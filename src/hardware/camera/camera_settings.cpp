@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "geometry/camera_check.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -101,6 +102,7 @@ DepthFrame FrameCheck::pass(DepthFrame frame) {
   number_ = frame.number;
   time_ = frame.device_time;
   image_ = image;
+  frame.host_time = host_seconds();
   return frame;
 }
 

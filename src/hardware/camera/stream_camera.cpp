@@ -30,16 +30,16 @@ struct StreamCamera::Link {
 
   void connect() {
     try {
-      stream = std::make_unique<TcpStream>(
-          TcpStream::connect({options.address, options.port}, Deadline::in(options.connect_timeout)));
+      stream = std::make_unique<TcpStream>(TcpStream::connect(
+          {options.address, options.port}, Deadline::in(options.connect_timeout).or_interrupt()));
     } catch (const DeviceError& error) {
-      throw DeviceError("depth camera", error.what(), "start the camera's server");
+      throw DeviceError(name, error.what(), "start the camera's server");
     }
   }
 
   /// The next frame; empty with a problem when the link is not to be trusted any more.
   std::optional<DepthFrame> ask(std::string& problem) {
-    const Deadline deadline = Deadline::in(options.frame_timeout);
+    const Deadline deadline = Deadline::in(options.frame_timeout).or_interrupt();
     const auto lost = [&](IoStatus status) {
       problem = status == IoStatus::kClosed ? "the connection was closed"
                                             : concat("no frame within ", options.frame_timeout, " s");

@@ -119,9 +119,10 @@ void V4l2Stream::queue(unsigned index) {
 
 DepthFrame V4l2Stream::capture() {
   const double asked = calls_->now();
-  const Deadline deadline = Deadline::in(options_.frame_timeout);
+  const Deadline deadline = Deadline::in(options_.frame_timeout).or_interrupt();
   int damaged = 0;
-  while (calls_->wait(deadline)) {
+  bool waits = true;  // for one that is new and whole, however many others come
+  for (; waits && calls_->wait(deadline); waits = !deadline.over()) {
     throw_if_interrupted();
     v4l2_buffer buffer = make_buffer(0);
     if (calls_->control(VIDIOC_DQBUF, &buffer) < 0) {

@@ -30,7 +30,7 @@ class Kernel final : public V4l2Calls {
   bool wait(Deadline deadline) override {
     for (;;) {
       pollfd watched{node_.number(), POLLIN, 0};
-      const int ready = ::poll(&watched, 1, static_cast<int>(deadline.left() * 1e3) + 1);
+      const int ready = ::poll(&watched, 1, static_cast<int>(deadline.turn() * 1e3) + 1);
       if (ready > 0) return true;
       if (deadline.over()) return false;
     }

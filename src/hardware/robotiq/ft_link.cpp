@@ -16,9 +16,9 @@ constexpr std::uint16_t kOutputSelect = 410, kStreamOn = 0x0200, kFirmware = 500
 constexpr std::uint16_t kFirmwareWords = 3;
 constexpr std::size_t kLastBytes = 32;
 
-/// Reads until there is a reading; remembers what came.
+/// Reads until there is a reading or the deadline is over, however much comes; remembers what came.
 bool listen(FtLink& link, modbus::Bytes& last, Deadline deadline) {
-  for (;;) {
+  do {
     std::array<std::uint8_t, 256> bytes;
     const IoResult got = link.stream->read_some(bytes, deadline);
     if (!got) return false;
@@ -28,7 +28,8 @@ bool listen(FtLink& link, modbus::Bytes& last, Deadline deadline) {
       last.erase(last.begin(), last.end() - static_cast<std::ptrdiff_t>(kLastBytes));
     link.parser.feed(part);
     if (link.parser.next()) return true;
-  }
+  } while (!deadline.over());
+  return false;
 }
 
 std::optional<modbus::Reply> ask(ByteStream& line, std::uint8_t unit, const modbus::Request& request,
@@ -41,7 +42,7 @@ std::optional<modbus::Reply> ask(ByteStream& line, std::uint8_t unit, const modb
     kept.insert(kept.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(got.bytes));
     if (const auto frame = modbus::find_rtu_reply(kept, unit, request))
       return modbus::parse_reply(request, frame->pdu);
-    if (kept.size() > 1024) return std::nullopt;
+    if (kept.size() > 1024 || deadline.over()) return std::nullopt;
   }
 }
 
@@ -77,7 +78,7 @@ void start_stream(FtLink& link, const FtSensorOptions& options, Deadline deadlin
   link.parser = FtParser(FtParser::Format::kSerial);
 }
 
-FtLink open_link(const FtSensorOptions& options, Deadline deadline) {
+FtLink open_link(const FtSensorOptions& options, Deadline deadline) try {
   if (options.link == "serial")
     return {std::make_unique<SerialPort>(SerialPort::open(options.device, options.baud)),
             FtParser(FtParser::Format::kSerial),
@@ -87,6 +88,10 @@ FtLink open_link(const FtSensorOptions& options, Deadline deadline) {
   return {std::make_unique<TcpStream>(TcpStream::connect({options.address, options.port}, deadline)),
           FtParser(FtParser::Format::kCap),
           {}};
+} catch (const DeviceError& error) {
+  throw DeviceError(ft_name(options), error.what(),
+                    options.link == "serial" ? "see force_torque.device in the cell file"
+                                             : "see that the sensor's cap is installed on the controller");
 }
 
 }  // namespace

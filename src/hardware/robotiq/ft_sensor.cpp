@@ -57,6 +57,7 @@ struct RobotiqFtSensor::Stream {
   std::condition_variable arrived;
   FtReading newest{};
   double newest_time = 0.0;  // s of `clock`
+  double newest_host = 0.0;  // s of `host_seconds`
   long number = 0, returned = 0;
   int equal = 0;  // readings running that are the same
   FtStreamHealth health;
@@ -70,7 +71,7 @@ struct RobotiqFtSensor::Stream {
   explicit Stream(const FtSensorOptions& o)
       : options(o),
         name(ft_name(o)),
-        link(start_ft_link(o, Deadline::in(o.start_timeout))),
+        link(start_ft_link(o, Deadline::in(o.start_timeout).or_interrupt())),
         firmware(link.firmware) {
     thread = std::thread([this] { drain(); });
   }
@@ -137,6 +138,7 @@ void RobotiqFtSensor::Stream::keep(const FtReading& reading) {
   if (number > returned) ++health.skipped;
   newest = reading;
   newest_time = clock.seconds();
+  newest_host = host_seconds();
   ++number;
   ++health.readings;
   times.push_back(newest_time);
@@ -167,6 +169,7 @@ Wrench RobotiqFtSensor::Stream::next(double patience) {
   wrench.force = {newest[0], newest[1], newest[2]};
   wrench.torque = {newest[3], newest[4], newest[5]};
   wrench.device_time = newest_time;
+  wrench.host_time = newest_host;
   lock.unlock();
   require_plausible(wrench);
   return wrench;
@@ -192,6 +195,7 @@ Wrench RobotiqFtSensor::read() {
   wrench.force = R_F_S * (raw.force - stream_->zero.force);
   wrench.torque = R_F_S * (raw.torque - stream_->zero.torque);
   wrench.device_time = raw.device_time;
+  wrench.host_time = raw.host_time;
   return wrench;
 }
 

@@ -16,7 +16,7 @@ class RtuTransport final : public Transport {
 
   Attempt exchange(const Request& request) override {
     if (!line_) open();
-    const Deadline deadline = Deadline::in(options_.reply_timeout);
+    const Deadline deadline = Deadline::in(options_.reply_timeout).or_interrupt();
     const auto unit = static_cast<std::uint8_t>(options_.unit);
     line_->discard_input();
     if (const IoResult sent = line_->write_all(rtu_frame(unit, request_pdu(request)), deadline); !sent)
@@ -29,7 +29,7 @@ class RtuTransport final : public Transport {
       got.insert(got.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(read.bytes));
       if (const auto frame = find_rtu_reply(got, unit, request))
         return {parse_reply(request, frame->pdu), {}, {}};
-      if (got.size() > kMostKept) return lost(IoStatus::kTimeOut, got);
+      if (got.size() > kMostKept || deadline.over()) return lost(IoStatus::kTimeOut, got);
     }
   }
 

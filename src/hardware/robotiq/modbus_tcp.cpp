@@ -13,11 +13,12 @@ class TcpTransport final : public Transport {
 
   Attempt exchange(const Request& request) override {
     if (!stream_) connect();
-    const Deadline deadline = Deadline::in(options_.reply_timeout);
+    const Deadline deadline = Deadline::in(options_.reply_timeout).or_interrupt();
     const Bytes frame =
         tcp_frame(++transaction_, static_cast<std::uint8_t>(options_.unit), request_pdu(request));
     if (const IoResult sent = stream_->write_all(frame, deadline); !sent) return lost(sent.status);
-    for (;;) {
+    for (int late = 0;; ++late) {
+      if (late > 0 && deadline.over()) return flooded(late);
       std::array<std::uint8_t, kTcpHeader> header_bytes;
       if (const IoResult got = stream_->read_exact(header_bytes, deadline); !got) {
         silent_ = got.status == IoStatus::kTimeOut && got.bytes == 0;
@@ -41,8 +42,8 @@ class TcpTransport final : public Transport {
 
  private:
   void connect() {
-    stream_ = std::make_unique<TcpStream>(
-        TcpStream::connect({options_.address, options_.port}, Deadline::in(options_.connect_timeout)));
+    stream_ = std::make_unique<TcpStream>(TcpStream::connect(
+        {options_.address, options_.port}, Deadline::in(options_.connect_timeout).or_interrupt()));
   }
 
   [[nodiscard]] Attempt lost(IoStatus status) const {
@@ -51,6 +52,12 @@ class TcpTransport final : public Transport {
               "see whether another master holds the gripper, or it was restarted"};
     return {std::nullopt, concat("no reply within ", options_.reply_timeout, " s"),
             "check unit id, wiring, and that the gripper's network module is the Modbus one"};
+  }
+
+  [[nodiscard]] Attempt flooded(int count) const {
+    return {std::nullopt,
+            concat("no reply within ", options_.reply_timeout, " s, but ", count, " to other requests"),
+            "check that this port belongs to the gripper"};
   }
 
   [[nodiscard]] static Attempt unframed(View bytes) {

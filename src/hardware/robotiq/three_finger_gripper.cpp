@@ -8,6 +8,7 @@
 
 #include "hardware/robotiq/gripper_words.hpp"
 #include "stonestack/core/byte_stream.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -158,6 +159,7 @@ ThreeFingerStatus ThreeFingerGripper::Link::move(const GripperRequest& request) 
 
 GripperState ThreeFingerGripper::Link::judge(const ThreeFingerStatus& status) const {
   GripperState state;
+  state.host_time = host_seconds();
   // A stands opposite of B and C.
   const auto& axes = status.axes;
   state.opening = opening(0.5 * axes[0].position + 0.25 * (axes[1].position + axes[2].position));
@@ -190,6 +192,10 @@ ThreeFingerGripper::ThreeFingerGripper(const ThreeFingerOptions& options) {
 
 ThreeFingerGripper::~ThreeFingerGripper() = default;
 ThreeFingerGripper::ThreeFingerGripper(ThreeFingerGripper&&) noexcept = default;
+
+const std::string& ThreeFingerGripper::name() const {
+  return link_->client.name();
+}
 
 ThreeFingerStatus ThreeFingerGripper::status() {
   return link_->read();

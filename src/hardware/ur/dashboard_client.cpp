@@ -25,7 +25,7 @@ void DashboardClient::fail(const std::string& problem, const std::string& next_s
 std::string DashboardClient::read_line(double seconds) {
   LineResult read;
   try {
-    read = stream_->read_line(kLongestLine, Deadline::in(seconds));
+    read = stream_->read_line(kLongestLine, Deadline::in(seconds).or_interrupt());
   } catch (const DeviceError& error) {
     fail(error.what(), "is this the Dashboard's port (29999)?");
   }
@@ -40,7 +40,7 @@ std::string DashboardClient::read_line(double seconds) {
 void DashboardClient::connect() {
   if (stream_) return;
   try {
-    stream_ = TcpStream::connect(controller_, Deadline::in(options_.connect_timeout));
+    stream_ = TcpStream::connect(controller_, Deadline::in(options_.connect_timeout).or_interrupt());
   } catch (const DeviceError& error) {
     fail(error.what(),
          "enable the Dashboard server in the security settings (PolyScope X, version 10, has none)");

@@ -1,6 +1,7 @@
 #include "stonestack/hardware/ur/primary_client.hpp"
 
 #include <array>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <thread>
@@ -20,17 +21,23 @@ constexpr int kRealtimePort = 30003;  // and its frames carry no type
 struct PrimaryClient::Link {
   Link(std::string at, const PrimaryOptions& o) : address(std::move(at)), options(o) {
     require(!options.ports.empty(), "a script port is needed");
-    connect();
+    connect(true);
   }
   ~Link() { disconnect(); }
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  void connect() {
+  [[nodiscard]] Deadline make_deadline(bool interruptible) const {
+    const Deadline deadline = Deadline::in(options.connect_timeout);
+    return interruptible ? deadline.or_interrupt() : deadline;
+  }
+
+  /// A later connection may be for a stop, which Ctrl-C must not keep back.
+  void connect(bool interruptible = false) {
     std::string problems;
     for (const int candidate : options.ports) try {
         stream = std::make_shared<TcpStream>(
-            TcpStream::connect({address, candidate}, Deadline::in(options.connect_timeout)));
+            TcpStream::connect({address, candidate}, make_deadline(interruptible)));
         port = candidate;
         reader = std::thread([this, s = stream, speaks = candidate != kRealtimePort] { drain(*s, speaks); });
         return;
@@ -51,14 +58,18 @@ struct PrimaryClient::Link {
   void drain(TcpStream& from, bool speaks) {
     PrimaryStream parser;
     std::array<std::uint8_t, kChunk> bytes{};
+    bool knows_version = false;
     try {
       while (!from.is_shut()) {
         const IoResult read = from.read_some(bytes, Deadline::in(kReadTurn));
         if (read.status == IoStatus::kClosed) break;
-        if (!speaks) continue;
         parser.feed({reinterpret_cast<const char*>(bytes.data()), read.bytes});
-        while (auto message = parser.next()) keep(std::move(*message));
-        if (parser.problem().empty()) continue;
+        while (auto message = parser.next()) {
+          knows_version = knows_version || message->kind == PrimaryMessage::Kind::kVersion;
+          if (speaks) keep(std::move(*message));
+        }
+        note(knows_version || (speaks ? parser.states() : parser.passed_over()) > 0, parser.problem());
+        if (!speaks || parser.problem().empty()) continue;
         log_warning(from.name() + ": out of step: " + parser.problem() +
                     "; connecting anew at the next script");
         break;
@@ -67,6 +78,15 @@ struct PrimaryClient::Link {
       log_debug(error.what());
     }
     from.shut();
+    note(false, "it closed the connection");
+  }
+
+  /// For `wait_until_heard`: is this a controller, or what else?
+  void note(bool is_controller, const std::string& problem) {
+    const std::lock_guard lock(messages_mutex);
+    heard = heard || is_controller;
+    if (odd.empty()) odd = problem;
+    noted.notify_all();
   }
 
   void keep(PrimaryMessage message) {
@@ -97,6 +117,9 @@ struct PrimaryClient::Link {
   int port = 0;
   std::mutex messages_mutex;
   std::deque<PrimaryMessage> messages;
+  std::condition_variable noted;
+  bool heard = false;  // a controller, on some connection
+  std::string odd;     // what was wrong first
 };
 
 PrimaryClient::PrimaryClient(const std::string& address, const PrimaryOptions& options)
@@ -121,6 +144,21 @@ std::vector<PrimaryMessage> PrimaryClient::take_messages() {
   std::vector<PrimaryMessage> taken(link_->messages.begin(), link_->messages.end());
   link_->messages.clear();
   return taken;
+}
+
+void PrimaryClient::wait_until_heard(Deadline deadline) const {
+  const double patience = deadline.left();
+  std::unique_lock lock(link_->messages_mutex);
+  while (!link_->heard && link_->odd.empty() && !deadline.over())
+    link_->noted.wait_for(lock, std::chrono::duration<double>(deadline.or_interrupt().turn()));
+  if (link_->heard) return;
+  const std::string odd = link_->odd;
+  lock.unlock();
+  throw DeviceError("UR script port at " + to_text({link_->address, port()}),
+                    odd.empty()
+                        ? concat("says neither its version nor a state of the robot within ", patience, " s")
+                        : "what listens there is no UR controller: " + odd,
+                    "check the address and arm.primary_port (30001), and that no other program has the port");
 }
 
 int PrimaryClient::port() const {

@@ -9,7 +9,7 @@ namespace stonestack {
 namespace {
 
 constexpr std::size_t kHeader = 5;
-constexpr std::uint8_t kRobotMessage = 20;
+constexpr std::uint8_t kRobotState = 16, kRobotMessage = 20;
 constexpr int kReadOnly = 210;
 constexpr std::size_t kLongestTitle = 255;
 
@@ -160,6 +160,7 @@ std::optional<PrimaryMessage> PrimaryStream::next() {
     if (type == kRobotMessage)
       if (auto message = decode_message(in.take(size - kHeader))) return message;
     ++passed_over_;
+    states_ += type == kRobotState ? 1 : 0;
   }
   return std::nullopt;
 }

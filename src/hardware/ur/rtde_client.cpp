@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kKeptTexts = 64;
 constexpr int kRefusedInARow = 3;
+constexpr double kLatest = 1e9;   // s: no controller has run for 30 years
+constexpr double kTurn = 0.1;     // s between looks at Ctrl-C
 constexpr double kRestart = 1.0;  // s that a controller's clock goes back only when it restarted
 
 }  // namespace
@@ -54,9 +56,9 @@ struct RtdeClient::Link {
 
   [[nodiscard]] std::string name() const { return "UR RTDE at " + to_text(controller); }
 
-  void open() {
-    auto made = std::make_shared<RtdeSession>(controller, recipe, options,
-                                              [this](const RtdeText& text) { keep(text); });
+  void open(bool interruptible = false) {
+    auto made = std::make_shared<RtdeSession>(
+        controller, recipe, options, [this](const RtdeText& text) { keep(text); }, interruptible);
     const std::lock_guard lock(mutex);
     session = std::move(made);
     first_of_session = true;
@@ -72,24 +74,28 @@ struct RtdeClient::Link {
     int in_use = 0, others = 0;
     for (;;) {
       try {
-        return open();
+        return open(true);
       } catch (const RtdeInUse&) {
         if (++in_use >= options.in_use_attempts) throw;
       } catch (const DeviceError& error) {
         if (++others >= options.attempts) throw;
         log_debug(error.what());
       }
-      std::this_thread::sleep_for(std::chrono::duration<double>(options.retry_pause));
+      for (const Deadline pause = Deadline::in(options.retry_pause).or_interrupt(); !pause.over();)
+        std::this_thread::sleep_for(std::chrono::duration<double>(pause.turn()));
     }
   }
 
   void wait_until_booted() {
     std::unique_lock lock(mutex);
-    const auto limit = std::chrono::duration<double>(options.boot_timeout);
-    if (changed.wait_for(lock, limit, [this] { return booted; })) return;
+    const Deadline limit = Deadline::in(options.boot_timeout);
+    while (!booted && !limit.over() && !interrupt_noted())
+      changed.wait_for(lock, std::chrono::duration<double>(limit.or_in(kTurn).left()));
+    if (booted) return;
     const std::string why = problem.empty() ? "no steady data" : problem;
     lock.unlock();
     end();
+    throw_if_interrupted();
     throw DeviceError(name(), "not ready within its boot time-out: " + why,
                       "wait until the controller has booted, then try again");
   }
@@ -98,7 +104,7 @@ struct RtdeClient::Link {
     while (!is_ending()) try {
         if (!session) open();
         read_until_lost();
-      } catch (const Error& error) {
+      } catch (const std::exception& error) {  // whatever it is, the program outlives it
         lose(error.what());
       }
   }
@@ -141,7 +147,8 @@ struct RtdeClient::Link {
   }
 
   void accept(const RtdeSession& current, std::vector<RtdeValue> values) {
-    const double time = std::get<double>(values.front());  // timestamp is always the first
+    const double time = std::get<double>(values.front());  // timestamp is always the first, and checked
+    if (!(time >= 0.0 && time <= kLatest)) return refuse(concat("a timestamp of ", time, " s"));
     const bool restarted = first_of_session && time < last_time - kRestart;
     if (time <= last_time && !restarted)
       return refuse(concat("a timestamp that does not rise: ", time, " s"));
@@ -157,7 +164,7 @@ struct RtdeClient::Link {
     ++session_packets;
     booted = booted || time > options.booted_time ||
              static_cast<double>(session_packets) >= options.booted_data * current.frequency;
-    newest = RtdeSample(current.outputs, std::move(values), clock->now());
+    newest = RtdeSample(current.outputs, std::move(values), host_seconds());
     have_sample = true;
     changed.notify_all();
   }
@@ -172,7 +179,6 @@ struct RtdeClient::Link {
   const Endpoint controller;
   const RtdeRecipeFor recipe;
   const RtdeOptions options;
-  const std::unique_ptr<Clock> clock = make_steady_clock();
   std::thread thread;
 
   std::mutex mutex;  // guards what follows
@@ -221,7 +227,7 @@ std::vector<std::string> RtdeClient::missing() const {
 
 RtdeSample RtdeClient::sample() const {
   const std::lock_guard lock(link_->mutex);
-  const double age = link_->clock->now() - link_->newest.host_time();
+  const double age = host_seconds() - link_->newest.host_time();
   if (link_->have_sample && age <= link_->options.stale_after) return link_->newest;
   throw DeviceError(link_->name(),
                     concat("the state is ", age, " s old, ", link_->options.stale_after, " s allowed",
@@ -260,7 +266,7 @@ RtdeCounts RtdeClient::counts() const {
 }
 
 double RtdeClient::now() const {
-  return link_->clock->now();
+  return host_seconds();
 }
 
 FieldList fields(RtdeOptions& o) {

@@ -30,9 +30,14 @@ std::vector<std::string> with_timestamp(const RtdeRecipe& recipe) {
   return names;
 }
 
-TcpStream connect_to(const Endpoint& controller, double seconds) {
+Deadline make_deadline(double seconds, bool interruptible) {
+  const Deadline deadline = Deadline::in(seconds);
+  return interruptible ? deadline.or_interrupt() : deadline;
+}
+
+TcpStream connect_to(const Endpoint& controller, Deadline deadline) {
   try {
-    return TcpStream::connect(controller, Deadline::in(seconds));
+    return TcpStream::connect(controller, deadline);
   } catch (const DeviceError& error) {
     throw DeviceError("UR RTDE", error.what(),
                       "switch the controller on, and enable RTDE in its security settings (PolyScope 5.10)");
@@ -42,11 +47,12 @@ TcpStream connect_to(const Endpoint& controller, double seconds) {
 }  // namespace
 
 RtdeSession::RtdeSession(const Endpoint& controller, const RtdeRecipeFor& recipe, const RtdeOptions& options,
-                         RtdeTextSink text_sink)
+                         RtdeTextSink text_sink, bool interruptible)
     : name_("UR RTDE at " + to_text(controller)),
       options_(options),
+      interruptible_(interruptible),
       text_sink_(std::move(text_sink)),
-      socket_(connect_to(controller, options.connect_timeout)) {
+      socket_(connect_to(controller, make_deadline(options.connect_timeout, interruptible))) {
   agree_on_protocol();
   read_version();
   const RtdeRecipe wanted = recipe(version);
@@ -84,10 +90,11 @@ std::optional<RtdePacket> RtdeSession::next_packet(Deadline deadline) {
 
 RtdePacket RtdeSession::request(const RtdePacket& packet) {
   write(packet);
-  const Deadline deadline = Deadline::in(options_.reply_timeout);
+  const Deadline deadline = make_deadline(options_.reply_timeout, interruptible_);
   while (auto reply = next_packet(deadline)) {
     if (reply->kind == packet.kind) return *reply;
     if (const auto text = decode_text(*reply, protocol)) text_sink_(*text);
+    if (deadline.over()) break;  // who talks without end is not waited for without end
   }
   fail(concat("no reply to '", static_cast<char>(packet.kind), "' within ", options_.reply_timeout, " s"),
        "look whether the controller has booted and RTDE is enabled in its services");
@@ -122,19 +129,37 @@ RtdeSetupReply RtdeSession::request_setup(const RtdePacket& packet, std::size_t 
   return *reply;
 }
 
+void RtdeSession::require_type(const std::string& name, RtdeType reported, const RtdeField* known) const {
+  if (known != nullptr && known->type != reported)
+    fail(concat("the controller has ", name, " as ", rtde_type_name(reported), ", not as ",
+                rtde_type_name(known->type)),
+         "is this a UR controller? Its software may be newer than this program");
+}
+
+std::vector<RtdeType> RtdeSession::read_types(const std::vector<std::string>& names,
+                                              const RtdeSetupReply& reply,
+                                              std::vector<std::string>& not_found) const {
+  std::vector<RtdeType> types;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto type = rtde_type(reply.types[i]);
+    if (!type) {
+      not_found.push_back(names[i]);
+      continue;
+    }
+    require_type(names[i], *type, find_rtde_output(names[i]));
+    types.push_back(*type);
+  }
+  return types;
+}
+
 void RtdeSession::set_up_outputs(const RtdeRecipe& recipe) {
   auto names = with_timestamp(recipe);
   missing.clear();
   for (int round = 0; round < 2; ++round) {
     const RtdeSetupReply reply =
         request_setup(encode_output_setup({names, frequency}, protocol), names.size());
-    std::vector<std::string> found, not_found, required;
-    output_types_.clear();
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto type = rtde_type(reply.types[i]);
-      (type ? found : not_found).push_back(names[i]);
-      if (type) output_types_.push_back(*type);
-    }
+    std::vector<std::string> not_found, required;
+    output_types_ = read_types(names, reply, not_found);
     for (const std::string& name : not_found)
       if (std::find(recipe.optional.begin(), recipe.optional.end(), name) == recipe.optional.end())
         required.push_back(name);
@@ -147,7 +172,9 @@ void RtdeSession::set_up_outputs(const RtdeRecipe& recipe) {
       return;
     }
     missing.insert(missing.end(), not_found.begin(), not_found.end());
-    names = std::move(found);
+    std::erase_if(names, [&](const std::string& name) {
+      return std::find(not_found.begin(), not_found.end(), name) != not_found.end();
+    });
   }
   fail("does not find outputs that it found before: " + join_names(missing), "restart the controller");
 }
@@ -170,6 +197,8 @@ void RtdeSession::set_up_inputs(const std::vector<std::string>& names) {
         name_, "the input " + join_names(in_use) + " is in use",
         "end the other RTDE client, or switch off the fieldbus adapter that owns it (EtherNet/IP, "
         "PROFINET, MODBUS)");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    require_type(names[i], input.types[i], find_rtde_input(names[i]));
   inputs_.push_back(std::move(input));
 }
 
@@ -181,6 +210,7 @@ void RtdeSession::start() {
 std::optional<RtdeData> RtdeSession::receive(Deadline deadline, long& refused) {
   while (const auto packet = next_packet(deadline)) {
     if (const auto text = decode_text(*packet, protocol)) text_sink_(*text);
+    if (packet->kind != RtdeKind::kDataPackage && deadline.over()) break;
     if (packet->kind != RtdeKind::kDataPackage) continue;
     auto data = decode_data(*packet, output_types_, protocol, true);
     if (data && (protocol < 2 || data->recipe == output_recipe_) &&

@@ -18,9 +18,10 @@ using RtdeTextSink = std::function<void(const RtdeText&)>;
 
 class RtdeSession {
  public:
-  /// Connects and does the whole setup. Throws DeviceError, RtdeInUse among them.
+  /// Connects and does the whole setup. Throws DeviceError, RtdeInUse among them; Interrupted after Ctrl-C if
+  /// the setup may be `interruptible`.
   RtdeSession(const Endpoint& controller, const RtdeRecipeFor& recipe, const RtdeOptions& options,
-              RtdeTextSink text_sink);
+              RtdeTextSink text_sink, bool interruptible = false);
 
   /// The next data of the output recipe; empty at the deadline. Texts go to the sink. Throws DeviceError when
   /// the link is closed or out of step. `refused` counts packets that were not as set up.
@@ -49,12 +50,19 @@ class RtdeSession {
   RtdeSetupReply request_setup(const RtdePacket& request, std::size_t names);
   /// The reply of that kind; texts and data before it are passed over.
   RtdePacket request(const RtdePacket& packet);
+  /// Throws DeviceError unless the controller reports the type that the field has (`known` may be null).
+  void require_type(const std::string& name, RtdeType reported, const RtdeField* known) const;
+  /// The types of `names`; those that the controller does not have go to `not_found`.
+  std::vector<RtdeType> read_types(const std::vector<std::string>& names, const RtdeSetupReply& reply,
+                                   std::vector<std::string>& not_found) const;
+  /// Empty at the deadline, however much the controller says.
   std::optional<RtdePacket> next_packet(Deadline deadline);
   void write(const RtdePacket& packet);
   [[noreturn]] void fail(const std::string& problem, const std::string& next_step) const;
 
   std::string name_;
   const RtdeOptions options_;
+  const bool interruptible_;
   RtdeTextSink text_sink_;
   TcpStream socket_;
   RtdeStream stream_;

@@ -195,7 +195,8 @@ void send_stop(UrLink& link) noexcept {
     context.options = link.options.script;
     link.primary.send(write_stop(context));
   } catch (const std::exception& error) {
-    log_warning(std::string("could not send a stop: ") + error.what());
+    link.starve(std::string("could not send a stop: ") + error.what());
+    log_warning(std::string("could not send a stop, the controller's watchdog must do it: ") + error.what());
   }
 }
 

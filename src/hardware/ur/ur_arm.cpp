@@ -12,7 +12,9 @@ namespace {
 using Status = MotionResult::Status;
 
 constexpr double kPayloadSlack = 0.01;  // kg
+constexpr double kCentreSlack = 1e-3;   // m
 constexpr double kOffsetSlack = 1e-4;   // m
+constexpr double kTurnSlack = 1e-3;     // rad
 constexpr double kSettingsTime = 0.5;   // s that a program of settings takes
 
 }  // namespace
@@ -96,14 +98,29 @@ struct UrArm::Device {
       throw DeviceError(
           name(), concat("reads back a payload of ", sample.get<double>("payload"), " kg, not ", *payload),
           "look at the installation on the pendant");
-    if (!sample.has("tcp_offset")) return;
-    const auto& offset = sample.get<std::array<double, 6>>("tcp_offset");
-    const Eigen::Vector3d read = Eigen::Map<const Eigen::Vector3d>(offset.data());
-    if ((read - T_F_T.translation()).norm() > kOffsetSlack)
-      throw DeviceError(
-          name(),
-          concat("reads back a tool at ", read.transpose(), " m, not ", T_F_T.translation().transpose()),
-          "look at the installation on the pendant");
+    if (sample.has("payload_cog") && *payload > kPayloadSlack) {  // of nothing, a centre means nothing
+      const Eigen::Vector3d read(sample.get<std::array<double, 3>>("payload_cog").data());
+      if ((read - p_F_com).norm() > kCentreSlack)
+        throw DeviceError(name(),
+                          concat("reads back a payload's centre at (", read.transpose(), ") m, not (",
+                                 p_F_com.transpose(), ")"),
+                          "look at the installation on the pendant");
+    }
+    if (sample.has("tcp_offset")) check_tool(sample.get<std::array<double, 6>>("tcp_offset"));
+  }
+
+  /// `offset` as UR writes a pose: place, then axis times angle.
+  void check_tool(const std::array<double, 6>& offset) const {
+    const Eigen::Vector3d place(offset.data()), turn(offset.data() + 3);
+    const Eigen::AngleAxisd read(turn.norm(), turn.norm() > 0 ? turn.normalized() : Eigen::Vector3d::UnitZ());
+    const Eigen::AngleAxisd wanted(T_F_T.rotation());
+    const double off = Eigen::AngleAxisd(read.toRotationMatrix().transpose() * T_F_T.rotation()).angle();
+    if ((place - T_F_T.translation()).norm() <= kOffsetSlack && off <= kTurnSlack) return;
+    throw DeviceError(name(),
+                      concat("reads back a tool at (", place.transpose(), ") m turned by (", turn.transpose(),
+                             ") rad, not (", T_F_T.translation().transpose(), ") m turned by (",
+                             (wanted.angle() * wanted.axis()).transpose(), ") rad"),
+                      "look at the installation on the pendant");
   }
 
   RobotModel robot;
@@ -157,6 +174,7 @@ void UrArm::stop() {
     if (!now.program_running && now.qd.cwiseAbs().maxCoeff() < device_->link.options.standstill) return;
     if (!find_safety_stop(now).empty()) return;  // the safety system has stopped it
   }
+  device_->link.starve("a stop was not obeyed");
   throw DeviceError(device_->name(),
                     concat("does not stand ", device_->link.options.stop_timeout, " s after a stop"),
                     "press the emergency stop");

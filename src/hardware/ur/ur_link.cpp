@@ -10,7 +10,6 @@ namespace stonestack {
 namespace {
 
 constexpr double kNextState = 0.05;  // s to wait for a newer status
-constexpr std::uint32_t kFirstWithoutScripts = 10;
 
 PrimaryOptions primary_options(const UrArmOptions& options) {
   PrimaryOptions primary;
@@ -21,17 +20,11 @@ PrimaryOptions primary_options(const UrArmOptions& options) {
   return primary;
 }
 
-RtdeRecipe recipe_for(const UrVersion& version) {
-  if (version.major < kFirstWithoutScripts) return arm_recipe(version);
-  throw DeviceError("UR controller", "PolyScope X " + to_string(version) + " is not served",
-                    "use a controller with PolyScope 3 or 5");
-}
-
 }  // namespace
 
 UrLink::UrLink(const UrArmOptions& o)
     : options(o),
-      rtde({o.address, o.rtde_port}, recipe_for, o.rtde),
+      rtde({o.address, o.rtde_port}, served_recipe(o.address), o.rtde),
       primary(o.address, primary_options(o)),
       version(rtde.version()),
       registers(first_register(version)) {
@@ -66,6 +59,7 @@ UrStatus UrLink::next_status() const {
 }
 
 void UrLink::send_inputs() {
+  if (starved_) return;
   const std::lock_guard lock(inputs_mutex_);
   heartbeat_ = heartbeat_ == std::numeric_limits<std::int32_t>::max() ? 1 : heartbeat_ + 1;
   rtde.send(0, {heartbeat_, force_count_, force_.x(), force_.y(), force_.z()});
@@ -107,12 +101,22 @@ void UrLink::disarm(const std::string& reason) {
   if (stop_reason_.empty()) stop_reason_ = reason;
 }
 
+void UrLink::starve(const std::string& reason) {
+  starved_ = true;
+  disarm(reason);
+}
+
 void UrLink::rearm() {
-  if (const auto stop = find_safety_stop(next_status()); !stop.empty())
+  const UrStatus now = next_status();
+  if (starved_ && now.program_running)
+    throw DeviceError("UR arm at " + options.address, "a program still runs that could not be stopped",
+                      "stop it on the pendant");
+  if (const auto stop = find_safety_stop(now); !stop.empty())
     throw DeviceError("UR arm at " + options.address, stop,
                       "look at the arm, remove the cause and unlock it on the pendant");
   const std::lock_guard lock(arming_mutex_);
   stop_reason_.clear();
+  starved_ = false;
 }
 
 std::string UrLink::explain_silence() const {

@@ -28,6 +28,9 @@ class UrLink {
   [[nodiscard]] std::string stop_reason() const;
   /// No motion until `rearm`.
   void disarm(const std::string& reason);
+  /// The same for a stop that did not get through: no heartbeat any more either, so that the controller's
+  /// watchdog ends what runs.
+  void starve(const std::string& reason);
   void rearm();
   /// What to say about a script that did not start.
   [[nodiscard]] std::string explain_silence() const;
@@ -48,6 +51,7 @@ class UrLink {
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();
   mutable std::mutex arming_mutex_;
   std::string stop_reason_;
+  std::atomic<bool> starved_{false};
   std::atomic<int> run_{0};
   std::mutex ending_mutex_;
   std::condition_variable ending_changed_;

@@ -7,6 +7,7 @@
 namespace stonestack {
 namespace {
 
+constexpr std::uint32_t kFirstWithoutScripts = 10;
 constexpr int kRunningMode = 7;
 constexpr int kNormal = 1, kReduced = 2;
 constexpr std::uint32_t kProgramRunning = 1U << 1;
@@ -78,6 +79,14 @@ RtdeRecipe arm_recipe(const UrVersion& version) {
   for (int i = 0; i < kForceInputs; ++i) inputs.push_back(concat("input_double_register_", first + i));
   recipe.inputs = {inputs};
   return recipe;
+}
+
+RtdeRecipeFor served_recipe(const std::string& address) {
+  return [address](const UrVersion& version) {
+    if (version.major < kFirstWithoutScripts) return arm_recipe(version);
+    throw DeviceError("UR controller at " + address, "PolyScope X " + to_string(version) + " is not served",
+                      "use a controller with PolyScope 3 or 5");
+  };
 }
 
 UrStatus read_status(const RtdeSample& sample, int first_register) {

@@ -23,6 +23,8 @@ struct UrStatus {
 
 /// Outputs and inputs that the arm needs; `first_register` is 24 or 0.
 [[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
+/// The same for the controller at `address`; throws DeviceError that names it for PolyScope X (version 10).
+[[nodiscard]] RtdeRecipeFor served_recipe(const std::string& address);
 [[nodiscard]] UrStatus read_status(const RtdeSample& sample, int first_register);
 /// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".
 [[nodiscard]] std::string find_safety_stop(const UrStatus& status);

@@ -9,6 +9,7 @@
 #include <deque>
 
 #include "hardware/camera/v4l2_calls.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -30,6 +31,7 @@ struct Script {
     std::array<std::uint8_t, 12> bytes;
   };
   std::deque<Frame> frames;
+  bool endless = false;  // frames of the second 99, as many as one asks for
   double clock = 100.0;
   bool streaming = false;
   int queued = 0, mapped = 0;
@@ -83,7 +85,10 @@ class FakeKernel final : public V4l2Calls {
     return memory_.at(static_cast<std::size_t>(offset / 4096)).data();
   }
   void unmap(void* /*address*/, std::size_t /*length*/) override { --script_->mapped; }
-  bool wait(Deadline /*deadline*/) override { return !script_->frames.empty(); }
+  bool wait(Deadline /*deadline*/) override {
+    if (script_->endless && script_->frames.empty()) script_->frames.push_back({99.0, 0, 12, {}});
+    return !script_->frames.empty();
+  }
   double now() override { return script_->clock; }
 
  private:
@@ -132,6 +137,7 @@ TEST(V4l2Camera, DecodesAFrameOfPaddedLines) {
   const DepthFrame frame = stream.capture();
   EXPECT_EQ(frame.image.z, (std::vector<float>{0.5F, 1.0F, 0.0F, 0.6F}));
   EXPECT_NEAR(frame.device_time, 100.5, 1e-5);
+  EXPECT_LE(std::abs(frame.host_time - host_seconds()), 60.0);
   EXPECT_EQ(frame.number, 1);
   EXPECT_EQ(bench.script.queued, 3) << "the buffer went back";
 }
@@ -147,6 +153,14 @@ TEST(V4l2Camera, FramesExposedBeforeTheCallAndDamagedOnesAreDropped) {
   EXPECT_NEAR(frame.device_time, 100.3, 1e-5);
   EXPECT_EQ(frame.number, 4);
   EXPECT_EQ(bench.script.queued, 3);
+}
+
+TEST(V4l2Camera, OldFramesWithoutEndEndAtTheDeadline) {
+  Bench bench;
+  bench.script.endless = true;  // all exposed before the call: a clock that stands
+  V4l2Stream stream = bench.open();
+  EXPECT_THAT([&] { (void)stream.capture(); },
+              ThrowsMessage<DeviceError>(HasSubstr("no frame within 0.1 s")));
 }
 
 TEST(V4l2Camera, AFrozenImageIsRefused) {

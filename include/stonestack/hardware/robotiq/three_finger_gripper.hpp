@@ -106,6 +106,8 @@ class ThreeFingerGripper final : public Gripper {
                                  const std::optional<FingerRequest>& scissor = {});
   /// All registers, decoded.
   [[nodiscard]] ThreeFingerStatus status();
+  /// "Robotiq gripper at 127.0.0.1:502 unit 2".
+  [[nodiscard]] const std::string& name() const;
 
  private:
   struct Link;

@@ -18,6 +18,7 @@ struct PrimaryOptions {
 class PrimaryClient {
  public:
   /// Takes the first port that accepts. Throws DeviceError that names all of them.
+  /// Interrupted after Ctrl-C.
   PrimaryClient(const std::string& address, const PrimaryOptions& options = {});
   ~PrimaryClient();
 
@@ -29,6 +30,9 @@ class PrimaryClient {
   void reconnect();
   /// Messages since the last call, at most the newest 256.
   [[nodiscard]] std::vector<PrimaryMessage> take_messages();
+  /// Waits for what only a controller says: its version, or a state. Throws DeviceError when nothing or
+  /// something else comes, Interrupted after Ctrl-C.
+  void wait_until_heard(Deadline deadline) const;
   /// The port in use.
   [[nodiscard]] int port() const;
 

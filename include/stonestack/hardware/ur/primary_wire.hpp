@@ -49,13 +49,15 @@ class PrimaryStream {
   [[nodiscard]] std::optional<PrimaryMessage> next();
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] long passed_over() const { return passed_over_; }
+  /// Robot states (type 16) among them.
+  [[nodiscard]] long states() const { return states_; }
 
  private:
   std::size_t largest_;
   std::string bytes_;
   std::size_t begin_ = 0;
   std::string problem_;
-  long passed_over_ = 0;
+  long passed_over_ = 0, states_ = 0;
 };
 
 }  // namespace stonestack

@@ -44,7 +44,7 @@ class RtdeSample {
   RtdeSample(std::shared_ptr<const std::vector<std::string>> names, std::vector<RtdeValue> values,
              double host_time);
   [[nodiscard]] double device_time() const { return get<double>("timestamp"); }
-  [[nodiscard]] double host_time() const { return host_time_; }  ///< s of RtdeClient::now
+  [[nodiscard]] double host_time() const { return host_time_; }  ///< s of `host_seconds`
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != nullptr; }
   /// Throws InvalidArgument for a field that is not in the recipe or of another type.
   template <class T>
@@ -93,7 +93,7 @@ class RtdeClient {
   /// What the controller said since the last call, at most the newest 64 texts.
   [[nodiscard]] std::vector<RtdeText> take_texts();
   [[nodiscard]] RtdeCounts counts() const;
-  /// Host time of the samples: steady seconds since the client was made.
+  /// Host time of the samples: `host_seconds`.
   [[nodiscard]] double now() const;
 
  private:
