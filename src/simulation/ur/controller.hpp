@@ -174,6 +174,7 @@ class UrController {
   std::deque<Eigen::Vector3d> raw_forces_;  // as long
   std::unique_ptr<urscript::Machine> program_;
   std::vector<std::unique_ptr<urscript::Machine>> secondaries_;
+  int effort_ = 0;  // that programs may still take; below 0: taken beforehand from the next step
   std::string program_name_;
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;

@@ -142,17 +142,23 @@ void UrController::claim_motion(const Machine& machine, int thread) {
 }
 
 void UrController::run_programs() {
-  for (std::size_t i = 0; i < secondaries_.size();) {
+  effort_ = std::min(effort_, 0) + urscript::kStepQuota;
+  const auto step = [this](Machine& machine, std::size_t others) {
+    const auto state = machine.step(effort_ / static_cast<int>(1 + others));
+    effort_ -= machine.spent();
+    return state;
+  };
+  for (std::size_t i = 0; i < secondaries_.size() && effort_ > 0;) {
     auto& machine = *secondaries_[i];
-    if (machine.step() == Machine::State::kRunning) {
+    if (step(machine, secondaries_.size() - i) == Machine::State::kRunning) {
       ++i;
       continue;
     }
     if (machine.state() == Machine::State::kFailed) report(machine.error(), &machine.program());
     secondaries_.erase(secondaries_.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  if (!program_ || !program_running()) return;
-  const auto state = program_->step();
+  if (!program_ || !program_running() || effort_ <= 0) return;
+  const auto state = step(*program_, 0);
   if (state == Machine::State::kRunning) return;
   if (state == Machine::State::kFailed) report(program_->error(), nullptr);
   end_program("PROGRAM_XXX_STOPPED");

@@ -293,6 +293,18 @@ void set_member(Value& value, const Value& key, Value item) {
   check_size(value);
 }
 
+int weight(const Value& value) {
+  constexpr std::size_t kCharacters = 16;
+  int sum = 0;
+  if (const auto* string = std::get_if<std::string>(&value.is))
+    sum = static_cast<int>(string->size() / kCharacters);
+  if (const auto* list = std::get_if<List>(&value.is))
+    for (const auto& item : *list) sum += 1 + weight(item);
+  if (const auto* fields = std::get_if<Fields>(&value.is))
+    for (const auto& field : *fields) sum += 1 + weight(field.value);
+  return sum;
+}
+
 void check_size(const Value& value) {
   if (count(value, 0) > kLongestList) throw ScriptError{"A list has too many elements"};
 }
