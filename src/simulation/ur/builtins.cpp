@@ -36,7 +36,7 @@ Outcome power(BuiltinCall& call) {
 
 Outcome to_whole(BuiltinCall& call, double (*round)(double)) {
   const double value = round(num(call, 0));
-  if (std::abs(value) > 2147483647.0) throw ScriptError{"Value error: integer out of range"};
+  if (!(std::abs(value) <= 2147483647.0)) throw ScriptError{"Value error: integer out of range"};
   return Value(static_cast<long long>(value));
 }
 
@@ -133,6 +133,21 @@ void add_math(std::vector<Builtin>& list) {
   list.push_back({"binary_list_to_integer", {"l"}, 1, number_of_bits});
   list.push_back({"length", {"v"}, 1, list_length});
   list.push_back({"get_list_length", {"v"}, 1, list_length});
+}
+
+double finite(const Value& value) {
+  const double it = number(value);
+  if (!std::isfinite(it)) throw ScriptError{"Value error: a number is not finite"};
+  return it;
+}
+
+double finite_or(const BuiltinCall& call, std::size_t i, double preset) {
+  return call.has(i) ? finite(arg(call, i)) : preset;
+}
+
+double within(double value, double least, double most, const char* what) {
+  if (value >= least && value <= most) return value;
+  throw ScriptError{concat("Value error: ", what, " goes from ", least, " to ", most, ", got ", value)};
 }
 
 const std::vector<Builtin>& builtins() {

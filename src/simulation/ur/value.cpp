@@ -175,7 +175,9 @@ Joints joints(const Value& value) {
 Eigen::Vector3d three(const Value& value) {
   const auto* list = std::get_if<List>(&value.is);
   if (!list || list->size() != 3) wrong_type("three numbers", value);
-  return {number((*list)[0]), number((*list)[1]), number((*list)[2])};
+  const Eigen::Vector3d result(number((*list)[0]), number((*list)[1]), number((*list)[2]));
+  if (!result.allFinite()) throw ScriptError{"Value error: a number is not finite"};
+  return result;
 }
 
 Value to_list(const Joints& q) {
