@@ -22,7 +22,7 @@ struct Gate {
 constexpr Gate kGates[] = {
     {"force_mode_set_damping", {3, 5, 0, 0}, {5, 0, 0, 0}},
     {"get_inverse_kin_has_solution", {3, 12, 0, 0}, {5, 6, 0, 0}},
-    {"force_mode_set_gain_scaling", {3, 12, 0, 0}, {5, 0, 0, 0}},
+    {"force_mode_set_gain_scaling", {0, 0, 0, 0}, {5, 0, 0, 0}},
     {"protective_stop", {3, 8, 0, 0}, {5, 0, 0, 0}},
     {"rtde_set_watchdog", {3, 3, 0, 0}, {5, 0, 0, 0}},
     {"get_steptime", {3, 10, 0, 0}, {5, 4, 0, 0}},
