@@ -84,6 +84,18 @@ TEST(DevicesInTheWorld, TheGripperHoldsAStoneOverModbus) {
   EXPECT_TRUE(bench.gripper->state().object);
 }
 
+TEST(DevicesInTheWorld, OpenFingersStandAtTheSoftwareLimit) {
+  GripperBench bench;
+  const GripperState open = bench.gripper->move(0.155, 0.11, 15);
+  const ThreeFingerStatus status = bench.gripper->status();
+  for (std::size_t f = 0; f < 3; ++f) {
+    EXPECT_EQ(status.axes[f].request, 0);
+    EXPECT_NEAR(status.axes[f].position, 6, 1) << "Robotiq's manual: 6 to 7";
+  }
+  bench.world.stop();
+  EXPECT_NEAR(open.opening, opening(bench.world.lock().world.hand()), 0.001);
+}
+
 TEST(DevicesInTheWorld, ClosingUponNothingIsNoObject) {
   GripperBench bench;
   const GripperState state = bench.gripper->move(0.02, 0.11, 60.0);
