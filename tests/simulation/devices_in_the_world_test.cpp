@@ -11,6 +11,7 @@
 #include "stonestack/simulation/camera/camera_simulator.hpp"
 #include "stonestack/simulation/robotiq/ft_simulator.hpp"
 #include "stonestack/simulation/robotiq/gripper_simulator.hpp"
+#include "stonestack/simulation/simulated_servers.hpp"
 
 namespace stonestack {
 namespace {
@@ -94,6 +95,29 @@ TEST(DevicesInTheWorld, OpenFingersStandAtTheSoftwareLimit) {
   }
   bench.world.stop();
   EXPECT_NEAR(open.opening, opening(bench.world.lock().world.hand()), 0.001);
+}
+
+TEST(DevicesInTheWorld, AGripperAloneMoves) {
+  const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell cell(stones, {0}, robot, {}, Bench::quiet(false));
+  SimulatedServersOptions served;
+  served.devices = {false, true, false, false};
+  served.gripper.port = 0;
+  served.gripper.speed_up = served.arm.speed = kSpeed;
+  const SimulatedServers servers(cell, robot, served);
+  EXPECT_EQ(servers.arm_ports().rtde, 0);
+  EXPECT_FALSE(servers.force_torque() || servers.camera());
+  EXPECT_EQ(servers.gripper_line(), "");
+  EXPECT_EQ(servers.text().rfind("gripper ", 0), 0U) << servers.text();
+  EXPECT_EQ(std::count(servers.text().begin(), servers.text().end(), '\n'), 1);
+  ThreeFingerOptions client;
+  client.modbus.port = servers.gripper()->port;
+  client.modbus.reply_timeout = 2.0;
+  client.move_margin = client.activation_timeout = 100.0;
+  ThreeFingerGripper gripper(client);
+  gripper.activate();
+  EXPECT_NEAR(gripper.move(0.05, 0.11, 30).opening, 0.05, 0.001);
 }
 
 TEST(DevicesInTheWorld, ClosingUponNothingIsNoObject) {
