@@ -326,6 +326,32 @@ TEST(UrWire, DashboardLines) {
   EXPECT_TRUE(answer_dashboard(bench.controller, "quit").closes);
 }
 
+TEST(UrWire, ProgramsOfTheCellFileAreLoadedAndPlayed) {
+  const RobotModel robot = read_robot("ur10");
+  IdealPlant plant(ScriptBench::start());
+  UrServerOptions options;
+  options.programs = "hello.urp,external-control.urp";
+  UrController controller(options, robot, plant);
+  const auto say = [&](const std::string& command) { return answer_dashboard(controller, command).line; };
+  EXPECT_EQ(say("get loaded program"), "No program loaded");
+  EXPECT_EQ(say("play"), "Failed to execute: play");
+  EXPECT_EQ(say("load other.urp"), "File not found: other.urp");
+  EXPECT_EQ(say("load external-control.urp"), "Loading program: external-control.urp");
+  EXPECT_EQ(say("get loaded program"), "Loaded program: /programs/external-control.urp");
+  EXPECT_EQ(say("running"), "Program running: false");
+  EXPECT_EQ(say("play"), "Starting program");
+  for (int k = 0; k < 500; ++k) controller.step();
+  EXPECT_EQ(say("running"), "Program running: true") << "until somebody stops it";
+  EXPECT_EQ(say("programState"), "PLAYING external-control.urp");
+  EXPECT_EQ(say("pause"), "Pausing program");
+  EXPECT_EQ(say("play"), "Starting program");
+  EXPECT_EQ(say("stop"), "Stopped");
+  EXPECT_EQ(say("programState"), "STOPPED external-control.urp");
+  EXPECT_EQ(say("load /programs/hello.urp"), "Loading program: /programs/hello.urp");
+  EXPECT_EQ(say("power off"), "Powering off");
+  EXPECT_EQ(say("play"), "Failed to execute: play");
+}
+
 TEST(UrWire, AStopThatCannotBeAcknowledged) {
   ControllerFaults faults;
   faults.refuse_unlock = true;

@@ -81,6 +81,8 @@ class UrController {
   /// compiled.
   void run_script(const std::string& source);
   void stop_program();
+  /// The Dashboard's loaded program: runs until it is stopped. False when there is none or it may not run.
+  bool play_loaded();
   /// False when there is nothing to pause or resume.
   bool pause_program();
   bool resume_program();
@@ -137,6 +139,7 @@ class UrController {
   double speed_slider = 1.0;
   std::string user_role = "NONE";         ///< of the Dashboard; NONE: everything is allowed
   std::string operational_mode = "NONE";  ///< of the Dashboard; NONE: nobody controls it from there
+  std::string loaded_program;             ///< of the Dashboard; empty: none
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque

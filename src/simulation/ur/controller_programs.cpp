@@ -1,5 +1,6 @@
 // The part of the controller that starts, runs and ends programs.
 #include <algorithm>
+#include <cctype>
 
 #include "simulation/ur/controller.hpp"
 #include "stonestack/core/error.hpp"
@@ -111,6 +112,16 @@ void UrController::end_program(const char* title) {
   motion.set_force_mode(off);
   if (motion.moving()) motion.stop_joints(10.0);
   say(make_event(Kind::kKey, title, program_name_));
+}
+
+bool UrController::play_loaded() {
+  if (loaded_program.empty() || program_running() || !can_move()) return false;
+  std::string name = loaded_program.substr(0, loaded_program.rfind('.'));
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  run_script("def program_" + name + "():\n  while True:\n    sync()\n  end\nend\n");
+  if (program_running()) program_name_ = loaded_program;
+  return program_running();
 }
 
 bool UrController::pause_program() {
