@@ -26,6 +26,57 @@ std::string find_cell(const std::string& name) {
 
 }  // namespace
 
+namespace {
+
+void connect_arm(const SimulatedServers& servers, CellConfig& cell) {
+  if (!servers.options().devices.arm) return;
+  const UrPorts ports = servers.arm_ports();
+  cell.arm.address = servers.arm_address();
+  const auto set = [](int& port, int open) {
+    if (open > 0) port = open;  // one that a fault has closed stays where the cell file looks for it
+  };
+  set(cell.arm.rtde_port, ports.rtde);
+  set(cell.arm.primary_port, ports.primary);
+  set(cell.arm.secondary_port, ports.secondary);
+  set(cell.arm.realtime_port, ports.realtime);
+  set(cell.arm.dashboard_port, ports.dashboard);
+}
+
+// The link that the cell file asks for where it is served, else the other one.
+void connect_gripper(const SimulatedServers& servers, ThreeFingerOptions& gripper) {
+  const auto tcp = servers.gripper();
+  const std::string line = servers.gripper_line();
+  const bool serial = gripper.preset == "rtu";
+  if (!line.empty() && (serial || !tcp)) {
+    gripper.modbus.device = line;
+    if (serial) return;
+    gripper.preset = "rtu";
+    gripper.unit = servers.options().gripper.unit;
+  } else if (tcp) {
+    gripper.modbus.address = tcp->address;
+    gripper.modbus.port = tcp->port;
+    if (serial) gripper.preset = "tcp2018";
+  }
+}
+
+void connect_force_torque(const SimulatedServers& servers, FtSensorOptions& sensor) {
+  const auto tcp = servers.force_torque();
+  const std::string line = servers.force_torque_line();
+  const bool serial = sensor.link == "serial";
+  if (!line.empty() && (serial || !tcp)) {
+    sensor.device = line;
+    if (serial) return;
+    sensor.link = "serial";
+    sensor.unit = servers.options().force_torque.unit;
+  } else if (tcp) {
+    sensor.link = "ur_cap";
+    sensor.address = tcp->address;
+    sensor.port = tcp->port;
+  }
+}
+
+}  // namespace
+
 FieldList cell_fields(CellFile& file) {
   return join({{field("simulate", file.simulate, "serve the devices here")},
                nest("simulators", fields(file.servers))});
@@ -39,24 +90,14 @@ CellFile read_cell(const std::string& name) {
 }
 
 void connect_to(const SimulatedServers& servers, CellConfig& cell) {
-  const UrPorts& ports = servers.arm_ports();
-  cell.arm.address = servers.arm_address();
-  const auto set = [](int& port, int open) {
-    if (open > 0) port = open;  // one that a fault has closed stays where the cell file looks for it
-  };
-  set(cell.arm.rtde_port, ports.rtde);
-  set(cell.arm.primary_port, ports.primary);
-  set(cell.arm.secondary_port, ports.secondary);
-  set(cell.arm.realtime_port, ports.realtime);
-  set(cell.arm.dashboard_port, ports.dashboard);
-  cell.gripper.modbus.address = servers.gripper().address;
-  cell.gripper.modbus.port = servers.gripper().port;
-  cell.force_torque.link = "ur_cap";
-  cell.force_torque.address = servers.force_torque().address;
-  cell.force_torque.port = servers.force_torque().port;
+  connect_arm(servers, cell);
+  connect_gripper(servers, cell.gripper);
+  connect_force_torque(servers, cell.force_torque);
+  const auto camera = servers.camera();
+  if (!camera || cell.camera == "recorded") return;  // a recording needs nobody who serves it
   cell.camera = "stream";
-  cell.stream.address = servers.camera().address;
-  cell.stream.port = servers.camera().port;
+  cell.stream.address = camera->address;
+  cell.stream.port = camera->port;
 }
 
 }  // namespace stonestack::apps

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "cell_input.hpp"
 #include "commands.hpp"
@@ -13,20 +16,30 @@
 namespace stonestack::apps {
 namespace {
 
+const std::vector<std::string> kDevices = {"arm", "gripper", "ft", "camera"};
+
 struct SimulateCommand {
   CommonOptions common;
   std::string cell;
   int per_run = 4;
   double seconds = 0.0;
+  std::vector<std::string> only;  // of kDevices; empty: all
   SimulationOptions simulation;
 };
+
+ServedDevices served(const std::vector<std::string>& only) {
+  const auto wanted = [&](const std::string& device) {
+    return only.empty() || std::find(only.begin(), only.end(), device) != only.end();
+  };
+  return {wanted(kDevices[0]), wanted(kDevices[1]), wanted(kDevices[2]), wanted(kDevices[3])};
+}
 
 void simulate(SimulateCommand& command) {
   command.common.begin();
   command.simulation.seed = command.common.seed;
   command.common.settings.apply(nest("simulation", fields(command.simulation)));
-  const CellFile file =
-      read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
+  CellFile file = read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
+  file.servers.devices = served(command.only);
   const RobotModel robot = read_robot(file.cell.robot);
   const Catalogue catalogue = command.common.read();
   const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
@@ -51,6 +64,11 @@ void add_simulate(CLI::App& app) {
   sub->add_option("--cell", command->cell,
                   "Cell file; its group `simulators` says which ports (default: the vendors' on 127.0.0.1)")
       ->type_name("FILE");
+  sub->add_option("--only", command->only,
+                  "Serve these devices alone: arm, gripper, ft (force sensor), camera; by commas or again")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kDevices))
+      ->type_name("DEVICE");
   sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
@@ -63,7 +81,8 @@ void add_simulate(CLI::App& app) {
       "simulators.arm.faults.protective_stop_at: 10.\n"
       "Examples:\n"
       "  stonestack simulate --cell simulated-ur10\n"
-      "  stonestack simulate --cell loopback-ur10 --seed 3 --seconds 60");
+      "  stonestack simulate --cell loopback-ur10 --seed 3 --seconds 60\n"
+      "  stonestack simulate --only gripper,ft");
   sub->callback([command] { simulate(*command); });
 }
 

@@ -11,6 +11,7 @@
 #include "stonestack/simulation/camera/camera_simulator.hpp"
 #include "stonestack/simulation/robotiq/ft_simulator.hpp"
 #include "stonestack/simulation/robotiq/gripper_simulator.hpp"
+#include "stonestack/simulation/simulated_servers.hpp"
 
 namespace stonestack {
 namespace {
@@ -82,6 +83,41 @@ TEST(DevicesInTheWorld, TheGripperHoldsAStoneOverModbus) {
   EXPECT_GT(bench.world.lock().world.centre_of_mass(0).z(), 0.2) << "the stone comes along";
   bench.world.start(kSpeed);
   EXPECT_TRUE(bench.gripper->state().object);
+}
+
+TEST(DevicesInTheWorld, OpenFingersStandAtTheSoftwareLimit) {
+  GripperBench bench;
+  const GripperState open = bench.gripper->move(0.155, 0.11, 15);
+  const ThreeFingerStatus status = bench.gripper->status();
+  for (std::size_t f = 0; f < 3; ++f) {
+    EXPECT_EQ(status.axes[f].request, 0);
+    EXPECT_NEAR(status.axes[f].position, 6, 1) << "Robotiq's manual: 6 to 7";
+  }
+  bench.world.stop();
+  EXPECT_NEAR(open.opening, opening(bench.world.lock().world.hand()), 0.001);
+}
+
+TEST(DevicesInTheWorld, AGripperAloneMoves) {
+  const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell cell(stones, {0}, robot, {}, Bench::quiet(false));
+  SimulatedServersOptions served;
+  served.devices = {false, true, false, false};
+  served.gripper.port = 0;
+  served.gripper.speed_up = served.arm.speed = kSpeed;
+  const SimulatedServers servers(cell, robot, served);
+  EXPECT_EQ(servers.arm_ports().rtde, 0);
+  EXPECT_FALSE(servers.force_torque() || servers.camera());
+  EXPECT_EQ(servers.gripper_line(), "");
+  EXPECT_EQ(servers.text().rfind("gripper ", 0), 0U) << servers.text();
+  EXPECT_EQ(std::count(servers.text().begin(), servers.text().end(), '\n'), 1);
+  ThreeFingerOptions client;
+  client.modbus.port = servers.gripper()->port;
+  client.modbus.reply_timeout = 2.0;
+  client.move_margin = client.activation_timeout = 100.0;
+  ThreeFingerGripper gripper(client);
+  gripper.activate();
+  EXPECT_NEAR(gripper.move(0.05, 0.11, 30).opening, 0.05, 0.001);
 }
 
 TEST(DevicesInTheWorld, ClosingUponNothingIsNoObject) {

@@ -111,6 +111,46 @@ TEST(UrWire, RtdeSaysNotFoundAndStartsNothing) {
             packet('O', std::string(1, '\0') + "NOT_FOUND,VECTOR6D"));
 }
 
+TEST(UrWire, RtdeFieldsCameWithVersions) {
+  const auto types = [](const std::string& version, const std::string& names) {
+    Rtde rtde(from_zero(), version);
+    rtde.ask(hex("00 05 56 00 02"));
+    return rtde.ask(packet('O', hex("405f400000000000") + names)).substr(4);
+  };
+  // Each as UR's guide says.
+  const std::string payload = "payload,payload_cog", wrench = "ft_raw_wrench,actual_current_as_torque";
+  EXPECT_EQ(types("3.5.4.10845", payload), "NOT_FOUND,NOT_FOUND");
+  EXPECT_EQ(types("3.11.0.82155", payload), "DOUBLE,VECTOR3D");
+  EXPECT_EQ(types("5.4.3.83992", payload), "NOT_FOUND,NOT_FOUND");
+  EXPECT_EQ(types("5.5.1.82186", payload), "DOUBLE,VECTOR3D");
+  EXPECT_EQ(types("3.14.3.0", "payload_inertia,script_control_line"), "NOT_FOUND,UINT32");
+  EXPECT_EQ(types("3.13.1.0", "script_control_line"), "NOT_FOUND");
+  EXPECT_EQ(types("3.15.8.106339", "payload_inertia"), "VECTOR6D");
+  EXPECT_EQ(types("3.15.8.106339", wrench), "NOT_FOUND,NOT_FOUND") << "no CB3 has them";
+  EXPECT_EQ(types("5.12.2.1101534", wrench), "VECTOR6D,NOT_FOUND");
+  EXPECT_EQ(types("5.23.0.0", wrench), "VECTOR6D,VECTOR6D");
+  EXPECT_EQ(types("3.15.8.106339", "target_gravity,control_step"), "NOT_FOUND,NOT_FOUND");
+}
+
+TEST(UrWire, RtdeReads2048BytesOfASetup) {
+  std::string names, types;
+  for (int i = 0; i < 128; ++i) {  // 15 characters and a comma each: 2047 bytes
+    names += (i ? "," : "") + std::string("actual_momentum");
+    types += (i ? "," : "") + std::string("DOUBLE");
+  }
+  Rtde rtde;
+  rtde.ask(hex("00 05 56 00 02"));
+  EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + names)), packet('O', "\1" + types));
+  EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + names + ",timestamp")),
+            packet('O', std::string(1, '\0') + types + ",NOT_FOUND"));
+  std::string inputs;
+  for (int i = 24; i < 48; ++i) inputs += "input_double_register_" + std::to_string(i) + ",";
+  for (int i = 64; i < 128; ++i) inputs += "input_bit_register_" + std::to_string(i) + ",";
+  const std::string answer = rtde.ask(packet('I', inputs));
+  EXPECT_EQ(answer[3], '\0');
+  EXPECT_EQ(answer.substr(answer.size() - 9), "NOT_FOUND");
+}
+
 TEST(UrWire, RtdeInputsHaveOneOwner) {
   Rtde rtde;
   RtdeSession* other = new RtdeSession(2, rtde.bench.controller, rtde.owners);
@@ -284,6 +324,32 @@ TEST(UrWire, DashboardLines) {
   bench.run(2.0);
   EXPECT_EQ(say("robotmode"), "Robotmode: RUNNING");
   EXPECT_TRUE(answer_dashboard(bench.controller, "quit").closes);
+}
+
+TEST(UrWire, ProgramsOfTheCellFileAreLoadedAndPlayed) {
+  const RobotModel robot = read_robot("ur10");
+  IdealPlant plant(ScriptBench::start());
+  UrServerOptions options;
+  options.programs = "hello.urp,external-control.urp";
+  UrController controller(options, robot, plant);
+  const auto say = [&](const std::string& command) { return answer_dashboard(controller, command).line; };
+  EXPECT_EQ(say("get loaded program"), "No program loaded");
+  EXPECT_EQ(say("play"), "Failed to execute: play");
+  EXPECT_EQ(say("load other.urp"), "File not found: other.urp");
+  EXPECT_EQ(say("load external-control.urp"), "Loading program: external-control.urp");
+  EXPECT_EQ(say("get loaded program"), "Loaded program: /programs/external-control.urp");
+  EXPECT_EQ(say("running"), "Program running: false");
+  EXPECT_EQ(say("play"), "Starting program");
+  for (int k = 0; k < 500; ++k) controller.step();
+  EXPECT_EQ(say("running"), "Program running: true") << "until somebody stops it";
+  EXPECT_EQ(say("programState"), "PLAYING external-control.urp");
+  EXPECT_EQ(say("pause"), "Pausing program");
+  EXPECT_EQ(say("play"), "Starting program");
+  EXPECT_EQ(say("stop"), "Stopped");
+  EXPECT_EQ(say("programState"), "STOPPED external-control.urp");
+  EXPECT_EQ(say("load /programs/hello.urp"), "Loading program: /programs/hello.urp");
+  EXPECT_EQ(say("power off"), "Powering off");
+  EXPECT_EQ(say("play"), "Failed to execute: play");
 }
 
 TEST(UrWire, AStopThatCannotBeAcknowledged) {

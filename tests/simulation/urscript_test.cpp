@@ -290,6 +290,9 @@ TEST(UrScript, FunctionsComeWithVersions) {
   EXPECT_EQ(answer("3.5.4.10845", "protective_stop()"), "2,3,compile_error_name_not_found:protective_stop:");
   EXPECT_EQ(answer("3.5.4.10845", "force_mode_set_gain_scaling(1)"),
             "2,3,compile_error_name_not_found:force_mode_set_gain_scaling:");
+  EXPECT_EQ(answer("3.15.8.106339", "force_mode_set_gain_scaling(1)"),
+            "2,3,compile_error_name_not_found:force_mode_set_gain_scaling:")
+      << "no CB3 has it";
   EXPECT_EQ(answer("5.12.2.1101534", "force_mode_set_gain_scaling(1)"), "");
 }
 

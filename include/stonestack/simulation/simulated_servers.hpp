@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "stonestack/simulation/camera/camera_simulator.hpp"
@@ -9,6 +10,11 @@
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
 namespace stonestack {
+
+/// Which devices are served; the world behind them is whole.
+struct ServedDevices {
+  bool arm = true, gripper = true, force_torque = true, camera = true;
+};
 
 /// The simulated devices of a cell behind their real protocols.
 struct SimulatedServersOptions {
@@ -20,6 +26,7 @@ struct SimulatedServersOptions {
   ModbusFaults modbus_faults;
   FtFaults force_torque_faults;
   CameraFaults camera_faults;
+  ServedDevices devices;
 
   SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals
 };
@@ -35,15 +42,19 @@ class SimulatedServers {
   SimulatedServers(SimulatedCell& cell, const RobotModel& robot, const SimulatedServersOptions& options);
   ~SimulatedServers();
 
-  [[nodiscard]] const UrPorts& arm_ports() const;
+  /// All 0 when no arm is served.
+  [[nodiscard]] UrPorts arm_ports() const;
   [[nodiscard]] std::string arm_address() const;
-  [[nodiscard]] Endpoint gripper() const;
-  [[nodiscard]] Endpoint force_torque() const;
-  [[nodiscard]] Endpoint camera() const;
+  /// Where each listens; empty when it does not serve TCP.
+  [[nodiscard]] std::optional<Endpoint> gripper() const;
+  [[nodiscard]] std::optional<Endpoint> force_torque() const;
+  [[nodiscard]] std::optional<Endpoint> camera() const;
+  /// Paths of the pseudo terminals; empty when it does not serve a serial line.
+  [[nodiscard]] std::string gripper_line() const;
+  [[nodiscard]] std::string force_torque_line() const;
   /// A line a device: where it can be reached.
   [[nodiscard]] std::string text() const;
-  /// The controller, for tests that provoke stops.
-  [[nodiscard]] UrControllerServer& arm();
+  [[nodiscard]] const SimulatedServersOptions& options() const;
 
  private:
   struct Parts;

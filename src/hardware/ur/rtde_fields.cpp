@@ -16,7 +16,10 @@ constexpr std::array<std::string_view, 10> kTypeNames = {
 constexpr std::array<std::size_t, 10> kSizes = {1, 1, 4, 8, 4, 8, 24, 48, 24, 24};
 
 constexpr UrVersion kUpperRegisters3{3, 9, 0, 0}, kUpperRegisters5{5, 3, 0, 0};
-constexpr int kFirstUpperRegister = 24;  // below: shared with fieldbuses, in every version
+constexpr UrVersion kPayload3{3, 11, 0, 0}, kPayload5{5, 5, 1, 0};
+constexpr UrVersion kNever{4, 0, 0, 0};        // of PolyScope 3
+constexpr UrVersion kAfterGuide{5, 12, 0, 0};  // not among the fields of the guide for 3.15 and 5.11
+constexpr int kFirstUpperRegister = 24;        // below: shared with fieldbuses, in every version
 constexpr int kRegisters = 48;
 constexpr int kFirstSingleBit = 64, kBits = 128;
 
@@ -45,43 +48,33 @@ void add_motion(std::vector<RtdeField>& f) {
       {"timestamp", "actual_execution_time", "target_execution_time", "speed_scaling",
        "target_speed_fraction", "actual_momentum", "tcp_force_scalar"});
   add(f, Type::kVector6d,
-      {"target_q",
-       "target_qd",
-       "target_qdd",
-       "target_current",
-       "target_moment",
-       "actual_q",
-       "actual_qd",
-       "actual_current",
-       "actual_current_window",
-       "joint_control_output",
-       "actual_TCP_pose",
-       "actual_TCP_speed",
-       "actual_TCP_force",
-       "target_TCP_pose",
-       "target_TCP_speed",
-       "joint_temperatures",
-       "actual_joint_voltage",
-       "ft_raw_wrench",
-       "payload_inertia",
-       "actual_current_as_torque",
-       "actual_TCP_acceleration",
-       "target_TCP_acceleration",
-       "wrench_calc_from_currents",
-       "target_base_acceleration",
-       "target_base_wrench"});
+      {"target_q", "target_qd", "target_qdd", "target_current", "target_moment", "actual_q", "actual_qd",
+       "actual_current", "actual_current_window", "joint_control_output", "actual_TCP_pose",
+       "actual_TCP_speed", "actual_TCP_force", "target_TCP_pose", "target_TCP_speed", "joint_temperatures",
+       "actual_joint_voltage"});
+  add(f, Type::kVector6d, {"payload_inertia"}, {3, 15, 0, 0}, {5, 11, 0, 0});
+  add(f, Type::kVector6d, {"ft_raw_wrench"}, kNever, {5, 9, 0, 0});
+  add(f, Type::kVector6d, {"wrench_calc_from_currents", "target_base_acceleration", "target_base_wrench"},
+      kNever, kAfterGuide);
+  add(f, Type::kVector6d, {"actual_current_as_torque", "actual_TCP_acceleration", "target_TCP_acceleration"},
+      kNever, {5, 23, 0, 0});
   add(f, Type::kVector6d, {"tcp_offset"}, {3, 12, 3, 0}, {5, 5, 1, 0});
-  add(f, Type::kVector3d, {"actual_tool_accelerometer", "payload_cog", "target_gravity"});
+  add(f, Type::kVector3d, {"actual_tool_accelerometer"});
+  add(f, Type::kVector3d, {"payload_cog"}, kPayload3, kPayload5);
+  add(f, Type::kVector3d, {"target_gravity"}, kNever, kAfterGuide);
   add(f, Type::kVector3d, {"elbow_position", "elbow_velocity"}, {3, 5, 0, 0}, {5, 0, 0, 0});
-  add(f, Type::kDouble, {"payload", "joint_position_deviation_ratio", "collision_detection_ratio"});
+  add(f, Type::kDouble, {"payload"}, kPayload3, kPayload5);
+  add(f, Type::kDouble, {"joint_position_deviation_ratio", "collision_detection_ratio"}, kNever, kAfterGuide);
 }
 
 void add_modes(std::vector<RtdeField>& f) {
-  add(f, Type::kInt32, {"robot_mode", "safety_mode", "time_scale_source"});
+  add(f, Type::kInt32, {"robot_mode", "safety_mode"});
+  add(f, Type::kInt32, {"time_scale_source"}, kNever, kAfterGuide);
   add(f, Type::kInt32, {"safety_status"}, {3, 10, 0, 0}, {5, 4, 0, 0});
   add(f, Type::kVector6Int32, {"joint_mode"});
-  add(f, Type::kUint32, {"runtime_state", "robot_status_bits", "safety_status_bits", "script_control_line"});
-  add(f, Type::kUint64, {"control_step"});
+  add(f, Type::kUint32, {"runtime_state", "robot_status_bits", "safety_status_bits"});
+  add(f, Type::kUint32, {"script_control_line"}, {3, 14, 0, 0}, {5, 9, 0, 0});
+  add(f, Type::kUint64, {"control_step"}, kNever, kAfterGuide);
 }
 
 void add_electrics(std::vector<RtdeField>& f) {

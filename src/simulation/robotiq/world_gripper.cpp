@@ -16,6 +16,7 @@ constexpr double kMovingCurrent = 0.15;   // A
 constexpr double kScissorStart = 137.0;   // counts: basic mode
 constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; ours
 constexpr double kCounts = 255.0;
+constexpr double kLeast = 6.0;  // counts: where the software limit of a real gripper ends opening
 
 bool same(const AxisCommand& a, const AxisCommand& b) {
   return a.go == b.go && a.target == b.target && a.speed == b.speed && a.force == b.force;
@@ -45,7 +46,7 @@ class WorldGripper final : public GripperPlant {
       if (i >= drives_.size()) continue;
       still_[i] = 0.0;
       // A stands alone against B and C, which share its force.
-      drives_[i] = {place_of(axes[i].target), axes[i].speed / kCounts * half_stroke_,
+      drives_[i] = {place_of(std::max(kLeast, axes[i].target)), axes[i].speed / kCounts * half_stroke_,
                     i == 0 ? axes[i].force : 0.5 * axes[i].force, world_->options().regrip};
     }
   }
@@ -79,7 +80,7 @@ class WorldGripper final : public GripperPlant {
   [[nodiscard]] AxisReport finger_report(std::size_t f) const {
     using Status = AxisReport::Status;
     AxisReport report;
-    report.position = kCounts * (1.0 - place_[f] / half_stroke_);
+    report.position = std::max(kLeast, kCounts * (1.0 - place_[f] / half_stroke_));
     const double way = drives_[f].target - place_[f];
     if (!command_[f].go || std::abs(way) < kAtTarget) return report;
     report.status = way < 0 ? Status::kContactClosing : Status::kContactOpening;

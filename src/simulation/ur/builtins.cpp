@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <string_view>
 
 #include "stonestack/core/error.hpp"
 
@@ -35,7 +36,7 @@ Outcome power(BuiltinCall& call) {
 
 Outcome to_whole(BuiltinCall& call, double (*round)(double)) {
   const double value = round(num(call, 0));
-  if (std::abs(value) > 2147483647.0) throw ScriptError{"Value error: integer out of range"};
+  if (!(std::abs(value) <= 2147483647.0)) throw ScriptError{"Value error: integer out of range"};
   return Value(static_cast<long long>(value));
 }
 
@@ -63,6 +64,27 @@ Outcome list_length(BuiltinCall& call) {
   return Value(static_cast<long long>(list->size()));
 }
 
+// What takes the host longer than an instruction does: inverse kinematics, connections, bytes on the wire.
+constexpr std::pair<std::string_view, int> kEfforts[] = {
+    {"get_inverse_kin", 100},
+    {"get_inverse_kin_has_solution", 100},
+    {"is_within_safety_limits", 100},
+    {"get_forward_kin", 10},
+    {"tool_contact", 100},
+    {"textmsg", 50},
+    {"popup", 50},
+    {"socket_open", kStepQuota},
+    {"socket_close", 100},
+    {"socket_read_binary_integer", 100},
+    {"socket_read_ascii_float", 100},
+    {"socket_read_line", 100},
+    {"socket_read_string", 100},
+    {"socket_send_int", 100},
+    {"socket_send_byte", 100},
+    {"socket_send_string", 100},
+    {"socket_send_line", 100},
+};
+
 std::vector<Builtin> make_builtins() {
   std::vector<Builtin> list;
   add_math(list);
@@ -73,6 +95,9 @@ std::vector<Builtin> make_builtins() {
   add_io(list);
   add_flow(list);
   add_sockets(list);
+  for (auto& builtin : list)
+    for (const auto& [name, effort] : kEfforts)
+      if (name == builtin.name) builtin.effort = effort;
   std::sort(list.begin(), list.end(),
             [](const Builtin& a, const Builtin& b) { return std::strcmp(a.name, b.name) < 0; });
   return list;
@@ -108,6 +133,21 @@ void add_math(std::vector<Builtin>& list) {
   list.push_back({"binary_list_to_integer", {"l"}, 1, number_of_bits});
   list.push_back({"length", {"v"}, 1, list_length});
   list.push_back({"get_list_length", {"v"}, 1, list_length});
+}
+
+double finite(const Value& value) {
+  const double it = number(value);
+  if (!std::isfinite(it)) throw ScriptError{"Value error: a number is not finite"};
+  return it;
+}
+
+double finite_or(const BuiltinCall& call, std::size_t i, double preset) {
+  return call.has(i) ? finite(arg(call, i)) : preset;
+}
+
+double within(double value, double least, double most, const char* what) {
+  if (value >= least && value <= most) return value;
+  throw ScriptError{concat("Value error: ", what, " goes from ", least, " to ", most, ", got ", value)};
 }
 
 const std::vector<Builtin>& builtins() {

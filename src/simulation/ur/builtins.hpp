@@ -19,5 +19,10 @@ inline const Value& arg(const BuiltinCall& call, std::size_t i) {
 inline double num(const BuiltinCall& call, std::size_t i) {
   return number(call.arguments[i]);
 }
+/// The number, which no NaN and no infinity may be.
+double finite(const Value& value);
+double finite_or(const BuiltinCall& call, std::size_t i, double preset);
+/// The number within a range, both ends included; else a ScriptError that names the argument.
+double within(double value, double least, double most, const char* what);
 
 }  // namespace stonestack::urscript

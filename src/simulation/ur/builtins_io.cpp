@@ -19,12 +19,6 @@ std::int32_t to_int32(const Value& value) {
   return static_cast<std::int32_t>(integer(value));
 }
 
-double finite(const Value& value) {
-  const double it = number(value);
-  if (!std::isfinite(it)) throw ScriptError{"Value error: a number is not finite"};
-  return it;
-}
-
 std::uint64_t bit(const BuiltinCall& call, int first, int count) {
   const long long index = integer(arg(call, 0));
   if (index < 0 || index >= count) throw ScriptError{concat("Value error: there is no pin ", index)};

@@ -6,7 +6,8 @@
 namespace stonestack::urscript {
 namespace {
 
-constexpr int kPathProblem = 153;  // C-code
+constexpr int kPathProblem = 153;           // C-code
+constexpr double kLongestMotion = 86400.0;  // s: what lasts longer than a day is a mistake
 // All of an optimove's acceleration and speed: a share of 1.
 constexpr double kMostJointAcceleration = 10.0, kMostJointSpeed = 2.0;  // rad/s^2, rad/s
 constexpr double kMostToolAcceleration = 5.0, kMostToolSpeed = 1.0;     // m/s^2, m/s
@@ -51,10 +52,15 @@ double not_negative(const BuiltinCall& call, std::size_t i, double preset) {
   return call.number_or(i, preset) == 0.0 ? 0.0 : positive(call, i, preset);
 }
 
+// How long speedj and speedl last; negative: until the speed is reached.
+double speed_time(const BuiltinCall& call) {
+  return within(finite_or(call, 2, -1.0), -kLongestMotion, kLongestMotion, "a time");
+}
+
 MoveOptions options_from(BuiltinCall& call, double a, double v, std::size_t t, std::size_t r) {
   MoveOptions options;
-  options.seconds = t ? call.number_or(t, 0.0) : 0.0;
-  options.blend = std::max(0.0, call.number_or(r, 0.0));
+  options.seconds = t ? within(finite_or(call, t, 0.0), 0.0, kLongestMotion, "a time") : 0.0;
+  options.blend = std::max(0.0, finite_or(call, r, 0.0));
   if (options.seconds > 0) return options;
   options.acceleration = positive(call, 1, a);
   options.speed = positive(call, 2, v);
@@ -86,7 +92,7 @@ MoveOptions optimal(BuiltinCall& call, double acceleration, double speed) {
   MoveOptions options;
   options.acceleration = acceleration * std::min(positive(call, 1, 0.3), 1.0);
   options.speed = speed * std::min(positive(call, 2, 0.3), 1.0);
-  options.blend = std::max(0.0, call.number_or(3, 0.0));
+  options.blend = std::max(0.0, finite_or(call, 3, 0.0));
   return options;
 }
 
@@ -109,16 +115,15 @@ Outcome movec(BuiltinCall& call) {
   MoveOptions options;
   options.acceleration = positive(call, 2, 1.2);
   options.speed = positive(call, 3, 0.25);
-  options.blend = std::max(0.0, call.number_or(4, 0.0));
+  options.blend = std::max(0.0, finite_or(call, 4, 0.0));
   claim(call).move_arc(via, T_B_P, options);
   return until_done(call);
 }
 
 Outcome servoj(BuiltinCall& call) {
-  const double seconds = call.number_or(3, call.host.period());
-  const double lookahead = call.number_or(4, 0.1), gain = call.number_or(5, 300.0);
-  if (!(seconds > 0) || !std::isfinite(lookahead) || !std::isfinite(gain))
-    throw ScriptError{"Value error: servoj needs a positive time"};
+  const double seconds = within(call.number_or(3, call.host.period()), 1e-6, kLongestMotion, "a time");
+  const double lookahead = within(call.number_or(4, 0.1), 0.03, 0.2, "lookahead_time");
+  const double gain = within(call.number_or(5, 300.0), 100.0, 2000.0, "gain");
   const Joints q = as_joints(call, 0);
   claim(call).servo(q, seconds, lookahead, gain);
   return until_done(call);
@@ -127,14 +132,14 @@ Outcome servoj(BuiltinCall& call) {
 Outcome speedj(BuiltinCall& call) {
   const Joints qd = six(arg(call, 0));
   const double a = not_negative(call, 1, 1.4);
-  claim(call).speed_joints(qd, a, call.number_or(2, -1.0));
+  claim(call).speed_joints(qd, a, speed_time(call));
   return until_done(call);
 }
 
 Outcome speedl(BuiltinCall& call) {
   const Six twist = six(arg(call, 0));
   const double a = not_negative(call, 1, 1.2);
-  claim(call).speed_line(twist, a, call.number_or(2, -1.0));
+  claim(call).speed_line(twist, a, speed_time(call));
   return until_done(call);
 }
 
@@ -174,11 +179,17 @@ Outcome set_tcp(BuiltinCall& call) {
   return Value();
 }
 
-Outcome set_payload(BuiltinCall& call) {
+double payload_mass(const BuiltinCall& call) {
   const double mass = num(call, 0);
   const double most = call.host.motion.geometry().robot().payload;
   if (!(mass >= 0) || mass > most)
     throw ScriptError{concat("Value error: payload of ", mass, " kg, this robot carries ", most, " kg")};
+  return mass;
+}
+
+Outcome set_payload(BuiltinCall& call) {
+  const double mass = payload_mass(call);
+  if (call.has(2)) static_cast<void>(six(arg(call, 2)));  // inertia: nothing here depends on it
   // Without a centre of gravity it is the tool centre point, as on the pendant.
   call.host.set_payload(mass, call.has(1) ? three(arg(call, 1))
                                           : Eigen::Vector3d(call.host.motion.geometry().T_F_P.translation()));
@@ -230,7 +241,7 @@ void add_motion(std::vector<Builtin>& list) {
   list.push_back({"set_payload", {"m", "cog"}, 1, set_payload});
   list.push_back({"set_target_payload", {"m", "cog", "inertia"}, 1, set_payload});
   list.push_back({"set_payload_mass", {"m"}, 1, [](BuiltinCall& c) {
-                    c.host.set_payload(num(c, 0), c.host.payload_cog);
+                    c.host.set_payload(payload_mass(c), c.host.payload_cog);
                     return Outcome(Value());
                   }});
   list.push_back({"set_payload_cog", {"CoG"}, 1, [](BuiltinCall& c) {
@@ -239,9 +250,18 @@ void add_motion(std::vector<Builtin>& list) {
                   }});
   list.push_back({"protective_stop", {}, 0, protective_stop});
   // Accepted, without effect on a simulated arm.
-  list.push_back({"force_mode_set_damping", {"damping"}, 1, nothing});
-  list.push_back({"force_mode_set_gain_scaling", {"scaling"}, 1, nothing});
-  list.push_back({"set_gravity", {"d"}, 1, nothing});
+  list.push_back({"force_mode_set_damping", {"damping"}, 1, [](BuiltinCall& c) {
+                    within(num(c, 0), 0.0, 1.0, "damping");
+                    return Outcome(Value());
+                  }});
+  list.push_back({"force_mode_set_gain_scaling", {"scaling"}, 1, [](BuiltinCall& c) {
+                    within(num(c, 0), 0.0, 2.0, "scaling");
+                    return Outcome(Value());
+                  }});
+  list.push_back({"set_gravity", {"d"}, 1, [](BuiltinCall& c) {
+                    static_cast<void>(three(arg(c, 0)));
+                    return Outcome(Value());
+                  }});
   list.push_back({"freedrive_mode", {"freeAxes", "feature"}, 0, nothing});
   list.push_back({"end_freedrive_mode", {}, 0, nothing});
   list.push_back({"get_freedrive_status", {}, 0, [](BuiltinCall&) { return Outcome(Value(0)); }});

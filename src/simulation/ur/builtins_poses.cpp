@@ -54,7 +54,7 @@ Outcome subtract(BuiltinCall& call) {
 }
 
 Outcome between(BuiltinCall& call) {
-  return Value(to_vector(interpolate(pose(call, 0), pose(call, 1), num(call, 2))));
+  return Value(to_vector(interpolate(pose(call, 0), pose(call, 1), finite(arg(call, 2)))));
 }
 
 Outcome to_rotation_vector(BuiltinCall& call) {

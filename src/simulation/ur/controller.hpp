@@ -81,6 +81,8 @@ class UrController {
   /// compiled.
   void run_script(const std::string& source);
   void stop_program();
+  /// The Dashboard's loaded program: runs until it is stopped. False when there is none or it may not run.
+  bool play_loaded();
   /// False when there is nothing to pause or resume.
   bool pause_program();
   bool resume_program();
@@ -137,6 +139,7 @@ class UrController {
   double speed_slider = 1.0;
   std::string user_role = "NONE";         ///< of the Dashboard; NONE: everything is allowed
   std::string operational_mode = "NONE";  ///< of the Dashboard; NONE: nobody controls it from there
+  std::string loaded_program;             ///< of the Dashboard; empty: none
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque
@@ -174,6 +177,7 @@ class UrController {
   std::deque<Eigen::Vector3d> raw_forces_;  // as long
   std::unique_ptr<urscript::Machine> program_;
   std::vector<std::unique_ptr<urscript::Machine>> secondaries_;
+  int effort_ = 0;  // that programs may still take; below 0: taken beforehand from the next step
   std::string program_name_;
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;

@@ -1,5 +1,6 @@
 // The part of the controller that starts, runs and ends programs.
 #include <algorithm>
+#include <cctype>
 
 #include "simulation/ur/controller.hpp"
 #include "stonestack/core/error.hpp"
@@ -22,7 +23,7 @@ struct Gate {
 constexpr Gate kGates[] = {
     {"force_mode_set_damping", {3, 5, 0, 0}, {5, 0, 0, 0}},
     {"get_inverse_kin_has_solution", {3, 12, 0, 0}, {5, 6, 0, 0}},
-    {"force_mode_set_gain_scaling", {3, 12, 0, 0}, {5, 0, 0, 0}},
+    {"force_mode_set_gain_scaling", {0, 0, 0, 0}, {5, 0, 0, 0}},
     {"protective_stop", {3, 8, 0, 0}, {5, 0, 0, 0}},
     {"rtde_set_watchdog", {3, 3, 0, 0}, {5, 0, 0, 0}},
     {"get_steptime", {3, 10, 0, 0}, {5, 4, 0, 0}},
@@ -113,6 +114,16 @@ void UrController::end_program(const char* title) {
   say(make_event(Kind::kKey, title, program_name_));
 }
 
+bool UrController::play_loaded() {
+  if (loaded_program.empty() || program_running() || !can_move()) return false;
+  std::string name = loaded_program.substr(0, loaded_program.rfind('.'));
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  run_script("def program_" + name + "():\n  while True:\n    sync()\n  end\nend\n");
+  if (program_running()) program_name_ = loaded_program;
+  return program_running();
+}
+
 bool UrController::pause_program() {
   if (!program_running()) return false;
   runtime_ = RuntimeState::kPaused;
@@ -142,17 +153,23 @@ void UrController::claim_motion(const Machine& machine, int thread) {
 }
 
 void UrController::run_programs() {
-  for (std::size_t i = 0; i < secondaries_.size();) {
+  effort_ = std::min(effort_, 0) + urscript::kStepQuota;
+  const auto step = [this](Machine& machine, std::size_t others) {
+    const auto state = machine.step(effort_ / static_cast<int>(1 + others));
+    effort_ -= machine.spent();
+    return state;
+  };
+  for (std::size_t i = 0; i < secondaries_.size() && effort_ > 0;) {
     auto& machine = *secondaries_[i];
-    if (machine.step() == Machine::State::kRunning) {
+    if (step(machine, secondaries_.size() - i) == Machine::State::kRunning) {
       ++i;
       continue;
     }
     if (machine.state() == Machine::State::kFailed) report(machine.error(), &machine.program());
     secondaries_.erase(secondaries_.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  if (!program_ || !program_running()) return;
-  const auto state = program_->step();
+  if (!program_ || !program_running() || effort_ <= 0) return;
+  const auto state = step(*program_, 0);
   if (state == Machine::State::kRunning) return;
   if (state == Machine::State::kFailed) report(program_->error(), nullptr);
   end_program("PROGRAM_XXX_STOPPED");

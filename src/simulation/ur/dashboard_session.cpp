@@ -1,8 +1,10 @@
 #include "simulation/ur/dashboard_session.hpp"
 
+#include <algorithm>
 #include <cctype>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/hardware/ur/rtde_wire.hpp"
 
 namespace stonestack {
 namespace {
@@ -81,6 +83,17 @@ std::string administer(UrController& c, const std::string& command) {
   return "No longer controlling the operational mode. Current operational mode: 'NONE'.";
 }
 
+// A running program is stopped, as on the pendant.
+std::string load(UrController& c, const std::string& name) {
+  const std::string prefix = "/programs/";
+  const std::string file = name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : name;
+  const auto known = split_names(c.options().programs);
+  if (std::find(known.begin(), known.end(), file) == known.end()) return "File not found: " + name;
+  c.stop_program();
+  c.loaded_program = file;
+  return "Loading program: " + name;
+}
+
 // Commands that change something; empty when the command is none of them.
 std::string act(UrController& c, const std::string& command) {
   if (command == "power on") {
@@ -101,7 +114,8 @@ std::string act(UrController& c, const std::string& command) {
     c.close_popup();
     return "closing popup";
   }
-  if (command == "play") return c.resume_program() ? "Starting program" : "Failed to execute: play";
+  if (command == "play")
+    return c.resume_program() || c.play_loaded() ? "Starting program" : "Failed to execute: play";
   if (command == "pause") return c.pause_program() ? "Pausing program" : "Failed to execute: pause";
   if (command == "stop") {  // "Stopped" even when nothing runs: UR's and ur_rtde's start sequences rely on it
     c.stop_program();
@@ -127,7 +141,8 @@ std::string ask(const UrController& c, const std::string& command) {
     return concat("Safetystatus: ", safety_mode_name(c.safety_mode));
   if (command == "running") return concat("Program running: ", c.program_running() ? "true" : "false");
   if (command == "programState") return program_state(c);
-  if (command == "get loaded program") return "No program loaded";
+  if (command == "get loaded program")
+    return c.loaded_program.empty() ? "No program loaded" : "Loaded program: /programs/" + c.loaded_program;
   if (command == "isProgramSaved")
     return "true " + (c.program_name().empty() ? "<unnamed>" : c.program_name());
   if (command == "is in remote control" && version.has({0, 0, 0, 0}, {5, 6, 0, 0}))
@@ -157,7 +172,7 @@ DashboardAnswer answer_dashboard(UrController& controller, const std::string& co
   if (starts("popup ")) return {"showing popup", false};
   if (starts("addToLog ")) return {"Added log message", false};
   if (starts("load installation ")) return {"File not found: " + command.substr(18), false};
-  if (starts("load ")) return {"File not found: " + command.substr(5), false};
+  if (starts("load ")) return {load(controller, command.substr(5)), false};
   return {"could not understand: '" + command + "'", false};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "stonestack/core/error.hpp"
@@ -9,11 +10,9 @@
 namespace stonestack::urscript {
 namespace {
 
-Value* find_in(std::vector<std::pair<int, Value>>& variables, int name) {
-  for (auto& [id, value] : variables)
-    if (id == name) return &value;
-  return nullptr;
-}
+// Against an instruction's effort: elements that are copied, those that are reckoned with, variables that are
+// looked at until the right one is found.
+constexpr int kCopied = 4, kReckoned = 2, kLookedAt = 64;
 
 Value make_pose_value(const std::vector<Value>& six_numbers) {
   PoseVector pose;
@@ -32,25 +31,41 @@ Machine::Machine(Program program, UrController& host, const MachineLimits& limit
   threads_.emplace(main_, std::move(thread));
 }
 
-Machine::State Machine::step() {
-  const int first = alone_;
-  if (first != 0) run_and_mark(first);
+std::vector<int> Machine::turns() const {
   std::vector<int> ids;
-  for (const auto& [id, thread] : threads_)
-    if (id != first) ids.push_back(id);
+  for (const auto& [id, thread] : threads_) ids.push_back(id);
+  const auto rank = [this](int id) {
+    const Thread& thread = threads_.at(id);
+    return std::tuple(id != alone_, thread.last_turn, thread.interrupted, id);
+  };
+  std::sort(ids.begin(), ids.end(), [&](int a, int b) { return rank(a) < rank(b); });
+  return ids;
+}
+
+Machine::State Machine::step(int quota) {
+  ++steps_;
+  spent_ = 0;
+  const auto ids = turns();
+  const auto computes = [this](int id) {
+    const auto it = threads_.find(id);
+    return it != threads_.end() && !it->second.wait;
+  };
+  auto computing = std::count_if(ids.begin(), ids.end(), computes);
   for (const int id : ids) {
-    if (alone_ != 0 || state_ != State::kRunning) break;
-    run_and_mark(id);
+    const auto others = computes(id) ? --computing : computing;
+    run_and_mark(id, (quota - spent_) / static_cast<int>(1 + std::max<std::ptrdiff_t>(0, others)));
+    if (alone_ != 0 || state_ != State::kRunning || spent_ >= quota) break;
   }
   if (state_ != State::kRunning) threads_.clear();
   return state_;
 }
 
-void Machine::run_and_mark(int id) {
+void Machine::run_and_mark(int id, int share) {
   alone_ = 0;
   auto it = threads_.find(id);  // another one may have killed it in this step
   if (it == threads_.end()) return;
-  run(id, it->second);
+  it->second.last_turn = steps_;
+  run(id, it->second, share);
   it = threads_.find(id);
   if (it != threads_.end() && it->second.critical && it->second.interrupted) alone_ = id;
 }
@@ -81,23 +96,26 @@ void Machine::fail(const Thread& thread, const std::string& text) {
   error_ = {it.line, it.column, text};
 }
 
-void Machine::run(int id, Thread& thread) {
+void Machine::run(int id, Thread& thread, int share) {
+  const int end = spent_ + std::max(1, share);
   thread.interrupted = false;
   try {
     if (thread.wait) {
+      charge(1);
       auto value = thread.wait();
       if (!value) return;
       thread.wait = nullptr;
-      thread.busy_steps = 0;
+      thread.computes_since = steps_;
       thread.stack.push_back(std::move(*value));
     }
-    for (int count = 0; count < limits_.quota; ++count) {
+    while (spent_ < end) {
+      charge(1);
       Frame& frame = thread.frames.back();
       const Instruction it = program_.functions[at(frame.function)].code[frame.at++];
       if (!execute(id, thread, it)) return;
     }
     thread.interrupted = true;
-    if (++thread.busy_steps >= limits_.patience) fail(thread, "Infinite loop detected");
+    if (steps_ - thread.computes_since >= limits_.patience) fail(thread, "Infinite loop detected");
   } catch (const ScriptError& error) {
     fail(thread, error.text);
   } catch (const std::exception& error) {
@@ -111,6 +129,13 @@ Value Machine::pop(Thread& thread) {
   return value;
 }
 
+Value* Machine::find_in(std::vector<std::pair<int, Value>>& variables, int name) {
+  const auto it = std::find_if(variables.begin(), variables.end(),
+                               [name](const auto& variable) { return variable.first == name; });
+  charge(static_cast<int>(it - variables.begin()) / kLookedAt);
+  return it == variables.end() ? nullptr : &it->second;
+}
+
 Value* Machine::find(Frame& frame, int name) {
   for (Scope* scope = frame.scope.get(); scope; scope = scope->parent.get())
     if (Value* value = find_in(scope->variables, name)) return value;
@@ -119,6 +144,7 @@ Value* Machine::find(Frame& frame, int name) {
 
 void Machine::store(Frame& frame, const Instruction& it, Value value) {
   check_size(value);
+  charge(weight(value) / kCopied);
   auto& own = frame.scope->variables;
   Value* place = it.op == Op::kStore        ? find(frame, it.a)
                  : it.op == Op::kStoreLocal ? find_in(own, it.a)
@@ -138,6 +164,7 @@ void Machine::store_element(Thread& thread, const Instruction& it) {
   if (!place) throw ScriptError{"Variable '" + program_.names[at(it.a)] + "' has no value"};
   for (std::size_t k = 0; k + 1 < keys.size(); ++k) place = &member(*place, keys[k]);
   set_member(*place, keys.back(), std::move(value));
+  charge(weight(*place) / kCopied);
 }
 
 bool Machine::execute(int id, Thread& thread, const Instruction& it) {
@@ -146,11 +173,13 @@ bool Machine::execute(int id, Thread& thread, const Instruction& it) {
   switch (it.op) {
     case Op::kConstant:
       stack.push_back(program_.constants[at(it.a)]);
+      charge(weight(stack.back()) / kCopied);
       return true;
     case Op::kLoad: {
       const Value* value = find(frame, it.a);
       if (!value) throw ScriptError{"Variable '" + program_.names[at(it.a)] + "' has no value"};
       stack.push_back(*value);
+      charge(weight(*value) / kCopied);
       return true;
     }
     case Op::kStore:
@@ -187,10 +216,12 @@ bool Machine::execute(int id, Thread& thread, const Instruction& it) {
       stack.back() = !truth(stack.back());
       return true;
     case Op::kNegate:
+      charge(weight(stack.back()) / kReckoned);
       stack.back() = negate(stack.back());
       return true;
     case Op::kBinary: {
       const Value b = pop(thread);
+      charge((weight(stack.back()) + weight(b)) / kReckoned);
       stack.back() = apply(static_cast<Operator>(it.a), stack.back(), b);
       return true;
     }
@@ -199,6 +230,7 @@ bool Machine::execute(int id, Thread& thread, const Instruction& it) {
       stack.resize(stack.size() - at(it.a));
       stack.emplace_back(std::move(list));
       check_size(stack.back());
+      charge(weight(stack.back()) / kCopied);
       return true;
     }
     case Op::kMakePose: {

@@ -51,23 +51,29 @@ struct Builtin {
   std::size_t required;
   Outcome (*call)(BuiltinCall& call);
   bool names_anything = false;  ///< struct: its arguments' names are the caller's; `call` is not used
+  int effort = 0;               ///< beyond an instruction's, of kStepQuota
 };
 /// Every built-in function, sorted by name.
 [[nodiscard]] const std::vector<Builtin>& builtins();
 /// Index into `builtins` or -1.
 [[nodiscard]] int builtin_index(const std::string& name);
 
+/// Effort that all programs together may take in a control step: an instruction is 1, what it copies comes on
+/// top. Some milliseconds of the host, whatever the script.
+inline constexpr int kStepQuota = 10000;
+
 struct MachineLimits {
-  int quota = 10000;       ///< instructions of a thread a control step
-  int patience = 50;       ///< control steps at full quota until a loop counts as endless
+  int patience = 100;      ///< control steps that a thread may compute on end; then its loop is endless
   int deepest_call = 100;  ///< calls within calls
   int threads = 64;
 };
 
 /// Runs one program, a control step at a time. Threads take turns; each runs until it waits, ends or has used
-/// up its quota. Inside a critical section it goes on alone in the next steps when its quota is used up; a
-/// thread that waits there (motion, sleep, sync, join, socket) lets the others run, critical sections or not:
-/// UR's own client library joins, reads sockets and moves inside them while other threads must go on.
+/// up its share of the step's quota. Those that wait come before those that compute; who had no turn because
+/// the quota was used up is first in the next step. Inside a critical section a thread goes on alone in the
+/// next steps when its share is used up; a thread that waits there (motion, sleep, sync, join, socket) lets
+/// the others run, critical sections or not: UR's own client library joins, reads sockets and moves inside
+/// them while other threads must go on.
 class Machine {
  public:
   enum class State { kRunning, kEnded, kFailed };
@@ -75,7 +81,9 @@ class Machine {
   Machine(Program program, UrController& host, const MachineLimits& limits = {});
 
   /// One control step. Never throws; a run-time error ends the program.
-  State step();
+  State step(int quota = kStepQuota);
+  /// What the last step took of its quota; may be more by one instruction.
+  [[nodiscard]] int spent() const { return spent_; }
   [[nodiscard]] State state() const { return state_; }
   /// Line, column and text of what made it fail.
   [[nodiscard]] const CompileError& error() const { return error_; }
@@ -100,20 +108,24 @@ class Machine {
     std::vector<Frame> frames;
     std::vector<Value> stack;
     Wait wait;
-    int busy_steps = 0;
+    long computes_since = 0;   // step of its start or last wait
+    long last_turn = 0;        // step
     bool critical = false;     // inside a critical section
     bool interrupted = false;  // its share of the step was used up
   };
 
-  void run(int id, Thread& thread);
+  [[nodiscard]] std::vector<int> turns() const;
+  void run(int id, Thread& thread, int share);
   /// False when the thread waits or has ended.
   bool execute(int id, Thread& thread, const Instruction& it);
   bool call(int id, Thread& thread, const CallSite& site, bool as_thread);
   bool call_builtin(int id, Thread& thread, const CallSite& site);
   [[nodiscard]] Frame enter(Thread& caller, const CallSite& site);
   bool leave(int id, Thread& thread);
-  void run_and_mark(int id);
+  void run_and_mark(int id, int share);
+  void charge(int effort) { spent_ += effort; }
   bool join(int id, Thread& thread, int other);
+  [[nodiscard]] Value* find_in(std::vector<std::pair<int, Value>>& variables, int name);
   [[nodiscard]] Value* find(Frame& frame, int name);
   void store(Frame& frame, const Instruction& it, Value value);
   void store_element(Thread& thread, const Instruction& it);
@@ -130,6 +142,8 @@ class Machine {
   int main_ = 1;
   int next_id_ = 2;
   int alone_ = 0;  // thread that was interrupted inside a critical section
+  long steps_ = 0;
+  int spent_ = 0;  // effort of this step
 };
 
 }  // namespace stonestack::urscript

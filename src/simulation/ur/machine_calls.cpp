@@ -15,6 +15,8 @@ std::vector<Value> take(std::vector<Value>& stack, std::size_t count) {
   return values;
 }
 
+constexpr int kStartOfThread = 10;  // effort
+
 [[noreturn]] void wrong_arguments(const CallSite& site) {
   throw ScriptError{concat("Type error: wrong arguments for ", site.name)};
 }
@@ -26,7 +28,9 @@ bool Machine::call(int id, Thread& thread, const CallSite& site, bool as_thread)
     if (site.target < 0 || !program_.functions[at(site.target)].thread)
       throw ScriptError{"Type error: " + site.name + " is not a thread"};
     if (static_cast<int>(threads_.size()) >= limits_.threads) throw ScriptError{"Too many threads"};
+    charge(kStartOfThread);
     Thread started;
+    started.computes_since = started.last_turn = steps_;
     started.frames.push_back(enter(thread, site));
     const int handle = next_id_++;
     thread.stack.emplace_back(ThreadHandle{handle});
@@ -50,6 +54,7 @@ Machine::Frame Machine::enter(Thread& caller, const CallSite& site) {
       break;
     }
   auto values = take(caller.stack, at(site.positional) + site.keywords.size());
+  charge(static_cast<int>(callee.parameters.size() * (1 + site.keywords.size())));
   if (at(site.positional) > callee.parameters.size()) wrong_arguments(site);
   for (std::size_t i = 0; i < callee.parameters.size(); ++i) {
     const auto& parameter = callee.parameters[i];
@@ -69,6 +74,8 @@ Machine::Frame Machine::enter(Thread& caller, const CallSite& site) {
 bool Machine::call_builtin(int id, Thread& thread, const CallSite& site) {
   const Builtin& builtin = builtins()[at(site.builtin)];
   auto values = take(thread.stack, at(site.positional) + site.keywords.size());
+  charge(builtin.effort);
+  for (const auto& value : values) charge(weight(value));
   if (builtin.names_anything) {
     if (site.positional > 0 || site.keywords.empty()) wrong_arguments(site);
     Fields fields;
@@ -96,6 +103,7 @@ bool Machine::call_builtin(int id, Thread& thread, const CallSite& site) {
     return false;
   }
   check_size(outcome.value);
+  charge(weight(outcome.value));
   thread.stack.push_back(std::move(outcome.value));
   return true;
 }

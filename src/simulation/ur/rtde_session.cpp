@@ -9,6 +9,7 @@ namespace stonestack {
 namespace {
 
 constexpr std::size_t kMostRecipes = 255;
+constexpr std::size_t kLongestNames = 2048;  // bytes of a setup
 constexpr const char* kNotFound = "NOT_FOUND";
 constexpr const char* kInUse = "IN_USE";
 
@@ -23,6 +24,18 @@ bool is_fieldbus_register(const std::string& name) {
   for (const std::string prefix : {"input_int_register_", "input_double_register_"})
     if (name.rfind(prefix, 0) == 0) return std::stoi(name.substr(prefix.size())) < 24;
   return false;
+}
+
+// How many names of a list lie within what a controller reads of it. What a real one does with the rest is
+// not known; here it is not found. UR's client library asks the newest controllers for more.
+std::size_t names_read(const std::vector<std::string>& names, const UrVersion& version) {
+  if (version.has({0, 0, 0, 0}, {5, 23, 0, 0})) return names.size();
+  std::size_t count = 0, bytes = 0;
+  while (count < names.size() && (bytes += names[count].size()) <= kLongestNames) {
+    ++bytes;  // comma
+    ++count;
+  }
+  return count;
 }
 
 bool sets_an_output(const std::string& name) {
@@ -92,10 +105,11 @@ RtdeSetupReply RtdeSession::set_up_outputs(const RtdeSetup& setup) {
   outputs_.clear();
   started_ = false;
   bool whole = true;
+  const std::size_t read = names_read(setup.names, controller_->version());
   for (const auto& name : setup.names) {
     const RtdeField* field = find_rtde_output(name);
-    const bool there =
-        field && field->in(controller_->version()) && !listed(controller_->faults.missing_fields, name);
+    const bool there = reply.types.size() < read && field && field->in(controller_->version()) &&
+                       !listed(controller_->faults.missing_fields, name);
     whole = whole && there;
     reply.types.emplace_back(there ? std::string(rtde_type_name(field->type)) : kNotFound);
     if (there) outputs_.push_back(rtde_reader(*field));
@@ -121,8 +135,9 @@ RtdeSetupReply RtdeSession::set_up_inputs(const RtdeSetup& setup) {
   RtdeSetupReply reply;
   InputRecipe recipe;
   bool whole = !setup.names.empty() && inputs_.size() < kMostRecipes;
+  const std::size_t read = names_read(setup.names, controller_->version());
   for (const auto& name : setup.names) {
-    reply.types.push_back(input_state(name));
+    reply.types.push_back(reply.types.size() < read ? input_state(name) : kNotFound);
     const auto type = rtde_type(reply.types.back());
     whole = whole && type.has_value();
     if (!type) continue;

@@ -46,6 +46,7 @@ FieldList fields(UrServerOptions& o) {
                    field("model", o.model, "as the Dashboard names it"),
                    field("serial", o.serial, "as the Dashboard names it"),
                    field("speed", o.speed, {0.01, 1000.0}, "", "times real time"),
+                   field("programs", o.programs, "by commas, as hello.urp: what the Dashboard can load"),
                    field("powered", o.powered, "starts with the brakes released"),
                },
                nest("faults", fields(o.faults))});

@@ -175,7 +175,9 @@ Joints joints(const Value& value) {
 Eigen::Vector3d three(const Value& value) {
   const auto* list = std::get_if<List>(&value.is);
   if (!list || list->size() != 3) wrong_type("three numbers", value);
-  return {number((*list)[0]), number((*list)[1]), number((*list)[2])};
+  const Eigen::Vector3d result(number((*list)[0]), number((*list)[1]), number((*list)[2]));
+  if (!result.allFinite()) throw ScriptError{"Value error: a number is not finite"};
+  return result;
 }
 
 Value to_list(const Joints& q) {
@@ -291,6 +293,18 @@ void set_member(Value& value, const Value& key, Value item) {
   if (!std::holds_alternative<std::string>(key.is)) return set_element(value, integer(key), std::move(item));
   member(value, key) = std::move(item);
   check_size(value);
+}
+
+int weight(const Value& value) {
+  constexpr std::size_t kCharacters = 16;
+  int sum = 0;
+  if (const auto* string = std::get_if<std::string>(&value.is))
+    sum = static_cast<int>(string->size() / kCharacters);
+  if (const auto* list = std::get_if<List>(&value.is))
+    for (const auto& item : *list) sum += 1 + weight(item);
+  if (const auto* fields = std::get_if<Fields>(&value.is))
+    for (const auto& field : *fields) sum += 1 + weight(field.value);
+  return sum;
 }
 
 void check_size(const Value& value) {

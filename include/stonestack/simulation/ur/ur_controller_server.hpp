@@ -46,6 +46,9 @@ struct UrServerOptions {
   std::string serial = "2014301234";
   double speed = 1.0;   ///< control steps a second, times the real ones
   bool powered = true;  ///< starts with the brakes released; else in POWER_OFF
+  /// Programs, separated by commas, that the Dashboard finds: `load hello.urp`. Played, one runs until it is
+  /// stopped, and does nothing: what a program on the pendant does that waits for others.
+  std::string programs;
   ControllerFaults faults;
 };
 [[nodiscard]] FieldList fields(UrServerOptions& options);

@@ -1,0 +1,50 @@
+// `stonestack simulate` for single devices, and cells whose simulated devices are not on TCP.
+#include "commands.hpp"
+
+namespace stonestack {
+namespace {
+
+using SimulateCommand = Commands;
+
+const std::string kFreePorts =
+    "simulate: true\narm: {rtde: {stale_after: 1.0}}\nforce_torque: {stale: 0.5}\nsimulators:\n"
+    "  arm: {standard_ports: false}\n  camera: {port: 0}\n";
+
+TEST_F(SimulateCommand, ServesEachDeviceAlone) {
+  write("cell.yaml", kFreePorts + "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n");
+  const auto served = [&](const std::string& only) {
+    const Outcome outcome = run("simulate --cell cell.yaml --seconds 0.1 --only " + only);
+    EXPECT_EQ(outcome.code, 0) << only << "\n" << outcome.err;
+    std::string devices;
+    for (const auto* device : {"UR controller", "gripper", "force sensor", "depth camera"})
+      if (outcome.out.find(device) != std::string::npos) devices += concat(device, ";");
+    return devices;
+  };
+  EXPECT_EQ(served("arm"), "UR controller;");
+  EXPECT_EQ(served("gripper"), "gripper;");
+  EXPECT_EQ(served("ft"), "force sensor;");
+  EXPECT_EQ(served("camera"), "depth camera;");
+  EXPECT_EQ(served("ft,camera --only arm"), "UR controller;force sensor;depth camera;");
+  expect_refusal("simulate --cell cell.yaml --only hand", 2, {"--only", "hand", "arm", "camera"});
+}
+
+TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
+  const std::string serial =
+      kFreePorts + "  gripper: {tcp: false, rtu: true}\n  force_torque: {cap: false, serial: true}\n";
+  // Whether the cell file asks for the serial lines or not: nothing else is there.
+  for (const std::string wish : {"", "gripper: {preset: rtu, device: /none}\n"}) {
+    write("serial.yaml", wish + serial);
+    const Outcome outcome = run("doctor --cell serial.yaml");
+    EXPECT_EQ(outcome.code, 0) << wish << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("note  gripper, status: not activated"));
+    EXPECT_THAT(outcome.err, HasSubstr("ok    force sensor, reading"));
+  }
+  // Where both are served the cell file chooses; a fault of the serial line tells which it was.
+  write("both.yaml", "gripper: {preset: rtu}\n" + kFreePorts +
+                         "  gripper: {port: 0, rtu: true, wire_faults: {bad_crc: -1}}\n"
+                         "  force_torque: {port: 0, command_port: 0}\n");
+  EXPECT_EQ(run("doctor --cell both.yaml").code, 6);
+}
+
+}  // namespace
+}  // namespace stonestack
