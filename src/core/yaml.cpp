@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "stonestack/core/file.hpp"
 
@@ -12,6 +13,14 @@ constexpr std::size_t kLargestFile = 1 << 20;
 constexpr int kMostVisits = 100000;
 constexpr int kMostLevels = 64;
 
+/// yaml-cpp keeps both of two equal keys; who wrote them meant one.
+std::string repeated_key(const YAML::Node& map) {
+  std::set<std::string> seen;
+  for (const auto& entry : map)
+    if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second) return entry.first.Scalar();
+  return {};
+}
+
 struct Walk {
   const std::function<void(const std::string&, const std::string&)>& visit;
   int visits = 0;
@@ -21,6 +30,8 @@ struct Walk {
     if (node.IsScalar()) return visit(name, node.Scalar());
     require(node.IsMap() || node.IsNull(), "'", name, "' must be a value or a map of values");
     for (const auto& entry : node) {
+    if (const std::string twice = repeated_key(node); !twice.empty())
+      require(false, "'", name.empty() ? twice : name + "." + twice, "' is given twice; keep one");
       const std::string key = entry.first.as<std::string>();
       down(entry.second, name.empty() ? key : name + "." + key, level + 1);
     }
@@ -52,6 +63,8 @@ Map::Map(YAML::Node node, std::string path, std::string where)
     throw FileError(path_, concat(where_.empty() ? "the file" : where_, " is not a map of keys"),
                     "see the examples in data/");
 }
+  if (const std::string twice = repeated_key(node_); !twice.empty())
+    fail(twice, "is given twice", "keep one");
 
 bool Map::has(const std::string& key) const {
   return node_[key].IsDefined();
