@@ -122,7 +122,9 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue, const 
   for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
   const int stone = catalogue.index(target.stone);
-  Planned planned{make_planning_scene(CellLayout{}, robot, catalogue, belief),
+  CellLayout layout;
+  layout.obstacles = file.obstacles;
+  Planned planned{make_planning_scene(layout, robot, catalogue, belief),
                   make_task(catalogue, belief, stone, target.T_W_O, home_joints()),
                   {}};
   planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
@@ -186,7 +188,9 @@ void plan(PlanCommand& command) {
 void add_plan(CLI::App& app) {
   auto command = std::make_shared<PlanCommand>();
   CLI::App* sub = app.add_subcommand("plan", "Plan grasp and motion for one stone");
-  sub->add_option("SCENE", command->scene, "Scene file with the stones' poses")->required();
+  sub->add_option("SCENE", command->scene,
+                  "Scene file with the stones' poses and, if there are any, obstacles")
+      ->required();
   sub->add_option("--robot", command->robot, "Robot name, URDF, or YAML of a calibrated robot")
       ->capture_default_str();
   sub->add_option("--stone", command->stone, "Which stone to move");

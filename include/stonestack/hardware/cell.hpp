@@ -1,5 +1,8 @@
 #pragma once
+#include <vector>
+
 #include "stonestack/core/clock.hpp"
+#include "stonestack/geometry/obstacle.hpp"
 #include "stonestack/hardware/arm.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 #include "stonestack/hardware/force_torque.hpp"
@@ -15,6 +18,7 @@ struct CellLayout {
   Eigen::Vector2d site{0.70, 0.28};           ///< where the tower goes, m in W
   Eigen::Vector2d field_centre{0.70, -0.18};  ///< where loose stones lie
   Eigen::Vector2d field_size{0.40, 0.50};     ///< m
+  std::vector<Obstacle> obstacles;            ///< what the arm must not touch beside table and stones
   [[nodiscard]] static Pose make_default_T_T_C();
 };
 

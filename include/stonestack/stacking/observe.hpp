@@ -27,7 +27,8 @@ struct Belief {
 [[nodiscard]] Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                                   const std::vector<PlacedStone>& stones);
 
-/// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`.
+/// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`,
+/// then the obstacles of the layout.
 [[nodiscard]] PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
                                                 const Catalogue& catalogue, const Belief& belief);
 
