@@ -54,11 +54,12 @@ TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {
 
 TEST_F(CellFile, NamesWhatTheArmMustNotTouchAndWhatTheHandWeighs) {
   const CellLayout layout = to_layout(
-      read("layout:\n  obstacles:\n    - name: wall\n      box: {x: 0.1, y: 1, z: 1}\n"
+      read("layout:\n  sensor_mass: 0.3\n  obstacles:\n    - name: wall\n      box: {x: 0.1, y: 1, z: 1}\n"
            "      T_W_O: {x: 0.4, y: 0, z: 0.5, qx: 0, qy: 0, qz: 0, qw: 1}\n"));
   ASSERT_EQ(layout.obstacles.size(), 1u);
   EXPECT_EQ(layout.obstacles[0].name, "wall");
   EXPECT_NEAR(layout.obstacles[0].T_W_O.translation().x(), 0.4, 1e-12);
+  EXPECT_DOUBLE_EQ(layout.sensor_mass, 0.3);
   EXPECT_THAT(problem_of("layout: {obstacles: [{name: wall, box: {x: 0, y: 1, z: 1}}]}\n"),
               HasSubstr("layout.obstacles[0].box.x is 0"));
   EXPECT_THAT(problem_of("layout: {obstacles: wall}\n"), HasSubstr("layout.obstacles is not a list"));
