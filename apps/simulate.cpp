@@ -1,5 +1,6 @@
 #include <chrono>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -29,7 +30,9 @@ void simulate(SimulateCommand& command) {
       read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
   const RobotModel robot = read_robot(file.cell.robot);
   const Catalogue catalogue = command.common.read();
-  const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
+  RobotModel any = robot;  // served to whoever comes, with a hand of their own
+  any.payload = std::numeric_limits<double>::infinity();
+  const auto present = draw_stones(catalogue, command.per_run, command.common.seed, make_robotiq_3f(), any);
   SimulatedCell world(catalogue.stones, present, robot, to_layout(file.cell), command.simulation);
   const SimulatedServers servers(world, robot, file.servers);
   std::cout << servers.text() << std::flush;
