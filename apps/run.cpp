@@ -108,10 +108,12 @@ void add_run(CLI::App& app) {
          "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e, a URDF with UR kinematics, or a YAML of a calibrated "
          "robot")
       ->capture_default_str();
-  sub->add_option("--cell", command->cell,
-                  "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
-                  "simulated devices on sockets and uses "
-                  "the real backends; without: simulated in process")
+  sub->add_option(
+         "--cell", command->cell,
+         "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
+         "simulated devices on sockets and uses "
+         "the real backends; without: simulated in process. Its layout names what hangs on the arm and "
+         "obstacles that the arm must not touch")
       ->type_name("FILE");
   sub->add_flag("--execute", command->execute, "Yes, move the real robot that --cell names");
   sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
