@@ -35,19 +35,21 @@ Catalogue CommonOptions::read() const {
   return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
 }
 
-std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed) {
+std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& hand,
+                             const RobotModel& robot) {
   std::vector<int> order(catalogue.stones.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   Random::stream(static_cast<std::uint64_t>(seed), "stones of the run").shuffle(order.begin(), order.end());
-  const GripperModel hand = make_robotiq_3f();
   std::string unfit;
   std::erase_if(order, [&](int k) {
     const Stone& stone = catalogue.stones[static_cast<std::size_t>(k)];
-    const std::string why = unfit_for_hand(stone, hand);
+    const std::string why = unfit_for_hand(stone, hand, robot);
     if (!why.empty()) unfit += concat(unfit.empty() ? "" : ", ", stone.name, " (", why, ")");
     return !why.empty();
   });
-  if (!unfit.empty()) log_info("not drawn, for the hand cannot hold them: " + unfit);
+  if (order.empty())
+    throw Error("no stone of the catalogue can be carried: " + unfit, ExitCode::kExecutionFailed);
+  if (!unfit.empty()) log_info("not drawn, for hand or arm cannot hold them: " + unfit);
   order.resize(std::min(order.size(), static_cast<std::size_t>(count)));
   std::sort(order.begin(), order.end());
   return order;

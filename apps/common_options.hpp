@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "settings.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::apps {
@@ -26,8 +27,9 @@ struct CommonOptions {
 };
 
 /// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
-/// What the hand cannot hold (`unfit_for_hand`) is not drawn but named in the log; fewer than `count` may be
-/// left.
-[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed);
+/// What the hand of that cell or the arm cannot carry (`unfit_for_hand`) is not drawn but named in the log;
+/// fewer than `count` may be left. Throws Error (planning failed) if none is.
+[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,
+                                           const GripperModel& hand, const RobotModel& robot);
 
 }  // namespace stonestack::apps

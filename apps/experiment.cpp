@@ -13,6 +13,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/report/experiment_report.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -86,9 +87,9 @@ Variant parse_variant(const std::string& text) {
 }
 
 /// The stones of the experiment: `count` of the catalogue, drawn by the seed, in its order.
-Catalogue choose_stones(const Catalogue& all, int count, int seed) {
+Catalogue choose_stones(const Catalogue& all, int count, int seed, const RobotModel& robot) {
   Catalogue chosen{all.path, {}};
-  for (const int stone : draw_stones(all, count, seed))
+  for (const int stone : draw_stones(all, count, seed, hand_of(CellLayout{}), robot))
     chosen.stones.push_back(all.stones[static_cast<std::size_t>(stone)]);
   return chosen;
 }
@@ -122,7 +123,7 @@ Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& set
     SimulatedRun run = settings;
     run.seed = 1000 * command.common.seed + k;
     spread_seed(run);
-    const auto present = draw_stones(catalogue, command.per_run, run.seed);
+    const auto present = draw_stones(catalogue, command.per_run, run.seed, hand_of(CellLayout{}), robot);
     log_info(concat("run ", k, " of ", command.runs));
     FinishedRun done;
     try {
@@ -200,7 +201,8 @@ void experiment(ExperimentCommand& command) {
   command.common.begin();
   command.common.settings.apply(fields(command.run));
   const RobotModel robot = read_robot(command.robot);
-  const Catalogue catalogue = choose_stones(command.common.read(), command.stones, command.common.seed);
+  const Catalogue catalogue =
+      choose_stones(command.common.read(), command.stones, command.common.seed, robot);
   const auto variants = variants_of(command);
   const std::string folder = out_folder(command);
   require(!std::filesystem::exists(folder), folder,

@@ -130,7 +130,9 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
   Belief belief;
   for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
-  const PlanningScene scene = make_planning_scene(CellLayout{}, robot, catalogue, belief);
+  CellLayout layout;
+  layout.obstacles = file.obstacles;
+  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
   std::string refusals;
   for (const NamedPose& target : targets) {
     throw_if_interrupted();
@@ -206,7 +208,9 @@ void plan(PlanCommand& command) {
 void add_plan(CLI::App& app) {
   auto command = std::make_shared<PlanCommand>();
   CLI::App* sub = app.add_subcommand("plan", "Plan grasp and motion for one stone");
-  sub->add_option("SCENE", command->scene, "Scene file with the stones' poses")->required();
+  sub->add_option("SCENE", command->scene,
+                  "Scene file with the stones' poses and, if there are any, obstacles")
+      ->required();
   sub->add_option("--robot", command->robot, "Robot name, URDF, or YAML of a calibrated robot")
       ->capture_default_str();
   sub->add_option("--stone", command->stone, "Which stone to move");

@@ -8,6 +8,7 @@
 #include "common_options.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -31,15 +32,21 @@ void check_permission(const RunCommand& command, const CellFile& file) {
 }
 
 RunReport build_tower_for(RunCommand& command, const Catalogue& catalogue, const std::string& folder) {
-  const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
-  if (command.cell.empty())
-    return perform(command.run, catalogue, read_robot(command.robot), present, folder).report;
+  const auto draw = [&](const CellLayout& layout, const RobotModel& robot) {
+    return draw_stones(catalogue, command.per_run, command.common.seed, hand_of(layout), robot);
+  };
+  if (command.cell.empty()) {
+    const RobotModel robot = read_robot(command.robot);
+    return perform(command.run, catalogue, robot, draw(CellLayout{}, robot), folder).report;
+  }
   const CellFile file = read_cell(command.cell);
   require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
           ", ", file.cell.robot);
-  if (file.simulate)
-    return perform(command.run, catalogue, read_robot(file.cell.robot), present, folder, nullptr, &file)
-        .report;
+  if (file.simulate) {
+    const RobotModel robot = read_robot(file.cell.robot);
+    const auto present = draw(to_layout(file.cell), robot);
+    return perform(command.run, catalogue, robot, present, folder, nullptr, &file).report;
+  }
   check_permission(command, file);
   return perform_real(command.run, catalogue, file, folder);
 }
@@ -102,10 +109,12 @@ void add_run(CLI::App& app) {
          "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e, a URDF with UR kinematics, or a YAML of a calibrated "
          "robot")
       ->capture_default_str();
-  sub->add_option("--cell", command->cell,
-                  "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
-                  "simulated devices on sockets and uses "
-                  "the real backends; without: simulated in process")
+  sub->add_option(
+         "--cell", command->cell,
+         "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
+         "simulated devices on sockets and uses "
+         "the real backends; without: simulated in process. Its layout names what hangs on the arm and "
+         "obstacles that the arm must not touch")
       ->type_name("FILE");
   sub->add_flag("--execute", command->execute, "Yes, move the real robot that --cell names");
   sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")

@@ -132,8 +132,10 @@ void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, Searc
   require(!command.input.empty(), "--robot asks how stones are reached where they lie; give a SCENE");
   const RobotModel robot = read_robot(command.robot);
   const Belief belief{problem->stack.stones, problem->available};
-  const auto reach = std::make_shared<Reach>(
-      belief, make_planning_scene(CellLayout{}, robot, catalogue, belief), catalogue, command.motion);
+  CellLayout layout;
+  if (is_scene_file(command.input)) layout.obstacles = read_scene_file(command.input).obstacles;
+  const auto reach = std::make_shared<Reach>(belief, make_planning_scene(layout, robot, catalogue, belief),
+                                             catalogue, command.motion);
   problem->reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {
     return reach->in_one_go(stone, T_W_O, below);
   };

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <string>
 #include <thread>
@@ -42,7 +43,9 @@ void simulate(SimulateCommand& command) {
   file.servers.devices = served(command.only);
   const RobotModel robot = read_robot(file.cell.robot);
   const Catalogue catalogue = command.common.read();
-  const auto present = draw_stones(catalogue, command.per_run, command.common.seed);
+  RobotModel any = robot;  // served to whoever comes, with a hand of their own
+  any.payload = std::numeric_limits<double>::infinity();
+  const auto present = draw_stones(catalogue, command.per_run, command.common.seed, make_robotiq_3f(), any);
   SimulatedCell world(catalogue.stones, present, robot, to_layout(file.cell), command.simulation);
   const SimulatedServers servers(world, robot, file.servers);
   std::cout << servers.text() << std::flush;

@@ -35,6 +35,9 @@ FieldList layout_fields(CellConfig& c) {
   return join({pose_fields("T_W_R", c.T_W_R, "robot base in the world; the table is z = 0"),
                pose_fields("T_F_T", c.T_F_T, "tool tip in the flange"),
                pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate"),
+               {field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "FT150 0.65, FT300 0.30 (data sheet)"),
+                field("camera_mass", c.camera_mass, {0.0, 10.0}, "kg", "with bracket and cable; ours"),
+                field("obstacles", c.obstacles_text, "a list of name, shape, T_W_O: README, Formats")},
                {field("site.x", c.site_x, {-3.0, 3.0}, "m", "where the tower goes"),
                 field("site.y", c.site_y, {-3.0, 3.0}, "m", "where the tower goes"),
                 field("field.x", c.field_x, {-3.0, 3.0}, "m", "middle of the loose stones"),
@@ -90,6 +93,8 @@ CellConfig::CellConfig() {
   const CellLayout layout;
   T_F_T = to_numbers(layout.T_F_T);
   T_T_C = to_numbers(layout.T_T_C);
+  sensor_mass = layout.sensor_mass;
+  camera_mass = layout.camera_mass;
   site_x = layout.site.x();
   site_y = layout.site.y();
   field_x = layout.field_centre.x();
@@ -116,6 +121,9 @@ CellLayout to_layout(const CellConfig& c) {
   layout.T_W_R = to_pose(c.T_W_R, "T_W_R");
   layout.T_F_T = to_pose(c.T_F_T, "T_F_T");
   layout.T_T_C = to_pose(c.T_T_C, "T_T_C");
+  layout.sensor_mass = c.sensor_mass;
+  layout.camera_mass = c.camera_mass;
+  layout.obstacles = c.obstacles;
   layout.site = {c.site_x, c.site_y};
   layout.field_centre = {c.field_x, c.field_y};
   layout.field_size = {c.field_width, c.field_depth};
@@ -126,6 +134,7 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   CellConfig config;
   read_fields(fields(config), path, others);
   config.file = path;
+  config.obstacles = parse_obstacles(config.obstacles_text, path, "layout.obstacles");
   require_known_words(config, path);
   require_usable_settings(config);
   return config;

@@ -68,6 +68,7 @@ RobotModel read_own_robot(const std::string& path) {
   if (base.empty() || is_yaml(base))
     throw FileError(path, "does not say which robot it is about",
                     "add a line robot: ur10, or the path of a URDF");
+  if (is_path(base)) base = (fs::path(path).parent_path() / base).string();  // an absolute one stays
   RobotModel robot = read_robot(base);
   read_extras(path, robot, named);
   return robot;

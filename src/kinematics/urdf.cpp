@@ -9,6 +9,7 @@
 #include <mutex>
 #include <set>
 
+#include "kinematics/urdf_shapes.hpp"
 #include "kinematics/xml_guard.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
 constexpr double kLongest = 10.0;  // m: nothing on an arm is further away or larger
+constexpr double kSlowest = 0.01;  // rad/s: slower than any arm is driven; a plan would take minutes a turn
 
 /// Keeps the parser's complaints, so that they reach the user in one message and stderr stays ours.
 class Complaints : public console_bridge::OutputHandler {
@@ -41,6 +43,9 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
   } catch (const std::exception& problem) {
     complaints.first = problem.what();
   }
+  if (complaints.first.find("No root link") != std::string::npos)
+    throw FileError(path, "has no root link: its joints form a loop",
+                    "open the loop; 'base_link' is no joint's child");
   if (!complaints.first.empty() || !model) {
     const auto line = complaints.first.substr(0, complaints.first.find('\n'));
     throw FileError(path, line.empty() ? "is not a URDF" : "is not a valid URDF: " + line,
@@ -79,9 +84,17 @@ class Chain {
       add_shapes(joint->child_link_name, count, T_link_frame, robot);
     }
     robot.T_6_F = T_link_frame;
+    tidy_shapes(robot.capsules, moving_links(), path_);
   }
 
  private:
+  [[nodiscard]] std::vector<std::string> moving_links() const {
+    std::vector<std::string> names;
+    for (const auto* joint : joints_)
+      if (joint->type == urdf::Joint::REVOLUTE) names.push_back(joint->child_link_name);
+    return names;
+  }
+
   [[noreturn]] void refuse(const std::string& problem, const std::string& remedy) const {
     throw FileError(path_, problem, remedy);
   }
@@ -187,8 +200,9 @@ class Chain {
     const auto& limit = *joint.limits;
     if (!std::isfinite(limit.lower) || !std::isfinite(limit.upper) || !(limit.lower < limit.upper))
       complain(concat("has the limits ", limit.lower, " to ", limit.upper, " rad"));
-    if (!sane(limit.velocity, 1e3) || limit.velocity <= 0)
-      complain(concat("has the velocity limit ", limit.velocity, " rad/s"));
+    if (!sane(limit.velocity, 1e3) || limit.velocity < kSlowest)
+      complain(concat("has the velocity limit ", limit.velocity, " rad/s; an arm's is ", kSlowest,
+                      " to 1000 rad/s"));
     if (!sane(limit.effort, 1e6) || limit.effort < 0)
       complain(concat("has the effort ", limit.effort, " Nm"));
     robot.lower[index] = std::max(limit.lower, -kTurn);
@@ -203,7 +217,7 @@ class Chain {
     const auto link = model_.getLink(name);
     for (const auto& collision : link->collision_array) {
       if (!collision || !collision->geometry) continue;
-      auto capsule = covering(*collision->geometry, name);
+      auto capsule = covering(*collision->geometry, name, path_);
       const Pose T = T_link_frame * pose(collision->origin, name);
       capsule.link = index;
       capsule.a = T * capsule.a;
@@ -216,62 +230,10 @@ class Chain {
                    T_link_frame * pose(joint->parent_to_joint_origin_transform, joint->name), robot);
   }
 
-  /// The smallest capsule along the shape's longest axis that holds it.
-  [[nodiscard]] LinkCapsule covering(const urdf::Geometry& geometry, const std::string& name) const {
-    LinkCapsule capsule;
-    capsule.a = capsule.b = Eigen::Vector3d::Zero();
-    const auto check = [&](double size) {
-      if (!sane(size, kLongest) || size < 0)
-        refuse(concat("link '", name, "' has a collision shape of size ", size, " m"),
-               concat("sizes are from 0 to ", kLongest, " m"));
-    };
-    if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
-      check(capsule.radius = sphere->radius);
-    } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
-      check(capsule.radius = cylinder->radius);
-      check(cylinder->length);
-      capsule.b.z() = 0.5 * cylinder->length;
-      capsule.a.z() = -capsule.b.z();
-    } else if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) {
-      Eigen::Vector3d half = 0.5 * Eigen::Vector3d(box->dim.x, box->dim.y, box->dim.z);
-      for (const double side : half) check(2.0 * side);
-      Eigen::Index longest = 0;
-      (void)half.maxCoeff(&longest);
-      capsule.b[longest] = half[longest];
-      capsule.a = -capsule.b;
-      half[longest] = 0.0;
-      capsule.radius = half.norm();
-    } else {
-      refuse(concat("link '", name, "' has a mesh as collision shape"),
-             "use cylinders and spheres, as in data/robots/ur10.urdf (visual meshes are left alone)");
-    }
-    return capsule;
-  }
-
   const urdf::ModelInterface& model_;
   const std::string& path_;
   std::vector<const urdf::Joint*> joints_;
 };
-
-/// Drops capsules that lie in another one of the same link: the spheres at a cylinder's ends.
-void drop_contained(std::vector<LinkCapsule>& capsules) {
-  const auto inside = [](const Eigen::Vector3d& p, double radius, const LinkCapsule& c) {
-    const Eigen::Vector3d along = c.b - c.a;
-    const double length2 = along.squaredNorm();
-    const double t = length2 > 0 ? std::clamp((p - c.a).dot(along) / length2, 0.0, 1.0) : 0.0;
-    return (p - c.a - t * along).norm() + radius <= c.radius + 1e-9;
-  };
-  for (std::size_t i = capsules.size(); i-- > 0;) {
-    const auto small = capsules[i];
-    for (std::size_t j = 0; j < capsules.size(); ++j) {
-      if (i == j || small.link != capsules[j].link) continue;
-      if (inside(small.a, small.radius, capsules[j]) && inside(small.b, small.radius, capsules[j])) {
-        capsules.erase(capsules.begin() + static_cast<std::ptrdiff_t>(i));
-        break;
-      }
-    }
-  }
-}
 
 }  // namespace
 
@@ -280,9 +242,6 @@ RobotModel parse_urdf(const std::string& text, const std::string& path) {
   const auto model = parse(text, path);
   RobotModel robot;
   Chain(*model, path).fill(robot);
-  drop_contained(robot.capsules);
-  if (robot.capsules.empty())
-    throw FileError(path, "has no collision shape", "give each link cylinders or spheres");
   return robot;
 }
 

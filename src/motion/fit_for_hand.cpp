@@ -36,8 +36,23 @@ double least_width_at_rest(const Stone& stone) {
 }
 
 std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper) {
-  if (stone.mass.mass > gripper.payload)
-    return concat(stone.mass.mass, " kg, the fingers carry ", gripper.payload, " kg");
+  RobotModel any;
+  any.payload = std::numeric_limits<double>::infinity();
+  return unfit_for_hand(stone, gripper, any);
+}
+
+std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot) {
+  if (mass > gripper.payload) return concat("the fingers carry ", gripper.payload, " kg");
+  const double hand = carried_mass(gripper);
+  if (hand + mass > robot.payload)
+    return concat(robot.name, " carries ", robot.payload, " kg, ", hand,
+                  " kg of them the hand with sensor and camera");
+  return {};
+}
+
+std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper, const RobotModel& robot) {
+  if (const std::string who = overload(stone.mass.mass, gripper, robot); !who.empty())
+    return concat(stone.mass.mass, " kg, ", who);
   if (const double width = least_width_at_rest(stone); width > gripper.largest_opening)
     return concat(std::lround(1e3 * width), " mm across, the fingers open ",
                   std::lround(1e3 * gripper.largest_opening), " mm");

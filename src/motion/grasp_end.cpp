@@ -1,6 +1,8 @@
 #include "motion/grasp_end.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "motion/grasp_wrench.hpp"
@@ -18,8 +20,16 @@ constexpr double kFromAbove = 0.45;        // rad, as far from the vertical,
 constexpr double kTightClearance = 0.006;  // m, of the open fingers, which is twice what a seen pose errs by
 constexpr double kOpeningStep = 0.02;      // m, to which openings are rounded up against the arm's own links
 
-bool within_limits(const RobotModel& robot, const Joints& q) {
-  return (q.array() >= robot.lower.array()).all() && (q.array() <= robot.upper.array()).all();
+/// The same pose of the arm with joints turned by whole turns into their limits, where those are not about
+/// zero; false if one has no such angle there.
+bool turn_into_limits(const RobotModel& robot, Joints& q) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    if (q[i] < robot.lower[i]) q[i] += kTurn * std::ceil((robot.lower[i] - q[i]) / kTurn);
+    if (q[i] > robot.upper[i]) q[i] -= kTurn * std::ceil((q[i] - robot.upper[i]) / kTurn);
+    if (q[i] < robot.lower[i]) return false;
+  }
+  return true;
 }
 
 /// The closed fingers fill nothing but the space of the stone between them, so this checker sees the arm and
@@ -135,8 +145,8 @@ std::optional<EndFault> GraspEnd::arm_fault(const Grasp& grasp, const Pose& T_W_
   const IkBranches up = branches(Pose(Eigen::Translation3d(0, 0, options_.lift)) * T_W_T);
   bool reached = false;
   for (int i = 0; i < at.count; ++i) {
-    const IkSolution& s = at.solutions[static_cast<std::size_t>(i)];
-    if (!within_limits(scene_.robot, s.q) || !has_branch(back, s.branch) || !has_branch(up, s.branch))
+    IkSolution s = at.solutions[static_cast<std::size_t>(i)];
+    if (!turn_into_limits(scene_.robot, s.q) || !has_branch(back, s.branch) || !has_branch(up, s.branch))
       continue;
     reached = true;
     if (arm_is_free(grasp, s.q)) return std::nullopt;

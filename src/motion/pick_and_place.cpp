@@ -12,6 +12,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
@@ -20,7 +21,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kInTable = 0.010;  ///< m: what pieces and measured poses may reach into the table
+constexpr double kInTable = 0.003;  ///< m: what a scan and a measured pose may err by
 
 using Status = PickAndPlacePlan::Status;
 
@@ -41,10 +42,13 @@ PickAndPlacePlan no_grasp(const PlanningScene& scene, const Stone& stone, const 
     return refused(Status::kTooHeavy,
                    concat(stone.name, " weighs ", stone.mass.mass, " kg; all ", set.too_heavy,
                           " ways to hold it need more than ", hand.force, " N a finger"));
-  if (set.too_wide > std::max(set.slips, set.hand_in_stone))
-    return refused(Status::kTooWide, concat(stone.name, " is at least ", set.narrowest,
-                                            " m wide between the pads; the hand takes ", hand.smallest_object,
-                                            " to ", hand.largest_opening, " m"));
+  if (set.too_wide > std::max(set.slips, set.hand_in_stone)) {
+    const double widest = hand.largest_opening - GraspOptions{}.finger_clearance;
+    return refused(Status::kTooWide,
+                   concat(stone.name, " is at least ", set.narrowest,
+                          " m wide between the pads; the hand takes ", hand.smallest_object, " to ", widest,
+                          " m, so that it opens to ", hand.largest_opening, " m beside it"));
+  }
   return refused(Status::kNoGrasp,
                  concat(stone.name, " offers no grasp: of ", set.tried, " samples ", set.no_contact,
                         " touch with less than three pads, ", set.too_wide, " are too wide, ",
@@ -98,8 +102,8 @@ class PickFaults {
 /// m, by which the stone at its target would reach into the table.
 double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) {
   double lowest = scene.table_z;
-  for (const Mesh& piece : task.stone->pieces)
-    for (const Eigen::Vector3d& p : piece.vertices) lowest = std::min(lowest, (task.T_W_O_place * p).z());
+  for (const Eigen::Vector3d& p : task.stone->scan.vertices)
+    lowest = std::min(lowest, (task.T_W_O_place * p).z());
   return scene.table_z - lowest;
 }
 
@@ -122,6 +126,17 @@ std::string too_far(const PlanningScene& scene, const PickAndPlaceTask& task) {
                     " mm from the robot's shoulder; stretched out, arm and hand reach ",
                     std::lround(1e3 * reach), " mm");
   }
+  return {};
+}
+
+/// Why the arm cannot set out from where it stands; empty if it can.
+std::string outside_limits(const RobotModel& robot, const Joints& q) {
+  constexpr double kSlack = 1e-6;  // rad
+  constexpr const char* kJoints[] = {"base", "shoulder", "elbow", "wrist 1", "wrist 2", "wrist 3"};
+  for (Eigen::Index i = 0; i < q.size(); ++i)
+    if (q[i] < robot.lower[i] - kSlack || q[i] > robot.upper[i] + kSlack)
+      return concat("the arm starts outside its limits: joint ", kJoints[i], " at ", q[i], " rad, limits ",
+                    robot.lower[i], " to ", robot.upper[i], " rad");
   return {};
 }
 
@@ -196,9 +211,10 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
                                      const MotionOptions& options) {
   check_task(scene, task);
   const Stone& stone = *task.stone;
-  if (stone.mass.mass > scene.gripper.payload)
-    return refused(Status::kTooHeavy, concat(stone.name, " weighs ", stone.mass.mass,
-                                             " kg; the fingers carry ", scene.gripper.payload, " kg"));
+  if (const std::string who = overload(stone.mass.mass, scene.gripper, scene.robot); !who.empty())
+    return refused(Status::kTooHeavy, concat(stone.name, " weighs ", stone.mass.mass, " kg; ", who));
+  if (std::string outside = outside_limits(scene.robot, task.q_start); !outside.empty())
+    return refused(Status::kNoTransit, std::move(outside));
   if (const double depth = depth_in_table(scene, task); depth > kInTable)
     return refused(Status::kNoReach, concat("the target puts ", stone.name, ' ', std::lround(1e3 * depth),
                                             " mm into the table"));

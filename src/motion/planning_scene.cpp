@@ -55,6 +55,14 @@ GripperModel make_robotiq_3f() {
   return gripper;
 }
 
+double sensed_mass(const GripperModel& gripper) {
+  return gripper.mass + gripper.camera_mass;
+}
+
+double carried_mass(const GripperModel& gripper) {
+  return sensed_mass(gripper) + gripper.sensor_mass;
+}
+
 GripperModel with_spacing(GripperModel gripper, double spacing) {
   require(spacing == gripper.finger_spacing ||
               (gripper.narrow_spacing > 0 && spacing >= gripper.narrow_spacing - 1e-9 &&

@@ -47,7 +47,8 @@ Wrench SimulatedForceTorque::measure() {
   last_time_ = world_->time();
   const Pose T_W_F = world_->hand().T_W_T * mounting_.T_F_T.inverse();
   HandLoad load = world_->load();
-  load.add(world_->hand().T_W_T * hand_centre(), {0, 0, -kGravity * world_->hand_model().gripper.mass});
+  load.add(world_->hand().T_W_T * hand_centre(),
+           {0, 0, -kGravity * sensed_mass(world_->hand_model().gripper)});
   const Eigen::Matrix3d R_F_W = T_W_F.rotation().transpose();
   Wrench wrench;
   wrench.force = R_F_W * load.force + offset_.force;

@@ -43,7 +43,8 @@ class Builder {
         shapes_(make_contact_shapes(catalogue.stones)),
         models_(catalogue.stones, options.detection),
         friction_(assumed_frictions(options)) {
-    for (const Stone& stone : catalogue.stones) unfit_.push_back(unfit_for_hand(stone, make_robotiq_3f()));
+    const GripperModel hand = hand_of(cell.layout);
+    for (const Stone& stone : catalogue.stones) unfit_.push_back(unfit_for_hand(stone, hand, robot));
   }
 
   RunResult run() {
@@ -52,7 +53,7 @@ class Builder {
       return end(RunResult::End::kNothingSeen, "no stone was seen in the field");
     if (const std::string fault = fault_of_site(); !fault.empty()) return end(RunResult::End::kNoPose, fault);
     if (const std::string unfit = unfit_stones(); !unfit.empty())
-      report("left out, for the hand cannot hold them: " + unfit);
+      report("left out, for hand or arm cannot hold them: " + unfit);
     while (true) {
       throw_if_interrupted();
       if (clear_the_foot()) continue;

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "stacking/wrist.hpp"
+#include "stacking/hand_load.hpp"
+#include "stacking/way_back.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
@@ -26,17 +27,6 @@ constexpr double kBackOff = 0.004;    // m
 
 using Status = ExecutionResult::Status;
 
-JointTrajectory reversed(const JointTrajectory& way) {
-  JointTrajectory back = way;
-  std::reverse(back.q.begin(), back.q.end());
-  std::reverse(back.qd.begin(), back.qd.end());
-  for (std::size_t k = 0; k < way.time.size(); ++k) {
-    back.time[k] = way.duration() - way.time[way.time.size() - 1 - k];
-    back.qd[k] = -back.qd[k];
-  }
-  return back;
-}
-
 /// Carries one plan through.
 struct Hands {
   const PickAndPlacePlan& plan;
@@ -45,8 +35,8 @@ struct Hands {
   Cell& cell;
   const MotionOptions& options;
   Journal* journal;
-  HandMass hand{scene.gripper.mass, cell.layout.T_F_T* Eigen::Vector3d(0, 0, -0.14)};  // palm and fingers
-  Wrist wrist{cell, scene.robot, hand};
+  double hangs = 0.0;  ///< N, when the stone was carried last
+  Wrist wrist{cell, scene.robot, sensed_hand(scene.gripper, cell.layout)};
 
   void intend(const PlanStep& step) const {
     if (journal != nullptr) journal->record("step", concat("{\"name\": \"", step.name, "\"}"));
@@ -56,10 +46,9 @@ struct Hands {
 
   /// Mass and centre of mass of the hand alone, or with the stone in it.
   void set_payload(bool holding) const {
-    if (!holding) return cell.arm.set_payload(hand.mass, hand.p_F_hand);
-    const Eigen::Vector3d p_F_stone = p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
-    const double total = hand.mass + stone.mass.mass;
-    cell.arm.set_payload(total, (hand.mass * hand.p_F_hand + stone.mass.mass * p_F_stone) / total);
+    const HandMass hand = carried_hand(scene.gripper, cell.layout);
+    const HandMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
+    stonestack::set_payload(cell.arm, holding ? together(hand, held) : hand);
   }
 
   [[nodiscard]] ExecutionResult follow(const PlanStep& step) const {
@@ -73,10 +62,10 @@ struct Hands {
     try {
       const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
       if (!held.object) return give_up(step, "the fingers closed on nothing");
-    } catch (const DeviceError& problem) {  // jammed: the arm has not moved, so opening is safe
+      set_payload(true);
+    } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
       return give_up(step, problem.what());
     }
-    set_payload(true);
     return {};
   }
 
@@ -113,13 +102,14 @@ struct Hands {
 
   /// Before the hand goes nearer to the tower: a stone that is gone is not set down. `lift` is the step that
   /// was followed last before the carry, or null if nothing was lifted.
-  [[nodiscard]] ExecutionResult check_carried(const PlanStep* lift, const PlanStep& next) const {
+  [[nodiscard]] ExecutionResult check_carried(const PlanStep* lift, const PlanStep& next) {
     if (lift == nullptr) return {};
     const double expected = kGravity * stone.mass.mass;
     const CarriedLoad load = feel_carried(wrist, cell, expected, options.least_held);
     if (journal != nullptr)
       journal->record("carried", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected,
                                         ", \"held\": ", load.held ? "true" : "false", "}"));
+    hangs = load.weight;
     if (load.held) return {};
     const std::string why =
         concat("lost on the way: ", load.weight, " N hang in the hand, not ", expected, " N");
@@ -197,6 +187,25 @@ struct Hands {
     return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
   }
 
+  /// Fingers that have opened may still have the stone: stuck, jammed between two, or wedged. What is felt
+  /// counts, as a gripper only tells of an object that it closes on. `may_open`: as wide as it goes, once.
+  [[nodiscard]] ExecutionResult check_empty(const PlanStep& step, bool may_open) const {
+    const double most = most_in_empty_hand(kGravity * stone.mass.mass);
+    double left = wrist.feel().weight;
+    const auto empty = [&] { return left <= most && !cell.gripper.state().object; };
+    if (!empty() && may_open) {
+      cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+      left = wrist.feel().weight;
+    }
+    if (journal != nullptr)
+      journal->record("released", concat("{\"left\": ", left, ", \"most\": ", most, "}"));
+    if (empty()) return {};
+    set_payload(true);
+    return {Status::kStopped, 0.0,
+            concat(step.name, ": the hand is not empty after release, ", left, " N hang in it; take ",
+                   stone.name, " out of the fingers")};
+  }
+
   [[nodiscard]] ExecutionResult clear_table(const PlanStep& step) const {
     const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
     if ((cell.layout.T_W_R * T_R_T).translation().z() > kNearTable) return {};
@@ -216,12 +225,6 @@ struct Hands {
     return follow(actual);
   }
 };
-
-/// True if the fingers still hold something heavy: the wrist should read the empty tool after release.
-bool still_holds(Cell& cell, const Stone& stone) {
-  const GripperState state = cell.gripper.state();
-  return state.object && stone.mass.mass * kGravity > 1.0;
-}
 
 }  // namespace
 
@@ -248,7 +251,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         if (touched) break;  // already while lowering
         now = hands.check_carried(lift, step);
         if (now.status != Status::kReleased) break;
-        hands.wrist.zero();
+        hands.wrist.zero(hands.hangs);
         now = hands.feel_down(step, &touched);
         lowered = true;
         result.contact_force = now.contact_force;
@@ -259,11 +262,13 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         if (now.status != Status::kReleased) break;
         loose = true;
         hands.open(step);
-        if (still_holds(cell, stone)) now = {Status::kStopped, 0.0, "the hand is not empty after release"};
         hands.set_payload(false);
         break;
       case PlanStep::Kind::kRetreat:
+        if (loose) now = hands.check_empty(step, true);
+        if (now.status != Status::kReleased) break;
         now = lowered ? hands.retreat(step) : hands.follow(step);
+        if (loose && now.status == Status::kReleased) now = hands.check_empty(step, false);
         break;
       case PlanStep::Kind::kApproach:
         if (step.threshold <= 0) {

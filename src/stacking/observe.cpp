@@ -76,10 +76,18 @@ Joints home_joints() {
   return (Joints() << 0.0, -1.75, 1.85, -1.67, -1.5708, 0.0).finished();
 }
 
+GripperModel hand_of(const CellLayout& layout) {
+  GripperModel hand = make_robotiq_3f();
+  hand.sensor_mass = layout.sensor_mass;
+  hand.camera_mass = layout.camera_mass;
+  return hand;
+}
+
 PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
                                   const Catalogue& catalogue, const Belief& belief) {
   PlanningScene scene;
   scene.robot = robot;
+  scene.gripper = hand_of(layout);
   scene.T_W_R = layout.T_W_R;
   scene.T_F_T = layout.T_F_T;
   for (const auto* group : {&belief.stack, &belief.loose})
@@ -87,6 +95,7 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
       const Stone& stone = catalogue.stones[static_cast<std::size_t>(placed.stone)];
       scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
     }
+  for (const Obstacle& o : layout.obstacles) scene.objects.push_back({o.name, o.pieces, o.T_W_O});
   return scene;
 }
 

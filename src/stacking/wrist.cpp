@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kReadings = 10;
 constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kDrift = 2.0;     // N, that the sensor may err by after a carry; ours
 constexpr double kSettle = 1.0;    // s, at most, for fingers that close on
 
 GripperState state_at_rest(Cell& cell) {
@@ -27,8 +28,9 @@ Eigen::Vector3d Wrist::down() const {
   return -(cell_.layout.T_W_R * forward(robot_, cell_.arm.state().q)).linear().row(2).transpose();
 }
 
-void Wrist::zero() {
+void Wrist::zero(double hangs) {
   cell_.force_torque.zero();
+  hung_at_zero_ = hangs;
   n_F_down_at_zero_ = down();
 }
 
@@ -44,9 +46,13 @@ WristLoad Wrist::feel() const {
   const Eigen::Vector3d f_F_tilt = kGravity * hand_.mass * (load.n_F_down - n_F_down_at_zero_);
   const Eigen::Vector3d force = mean.force - f_F_tilt;
   const Eigen::Vector3d torque = mean.torque - hand_.p_F_hand.cross(f_F_tilt);
-  load.weight = force.dot(load.n_F_down);
+  load.weight = hung_at_zero_ + force.dot(load.n_F_down);
   load.p_F_pull = force.cross(torque) / std::max(1e-6, force.squaredNorm());
   return load;
+}
+
+double most_in_empty_hand(double weight) {
+  return std::max(kDrift, kEmptyHand * weight);
 }
 
 CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double least_held) {

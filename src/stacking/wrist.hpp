@@ -13,8 +13,9 @@ struct HandMass {
 
 /// What hangs there beside the hand itself.
 struct WristLoad {
-  double weight = 0.0;                                   ///< N, downwards
-  Eigen::Vector3d p_F_pull = Eigen::Vector3d::Zero();    ///< on the line along which it pulls, level with F
+  double weight = 0.0;  ///< N, downwards
+  /// On the line along which that pulls which came after the zero was taken, level with F.
+  Eigen::Vector3d p_F_pull = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< as the arm stands
 };
 
@@ -28,7 +29,8 @@ class Wrist {
   Wrist(Cell& cell, const RobotModel& robot, const HandMass& hand)
       : cell_(cell), robot_(robot), hand_(hand), n_F_down_at_zero_(down()) {}
 
-  void zero();
+  /// At rest. `hangs`: what hangs in the hand now (N), so that it is still told of when it has gone.
+  void zero(double hangs = 0.0);
   /// Mean of a tenth of a second, at rest.
   [[nodiscard]] WristLoad feel() const;
 
@@ -39,7 +41,12 @@ class Wrist {
   const RobotModel& robot_;
   HandMass hand_;
   Eigen::Vector3d n_F_down_at_zero_;
+  double hung_at_zero_ = 0.0;
 };
+
+/// N, so much more than nothing hangs in a hand that is not empty: the stone's `weight` (N) for the most part
+/// rests on the tower while a finger still has it, and the sensor drifts while it is carried.
+[[nodiscard]] double most_in_empty_hand(double weight);
 
 /// What is left in the hand of a stone that was carried.
 struct CarriedLoad {

@@ -98,6 +98,8 @@ SceneFile read_scene_file(const std::string& path) {
   if (map.has("cloud")) scene.cloud_file = beside(path, map.text("cloud"));
   scene.stack = read_stones(map, "stack");
   scene.stones = read_stones(map, "stones");
+  if (map.has("obstacles"))
+    scene.obstacles = parse_obstacles(YAML::Dump(map.node("obstacles")), path, "obstacles");
   map.finish();
   return scene;
 }

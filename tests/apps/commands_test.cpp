@@ -181,6 +181,23 @@ TEST_F(Commands, PlanDrawsWhatItWillDo) {
   EXPECT_THAT(read_file(folder_ + "/motion.csv", 1 << 22), HasSubstr(",descent,"));
 }
 
+TEST_F(Commands, PlanStaysClearOfTheObstaclesOfTheScene) {
+  const std::string plan =
+      concat("plan walled.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned, ' ');
+  const auto wall = [&](const std::string& box, const std::string& at) {
+    write("walled.yaml", concat(kLying, "obstacles:\n  - {name: wall, box: ", box, ", T_W_O: {", at,
+                                ", qx: 0, qy: 0, qz: 0, qw: 1}}\n"));
+    return run(plan);
+  };
+  const Outcome beside = wall("{x: 0.5, y: 0.02, z: 0.25}", "x: 0.8, y: 0.0, z: 0.125");
+  EXPECT_EQ(beside.code, 0) << beside.err;
+  const Outcome over = wall("{x: 0.4, y: 0.4, z: 0.05}", "x: 0.7, y: 0.28, z: 0.25");
+  EXPECT_EQ(over.code, 6) << "a shelf over the target: " << over.err;
+  const Outcome wrong = wall("{x: 0.4, y: 0.4}", "x: 0.7, y: 0.28, z: 0.25");
+  EXPECT_EQ(wrong.code, 3);
+  EXPECT_THAT(wrong.err, HasSubstr("obstacles[0].box.z is missing"));
+}
+
 TEST_F(Commands, PlanNamesTheFolderThatCannotTakePictures) {
   write("lying.yaml", kLying);
   write("taken", "a file");
@@ -246,7 +263,7 @@ TEST_F(Commands, StonesThatTheHandCannotCarryAreNotDrawnAndNamed) {
       << heavy.err;
   const Outcome done = run("simulate --per-run 3 --seconds 0.1" + rocks);
   EXPECT_NE(
-      done.err.find("not drawn, for the hand cannot hold them: heavy (2.8 kg, the fingers carry 2.5 kg)"),
+      done.err.find("not drawn, for hand or arm cannot hold them: heavy (2.8 kg, the fingers carry 2.5 kg)"),
       std::string::npos)
       << done.err;
 }

@@ -53,6 +53,20 @@ TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {
   EXPECT_TRUE(layout.T_T_C.isApprox(CellLayout{}.T_T_C, 1e-9)) << "what the file leaves out is the default";
 }
 
+TEST_F(CellFile, NamesWhatTheArmMustNotTouchAndWhatTheHandWeighs) {
+  const CellLayout layout = to_layout(
+      read("layout:\n  sensor_mass: 0.3\n  obstacles:\n    - name: wall\n      box: {x: 0.1, y: 1, z: 1}\n"
+           "      T_W_O: {x: 0.4, y: 0, z: 0.5, qx: 0, qy: 0, qz: 0, qw: 1}\n"));
+  ASSERT_EQ(layout.obstacles.size(), 1u);
+  EXPECT_EQ(layout.obstacles[0].name, "wall");
+  EXPECT_NEAR(layout.obstacles[0].T_W_O.translation().x(), 0.4, 1e-12);
+  EXPECT_DOUBLE_EQ(layout.sensor_mass, 0.3);
+  EXPECT_THAT(problem_of("layout: {obstacles: [{name: wall, box: {x: 0, y: 1, z: 1}}]}\n"),
+              HasSubstr("layout.obstacles[0].box.x is 0"));
+  EXPECT_THAT(problem_of("layout: {obstacles: wall}\n"), HasSubstr("layout.obstacles is not a list"));
+  EXPECT_THAT(problem_of("layout: {site: [1, 2]}\n"), HasSubstr("layout.site"));
+}
+
 TEST_F(CellFile, RefusesWhatCannotBe) {
   EXPECT_THAT(problem_of("layout: {T_T_C: {qw: 0.5}}\n"), HasSubstr("layout.T_T_C"));
   EXPECT_THAT(problem_of("arm: {rtde_prt: 30004}\n"), HasSubstr("near it: arm.rtde_port"));

@@ -173,7 +173,56 @@ TEST(RobotModel, RefusesBadNumbers) {
   EXPECT_NE(answer(replaced(text, "cylinder radius=\"0.092\"", "cylinder radius=\"-1\"")), "read");
   EXPECT_THAT(answer(replaced(text, "<cylinder radius=\"0.092\" length=\"0.0353\"/>",
                               "<mesh filename=\"package://../../etc/passwd\"/>")),
-              HasSubstr("mesh"));
+              testing::AllOf(HasSubstr("'package://../../etc/passwd'"), HasSubstr("base_link_inertia"),
+                             HasSubstr("data/robots/ur10.urdf")));
+}
+
+TEST(RobotModel, RefusesAJointThatHardlyMoves) {
+  const auto said = answer(replaced(ur10_text(), "velocity=\"2.0943951023931953\"", "velocity=\"1e-300\""));
+  EXPECT_THAT(said, testing::AllOf(HasSubstr("shoulder_pan_joint"), HasSubstr("1e-300 rad/s")));
+}
+
+TEST(RobotModel, RefusesAMovingLinkThatNothingCovers) {
+  auto text = ur10_text();
+  const auto link = text.find("<link name=\"forearm_link\">"), end = text.find("</link>", link);
+  for (auto at = text.find("<collision>", link); at < text.find("</link>", link);
+       at = text.find("<collision>", link))
+    text.erase(at, text.find("</collision>", at) + 12 - at);
+  ASSERT_LT(link, end);
+  EXPECT_THAT(answer(text), HasSubstr("has no collision shape on forearm_link;"));
+}
+
+TEST(RobotModel, RefusesMoreShapesThanAreChecked) {
+  std::string spheres;
+  for (int i = 0; i < 80; ++i)
+    spheres += concat("<collision><origin xyz=\"", 0.01 * i,
+                      " 0.3 0\"/><geometry><sphere radius=\"0.01\"/>"
+                      "</geometry></collision>");
+  EXPECT_THAT(
+      answer(replaced(ur10_text(), "<link name=\"forearm_link\">", "<link name=\"forearm_link\">" + spheres)),
+      testing::AllOf(HasSubstr("collision shapes"), HasSubstr("at most 48")));
+}
+
+TEST(RobotModel, SaysThatTheWholeChainIsALoop) {
+  EXPECT_THAT(answer(replaced(ur10_text(), "</robot>",
+                              "<joint name=\"x\" type=\"fixed\"><parent link=\"tool0\"/>"
+                              "<child link=\"base_link\"/></joint></robot>")),
+              HasSubstr("loop"));
+}
+
+TEST(RobotModel, TheRobotOfAYamlIsSoughtBesideIt) {
+  const std::string folder = testing::TempDir() + "robot_model_beside";
+  write_file(folder + "/arms/mine.urdf", ur10_text());
+  write_file(folder + "/cal/mine.yaml", "robot: ../arms/mine.urdf\npayload: 4\n");
+  EXPECT_DOUBLE_EQ(read_robot(folder + "/cal/mine.yaml").payload, 4.0);
+  write_file(folder + "/cal/twice.yaml", "robot: ur10\nrobot: ur5\n");
+  try {
+    (void)read_robot(folder + "/cal/twice.yaml");
+    ADD_FAILURE() << "two robots in one file";
+  } catch (const FileError& problem) {
+    EXPECT_THAT(problem.what(), HasSubstr("'robot' is given twice"));
+  }
+  std::filesystem::remove_all(folder);
 }
 
 TEST(RobotModel, RefusesOtherKinematics) {

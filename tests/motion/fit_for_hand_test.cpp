@@ -29,6 +29,20 @@ TEST(FitForHand, NamesWhatStandsInTheWay) {
               testing::HasSubstr("kg, the fingers carry 2.5 kg"));
 }
 
+TEST(FitForHand, TheArmCarriesTheHandToo) {
+  const GripperModel hand = make_robotiq_3f();    // 2.5 kg, with sensor and camera 3.35 kg
+  const Stone stone = block({0.12, 0.09, 0.06});  // 1.7 kg
+  RobotModel robot;
+  robot.name = "ur5";
+  robot.payload = carried_mass(hand) + stone.mass.mass + 0.001;
+  EXPECT_EQ(unfit_for_hand(stone, hand, robot), "");
+  robot.payload = 5.0;
+  EXPECT_THAT(unfit_for_hand(stone, hand, robot),
+              testing::HasSubstr("kg, ur5 carries 5 kg, 3.35 kg of them the hand with sensor and camera"));
+  EXPECT_GT(carried_mass(hand), sensed_mass(hand)) << "the sensor does not feel itself";
+  EXPECT_GT(sensed_mass(hand), hand.mass);
+}
+
 TEST(FitForHand, StoneWithoutMassIsRefused) {
   Stone stone = block({0.1, 0.1, 0.1});
   stone.mass.mass = 0.0;

@@ -166,10 +166,42 @@ TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
   EXPECT_EQ(plan.status, Status::kTooHeavy);
   EXPECT_NE(plan.reason.find("kg"), std::string::npos) << plan.reason;
 
+  Workplace weak;
+  weak.scene.robot.payload = 4.5;  // the fingers could
+  plan = plan_pick_and_place(weak.scene, weak.task);
+  EXPECT_EQ(plan.status, Status::kTooHeavy);
+  EXPECT_NE(plan.reason.find("kg; ur10 carries 4.5 kg, 3.35 kg of them the hand"), std::string::npos)
+      << plan.reason;
+
   Workplace wide;
   wide.stone = block("slab", {0.18, 0.18, 0.18}, 300.0);
   plan = plan_pick_and_place(wide.scene, wide.task);
   EXPECT_EQ(plan.status, Status::kTooWide) << plan.reason;
+  EXPECT_NE(plan.reason.find("the hand takes 0.02 to 0.143 m"), std::string::npos) << plan.reason;
+}
+
+TEST(PickAndPlace, NamesAJointThatStartsOutsideItsLimits) {
+  Workplace cell;
+  cell.scene.robot.lower[4] = 0.5;
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  EXPECT_NE(plan.status, PickAndPlacePlan::Status::kPlanned);
+  EXPECT_NE(plan.reason.find("wrist 2 at -1.57 rad, limits 0.5 to"), std::string::npos) << plan.reason;
+}
+
+TEST(PickAndPlace, LimitsNeedNotLieAboutZero) {
+  Workplace cell;  // both ends are behind the half turn, at about -0.25 and 0.4 rad
+  cell.scene.robot.lower[0] = 3.5;
+  cell.scene.robot.upper[0] = 3.5 + 6.2;
+  cell.task.q_start[0] = 6.2;
+  const GraspCheck check = check_grasps(cell.scene, cell.task);
+  EXPECT_FALSE(check.usable.empty()) << check.text();
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
+  for (const PlanStep& step : plan.steps)
+    for (const Joints& q : step.trajectory.q) {
+      EXPECT_GE(q[0], 3.5);
+      EXPECT_LE(q[0], 3.5 + 6.2);
+    }
 }
 
 TEST(PickAndPlace, NamesATargetInTheTable) {
@@ -180,6 +212,8 @@ TEST(PickAndPlace, NamesATargetInTheTable) {
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
   EXPECT_EQ(plan.status, PickAndPlacePlan::Status::kNoReach);
   EXPECT_EQ(plan.reason, "the target puts block 30 mm into the table");
+  cell.task.T_W_O_place.translation().z() = 0.035 - 0.006;
+  EXPECT_EQ(plan_pick_and_place(cell.scene, cell.task).reason, "the target puts block 6 mm into the table");
   cell.task.T_W_O_place.translation().z() = 0.035 - 0.002;  // what a measured pose may be off by
   EXPECT_EQ(plan_pick_and_place(cell.scene, cell.task).status, PickAndPlacePlan::Status::kPlanned);
 }

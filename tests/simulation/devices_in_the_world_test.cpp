@@ -138,7 +138,7 @@ TEST(DevicesInTheWorld, TheSensorFeelsTheHandAndZeroesItAway) {
   client.start_timeout = 20.0;
   client.stuck_samples = 0;  // no noise: every reading is the same
   RobotiqFtSensor sensor(client);
-  const double weight = 9.81 * bench.world.lock().world.hand_model().gripper.mass;
+  const double weight = 9.81 * sensed_mass(bench.world.lock().world.hand_model().gripper);
   EXPECT_NEAR(sensor.read().force.norm(), weight, 0.05);
   sensor.zero();
   EXPECT_NEAR(sensor.read().force.norm(), 0.0, 0.05);

@@ -62,7 +62,7 @@ TEST(SharedWorld, PlantFeelsTheHandsWeightAndTheTable) {
   Bench bench;
   const auto plant = make_world_plant(bench.world, bench.q);
   PlantState state = plant->step(bench.q, 0.008);
-  const double weight = 9.81 * bench.world.lock().world.hand_model().gripper.mass;
+  const double weight = 9.81 * carried_mass(bench.world.lock().world.hand_model().gripper);
   EXPECT_NEAR(state.force_R.z(), -weight, 1e-6);
   // The hand points down: its mass hangs under the flange, so there is hardly a moment about the flange.
   EXPECT_LT(state.torque_R.norm(), 0.05 * weight);

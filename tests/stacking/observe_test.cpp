@@ -44,6 +44,20 @@ const SeenField& field() {
   return made;
 }
 
+TEST(PlanningSceneOfACell, HoldsTheObstaclesBehindTheStonesAndTheHandsMasses) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  CellLayout layout;
+  layout.obstacles = {{"wall", {make_box({0.1, 1.0, 1.0})}, Pose(Eigen::Translation3d(0.4, 0.0, 0.5))}};
+  layout.sensor_mass = 0.3;
+  Belief belief;
+  belief.loose = {{1, Pose::Identity()}};
+  const PlanningScene scene = make_planning_scene(layout, read_robot("ur10"), catalogue, belief);
+  ASSERT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.objects[1].name, "wall");
+  EXPECT_DOUBLE_EQ(scene.objects[1].T_W_object.translation().x(), 0.4);
+  EXPECT_DOUBLE_EQ(scene.gripper.sensor_mass, 0.3);
+}
+
 TEST(FindInLooks, WhatLiesWhereItWasIsFoundThere) {
   ASSERT_EQ(field().seen.size(), 2U);
   Belief before;

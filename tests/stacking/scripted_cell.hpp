@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "stonestack/core/error.hpp"
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -42,7 +43,12 @@ struct ScriptedArm : Arm {
     return {status, q, 7.0, "scripted"};
   }
   void stop() override { told.push_back("stop"); }
-  void set_payload(double, const Eigen::Vector3d&) override {}
+  std::vector<double> payloads;  ///< kg, as they were set
+  double most_payload = 1000.0;  ///< kg
+  void set_payload(double mass, const Eigen::Vector3d&) override {
+    require(mass <= most_payload, "the arm carries ", most_payload, " kg, not ", mass, " kg");
+    payloads.push_back(mass);
+  }
 };
 
 struct ScriptedGripper : Gripper {
@@ -56,17 +62,19 @@ struct ScriptedGripper : Gripper {
     state.object = object && moving-- <= 0;
     return state;
   }
-  GripperState move(double, double, double) override {
-    told->push_back("open");
-    return {};
+  std::function<void(double)> after_move = [](double) {};
+  GripperState move(double opening, double, double) override {
+    told->push_back(opening > 0 ? "open" : "close");
+    after_move(opening);
+    return state();
   }
   void spread(double) override { told->push_back("spread"); }
 };
 
 struct ScriptedForce : ForceTorqueSensor {
-  Wrench wrench;
-  Wrench read() override { return wrench; }
-  void zero() override {}
+  Wrench wrench, at_zero;
+  Wrench read() override { return {wrench.force - at_zero.force, wrench.torque - at_zero.torque, 0.0}; }
+  void zero() override { at_zero = wrench; }
 };
 
 struct NoCamera : DepthCamera {
@@ -100,6 +108,8 @@ struct Bench {
   }
   ExecutionResult run(std::deque<Status> guarded) {
     arm.told.clear();
+    arm.payloads.clear();
+    force.at_zero = {};
     arm.guarded = std::move(guarded);
     return execute(plan, stone, scene, cell, {}, nullptr);
   }

@@ -45,6 +45,18 @@ TEST(SceneFile, RoundTrip) {
   EXPECT_LT(difference(read.stones[0].T_W_O, scene.stones[0].T_W_O).angle, 1e-6);
 }
 
+TEST(SceneFile, ReadsObstacles) {
+  const std::string path = testing::TempDir() + "scene_file_obstacles.yaml";
+  write_file(path,
+             "schema: stonestack.scene/1\nobstacles:\n  - name: wall\n    box: {x: 0.1, y: 1, z: 1}\n"
+             "    T_W_O: {x: 0.4, y: 0, z: 0.5, qx: 0, qy: 0, qz: 0, qw: 1}\n");
+  const SceneFile scene = read_scene_file(path);
+  ASSERT_EQ(scene.obstacles.size(), 1u);
+  EXPECT_EQ(scene.obstacles[0].name, "wall");
+  EXPECT_THAT(problem_of("schema: stonestack.scene/1\nobstacles: [{name: wall}]\n"),
+              HasSubstr("obstacles[0].box is missing"));
+}
+
 TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
   const std::string head = "schema: stonestack.scene/1\n";
   EXPECT_THAT(problem_of("schema: other/1\n"), HasSubstr("schema is 'other/1'"));

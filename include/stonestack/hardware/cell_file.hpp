@@ -31,9 +31,12 @@ struct CellConfig {
   RealsenseCameraOptions realsense;
   RecordedCameraOptions recorded;
   PoseNumbers T_W_R{0, 0, 0, 0, 0, 0, 1};
-  PoseNumbers T_F_T;  ///< tool tip in the flange
-  PoseNumbers T_T_C;  ///< hand-eye calibration: camera in the tool
+  PoseNumbers T_F_T;                ///< tool tip in the flange
+  PoseNumbers T_T_C;                ///< hand-eye calibration: camera in the tool
+  double sensor_mass, camera_mass;  ///< kg, in the hand beside the gripper
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
+  std::string obstacles_text;                                         ///< the list as it stands in the file
+  std::vector<Obstacle> obstacles;                                    ///< what `read_cell_file` read there
 
   CellConfig();  ///< the layout of CellLayout, no addresses
 };

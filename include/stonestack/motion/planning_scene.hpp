@@ -32,12 +32,18 @@ struct GripperModel {
   double pad_thickness = 0.005;    ///< m of rubber
   double pad_stiffness = 1.5e8;    ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
   double pad_shear = 5e7;          ///< N/m^3, sideways: a third of it
-  double mass = 2.5;               ///< kg
+  double mass = 2.5;               ///< kg, of the gripper alone
+  double sensor_mass = 0.65;       ///< kg, of the force sensor behind it (FT150; FT300: 0.30, facts/robot.md)
+  double camera_mass = 0.20;       ///< kg, of camera, bracket and cable; ours
   double payload = 2.5;            ///< kg at the finger tips
   std::vector<GripperBox> boxes;   ///< fingers, palm, sensor, camera
 };
 /// With its boxes.
 [[nodiscard]] GripperModel make_robotiq_3f();
+/// kg, gripper and camera: what the force sensor carries without a stone.
+[[nodiscard]] double sensed_mass(const GripperModel& gripper);
+/// kg, gripper, camera and sensor: what the arm carries without a stone.
+[[nodiscard]] double carried_mass(const GripperModel& gripper);
 /// The hand with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing that
 /// is not between `narrow_spacing` and `finger_spacing`.
 [[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);

@@ -27,7 +27,11 @@ struct Belief {
 [[nodiscard]] Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                                   const std::vector<PlacedStone>& stones);
 
-/// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`.
+/// The hand of a cell, with the masses that its layout names.
+[[nodiscard]] GripperModel hand_of(const CellLayout& layout);
+
+/// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`,
+/// then the obstacles of the layout.
 [[nodiscard]] PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
                                                 const Catalogue& catalogue, const Belief& belief);
 

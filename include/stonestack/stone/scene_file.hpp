@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/geometry/obstacle.hpp"
 
 namespace stonestack {
 
@@ -23,6 +24,7 @@ struct NamedPose {
 ///     - {stone: limestone_1, T_W_O: {x: 0.7, y: 0.28, z: 0.05, qx: 0, qy: 0, qz: 0, qw: 1}}
 ///   stones:                                      # loose
 ///     - {stone: limestone_2, T_W_O: {...}}
+///   obstacles: [{name: wall, box: {x: 0.02, y: 2, z: 1.5}, T_W_O: {...}}]  # parse_obstacles
 ///
 /// Every key but `schema` may be missing.
 struct SceneFile {
@@ -33,6 +35,7 @@ struct SceneFile {
   std::string cloud_file;
   std::vector<NamedPose> stack;
   std::vector<NamedPose> stones;
+  std::vector<Obstacle> obstacles;  ///< read, never written
 };
 
 /// Throws FileError naming file, key and value: also for poses that are not finite or not rotations, unknown

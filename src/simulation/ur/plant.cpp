@@ -36,7 +36,8 @@ class WorldPlant final : public Plant {
   // Everything beyond the flange: contact and held stones, and the hand's own weight.
   void read_wrench(const TrueWorld& world, const Pose& T_W_F) {
     HandLoad load = world.load();
-    load.add(world.hand().T_W_T * hand_centre(), {0, 0, -kGravity * world.hand_model().gripper.mass});
+    load.add(world.hand().T_W_T * hand_centre(),
+             {0, 0, -kGravity * carried_mass(world.hand_model().gripper)});
     const Eigen::Matrix3d R_R_W = world_->mounting().T_W_R.rotation().transpose();
     state_.force_R = R_R_W * load.force;
     state_.torque_R = R_R_W * (load.moment - T_W_F.translation().cross(load.force));

@@ -1,0 +1,107 @@
+#include "stonestack/geometry/obstacle.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "core/yaml.hpp"
+#include "geometry/pose_yaml.hpp"
+#include "stonestack/geometry/convex_pieces.hpp"
+#include "stonestack/geometry/mesh_file.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr std::size_t kMost = 200;                    // obstacles
+constexpr double kSmallest = 0.001, kLargest = 20.0;  // m
+constexpr int kSides = 32;                            // of a cylinder
+constexpr std::size_t kMostFaces = 4000;              // that convex_pieces takes
+constexpr const char* kShapes[] = {"box", "sphere", "cylinder", "mesh"};
+
+Mesh around_sphere(double radius) {
+  const Mesh unit = make_sphere(1.0, 2);
+  double inside = 1.0;
+  const auto normals = face_normals(unit);
+  for (std::size_t i = 0; i < unit.faces.size(); ++i)
+    inside = std::min(inside, normals[i].dot(unit.vertices[static_cast<std::size_t>(unit.faces[i][0])]));
+  return scaled(unit, radius / inside);
+}
+
+Mesh around_cylinder(double radius, double length) {
+  Mesh corners;
+  const double outside = radius / std::cos(std::numbers::pi / kSides);
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSides;
+    for (const double z : {-0.5 * length, 0.5 * length})
+      corners.vertices.emplace_back(outside * std::cos(angle), outside * std::sin(angle), z);
+  }
+  return convex_hull(corners);
+}
+
+std::vector<Mesh> read_pieces(yaml::Map& entry) {
+  const std::string name = entry.text("mesh");
+  const std::filesystem::path file = std::filesystem::path(entry.path()).parent_path() / name;  // or absolute
+  const Mesh mesh = read_mesh(file.string());
+  if (mesh.vertices.empty()) entry.fail("mesh", "is '" + name + "', which is empty", "give a mesh");
+  const double size = bounds(mesh).diagonal().norm();
+  if (!(size >= kSmallest && size <= kLargest))
+    entry.fail("mesh", concat("is '", name, "', ", size, " m across"),
+               concat("it must be in metres, ", kSmallest, " to ", kLargest, " m across"));
+  try {
+    ConvexPiecesOptions options;
+    options.most = 16;
+    if (is_closed(mesh) && mesh.faces.size() <= kMostFaces) return convex_pieces(mesh, options);
+    return {convex_hull(mesh)};
+  } catch (const InvalidArgument& problem) {
+    entry.fail("mesh", concat("is '", name, "': ", problem.what()), "give a body with a volume");
+  }
+}
+
+std::vector<Mesh> read_shape(yaml::Map& entry) {
+  std::string given;
+  for (const char* shape : kShapes)
+    if (entry.has(shape)) given += (given.empty() ? "" : " and ") + std::string(shape);
+  const auto size = [](yaml::Map& map, const char* key) { return map.number(key, kSmallest, kLargest); };
+  if (given == "mesh") return read_pieces(entry);
+  if (given != "box" && given != "sphere" && given != "cylinder")
+    entry.fail("box", given.empty() ? "is missing, as is any other shape" : "is not the only shape: " + given,
+               "give one of box {x, y, z}, sphere {radius}, cylinder {radius, length}, mesh");
+  yaml::Map shape = entry.map(given);
+  Mesh mesh;
+  if (given == "box") {
+    const double x = size(shape, "x"), y = size(shape, "y");
+    mesh = make_box({x, y, size(shape, "z")});
+  } else {
+    const double radius = size(shape, "radius");
+    mesh = given == "sphere" ? around_sphere(radius) : around_cylinder(radius, size(shape, "length"));
+  }
+  shape.finish();
+  return {mesh};
+}
+
+}  // namespace
+
+std::vector<Obstacle> parse_obstacles(const std::string& text, const std::string& path,
+                                      const std::string& where) {
+  const YAML::Node list = yaml::parse(text, path);
+  std::vector<Obstacle> obstacles;
+  if (!list.IsDefined() || list.IsNull()) return obstacles;
+  if (!list.IsSequence())
+    throw FileError(path, where + " is not a list", "write '- {name: wall, box: {x, y, z}, T_W_O: {...}}'");
+  if (list.size() > kMost)
+    throw FileError(path, concat(where, " has ", list.size(), " entries"),
+                    concat("at most ", kMost, " are read; join small ones"));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    yaml::Map entry(list[i], path, concat(where, "[", i, "]"));
+    Obstacle obstacle;
+    obstacle.name = entry.text("name");
+    if (obstacle.name.empty()) entry.fail("name", "is empty", "name it, for messages");
+    obstacle.pieces = read_shape(entry);
+    obstacle.T_W_O = read_pose(entry.map("T_W_O"));
+    entry.finish();
+    obstacles.push_back(std::move(obstacle));
+  }
+  return obstacles;
+}
+
+}  // namespace stonestack

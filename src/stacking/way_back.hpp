@@ -1,0 +1,9 @@
+#pragma once
+#include "stonestack/kinematics/joints.hpp"
+
+/// Private to stacking/: a motion run backwards, as fast.
+namespace stonestack {
+
+[[nodiscard]] JointTrajectory reversed(const JointTrajectory& way);
+
+}  // namespace stonestack

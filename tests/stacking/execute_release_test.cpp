@@ -1,0 +1,101 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "stacking/scripted_cell.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack {
+namespace {
+
+using scripted::Kind;
+using Status = MotionResult::Status;
+using End = ExecutionResult::Status;
+
+/// Picks a stone of 1 kg up and sets it down; `left` of it (kg) hangs in the hand when it has opened by
+/// `opens_at` (m), and when it has gone back.
+struct Released : scripted::Bench {
+  double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
+  bool lifted = false;
+
+  Released() {
+    PlanStep open, grasp, lift;
+    open.kind = Kind::kOpen;
+    open.opening = 0.1;
+    grasp.kind = Kind::kGrasp;
+    lift.kind = Kind::kLift;
+    plan.steps.insert(plan.steps.begin() + 1, {open, grasp, lift});
+    for (PlanStep& step : plan.steps)
+      if (step.kind == Kind::kRelease) step.opening = 0.1;
+    gripper.object = true;
+    arm.after_motion = [this] {
+      const bool retreated = released && lifted;
+      if (!released) lifted = std::count(arm.told.begin(), arm.told.end(), "follow") > 1;
+      hang(retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
+    };
+    gripper.after_move = [this](double opening) {
+      gripper.object = opening <= 0.0;  // a hand that was told to open never tells of an object
+      released = lifted && opening > 0.0;
+      if (released) hang(opening > opens_at ? left : 1.0);
+    };
+  }
+  void hang(double mass) {
+    const Eigen::Matrix3d R_W_F = (layout.T_W_R * forward(scene.robot, arm.q)).linear();
+    force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
+    force.wrench.torque = layout.T_F_T.translation().cross(force.wrench.force);
+  }
+  ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact}); }
+
+  bool released = false;
+};
+
+TEST(ExecuteRelease, TheArmIsToldOfTheStoneAndThatItIsGone) {
+  Released cell;
+  const auto done = cell.run();
+  ASSERT_EQ(done.status, End::kReleased) << done.reason;
+  const double hand = carried_mass(cell.scene.gripper);
+  ASSERT_EQ(cell.arm.payloads.size(), 2u);
+  EXPECT_NEAR(cell.arm.payloads[0], hand + 1.0, 1e-12) << "hand, sensor, camera and stone";
+  EXPECT_NEAR(cell.arm.payloads[1], hand, 1e-12);
+  EXPECT_GT(hand, cell.scene.gripper.mass + 0.3) << "a sensor weighs 0.30 to 0.65 kg";
+}
+
+TEST(ExecuteRelease, AStoneThatTheArmRefusesStaysWhereItLies) {
+  Released cell;
+  cell.arm.most_payload = 4.0;
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kNotPicked);
+  EXPECT_THAT(done.reason, testing::HasSubstr("the arm carries 4 kg"));
+  EXPECT_EQ(cell.arm.told.back(), "follow") << "opened, and back out";
+  EXPECT_THAT(cell.arm.told, testing::Contains("open").Times(2));
+}
+
+TEST(ExecuteRelease, AStoneThatStaysAtAFingerEndsTheRunBeforeTheRetreat) {
+  Released cell;
+  cell.left = 1.0;
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kStopped);
+  EXPECT_THAT(done.reason, testing::HasSubstr("not empty after release"));
+  EXPECT_EQ(cell.arm.told.back(), "open") << "once more, wide; nothing moves after it";
+  EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper) + 1.0) << "the arm holds it still";
+}
+
+TEST(ExecuteRelease, OpeningWiderMayFreeIt) {
+  Released cell;
+  cell.opens_at = 0.12;
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kReleased) << done.reason;
+  EXPECT_EQ(cell.arm.told.back(), "follow");
+}
+
+TEST(ExecuteRelease, AStoneThatComesAlongIsNotCarriedAround) {
+  Released cell;  // it rested on the tower until the hand went up
+  cell.left_after_retreat = 1.0;
+  const auto done = cell.run();
+  EXPECT_EQ(done.status, End::kStopped);
+  EXPECT_THAT(done.reason, testing::HasSubstr("not empty after release"));
+}
+
+}  // namespace
+}  // namespace stonestack
