@@ -14,8 +14,8 @@ namespace stonestack::yaml {
 [[nodiscard]] YAML::Node read_file(const std::string& path);
 /// Parses text that came from `path` (named in errors).
 [[nodiscard]] YAML::Node parse(const std::string& text, const std::string& path);
-/// Visits every scalar below `node` as ("a.b.c", text), and every list as its YAML text; at most 100,000 visits and 64 levels, so alias bombs
-/// end.
+/// Visits every scalar below `node` as ("a.b.c", text), and every list as its YAML text; at most 100,000
+/// visits and 64 levels, so alias bombs end.
 void for_each_scalar(const YAML::Node& node,
                      const std::function<void(const std::string&, const std::string&)>& visit);
 

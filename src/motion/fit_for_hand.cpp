@@ -44,6 +44,9 @@ std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper) {
 std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot) {
   if (mass > gripper.payload) return concat("the fingers carry ", gripper.payload, " kg");
   const double hand = carried_mass(gripper);
+  if (hand >= robot.payload)
+    return concat(robot.name, " carries ", robot.payload, " kg, its hand with sensor and camera is ", hand,
+                  " kg");
   if (hand + mass > robot.payload)
     return concat(robot.name, " carries ", robot.payload, " kg, ", hand,
                   " kg of them the hand with sensor and camera");

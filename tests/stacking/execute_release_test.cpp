@@ -67,8 +67,8 @@ TEST(ExecuteRelease, AStoneThatTheArmRefusesStaysWhereItLies) {
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kNotPicked);
   EXPECT_THAT(done.reason, testing::HasSubstr("the arm carries 4 kg"));
-  EXPECT_EQ(cell.arm.told.back(), "follow") << "opened, and back out";
-  EXPECT_THAT(cell.arm.told, testing::Contains("open").Times(2));
+  EXPECT_EQ(cell.arm.told.back(), "follow") << "closed, opened, and back out";
+  EXPECT_THAT(cell.arm.told, testing::Contains("open").Times(3));
 }
 
 TEST(ExecuteRelease, AStoneThatStaysAtAFingerEndsTheRunBeforeTheRetreat) {

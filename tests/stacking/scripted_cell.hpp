@@ -64,7 +64,7 @@ struct ScriptedGripper : Gripper {
   }
   std::function<void(double)> after_move = [](double) {};
   GripperState move(double opening, double, double) override {
-    told->push_back(opening > 0 ? "open" : "close");
+    told->push_back("open");
     after_move(opening);
     return state();
   }
