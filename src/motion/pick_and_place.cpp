@@ -13,7 +13,6 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/grasp_check.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -224,7 +223,7 @@ std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Jo
   if (!path || !is_free(CollisionChecker(scene, rules), *path)) return std::nullopt;
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = options.approach_speed;
-  return limit_jerk(time_path(*path, limits, scene.robot, scene.T_F_T), options.jerk);
+  return time_path(*path, limits, scene.robot, scene.T_F_T);
 }
 
 }  // namespace stonestack
