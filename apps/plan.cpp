@@ -41,6 +41,7 @@ struct Planned {
 };
 
 constexpr double kSamplePeriod = 0.008;  // s: the control period of a CB3
+constexpr double kUnit = 1e-3;           // by which a quaternion's norm may be off
 constexpr double kPlotPeriod = 0.02;     // s
 
 const char* kind_text(PlanStep::Kind kind) {
@@ -67,6 +68,8 @@ const char* kind_text(PlanStep::Kind kind) {
 
 /// The stone and its target: from --stone and --target, or the first placement of `search --json`.
 NamedPose read_target(const PlanCommand& command) {
+  require(command.search.empty() || (command.stone.empty() && command.target.empty()),
+          "--search FILE brings stone and target: --stone and --target cannot be given with it");
   if (command.search.empty()) {
     require(!command.stone.empty() && !command.target.empty(), "give --stone and --target, or --search FILE");
     return {command.stone, parse_pose(command.target)};
@@ -76,9 +79,11 @@ NamedPose read_target(const PlanCommand& command) {
     const auto& first = json.at("placements").at(0);
     const auto& t = first.at("T_W_O");
     const auto number = [&](const char* key) { return t.at(key).get<double>(); };
-    return {first.at("stone").get<std::string>(),
-            make_pose({number("x"), number("y"), number("z")},
-                      {number("qw"), number("qx"), number("qy"), number("qz")})};
+    const Eigen::Quaterniond q(number("qw"), number("qx"), number("qy"), number("qz"));
+    if (!(std::abs(q.norm() - 1.0) < kUnit))
+      throw FileError(command.search, concat("the target's quaternion has the norm ", q.norm(), ", not 1"),
+                      "make it with `stonestack search --json`");
+    return {first.at("stone").get<std::string>(), make_pose({number("x"), number("y"), number("z")}, q)};
   } catch (const nlohmann::json::exception& problem) {
     throw FileError(command.search, concat("holds no placement: ", problem.what()),
                     "make it with `stonestack search --json`");

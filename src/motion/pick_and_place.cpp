@@ -182,6 +182,20 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
   require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");
 }
 
+/// What the arm stands in at the start, where no way can begin; empty if in nothing. Fingers move, so they
+/// are asked only when a plan was not found: `with_fingers`.
+std::string start_in_something(PlanningScene scene, const PickAndPlaceTask& task, bool with_fingers) {
+  CollisionRules rules;
+  rules.padding = rules.self_padding = 0.0;
+  rules.opening = scene.opening;
+  if (!with_fingers)
+    std::erase_if(scene.gripper.boxes, [](const GripperBox& box) { return box.finger_side != 0.0; });
+  const CollisionChecker checker(scene, rules);
+  if (!checker.collides(task.q_start)) return {};
+  const Clearance c = checker.clearance(task.q_start);
+  return concat("at the start the arm stands in something: ", c.first, " and ", c.second, " overlap");
+}
+
 }  // namespace
 
 bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T) {
@@ -202,13 +216,20 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
     return refused(Status::kNoReach, concat("the target puts ", stone.name, ' ', std::lround(1e3 * depth),
                                             " mm into the table"));
   if (std::string far = too_far(scene, task); !far.empty()) return refused(Status::kNoReach, std::move(far));
+  if (std::string stands = start_in_something(scene, task, false); !stands.empty())
+    return refused(Status::kNoTransit, std::move(stands));
   const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick, options);
   if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
   const GraspCheck check = finder.check(task.T_W_O_place);
   if (check.usable.empty()) return none_usable(stone, check);
-  return plan_ways(scene, task, options, finder.set(),
-                   PickCandidates(scene, task, options, finder.set(), check,
-                                  [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
+  PickAndPlacePlan plan =
+      plan_ways(scene, task, options, finder.set(),
+                PickCandidates(scene, task, options, finder.set(), check,
+                               [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
+  if (plan.status == Status::kNoTransit)
+    if (const std::string stands = start_in_something(scene, task, true); !stands.empty())
+      plan.reason = stands + "; " + plan.reason;
+  return plan;
 }
 
 std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q, double opening,
