@@ -182,14 +182,12 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
   require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");
 }
 
-/// What the arm stands in at the start, where no way can begin; empty if in nothing. Fingers move, so they
-/// are asked only when a plan was not found: `with_fingers`.
-std::string start_in_something(PlanningScene scene, const PickAndPlaceTask& task, bool with_fingers) {
+/// What the arm stands in at the start, where no way can begin; empty if in nothing. Asked when no plan was
+/// found: which grasps do not lift the stone is worth knowing all the same.
+std::string start_in_something(const PlanningScene& scene, const PickAndPlaceTask& task) {
   CollisionRules rules;
   rules.padding = rules.self_padding = 0.0;
   rules.opening = scene.opening;
-  if (!with_fingers)
-    std::erase_if(scene.gripper.boxes, [](const GripperBox& box) { return box.finger_side != 0.0; });
   const CollisionChecker checker(scene, rules);
   if (!checker.collides(task.q_start)) return {};
   const Clearance c = checker.clearance(task.q_start);
@@ -216,8 +214,6 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
     return refused(Status::kNoReach, concat("the target puts ", stone.name, ' ', std::lround(1e3 * depth),
                                             " mm into the table"));
   if (std::string far = too_far(scene, task); !far.empty()) return refused(Status::kNoReach, std::move(far));
-  if (std::string stands = start_in_something(scene, task, false); !stands.empty())
-    return refused(Status::kNoTransit, std::move(stands));
   const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick, options);
   if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
   const GraspCheck check = finder.check(task.T_W_O_place);
@@ -227,7 +223,7 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
                 PickCandidates(scene, task, options, finder.set(), check,
                                [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
   if (plan.status == Status::kNoTransit)
-    if (const std::string stands = start_in_something(scene, task, true); !stands.empty())
+    if (const std::string stands = start_in_something(scene, task); !stands.empty())
       plan.reason = stands + "; " + plan.reason;
   return plan;
 }

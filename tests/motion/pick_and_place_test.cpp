@@ -201,7 +201,6 @@ TEST(PickAndPlace, NamesTheGraspsThatDoNotLiftTheStoneWhateverTheTarget) {
   std::swap(cell.task.T_W_O_pick, cell.task.T_W_O_place);
   cell.scene.objects[0].T_W_object = cell.task.T_W_O_pick;
   cell.task.support = -1;
-  cell.task.q_start[0] = -0.8;  // beside the board
   ASSERT_EQ(plan_pick_and_place(cell.scene, cell.task).status, PickAndPlacePlan::Status::kPlanned);
   cell.scene.objects.push_back(
       {"board", {make_box({0.4, 0.4, 0.02})}, Pose(Eigen::Translation3d(0.78, 0.28, 0.58))});
