@@ -41,6 +41,7 @@ struct Planned {
 };
 
 constexpr double kSamplePeriod = 0.008;  // s: the control period of a CB3
+constexpr double kUnit = 1e-3;           // by which a quaternion's norm may be off
 constexpr double kPlotPeriod = 0.02;     // s
 
 const char* kind_text(PlanStep::Kind kind) {
@@ -65,26 +66,32 @@ const char* kind_text(PlanStep::Kind kind) {
   return "unknown";
 }
 
-NamedPose read_placement(const nlohmann::json& entry) {
+/// `path`: of the file that holds it.
+NamedPose read_placement(const nlohmann::json& entry, const std::string& path) {
   const auto& t = entry.at("T_W_O");
   const auto number = [&](const char* key) { return t.at(key).get<double>(); };
-  return {entry.at("stone").get<std::string>(),
-          make_pose({number("x"), number("y"), number("z")},
-                    {number("qw"), number("qx"), number("qy"), number("qz")})};
+  const Eigen::Quaterniond q(number("qw"), number("qx"), number("qy"), number("qz"));
+  if (!(std::abs(q.norm() - 1.0) < kUnit))
+    throw FileError(path, concat("a target's quaternion has the norm ", q.norm(), ", not 1"),
+                    "make it with `stonestack search --json`");
+  return {entry.at("stone").get<std::string>(), make_pose({number("x"), number("y"), number("z")}, q)};
 }
 
 /// Stones and targets, the first that can be carried out counts: from --stone and --target, or the first
 /// placement of `search --json` and its alternatives.
 std::vector<NamedPose> read_targets(const PlanCommand& command) {
+  require(command.search.empty() || (command.stone.empty() && command.target.empty()),
+          "--search FILE brings stone and target: --stone and --target cannot be given with it");
   if (command.search.empty()) {
     require(!command.stone.empty() && !command.target.empty(), "give --stone and --target, or --search FILE");
     return {{command.stone, parse_pose(command.target)}};
   }
   try {
     const auto json = nlohmann::json::parse(read_file(command.search, std::size_t{1} << 24));
-    std::vector<NamedPose> targets{read_placement(json.at("placements").at(0))};
+    std::vector<NamedPose> targets{read_placement(json.at("placements").at(0), command.search)};
     if (json.contains("alternatives"))
-      for (const auto& entry : json.at("alternatives")) targets.push_back(read_placement(entry));
+      for (const auto& entry : json.at("alternatives"))
+        targets.push_back(read_placement(entry, command.search));
     return targets;
   } catch (const nlohmann::json::exception& problem) {
     throw FileError(command.search, concat("holds no placement: ", problem.what()),

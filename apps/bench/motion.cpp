@@ -1,7 +1,9 @@
 // Prints the speed of collision checks and transits. Times are processor time; seeds are fixed.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "bench.hpp"
@@ -18,6 +20,7 @@ namespace stonestack::apps {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kLong = 1.2;  // times the shortest path that is known
 
 SceneObject object(const std::string& name, const Mesh& mesh, const Pose& T_W_object) {
   return {name, {mesh}, T_W_object};
@@ -123,8 +126,30 @@ void bench_transit(int problems, std::uint64_t seed) {
   std::printf("transit, hard set: %d of %d solved, %d straight; ms: median %.1f, 95 %% %.1f, worst %.1f; ",
               solved, posed, straight, quantile(milliseconds, 0.5), quantile(milliseconds, 0.95),
               quantile(milliseconds, 1.0));
-  std::printf("length over best of eight seeds: median %.2f, 95 %% %.2f\n", quantile(ratios, 0.5),
-              quantile(ratios, 0.95));
+  const auto long_ones = std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > kLong; });
+  std::printf("length over best of eight seeds: median %.2f, 95 %% %.2f, largest %.2f, %td above %.1f\n",
+              quantile(ratios, 0.5), quantile(ratios, 0.95), quantile(ratios, 1.0), long_ones, kLong);
+}
+
+/// "finger and post are 3.1 mm apart": what stands in the way of a configuration.
+std::string nearest(const CollisionChecker& checker, const Joints& q) {
+  const Clearance c = checker.clearance(q);
+  const auto millimetres = std::round(1e4 * std::abs(c.distance)) / 10;
+  return concat(c.first, c.distance < 0 ? " stands in " : " and ", c.second,
+                c.distance < 0 ? " by " : " are ", millimetres, c.distance < 0 ? " mm" : " mm apart");
+}
+
+/// Why a problem may have no solution, from its ends; empty if they are free.
+std::string blocked_ends(const CollisionChecker& checker, const MotionProblem& problem) {
+  if (checker.collides(problem.start))
+    return concat("; the start collides: ", nearest(checker, problem.start));
+  if (std::any_of(problem.goals.begin(), problem.goals.end(),
+                  [&](const Joints& goal) { return !checker.collides(goal); }))
+    return {};
+  std::string text;
+  for (std::size_t k = 0; k < problem.goals.size(); ++k)
+    text += concat("; goal ", k + 1, " collides: ", nearest(checker, problem.goals[k]));
+  return text;
 }
 
 /// Problems of a file, each from start to any of its goals.
@@ -147,11 +172,15 @@ void bench_file(const std::string& path) {
       std::printf("%zu way points, %.2f rad, %.1f ms\n", path_found->size(), length(*path_found),
                   milliseconds.back());
     else
-      std::printf("not solved, %.1f ms%s\n", milliseconds.back(),
-                  checker.collides(problem.start) ? "; the start collides" : "");
+      std::printf("not solved, %.1f ms%s\n", milliseconds.back(), blocked_ends(checker, problem).c_str());
   }
   std::printf("%zu of %zu solved; ms: median %.1f, 95 %% %.1f, worst %.1f\n", solved, file.problems.size(),
               quantile(milliseconds, 0.5), quantile(milliseconds, 0.95), quantile(milliseconds, 1.0));
+  std::fflush(stdout);
+  if (solved < file.problems.size())
+    throw Error(concat(path, ": ", file.problems.size() - solved, " of ", file.problems.size(),
+                       " problems were not solved"),
+                ExitCode::kExecutionFailed);
 }
 
 }  // namespace

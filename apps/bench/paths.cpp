@@ -17,7 +17,6 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack::apps {
@@ -117,7 +116,8 @@ void bench_timing(int paths, std::uint64_t seed) {
     milliseconds.push_back(1e3 * (processor_seconds() - start));
     ratios.push_back(trajectory.duration() / least_time(path, limits));
     plain.look(trajectory, limits, 0.0);
-    const JointTrajectory limited = limit_jerk(trajectory, kJerk);
+    limits.jerk = kJerk;
+    const JointTrajectory limited = time_path(path, limits);
     slower.push_back(limited.duration() / trajectory.duration());
     smooth.look(limited, limits, kJerk);
   }

@@ -8,7 +8,7 @@ namespace stonestack {
 
 double least_time(const JointPath& path, const TimingLimits& limits) {
   constexpr double kStep = 0.0005;  // rad
-  const JointPath p = rounded(path, limits.blend, kStep);
+  const JointPath p = rounded(path, limits, kStep);
   const std::size_t n = p.size();
   std::vector<double> ds(n, 0.0);
   std::vector<Joints> tangent(n, Joints::Zero()), curvature(n, Joints::Zero());

@@ -14,7 +14,6 @@
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/motion/grasp_check.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -198,6 +197,18 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
   require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");
 }
 
+/// What the arm stands in at the start, where no way can begin; empty if in nothing. Asked when no plan was
+/// found: which grasps do not lift the stone is worth knowing all the same.
+std::string start_in_something(const PlanningScene& scene, const PickAndPlaceTask& task) {
+  CollisionRules rules;
+  rules.padding = rules.self_padding = 0.0;
+  rules.opening = scene.opening;
+  const CollisionChecker checker(scene, rules);
+  if (!checker.collides(task.q_start)) return {};
+  const Clearance c = checker.clearance(task.q_start);
+  return concat("at the start the arm stands in something: ", c.first, " and ", c.second, " overlap");
+}
+
 }  // namespace
 
 bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T) {
@@ -223,9 +234,14 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
   if (finder.set().grasps.empty()) return no_grasp(scene, stone, finder.set());
   const GraspCheck check = finder.check(task.T_W_O_place);
   if (check.usable.empty()) return none_usable(stone, check);
-  return plan_ways(scene, task, options, finder.set(),
-                   PickCandidates(scene, task, options, finder.set(), check,
-                                  [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
+  PickAndPlacePlan plan =
+      plan_ways(scene, task, options, finder.set(),
+                PickCandidates(scene, task, options, finder.set(), check,
+                               [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
+  if (plan.status == Status::kNoTransit)
+    if (const std::string stands = start_in_something(scene, task); !stands.empty())
+      plan.reason = stands + "; " + plan.reason;
+  return plan;
 }
 
 std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q, double opening,
@@ -240,7 +256,7 @@ std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Jo
   if (!path || !is_free(CollisionChecker(scene, rules), *path)) return std::nullopt;
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = options.approach_speed;
-  return limit_jerk(time_path(*path, limits, scene.robot, scene.T_F_T), options.jerk);
+  return time_path(*path, limits, scene.robot, scene.T_F_T);
 }
 
 }  // namespace stonestack

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "motion/round_corners.hpp"
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/room_below.hpp"
 #include "stonestack/motion/timing.hpp"
@@ -11,11 +12,10 @@
 namespace stonestack {
 namespace {
 
-constexpr double kTransitSeconds = 0.5;         ///< s, effort for one transit of one candidate
-constexpr std::array kBlends{0.2, 0.08, 0.03};  ///< rad, corners cut, widest first
-constexpr double kRoundedStep = 0.03;           ///< rad; a chord leaves a parabola by less than 1 mrad
-constexpr std::array kLifts{1.0, 0.5};  ///< of MotionOptions::lift, where the arm has no room for more
-constexpr std::array kOut{0.03, 0.06};  ///< m, that a stone is taken out of a lean before it goes up
+constexpr double kTransitSeconds = 0.5;  ///< s, effort for one transit of one candidate
+constexpr double kWidestBlend = 0.2;     ///< rad, corners cut, most
+constexpr std::array kLifts{1.0, 0.5};   ///< of MotionOptions::lift, where the arm has no room for more
+constexpr std::array kOut{0.03, 0.06};   ///< m, that a stone is taken out of a lean before it goes up
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 HeldObject held_stone(const Stone& stone, const Grasp& grasp) {
@@ -197,11 +197,9 @@ std::optional<Transit> PickAttempt::transit(const CollisionChecker& wide, const 
   auto path = find_path(checker, a, std::span(&b, 1), options);
   if (!path) return std::nullopt;
   Transit transit{std::move(*path), 0.0};
-  for (const double blend : kBlends) {
-    transit.blend = blend;
-    if (is_free(checker, rounded(transit.path, blend, kRoundedStep))) return transit;
-  }
-  transit.blend = near ? 0.0 : TimingLimits{}.blend;  // covered by the padding
+  TimingLimits limits = timing_limits(scene_.robot, options_);
+  limits.blend = kWidestBlend;
+  transit.blend = free_blend(checker, transit.path, limits);
   return transit;
 }
 

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "motion/pick_attempt.hpp"
+#include "motion/tool_speed.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -34,17 +34,27 @@ double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, con
   return std::min(force, scene.gripper.force);
 }
 
+/// m, from the tool's tip to the furthest point of the stone that it holds.
+double reach_of(const Stone& stone, const Grasp& grasp) {
+  const Pose T_T_O = grasp.T_O_T.inverse();
+  double reach = 0.0;
+  for (const Mesh& piece : stone.pieces)
+    for (const auto& v : piece.vertices) reach = std::max(reach, (T_T_O * v).norm());
+  return reach;
+}
+
 /// Writes the steps one after the other; motions are timed as they are added.
 class StepWriter {
  public:
   StepWriter(const PlanningScene& scene, const MotionOptions& options)
-      : scene_(scene), limits_(timing_limits(scene.robot, options)), jerk_(options.jerk) {}
+      : scene_(scene), limits_(timing_limits(scene.robot, options)) {}
 
   void hand(PlanStep step) { steps_.push_back(std::move(step)); }
-  void transit(std::string name, const Transit& transit) {
+  void transit(std::string name, const Transit& transit, const ToolSpeed& tool_speed) {
     TimingLimits limits = limits_;
     limits.blend = transit.blend;
-    add(Kind::kTransit, std::move(name), time_path(transit.path, limits));
+    add(Kind::kTransit, std::move(name),
+        time_path(transit.path, limits, scene_.robot, scene_.T_F_T, tool_speed));
   }
   void straight(Kind kind, std::string name, const JointPath& path, double tool_speed) {
     TimingLimits limits = limits_;
@@ -59,16 +69,15 @@ class StepWriter {
   /// mm.
   static constexpr double kStraightBlend = 0.0003;
 
-  void add(Kind kind, std::string name, const JointTrajectory& trajectory) {
+  void add(Kind kind, std::string name, JointTrajectory trajectory) {
     PlanStep step;
     step.kind = kind;
     step.name = std::move(name);
-    step.trajectory = limit_jerk(trajectory, jerk_);
+    step.trajectory = std::move(trajectory);
     steps_.push_back(std::move(step));
   }
   const PlanningScene& scene_;
   TimingLimits limits_;
-  double jerk_;
   std::vector<PlanStep> steps_;
 };
 
@@ -86,12 +95,13 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   StepWriter out(scene, options);
   out.hand(hand_step(Kind::kOpen, "open the hand", grasp.pre_opening, options.finger_speed));
   out.steps().back().spacing = grasp.spacing;
-  out.transit("move to " + name, way.to_pick);
+  out.transit("move to " + name, way.to_pick, transit_speed(scene, options));
   out.straight(Kind::kApproach, "approach " + name, way.approach, options.approach_speed);
   out.hand(hand_step(Kind::kGrasp, "grasp " + name, grasp.opening, options.grip_speed));
   out.steps().back().force = close_force(scene, task, grasp);
   out.straight(Kind::kLift, "lift " + name, way.lift, options.approach_speed);
-  out.transit("carry " + name + " above its place", way.carry);
+  out.transit("carry " + name + " above its place", way.carry,
+              transit_speed(scene, options, task.object, reach_of(*task.stone, grasp)));
   out.straight(Kind::kApproach, "lower " + name, way.lower, options.approach_speed);
   out.steps().back().threshold = options.early_threshold;
   out.straight(Kind::kDescent, "set " + name + " down", way.descent, options.descent_speed);

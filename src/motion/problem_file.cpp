@@ -6,6 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack {
 namespace {
@@ -13,8 +14,9 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLargestFile = std::size_t{1} << 22;
 constexpr std::size_t kMostObjects = 10000, kMostProblems = 100000;
-constexpr double kFurthest = 100.0;  ///< m; nothing a robot plans with is larger or further away
-constexpr int kSides = 32;           ///< of a cylinder
+constexpr double kFurthest = 100.0;    ///< m; nothing a robot plans with is larger or further away
+constexpr double kHandLength = 0.264;  ///< m, flange to tip of the hand that a file has by default
+constexpr int kSides = 32;             ///< of a cylinder
 
 /// The statements of one line and where it stands, for messages.
 class Line {
@@ -106,9 +108,13 @@ Mesh around_cylinder(double radius, double length) {
 
 /// `length` is between the centres of the two half spheres, along z.
 Mesh around_capsule(double radius, double length) {
-  Mesh mesh = around_sphere(radius);
-  for (auto& v : mesh.vertices) v.z() += v.z() > 0.0 ? 0.5 * length : -0.5 * length;
-  return mesh;
+  // The hull of two polyhedra that contain the spheres at the ends contains the capsule; moving only one half
+  // of one polyhedron each way leaves out what lies below its middle.
+  const Mesh ball = around_sphere(radius);
+  Mesh both;
+  for (const auto& v : ball.vertices)
+    for (const double end : {-0.5, 0.5}) both.vertices.push_back(v + Eigen::Vector3d(0, 0, end * length));
+  return convex_hull(both);
 }
 
 /// A shape statement; false if `word` names none.
@@ -169,6 +175,7 @@ void read_statement(const std::string& word, Line& line, MotionProblems& out) {
 MotionProblems parse_motion_problems(const std::string& text, const std::string& name) {
   MotionProblems out;
   out.scene.robot = read_robot("ur10");
+  bool has_tool = false;
   std::istringstream lines(text);
   std::string content;
   for (int number = 1; std::getline(lines, content); ++number) {
@@ -176,11 +183,13 @@ MotionProblems parse_motion_problems(const std::string& text, const std::string&
     const std::string word = line.word();
     if (word.empty()) continue;
     read_statement(word, line, out);
+    has_tool = has_tool || word == "tool";
     line.end();
   }
   for (std::size_t i = 0; i < out.problems.size(); ++i)
     if (out.problems[i].goals.empty())
       throw FileError(name, concat("problem ", i + 1, " has no goal"), "see docs/motion-problems.md");
+  if (!has_tool && !out.scene.gripper.boxes.empty()) out.scene.T_F_T.translation().z() = kHandLength;
   if (out.problems.empty()) throw FileError(name, "has no start", "see docs/motion-problems.md");
   return out;
 }

@@ -5,18 +5,17 @@
 #include <cmath>
 #include <limits>
 
-#include "motion/smooth_path.hpp"
+#include "motion/jerk_profile.hpp"
+#include "motion/tool_speed.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
 
 namespace stonestack {
 namespace {
 
 constexpr int kBlendCells = 16;  ///< measured: 64 shorten a motion by less than 0.1 %
-constexpr double kToolLine =
-    0.05;  ///< rad; lines are split so that the tool's speed is about constant on one
 constexpr double kUnbounded = 1e12;
 constexpr double kShortestJudged = 1e-5;  ///< s
+constexpr double kLeastJerk = 1.0;        ///< rad/s^3: with less a plan of a minute becomes one of many
 
 /// A stretch of the path between two grid points, and the squared path speeds x = (ds/dt)^2 at its ends.
 /// On it d2s/dt2 is constant; on a line it may also be a trapezoid with `acceleration` and `fastest`.
@@ -179,6 +178,7 @@ void check(const JointPath& path, const TimingLimits& limits) {
           "joint velocity limits must be positive, got ", limits.velocity.transpose(), " rad/s");
   require((limits.acceleration.array() > 0).all() && limits.acceleration.allFinite(),
           "joint acceleration limits must be positive, got ", limits.acceleration.transpose(), " rad/s^2");
+  require(std::isfinite(limits.jerk) && limits.jerk >= 0, "a jerk limit cannot be ", limits.jerk, " rad/s^3");
   require(limits.blend >= 0 && limits.tool_speed >= 0, "blend and tool speed must not be negative, got ",
           limits.blend, " rad and ", limits.tool_speed, " m/s");
 }
@@ -198,18 +198,20 @@ JointTrajectory run(const JointPath& path, const std::vector<Cell>& cells, const
   return out;
 }
 
-/// Bounds x on a cell by the tool's speed, from points on the cell with a share to spare for those between.
-void limit_tool_speed(Cell& cell, double speed, const RobotModel& robot, const Pose& T_F_T) {
-  constexpr double kSpare = 1.005;
-  const auto tool = [&](const Joints& q) { return (forward(robot, q) * T_F_T).translation().eval(); };
-  double fastest = 0.0;  // m per rad of path
-  for (const double share : {0.0, 0.5, 1.0}) {
-    const double s = share * cell.length, h = 1e-5;
-    const Joints q = cell.q0 + s * cell.tangent0 + 0.5 * s * s * cell.curvature;
-    const Joints t = cell.tangent0 + s * cell.curvature;
-    fastest = std::max(fastest, (tool(q + h * t) - tool(q - h * t)).norm() / (2 * h));
-  }
-  if (fastest > 1e-9) cell.fastest = std::min(cell.fastest, std::pow(speed / (kSpare * fastest), 2));
+/// `tool` may be null.
+JointTrajectory timed(const JointPath& path, const TimingLimits& limits, const ToolLimit* tool) {
+  check(path, limits);
+  if (limits.jerk > 0) return time_with_jerk(path, limits, tool);
+  std::vector<Cell> cells;
+  for (const PathPiece& piece : smooth_pieces(path, limits.blend, tool != nullptr ? kToolLine : kUnbounded))
+    append_cells(cells, piece, limits);
+  if (tool != nullptr)
+    for (Cell& c : cells)
+      c.fastest = std::min(
+          c.fastest,
+          std::pow(fastest_with_tool({c.q0, c.tangent0, c.curvature, c.length, false, Joints::Zero()}, *tool),
+                   2));
+  return run(path, cells, limits);
 }
 
 }  // namespace
@@ -218,36 +220,38 @@ TimingLimits timing_limits(const RobotModel& robot, const MotionOptions& options
   TimingLimits limits;
   limits.velocity = options.speed_scale * robot.velocity;
   limits.acceleration = robot.acceleration.cwiseMin(options.acceleration);
+  require(options.jerk == 0 || options.jerk >= kLeastJerk, "motion.jerk must be 0 (no limit) or at least ",
+          kLeastJerk, " rad/s^3, got ", options.jerk);
+  limits.jerk = options.jerk;
   return limits;
 }
 
 JointTrajectory time_path(const JointPath& path, const TimingLimits& limits) {
-  check(path, limits);
   require(limits.tool_speed == 0, "a tool speed limit needs the robot, got ", limits.tool_speed, " m/s");
-  std::vector<Cell> cells;
-  for (const PathPiece& piece : smooth_pieces(path, limits.blend, kUnbounded))
-    append_cells(cells, piece, limits);
-  return run(path, cells, limits);
+  return timed(path, limits, nullptr);
 }
 
 JointTrajectory time_path(const JointPath& path, const TimingLimits& limits, const RobotModel& robot,
-                          const Pose& T_F_T) {
-  check(path, limits);
-  std::vector<Cell> cells;
-  const double longest = limits.tool_speed > 0 ? kToolLine : kUnbounded;
-  for (const PathPiece& piece : smooth_pieces(path, limits.blend, longest))
-    append_cells(cells, piece, limits);
-  if (limits.tool_speed > 0)
-    for (Cell& cell : cells) limit_tool_speed(cell, limits.tool_speed, robot, T_F_T);
-  return run(path, cells, limits);
+                          const Pose& T_F_T, const ToolSpeed& tool_speed) {
+  if (limits.tool_speed == 0 && !tool_speed) return timed(path, limits, nullptr);
+  const double most = limits.tool_speed > 0 ? limits.tool_speed : std::numeric_limits<double>::infinity();
+  const ToolLimit tool{robot, T_F_T,
+                       [&](const Joints& q) { return tool_speed ? std::min(most, tool_speed(q)) : most; }};
+  return timed(path, limits, &tool);
 }
 
-JointPath rounded(const JointPath& path, double blend, double step) {
-  require(!path.empty() && blend >= 0 && step > 0, "rounding needs way points, blend >= 0 and step > 0, got ",
-          path.size(), " way points, ", blend, " and ", step, " rad");
+JointPath rounded(const JointPath& path, const TimingLimits& limits, double step) {
+  constexpr double kSag = 1e-5;  // rad
+  require(!path.empty() && limits.blend >= 0 && step > 0,
+          "rounding needs way points, blend >= 0 and step > 0, got ", path.size(), " way points, ",
+          limits.blend, " and ", step, " rad");
   JointPath points{path.front()};
-  for (const PathPiece& piece : smooth_pieces(path, blend, kUnbounded)) {
-    const int count = std::max(1, static_cast<int>(std::ceil(piece.length / step)));
+  const Corner corner = limits.jerk > 0 ? Corner::kEven : Corner::kParabola;
+  for (const PathPiece& piece : smooth_pieces(path, limits.blend, kUnbounded, corner)) {
+    // A chord of length c leaves a curve of curvature k by k c^2 / 8.
+    const double bend = std::max(piece.curvature.norm(), piece.curvature_at(piece.length).norm());
+    const double chord = std::min(step, std::sqrt(8 * kSag / std::max(bend, 1e-12)));
+    const int count = std::max(1, static_cast<int>(std::ceil(piece.length / chord)));
     for (int i = 1; i <= count; ++i) points.push_back(piece.at(piece.length * i / count));
   }
   return points;

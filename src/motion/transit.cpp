@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/round_corners.hpp"
 #include "motion/rrt_connect.hpp"
 #include "motion/shorten_path.hpp"
+#include "motion/tool_speed.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -149,16 +150,21 @@ std::optional<JointPath> direct(const CollisionChecker& checker, const Joints& s
   return std::nullopt;
 }
 
-/// Path and time law with the hand empty and as wide open as the scene tells.
+/// Path and time law with the hand empty and as wide open as the scene tells. Corners are cut only where that
+/// keeps the padding with which the path was found.
 std::optional<JointTrajectory> plan(const PlanningScene& scene, const Joints& start,
                                     std::span<const Joints> goals, const MotionOptions& options) {
+  TimingLimits limits = timing_limits(scene.robot, options);
   for (const double padding : {options.transit_padding, options.approach_padding}) {
     CollisionRules rules;
     rules.padding = std::min(padding, options.transit_padding);
     rules.self_padding = std::min(rules.self_padding, padding);
     rules.opening = scene.opening;
-    if (const auto path = find_path(CollisionChecker(scene, rules), start, goals, options))
-      return limit_jerk(time_path(*path, timing_limits(scene.robot, options)), options.jerk);
+    const CollisionChecker checker(scene, rules);
+    const auto path = find_path(checker, start, goals, options);
+    if (!path) continue;
+    limits.blend = free_blend(checker, *path, limits);
+    return time_path(*path, limits, scene.robot, scene.T_F_T, transit_speed(scene, options));
   }
   return std::nullopt;
 }

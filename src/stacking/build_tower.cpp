@@ -9,7 +9,6 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/motion/transit.hpp"
 
@@ -57,7 +56,7 @@ void Builder::step_clear(const PlanningScene& scene) {
   TimingLimits limits = timing_limits(robot_, options_.motion);
   limits.tool_speed = kBackAwaySpeed;
   GuardedMotion away;
-  away.trajectory = limit_jerk(time_path(*out, limits, robot_, scene.T_F_T), options_.motion.jerk);
+  away.trajectory = time_path(*out, limits, robot_, scene.T_F_T);
   away.n_W_direction = way_of_tool(scene, *out);
   away.threshold = options_.motion.early_threshold;
   const MotionResult moved = cell_.arm.follow_guarded(away);

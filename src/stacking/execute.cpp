@@ -9,7 +9,6 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/jerk.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack {
@@ -221,7 +220,7 @@ struct Hands {
     TimingLimits limits = timing_limits(scene.robot, options);
     limits.tool_speed = kRetreatSpeed;
     PlanStep actual = step;
-    actual.trajectory = limit_jerk(time_path(*path, limits, scene.robot, scene.T_F_T), options.jerk);
+    actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
     return follow(actual);
   }
 };

@@ -144,6 +144,17 @@ TEST(PickAndPlace, SameSeedSamePlan) {
   EXPECT_EQ(a.T_O_T.matrix(), b.T_O_T.matrix());
 }
 
+TEST(PickAndPlace, NamesWhatTheArmStandsInAtTheStart) {
+  Workplace cell;
+  const Eigen::Vector3d p_elbow =
+      link_poses(cell.scene.robot, cell.task.q_start)[3].translation() + cell.scene.T_W_R.translation();
+  cell.scene.objects.push_back({"scaffold", {make_box({0.1, 0.1, 0.1})}, make_pose(p_elbow)});
+  const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
+  EXPECT_EQ(plan.status, PickAndPlacePlan::Status::kNoTransit);
+  EXPECT_NE(plan.reason.find("at the start"), std::string::npos) << plan.reason;
+  EXPECT_NE(plan.reason.find("scaffold"), std::string::npos) << plan.reason;
+}
+
 TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
   using Status = PickAndPlacePlan::Status;
   Workplace cell;

@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/transit.hpp"
 
 namespace stonestack {
@@ -56,6 +60,37 @@ TEST(ProblemFile, ShapesContainWhatTheyStandFor) {
       bounds(transformed(file.scene.objects[2].pieces.front(), file.scene.objects[2].T_W_object));
   EXPECT_NEAR(pill.sizes().x(), 0.5, 0.005) << "its axis was turned from z to x";
   EXPECT_NEAR(pill.sizes().z(), 0.2, 0.005);
+}
+
+/// In every direction the hull reaches as far as the shape: the support function of a capsule is that of a
+/// ball and a segment, of a cylinder that of a disc and a segment.
+TEST(ProblemFile, NoHullIsInsideItsShape) {
+  const MotionProblems file = parse_motion_problems(kGood, "problems.txt");
+  const auto reach = [&](std::size_t i, const Eigen::Vector3d& n) {
+    double most = -1.0;
+    for (const auto& v : file.scene.objects[i].pieces.front().vertices) most = std::max(most, n.dot(v));
+    return most;
+  };
+  Random random = Random::stream(1, "directions");
+  for (int k = 0; k < 5000; ++k) {
+    Eigen::Vector3d n = random.rotation() * Eigen::Vector3d::UnitX();
+    if (k % 5 == 0) n = Eigen::Vector3d(n.x(), n.y(), 0.01 * n.z()).normalized();  // about the middle
+    const double level = std::hypot(n.x(), n.y()), up = std::abs(n.z());
+    EXPECT_GE(reach(0, n), 0.05 * level + 0.5 * up - 1e-9);
+    EXPECT_GE(reach(1, n), 0.1 - 1e-9);
+    EXPECT_GE(reach(2, n), 0.1 + 0.15 * up - 1e-9);
+    EXPECT_LE(reach(2, n), 1.03 * 0.1 + 0.15 * up);
+  }
+}
+
+/// The hand of the project begins where the flange ends, unless the file says otherwise.
+TEST(ProblemFile, TheHandStandsOutOfTheFlange) {
+  const std::string problem = "start 0 -1.57 1.57 -1.57 -1.57 0\ngoal 0.5 -1.57 1.57 -1.57 -1.57 0\n";
+  const MotionProblems file = parse_motion_problems(problem, "problems.txt");
+  EXPECT_DOUBLE_EQ(file.scene.T_F_T.translation().z(), CellLayout().T_F_T.translation().z());
+  EXPECT_FALSE(CollisionChecker(file.scene).collides(file.problems.front().start));
+  EXPECT_EQ(parse_motion_problems("hand none\n" + problem, "x").scene.T_F_T.translation().z(), 0.0);
+  EXPECT_EQ(parse_motion_problems("tool 0 0 0.2\n" + problem, "x").scene.T_F_T.translation().z(), 0.2);
 }
 
 TEST(ProblemFile, PlansAroundThePost) {

@@ -100,7 +100,7 @@ TEST(Timing, StaysWithinTheBlendOfThePath) {
     const JointTrajectory t = time_path(path, limits);
     for (double time = 0.0; time <= t.duration(); time += 0.004)
       ASSERT_LE(distance_to_polyline(path, hermite(t, time).q), limits.blend + 1e-4);
-    for (const Joints& q : rounded(path, limits.blend, 0.01))
+    for (const Joints& q : rounded(path, limits, 0.01))
       ASSERT_LE(distance_to_polyline(path, q), limits.blend + 1e-9);
   }
 }

@@ -11,9 +11,12 @@ namespace stonestack {
 
 /// Options of grasp, transit, approach and placing. Sources: facts/robot.md.
 struct MotionOptions {
-  double speed_scale = 0.5;         ///< of the joint velocity limits
-  double acceleration = 1.4;        ///< rad/s^2
-  double jerk = 0.0;                ///< rad/s^3, of every joint in every motion of a plan; 0: no limit
+  double speed_scale = 0.5;   ///< of the joint velocity limits
+  double acceleration = 1.4;  ///< rad/s^2
+  double jerk = 0.0;  ///< rad/s^3, of every joint in every motion of a plan; 0: no limit, else 1 or more
+  double tool_speed = 1.0;          ///< m/s of the tool, largest, on transits
+  double near_speed = 0.35;         ///< m/s, the same where the tool is near a stone or another object
+  double near_distance = 0.05;      ///< m between tool (or what it holds) and object that are near
   double approach = 0.10;           ///< m, straight approach and retreat
   double lift = 0.10;               ///< m
   double descent_speed = 0.005;     ///< m/s, guarded

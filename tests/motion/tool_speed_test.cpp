@@ -1,0 +1,82 @@
+#include "motion/tool_speed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/transit.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kAbove = 0.08;  // m, between tower and tool as it passes
+
+Joints turned(double base) {
+  Joints q;
+  q << base, -1.9, 1.9, -1.57, -1.57, 0.0;
+  return q;
+}
+
+/// A tower under the way of the hand from turned(-0.9) to turned(0.9).
+struct Passing {
+  PlanningScene scene;
+  Eigen::AlignedBox3d tower;
+
+  Passing() {
+    scene.robot = read_robot("ur10");
+    scene.T_F_T = CellLayout().T_F_T;
+    const Eigen::Vector3d p = (forward(scene.robot, turned(0.0)) * scene.T_F_T).translation();
+    const Eigen::Vector3d size(0.12, 0.12, p.z() - kAbove), centre(p.x(), p.y(), size.z() / 2);
+    scene.objects = {{"tower", {make_box(size)}, make_pose(centre)}};
+    tower = {centre - size / 2, centre + size / 2};
+  }
+  /// Largest speeds (m/s) of the tool's tip nearer to the tower than `near` and elsewhere.
+  [[nodiscard]] std::pair<double, double> speeds(const JointTrajectory& motion, double near) const {
+    constexpr double kStep = 0.001;
+    std::pair<double, double> fastest{0.0, 0.0};
+    const auto tool = [&](double t) {
+      return (forward(scene.robot, sample(motion, t).q) * scene.T_F_T).translation().eval();
+    };
+    for (double t = kStep; t < motion.duration(); t += kStep) {
+      const double v = (tool(t) - tool(t - kStep)).norm() / kStep;
+      double& most = tower.exteriorDistance(tool(t)) < near ? fastest.first : fastest.second;
+      most = std::max(most, v);
+    }
+    return fastest;
+  }
+};
+
+TEST(ToolSpeed, TransitsAreSlowNearObjectsAndBoundedElsewhere) {
+  const Passing way;
+  for (const double jerk : {0.0, 10.0}) {
+    MotionOptions options;
+    options.jerk = jerk;
+    options.speed_scale = 1.0;
+    options.tool_speed = 0.5;
+    options.near_speed = 0.15;
+    options.near_distance = 0.15;
+    const auto motion = plan_transit(way.scene, turned(-0.9), turned(0.9), options);
+    ASSERT_TRUE(motion.has_value());
+    const auto [near, open] = way.speeds(*motion, options.near_distance);
+    EXPECT_GT(near, 0.0) << "or the hand did not pass the tower";
+    EXPECT_LE(near, 0.1502);
+    EXPECT_LE(open, 0.5005);
+    EXPECT_GT(open, 0.3);
+  }
+}
+
+TEST(ToolSpeed, WhatIsHeldIsNotNearAndReachesFurther) {
+  const PlanningScene scene = Passing().scene;
+  MotionOptions options;
+  options.near_distance = kAbove - 0.05;
+  EXPECT_EQ(transit_speed(scene, options)(turned(0.0)), options.tool_speed);
+  EXPECT_EQ(transit_speed(scene, options, -1, 0.06)(turned(0.0)), options.near_speed);
+  options.near_distance = kAbove;
+  EXPECT_EQ(transit_speed(scene, options)(turned(0.0)), options.near_speed);
+  EXPECT_EQ(transit_speed(scene, options, 0)(turned(0.0)), options.tool_speed) << "it is in the hand";
+}
+
+}  // namespace
+}  // namespace stonestack
