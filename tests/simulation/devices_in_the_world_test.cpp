@@ -109,8 +109,9 @@ TEST(DevicesInTheWorld, AGripperAloneMoves) {
   EXPECT_EQ(servers.arm_ports().rtde, 0);
   EXPECT_FALSE(servers.force_torque() || servers.camera());
   EXPECT_EQ(servers.gripper_line(), "");
-  EXPECT_EQ(servers.text().rfind("gripper ", 0), 0U) << servers.text();
-  EXPECT_EQ(std::count(servers.text().begin(), servers.text().end(), '\n'), 1);
+  const std::string text = servers.text();
+  EXPECT_EQ(text.rfind("gripper ", 0), 0U) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
   ThreeFingerOptions client;
   client.modbus.port = servers.gripper()->port;
   client.modbus.reply_timeout = 2.0;

@@ -144,7 +144,7 @@ TEST(UrWire, RtdeReads2048BytesOfASetup) {
   EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + names + ",timestamp")),
             packet('O', std::string(1, '\0') + types + ",NOT_FOUND"));
   std::string inputs;
-  for (int i = 24; i < 48; ++i) inputs += "input_double_register_" + std::to_string(i) + ",";
+  for (int i = 0; i < 48; ++i) inputs += "input_double_register_" + std::to_string(i) + ",";
   for (int i = 64; i < 128; ++i) inputs += "input_bit_register_" + std::to_string(i) + ",";
   const std::string answer = rtde.ask(packet('I', inputs));
   EXPECT_EQ(answer[3], '\0');
