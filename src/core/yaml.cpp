@@ -13,14 +13,6 @@ constexpr std::size_t kLargestFile = 1 << 20;
 constexpr int kMostVisits = 100000;
 constexpr int kMostLevels = 64;
 
-/// yaml-cpp keeps both of two equal keys; who wrote them meant one.
-std::string repeated_key(const YAML::Node& map) {
-  std::set<std::string> seen;
-  for (const auto& entry : map)
-    if (entry.first.IsScalar() && !seen.insert(entry.first.Scalar()).second) return entry.first.Scalar();
-  return {};
-}
-
 struct Walk {
   const std::function<void(const std::string&, const std::string&)>& visit;
   int visits = 0;
@@ -30,8 +22,6 @@ struct Walk {
     if (node.IsScalar()) return visit(name, node.Scalar());
     if (node.IsSequence()) return visit(name, YAML::Dump(node));
     require(node.IsMap() || node.IsNull(), "'", name, "' must be a value or a map of values");
-    if (const std::string twice = repeated_key(node); !twice.empty())
-      require(false, "'", name.empty() ? twice : name + "." + twice, "' is given twice; keep one");
     for (const auto& entry : node) {
       const std::string key = entry.first.as<std::string>();
       down(entry.second, name.empty() ? key : name + "." + key, level + 1);
@@ -84,8 +74,6 @@ Map::Map(YAML::Node node, std::string path, std::string where)
   if (!node_.IsMap())
     throw FileError(path_, concat(where_.empty() ? "the file" : where_, " is not a map of keys"),
                     "see the examples in data/");
-  if (const std::string twice = repeated_key(node_); !twice.empty())
-    fail(twice, "is given twice", "keep one");
 }
 
 bool Map::has(const std::string& key) const {

@@ -220,7 +220,7 @@ TEST(RobotModel, TheRobotOfAYamlIsSoughtBesideIt) {
     (void)read_robot(folder + "/cal/twice.yaml");
     ADD_FAILURE() << "two robots in one file";
   } catch (const FileError& problem) {
-    EXPECT_THAT(problem.what(), HasSubstr("'robot' is given twice"));
+    EXPECT_THAT(problem.what(), HasSubstr("the key 'robot' stands twice"));
   }
   std::filesystem::remove_all(folder);
 }
