@@ -112,16 +112,19 @@ void track(TrackCommand& command) {
                     "add T_W_C or give --camera-pose: stones are expected in the world frame");
   const auto expected = expected_stones(command, catalogue, *view.T_W_C);
   const DetectionModels models(catalogue.stones, command.detection);
-  const auto tracked = track_stones(view.image, models, expected, command.detection, {}, command.limits);
+  const auto [tracked, note] =
+      track_stones(view.image, models, expected, command.detection, {}, command.limits);
   if (command.common.json) {
     nlohmann::json list = nlohmann::json::array();
     for (const auto& t : tracked) list.push_back(tracked_json(catalogue, t, *view.T_W_C));
-    std::cout << nlohmann::json{{"schema", "stonestack.track/1"}, {"tracked", list}}.dump(2) << '\n';
+    std::cout << nlohmann::json{{"schema", "stonestack.track/1"}, {"tracked", list}, {"note", note}}.dump(2)
+              << '\n';
   } else {
     print_table(catalogue, tracked);
   }
   if (std::none_of(tracked.begin(), tracked.end(), [](const auto& t) { return t.detection.has_value(); }))
-    throw Error(command.input + ": none of the expected stones is seen", ExitCode::kNothingDetected);
+    throw Error(command.input + ": none of the expected stones is seen" + (note.empty() ? "" : ": " + note),
+                ExitCode::kNothingDetected);
 }
 
 }  // namespace

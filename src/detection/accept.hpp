@@ -17,4 +17,11 @@ namespace stonestack {
                                                          const DetectionOptions& options,
                                                          double least = -1.0);
 
+/// What is left of final poses when each must show some surface, and explain mostly what none of more worth
+/// explains: poses move after they were accepted.
+[[nodiscard]] std::vector<Detection> without_doubles(const std::vector<Detection>& found,
+                                                     const DetectionModels::Data& data,
+                                                     const DetectionScene& scene,
+                                                     const DetectionOptions& options);
+
 }  // namespace stonestack

@@ -86,6 +86,13 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, cons
   return candidate;
 }
 
+std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
+                                        const DetectionScene& scene, const DetectionOptions& options) {
+  VerifyOptions strict{tolerance(scene, options), kHiddenWeight};
+  strict.keep_pixels = true;
+  return verify_pose(model, T_C_O, scene, strict).pixels;
+}
+
 std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
                                         std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
                                         const DetectionOptions& options) {

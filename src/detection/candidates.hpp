@@ -21,6 +21,12 @@ struct Candidate {
 [[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
                                                       std::span<const Hypothesis> hypotheses,
                                                       const DetectionScene& scene,
+                                                      const DetectionOptions& options,
+                                                      std::size_t kept_poses = 5);
+
+/// The pixels that a model at a pose explains.
+[[nodiscard]] std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
+                                                      const DetectionScene& scene,
                                                       const DetectionOptions& options);
 
 /// The fine refinement and the verdict alone.

@@ -27,12 +27,15 @@ std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge
   for (const auto& k : known.stones)
     require(k.stone >= 0 && k.stone < count, "there are ", count, " models, none with index ", k.stone);
   std::sort(models.begin(), models.end());
-  models.erase(std::unique(models.begin(), models.end()), models.end());
   std::vector<int> missing;
-  for (const int i : models) {
+  for (auto at = models.begin(); at != models.end();) {
+    const auto next = std::upper_bound(at, models.end(), *at);
+    const auto copies = std::max<std::ptrdiff_t>(options.copies, next - at);
     const auto placed = std::count_if(known.stones.begin(), known.stones.end(),
-                                      [&](const KnownStone& k) { return k.stone == i; });
-    for (int copy = static_cast<int>(placed); copy < options.copies; ++copy) missing.push_back(i);
+                                      [&](const KnownStone& k) { return k.stone == *at; });
+    missing.insert(missing.end(), static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, copies - placed)),
+                   *at);
+    at = next;
   }
   return missing;
 }

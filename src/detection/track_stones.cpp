@@ -21,6 +21,28 @@ void compare(TrackedStone& tracked, const Pose& before, const Eigen::Vector3d& c
                            : TrackedStone::Status::kMoved;
 }
 
+/// Gives a stone that was found elsewhere to the nearest place that misses it; one too many is nobody's.
+void give(std::vector<TrackedStone>& all, std::span<const KnownStone> expected, const Detection& d) {
+  TrackedStone* to = nullptr;
+  double nearest = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].stone != d.stone || all[i].detection) continue;
+    const double away = difference(expected[i].T_C_O, d.T_C_O).translation;
+    if (to == nullptr || away < nearest) to = &all[i], nearest = away;
+  }
+  if (to != nullptr) to->detection = d;
+}
+
+/// The missing stones, each named as often as it is expected: so many copies there are.
+std::vector<int> to_search(const std::vector<TrackedStone>& all) {
+  std::vector<int> wanted;
+  for (const auto& t : all)
+    if (std::any_of(all.begin(), all.end(),
+                    [&](const TrackedStone& other) { return other.stone == t.stone && !other.detection; }))
+      wanted.push_back(t.stone);
+  return wanted;
+}
+
 }  // namespace
 
 FieldList fields(TrackOptions& o) {
@@ -45,29 +67,24 @@ std::string to_text(TrackedStone::Status status) {
   return "unknown";
 }
 
-std::vector<TrackedStone> track_stones(const DepthImage& image, const DetectionModels& models,
-                                       std::span<const KnownStone> expected, const DetectionOptions& options,
-                                       const SceneKnowledge& known, const TrackOptions& limits) {
-  std::vector<TrackedStone> all;
+TrackResult track_stones(const DepthImage& image, const DetectionModels& models,
+                         std::span<const KnownStone> expected, const DetectionOptions& options,
+                         const SceneKnowledge& known, const TrackOptions& limits) {
+  TrackResult out;
+  auto& all = out.stones;
   SceneKnowledge rest = known;
-  std::vector<int> missing;
   for (const auto& e : expected) {
     TrackedStone tracked{e.stone, TrackedStone::Status::kUnseen, {}, {}};
     tracked.detection = track_stone(image, models, e.stone, e.T_C_O, options, known);
-    if (tracked.detection)
-      rest.stones.push_back({e.stone, tracked.detection->T_C_O});
-    else
-      missing.push_back(e.stone);
+    if (tracked.detection) rest.stones.push_back({e.stone, tracked.detection->T_C_O});
     all.push_back(tracked);
   }
   std::optional<Plane> table_C = known.table_C;
-  if (!missing.empty()) {
-    const DetectionResult result = detect_stones(image, models, missing, options, rest);
+  if (const auto wanted = to_search(all); !wanted.empty()) {
+    const DetectionResult result = detect_stones(image, models, wanted, options, rest);
+    out.note = result.note;
     if (result.table_C) table_C = result.table_C;
-    for (const auto& d : result.detections)
-      std::find_if(all.begin(), all.end(), [&](const TrackedStone& t) {
-        return t.stone == d.stone && !t.detection;
-      })->detection = d;
+    for (const auto& d : result.detections) give(all, expected, d);
   }
   if (!table_C) table_C = preprocess(image, {}, true, options).table_C;
   const Eigen::Vector3d up_C = table_C ? table_C->normal : Eigen::Vector3d::Zero();
@@ -75,7 +92,7 @@ std::vector<TrackedStone> track_stones(const DepthImage& image, const DetectionM
     if (all[i].detection)
       compare(all[i], expected[i].T_C_O, models.data().models[static_cast<std::size_t>(all[i].stone)].centre,
               up_C, limits);
-  return all;
+  return out;
 }
 
 }  // namespace stonestack

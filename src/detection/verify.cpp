@@ -115,7 +115,7 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
       if (view.depth.z[pixel] <= 0) continue;
       const bool fits = count_pixel(view.depth, u, v, drawn.z[i],
                                     drawn.normals_C[static_cast<std::size_t>(drawn.face[i])], options, tally);
-      if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel)});
+      if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel), step});
     }
   if (options.contour) {
     const ContourTally contour = compare_contour(view, drawn);

@@ -7,10 +7,11 @@
 
 namespace stonestack {
 
-/// A pixel of one view.
+/// A drawn pixel of one view; it stands for `step` x `step` pixels of the image.
 struct SeenPixel {
   int view = 0;
   int index = 0;  ///< v * width + u
+  int step = 1;   ///< of the raster
 };
 
 /// What the scene says about one pose of one model.

@@ -267,7 +267,7 @@ TEST_F(Detect, TrackedStonesAreInPlaceMovedFallenOrUnseen) {
       {2, T_C_W * make_pose({0.05, 0.02, 0.08}) * at(2)},   // was 8 cm higher
       {4, T_C_W * make_pose({0.0, 0.0, 0.05})},             // is not there any more
   };
-  const auto tracked = track_stones(scene.image, *models(), expected);
+  const auto tracked = track_stones(scene.image, *models(), expected).stones;
   using Status = TrackedStone::Status;
   ASSERT_EQ(tracked.size(), 4U);
   EXPECT_EQ(tracked[0].status, Status::kInPlace);
@@ -278,7 +278,9 @@ TEST_F(Detect, TrackedStonesAreInPlaceMovedFallenOrUnseen) {
   EXPECT_EQ(tracked[3].status, Status::kUnseen);
   EXPECT_FALSE(tracked[3].detection.has_value());
   const std::vector<KnownStone> held = {{2, T_C_W * make_pose({0.0, 0.0, 0.4})}};
-  EXPECT_EQ(track_stones(scene.image, *models(), std::span(expected).subspan(2, 1), {}, {held, {}})[0].status,
+  EXPECT_EQ(track_stones(scene.image, *models(), std::span(expected).subspan(2, 1), {}, {held, {}})
+                .stones[0]
+                .status,
             Status::kUnseen)
       << "a held stone is not searched on the table";
 }
@@ -286,9 +288,47 @@ TEST_F(Detect, TrackedStonesAreInPlaceMovedFallenOrUnseen) {
 TEST_F(Detect, AStoneThatFellByLittleIsFallenToo) {
   const Scene scene = make_scene(3);
   const Pose before = scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.020}) * scene.T_W_O[0];
-  const auto tracked = track_stones(scene.image, *models(), std::vector<KnownStone>{{0, before}});
+  const auto tracked = track_stones(scene.image, *models(), std::vector<KnownStone>{{0, before}}).stones;
   EXPECT_EQ(tracked[0].status, TrackedStone::Status::kFallen) << to_text(tracked[0].status);
   EXPECT_NEAR(tracked[0].moved.translation, 0.020, 0.001);
+}
+
+TEST_F(Detect, AWrongDepthScaleIsNoticed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const DepthImage right = make_scene(seed).image;
+    const auto scaled = [&](float factor) {
+      DepthImage image = right;
+      for (auto& z : image.z) z *= factor;
+      return detect_stones(image, *models());
+    };
+    const auto as_it_is = scaled(1.0F);
+    EXPECT_FALSE(as_it_is.detections.empty());
+    EXPECT_EQ(as_it_is.note, "") << "seed " << seed << ": " << as_it_is.depth_scale;
+    EXPECT_NEAR(as_it_is.depth_scale, 1.0, 0.012);
+    EXPECT_LT(std::abs(as_it_is.depth_scale - 1.0), 3.5 * as_it_is.depth_scale_sigma);
+    for (const float factor : {0.92F, 1.08F}) {
+      const auto wrong = scaled(factor);
+      EXPECT_TRUE(wrong.detections.empty()) << "centimetres off, seed " << seed << ", " << factor;
+    }
+    const auto doubtful = scaled(1.035F);
+    EXPECT_FALSE(doubtful.detections.empty());
+    EXPECT_THAT(doubtful.note, ::testing::HasSubstr("depth unit")) << doubtful.depth_scale;
+    EXPECT_NEAR(doubtful.depth_scale, 1.035, 0.012);
+  }
+}
+
+TEST_F(Detect, ADepthRangeThatIsNoneIsTheCallersFault) {
+  DetectionOptions options;
+  options.nearest = 0.9, options.farthest = 0.5;
+  EXPECT_THROW((void)detect_stones(make_scene(1).image, *models(), {}, options), InvalidArgument);
+}
+
+TEST_F(Detect, ACloudInMillimetresIsSaidToBeOneWhileTracking) {
+  DepthImage image = make_scene(1).image;
+  for (auto& z : image.z) z *= 1000.0F;
+  const auto result = track_stones(image, *models(), std::vector<KnownStone>{{0, make_pose({0, 0, 0.7})}});
+  EXPECT_EQ(result.stones[0].status, TrackedStone::Status::kUnseen);
+  EXPECT_THAT(result.note, ::testing::HasSubstr("millimetres"));
 }
 
 TEST_F(Detect, AHeldStoneIsNotSearchedOnTheTable) {

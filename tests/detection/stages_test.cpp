@@ -194,23 +194,33 @@ TEST(Candidates, EveryPoseOfANearlySymmetricStoneIsJudgedFinely) {
   EXPECT_LT((judged.front().detection.T_C_O * corner - T_W_C.inverse() * T_W_O * corner).norm(), 0.004);
 }
 
-TEST(Accept, OfTwoPosesAtOnePlaceTheOneThatLacksLessIsTaken) {
+/// An image of which every pixel has a depth.
+DetectionScene filled_scene() {
   DetectionScene scene;
-  scene.views.emplace_back();
-  scene.views[0].depth.z.assign(
-      static_cast<std::size_t>(scene.views[0].depth.camera.width * scene.views[0].depth.camera.height), 0.7F);
-  const auto pose = [](int stone, double score, int pixels) {
-    Candidate c;
-    c.detection.stone = stone;
-    c.detection.score = score;
-    c.detection.visible = 0.4;
-    for (int i = 0; i < pixels; ++i) c.pixels.push_back({0, 640 * 100 + 5 * i});
-    return c;
-  };
-  const auto taken = without_conflicts({pose(0, 0.96, 100), pose(1, 0.995, 85)}, {0, 1}, scene, {});
+  auto& depth = scene.views.emplace_back().depth;
+  depth.z.assign(static_cast<std::size_t>(depth.camera.width * depth.camera.height), 0.7F);
+  return scene;
+}
+
+/// A pose that explains a square of `side` image pixels from (u0, v0) on, drawn at every `step`-th.
+Candidate square_candidate(int stone, double score, int side, int step, int u0 = 100, int v0 = 100) {
+  Candidate c;
+  c.detection.stone = stone, c.detection.score = score, c.detection.visible = 0.4;
+  for (int v = v0; v < v0 + side; ++v)
+    for (int u = u0; u < u0 + side; ++u)
+      if (u % step == 0 && v % step == 0) c.pixels.push_back({0, 640 * v + u, step});
+  return c;
+}
+
+TEST(Accept, OfTwoPosesAtOnePlaceTheOneThatLacksLessIsTaken) {
+  const DetectionScene scene = filled_scene();
+  const auto taken = without_conflicts({square_candidate(0, 0.96, 40, 1), square_candidate(1, 0.995, 37, 1)},
+                                       {0, 1}, scene, {});
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0], 1U) << "a wrong flat stone covered more of the right one's face";
-  EXPECT_EQ(without_conflicts({pose(0, 0.96, 100), pose(1, 0.99, 8)}, {0, 1}, scene, {})[0], 0U)
+  EXPECT_EQ(without_conflicts({square_candidate(0, 0.96, 40, 1), square_candidate(1, 0.99, 11, 1)}, {0, 1},
+                              scene, {})[0],
+            0U)
       << "a speck that fits is no evidence";
 }
 
@@ -225,6 +235,44 @@ TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {
   EXPECT_FALSE(accepted(0.94, 0.05)) << "wrong poses of hidden stones reached this";
   EXPECT_TRUE(accepted(0.99, 0.05));
   EXPECT_FALSE(accepted(1.00, 0.02)) << "no evidence";
+TEST(Accept, ALargeStoneDrawnCoarselyCountsAsMuchAsASmallOneDrawnFinely) {
+  const auto taken = without_conflicts({square_candidate(0, 0.994, 80, 2), square_candidate(1, 0.991, 70, 1)},
+                                       {0, 1}, filled_scene(), {});
+  ASSERT_EQ(taken.size(), 1U);
+  EXPECT_EQ(taken[0], 0U) << "it fits better and explains more";
+}
+
+TEST(Accept, OnePlaceIsOneStoneWhateverTheStepsOfDrawing) {
+  for (const int step : {1, 3, 5, 6, 16})
+    for (const int other : {1, 4, 5, 6, 15})
+      EXPECT_EQ(
+          without_conflicts({square_candidate(0, 0.99, 240, step), square_candidate(1, 0.98, 240, other)},
+                            {0, 1}, filled_scene(), {})
+              .size(),
+          1U)
+          << "steps " << step << ", " << other;
+  EXPECT_EQ(without_conflicts({square_candidate(0, 0.99, 96, 6), square_candidate(1, 0.98, 96, 5, 200)},
+                              {0, 1}, filled_scene(), {})
+                .size(),
+            2U)
+      << "side by side";
+}
+
+TEST_F(OneStone, IsNotTwoStones) {
+  DetectionModels::Data data;
+  data.models.push_back(make_detection_model(stone, options));
+  data.models.push_back(make_detection_model(stone, options));
+  Detection first, second, hidden;
+  first.stone = 0, first.T_C_O = T_C_O, first.score = 0.99, first.visible = 0.3;
+  second = hidden = first;
+  second.stone = 1, second.T_C_O = make_pose({0.001, 0, 0}) * T_C_O, second.score = 0.98;
+  const auto left = without_doubles({second, first}, data, scene, options);
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].stone, 0) << "the better one";
+  hidden.visible = 0.01;
+  EXPECT_TRUE(without_doubles({hidden}, data, scene, options).empty()) << "no evidence is left";
+}
+
   EXPECT_FALSE(accepted(0.88, 0.20, 0.89)) << "a clean image shows mirror images this well";
   EXPECT_TRUE(accepted(0.99, 0.05, 0.89)) << "the two are not added up";
 }

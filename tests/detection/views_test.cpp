@@ -13,6 +13,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/detection/trace.hpp"
+#include "stonestack/detection/track_stones.hpp"
 
 namespace stonestack {
 namespace {
@@ -87,23 +88,47 @@ TEST_F(Views, OneViewGivesTheSameAsTheImageAlone) {
   EXPECT_THROW((void)detect_stones(std::span<const DepthView>{}, *models()), InvalidArgument);
 }
 
+/// Two copies of stone 2, apart.
+struct Copies {
+  Pose T_W_C = test::make_camera_pose(0.4, 0.7);
+  Pose a, b;
+  DepthImage image;
+  explicit Copies(const Stone& stone)
+      : a(test::on_table(stone, Eigen::Quaterniond(0.6, 0.3, -0.5, 0.5).normalized(), -0.1, 0.02)),
+        b(test::on_table(stone, Eigen::Quaterniond(0.1, -0.8, 0.3, 0.4).normalized(), 0.1, -0.03)),
+        image(test::with_noise(test::look_at({{&stone, a}, {&stone, b}}, T_W_C), 0.0006, 3)) {}
+};
+
 TEST_F(Views, TwoCopiesOfOneStoneAreBothFoundWhenAskedFor) {
-  const Pose T_W_C = test::make_camera_pose(0.4, 0.7);
-  const Pose a =
-      test::on_table(stones()[2], Eigen::Quaterniond(0.6, 0.3, -0.5, 0.5).normalized(), -0.1, 0.02);
-  const Pose b =
-      test::on_table(stones()[2], Eigen::Quaterniond(0.1, -0.8, 0.3, 0.4).normalized(), 0.1, -0.03);
-  const DepthImage image =
-      test::with_noise(test::look_at({{&stones()[2], a}, {&stones()[2], b}}, T_W_C), 0.0006, 3);
+  const Copies scene(stones()[2]);
   DetectionOptions options;
-  EXPECT_EQ(detect_stones(image, *models(), {}, options).detections.size(), 1U);
+  EXPECT_EQ(detect_stones(scene.image, *models(), {}, options).detections.size(), 1U);
   options.copies = 2;
-  const auto found = detect_stones(image, *models(), {}, options).detections;
+  const auto found = detect_stones(scene.image, *models(), {}, options).detections;
   ASSERT_EQ(found.size(), 2U);
-  for (const Pose& truth : {a, b})
+  for (const Pose& truth : {scene.a, scene.b})
     EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const Detection& d) {
-      return d.stone == 2 && difference(T_W_C * d.T_C_O, truth).translation < 0.003;
+      return d.stone == 2 && difference(scene.T_W_C * d.T_C_O, truth).translation < 0.003;
     }));
+  EXPECT_EQ(detect_stones(scene.image, *models(), std::vector<int>{2, 2}).detections.size(), 2U)
+      << "named twice";
+}
+
+TEST_F(Views, CopiesAreTrackedAsOftenAsTheyAreExpected) {
+  const Copies scene(stones()[2]);
+  const Pose T_C_W = scene.T_W_C.inverse(), elsewhere = make_pose({0.0, 0.1, 0.06}) * scene.b;
+  using Status = TrackedStone::Status;
+  const std::vector<KnownStone> both = {{2, T_C_W * scene.a}, {2, T_C_W * elsewhere}};
+  const auto tracked = track_stones(scene.image, *models(), both).stones;
+  ASSERT_EQ(tracked.size(), 2U);
+  EXPECT_EQ(tracked[0].status, Status::kInPlace);
+  EXPECT_EQ(tracked[1].status, Status::kFallen) << "it must be searched though another copy is in place";
+  DetectionOptions options;
+  options.copies = 2;
+  const std::vector<KnownStone> one = {{2, T_C_W * make_pose({0.3, 0.3, 0.3})}};
+  const auto more = track_stones(scene.image, *models(), one, options).stones;
+  ASSERT_EQ(more.size(), 1U);
+  EXPECT_TRUE(more[0].detection.has_value()) << "of two that are there, one is the missing one";
 }
 
 TEST_F(Views, ATraceHoldsEveryStageAndCanBeWritten) {

@@ -114,8 +114,9 @@ class DetectionModels {
   std::unique_ptr<Data> data_;
 };
 
-/// Finds the stones `wanted` (indices; all if empty) in one depth image (paper §2). Never throws for what a
-/// camera may show: an empty or senseless image gives no detections and a note.
+/// Finds the stones `wanted` (indices; all if empty; one named several times in as many copies at least) in
+/// one depth image (paper §2). Never throws for what a camera may show: an empty or senseless image gives no
+/// detections and a note.
 [[nodiscard]] DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
                                             std::span<const int> wanted = {},
                                             const DetectionOptions& options = {},

@@ -23,6 +23,12 @@ struct TrackedStone {
 };
 [[nodiscard]] std::string to_text(TrackedStone::Status status);
 
+/// What became of all of them.
+struct TrackResult {
+  std::vector<TrackedStone> stones;  ///< one entry an expected stone, in their order
+  std::string note;                  ///< why the search found none of those that are not there, for a person
+};
+
 /// When a stone counts as moved or fallen.
 struct TrackOptions {
   double moved_shift = 0.003;  ///< m
@@ -32,12 +38,11 @@ struct TrackOptions {
 [[nodiscard]] FieldList fields(TrackOptions& options);
 
 /// Refines every expected stone from its last pose (track_stone); those that are not there are searched for
-/// in the rest of the scene. Stones of `known` (held ones, say) are neither searched nor allowed to explain
-/// anything else. One entry an expected stone, in their order.
-[[nodiscard]] std::vector<TrackedStone> track_stones(const DepthImage& image, const DetectionModels& models,
-                                                     std::span<const KnownStone> expected,
-                                                     const DetectionOptions& options = {},
-                                                     const SceneKnowledge& known = {},
-                                                     const TrackOptions& limits = {});
+/// in the rest of the scene. A stone that is expected several times is searched for in as many copies. Stones
+/// of `known` (held ones, say) are neither searched nor allowed to explain anything else.
+[[nodiscard]] TrackResult track_stones(const DepthImage& image, const DetectionModels& models,
+                                       std::span<const KnownStone> expected,
+                                       const DetectionOptions& options = {}, const SceneKnowledge& known = {},
+                                       const TrackOptions& limits = {});
 
 }  // namespace stonestack
