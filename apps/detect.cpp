@@ -81,17 +81,34 @@ void print_table(const Catalogue& catalogue, const DetectionResult& result, cons
   }
 }
 
-/// Names the stones whose shape leaves the pose open, and the poses that the paper's inlier ratio takes
-/// though the visibility-aware score would refuse them.
+/// What else a detection may be: the other stones by name, and in how many other poses.
+std::string in_words(const Detection& found, const Catalogue& catalogue) {
+  std::string others;
+  int turned = 0;
+  for (const auto& like : found.likes) {
+    const std::string& name = catalogue.stones[static_cast<std::size_t>(like.stone)].name;
+    if (like.stone == found.stone)
+      ++turned;
+    else if (others.find("'" + name + "'") == std::string::npos)
+      others += concat(others.empty() ? "" : ", ", "'", name, "'");
+  }
+  std::string words;
+  if (!others.empty()) words = "may be " + others + " as well";
+  if (turned > 0)
+    words += concat(words.empty() ? "" : " and ", "is nearly symmetric: ", turned,
+                    " other poses fit as well or nearly");
+  return words;
+}
+
+/// Names the stones whose shape leaves the pose open, or which stone it is, and the poses that the paper's
+/// inlier ratio takes though the visibility-aware score would refuse them.
 void warn_of_doubtful(const DetectionResult& result, const Catalogue& catalogue,
                       const DetectionOptions& options) {
   for (const auto& found : result.detections) {
     const std::string& name = catalogue.stones[static_cast<std::size_t>(found.stone)].name;
     if (found.certainty < kCertain)
-      log_warning(
-          concat(name, " is nearly symmetric: ", found.likes.size(),
-                 " other poses fit as well or nearly (--json lists them), this one with a certainty of ",
-                 found.certainty));
+      log_warning(concat(name, " ", in_words(found, catalogue),
+                         " (--json lists them); it has a certainty of ", found.certainty));
     if (found.score < options.accept_score)
       log_warning(concat(name, " is here by its inlier ratio; its score of ", found.score,
                          " says that the pose is wrong (detection.accept_score ", options.accept_score, ")"));

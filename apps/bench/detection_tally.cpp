@@ -79,7 +79,8 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
       ++tally.false_accepts;
       tally.bad_scores.push_back(d.score);
       if (list)
-        std::printf("    false accept: stone %d score %.3f visible %.2f\n", d.stone, d.score, d.visible);
+        std::printf("    false accept: stone %d score %.3f certain %.2f visible %.2f\n", d.stone, d.score,
+                    d.certainty, d.visible);
       continue;
     }
     judge_found(d, **at, kind, list, tally);

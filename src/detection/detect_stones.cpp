@@ -4,7 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "detection/accept.hpp"
+#include "detection/depth_scale.hpp"
 #include "detection/describe.hpp"
+#include "detection/identity.hpp"
 #include "detection/joint_refine.hpp"
 #include "detection/likeness.hpp"
 #include "detection/search_in_turns.hpp"
@@ -57,7 +60,9 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   result.trace = trace;
   for (const auto& t : taken) result.detections.push_back(t.detection);
   if (options.method != "paper")
-    result.detections = among_its_likes(std::move(result.detections), data, scene, options);
+    result.detections =
+        without_doubles(among_its_likes(std::move(result.detections), data, scene, options, known.stones),
+                        data, scene, options);
   result.detections = refined_together(std::move(result.detections), data, scene, options);
   for (auto& d : result.detections) widen_by_likes(d);
   std::stable_sort(result.detections.begin(), result.detections.end(),

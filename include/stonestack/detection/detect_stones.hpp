@@ -13,10 +13,12 @@
 
 namespace stonestack {
 
-/// Another pose that a stone of nearly symmetric shape may as well have.
+/// What may as well be there: another pose of a stone of nearly symmetric shape, or another stone of like
+/// shape.
 struct LikePose {
   Pose T_C_O = Pose::Identity();
-  double weight = 0.0;  ///< of all poses together 1
+  double weight = 0.0;  ///< of all together 1
+  int stone = -1;       ///< index into the models
 };
 
 /// Where a stone was found.
@@ -27,9 +29,10 @@ struct Detection {
   double inlier_ratio = 0.0;  ///< the paper's, over visible model points
   double visible = 0.0;       ///< share of the model's surface that this view saw
   Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C; spans `likes`, too
-  double certainty = 1.0;       ///< of this pose among the likes of a nearly symmetric stone: a cube's 24
-  std::vector<LikePose> likes;  ///< the other poses that fit nearly as well, the best first
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C; spans the stone's own
+                                            ///< `likes`, too, supposing that it is this stone
+  double certainty = 1.0;  ///< of this stone in this pose: a cube has 24, and another stone may look alike
+  std::vector<LikePose> likes;  ///< what fits nearly as well, the best first
 };
 
 struct DetectionTrace;
