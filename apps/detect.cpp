@@ -63,9 +63,10 @@ DetectionResult detect_in(const std::vector<SceneView>& views, const DetectionMo
 void print_json(const DetectionResult& result, const Catalogue& catalogue, const std::optional<Pose>& T_W_C) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& found : result.detections) list.push_back(detection_json(catalogue, found, T_W_C));
-  std::cout << nlohmann::json{{"schema", "stonestack.detect/1"}, {"detections", list}, {"note", result.note}}
-                   .dump(2)
-            << '\n';
+  nlohmann::json out = {{"schema", "stonestack.detect/1"}, {"detections", list}, {"note", result.note}};
+  if (result.depth_scale_sigma > 0)
+    out["depth_scale"] = {{"factor", result.depth_scale}, {"sigma", result.depth_scale_sigma}};
+  std::cout << out.dump(2) << '\n';
 }
 
 /// Positions in C, or in W for a cloud that no camera took.
@@ -130,6 +131,8 @@ void detect(DetectCommand& command) {
   check_level(views.front(), result.table_C, command.inputs.front());
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
   warn_of_doubtful(result, catalogue, command.options);
+  if (!result.detections.empty() && !result.note.empty())
+    log_warning(command.inputs.front() + ": " + result.note);
   if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
   if (command.common.json)
     print_json(result, catalogue, views.front().T_W_C);

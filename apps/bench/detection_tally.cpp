@@ -86,6 +86,8 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
     judge_found(d, **at, kind, list, tally);
     left.erase(at);
   }
+  if (list && result.depth_scale_sigma > 0)
+    std::printf("    depth scale %.4f +- %.4f\n", result.depth_scale, result.depth_scale_sigma);
   for (const auto* t : left)
     if (list && t->unhidden >= kind.least_unhidden)
       std::printf("    missed: stone %d unhidden %.2f\n", t->stone, t->unhidden);

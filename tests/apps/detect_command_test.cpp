@@ -135,6 +135,27 @@ TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {
   const Outcome found =
       run("detect mirrored.ply --method paper --set detection.accept_inlier_ratio=0.5 --json");
   const json data = found.data();
+TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
+  const std::string camera = "--camera 475,475,319.5,239.5 --json --depth-unit ";
+  const Outcome right = run("detect scene/depth.png " + camera + "0.000125");
+  EXPECT_EQ(right.data()["note"], "") << right.out;
+  const Outcome doubtful = run("detect scene/depth.png " + camera + "0.00013");
+  EXPECT_EQ(doubtful.code, 0) << doubtful.err;
+  EXPECT_THAT(doubtful.err, HasSubstr("depth unit"));
+  EXPECT_NEAR(doubtful.data()["depth_scale"]["factor"].get<double>(), 1.04, 0.012);
+  const Outcome wrong = run("detect scene/depth.png " + camera + "0.0001375");
+  EXPECT_EQ(wrong.code, 4) << wrong.out;
+  EXPECT_TRUE(wrong.data()["detections"].empty());
+}
+
+TEST_F(DetectCommand, WarnsOfOptionsThatThePapersMethodReplaces) {
+  EXPECT_THAT(run("detect scene/scene.yaml --method paper --set detection.descriptor=shot").err,
+              HasSubstr("detection.descriptor=shot (flag --set) has no effect"));
+  EXPECT_THAT(run("detect scene/scene.yaml --method paper").err, ::testing::Not(HasSubstr("has no effect")));
+  expect_refusal("detect scene/scene.yaml --set detection.nearest=1 --set detection.farthest=0.5", 2,
+                 {"nearest", "farthest"});
+}
+
   bool doubtful = false;
   for (const auto& d : data["detections"]) doubtful = doubtful || d["score"].get<double>() < 0.85;
   ASSERT_TRUE(doubtful) << found.out;

@@ -39,9 +39,11 @@ struct DetectionTrace;
 
 /// What one frame, or several of one scene, showed.
 struct DetectionResult {
-  std::vector<Detection> detections;            ///< at most `copies` a model, best score first
-  std::optional<Plane> table_C;                 ///< normal towards the camera
-  std::string note;                             ///< why nothing was found, for a person; empty otherwise
+  std::vector<Detection> detections;  ///< at most `copies` a model, best score first
+  std::optional<Plane> table_C;       ///< normal towards the camera
+  std::string note;  ///< why nothing was found, or what is odd about the image, for a person; empty otherwise
+  double depth_scale = 1.0;        ///< by how much seen depths are too large for the stones' sizes, ...
+  double depth_scale_sigma = 0.0;  ///< ... and its standard deviation; 0: too little was seen to tell
   std::shared_ptr<const DetectionTrace> trace;  ///< what each stage saw, with DetectionOptions::trace
 };
 
