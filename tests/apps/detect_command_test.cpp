@@ -120,6 +120,12 @@ TEST_F(DetectCommand, UsesEveryOptionOrRefusesIt) {
   EXPECT_GT(off, 2e-4) << "the lens of a recording that names only the pinhole";
 }
 
+TEST_F(DetectCommand, RefusesACameraOfWhichTheImageIsNot) {
+  expect_refusal("detect scene/depth.png --camera 475,475,1e9,239.5 --depth-unit 0.000125", 3,
+                 {"depth.png", "640 x 480", "fx,fy,cx,cy"});
+  expect_refusal("detect scene/depth.png --camera 475,475,319.5,-400 --depth-unit 0.000125", 3, {"-400"});
+}
+
 TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   std::vector<Eigen::Vector3f> plane;
   for (int i = 0; i < 200; ++i)
@@ -129,12 +135,6 @@ TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   EXPECT_TRUE(fs::exists(folder_ + "/trace/turn_1/stages.json"));
 }
 
-TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {
-  write_changed("mirrored.ply", heap_,
-                [](const Eigen::Vector3f& p) { return Eigen::Vector3f(-p.x(), p.y(), p.z()); });
-  const Outcome found =
-      run("detect mirrored.ply --method paper --set detection.accept_inlier_ratio=0.5 --json");
-  const json data = found.data();
 TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
   const std::string camera = "--camera 475,475,319.5,239.5 --json --depth-unit ";
   const Outcome right = run("detect scene/depth.png " + camera + "0.000125");
@@ -156,6 +156,12 @@ TEST_F(DetectCommand, WarnsOfOptionsThatThePapersMethodReplaces) {
                  {"nearest", "farthest"});
 }
 
+TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {
+  write_changed("mirrored.ply", heap_,
+                [](const Eigen::Vector3f& p) { return Eigen::Vector3f(-p.x(), p.y(), p.z()); });
+  const Outcome found =
+      run("detect mirrored.ply --method paper --set detection.accept_inlier_ratio=0.5 --json");
+  const json data = found.data();
   bool doubtful = false;
   for (const auto& d : data["detections"]) doubtful = doubtful || d["score"].get<double>() < 0.85;
   ASSERT_TRUE(doubtful) << found.out;
