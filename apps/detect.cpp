@@ -120,6 +120,7 @@ void detect(DetectCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("detection", fields(command.options)));
+  warn_of_paper(command.common.settings, command.options);
   const Catalogue catalogue = command.common.read();
   const auto wanted = wanted_stones(catalogue, command.stones);
   const auto views = read_views(command);
@@ -130,9 +131,9 @@ void detect(DetectCommand& command) {
   const DetectionResult result = detect_in(views, models, wanted, command.options);
   check_level(views.front(), result.table_C, command.inputs.front());
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
-  warn_of_doubtful(result, catalogue, command.options);
   if (!result.detections.empty() && !result.note.empty())
     log_warning(command.inputs.front() + ": " + result.note);
+  warn_of_doubtful(result, catalogue, command.options);
   if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
   if (command.common.json)
     print_json(result, catalogue, views.front().T_W_C);

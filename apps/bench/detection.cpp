@@ -33,6 +33,7 @@ DetectionOptions options_for(const std::string& method, DetectionBench& settings
   settings.common.settings.apply(nest("detection", fields(options)));
   options.method = method;
   options.trace = !settings.trace.empty();
+  warn_of_paper(settings.common.settings, options);
   return options;
 }
 
