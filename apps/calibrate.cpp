@@ -3,6 +3,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "common_options.hpp"
@@ -16,12 +17,17 @@ namespace stonestack::apps {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
+// Fifteen stations of our simulated arm leave 0.5 mm and 0.1 deg; a poor board and a loose mount ten times
+// that.
+constexpr double kMostShift = 0.010;         // m, root mean square: more is no calibration
+constexpr double kMostTurn = 2.0 * kDegree;  // the same
 
 struct CalibrateCommand {
   CommonOptions common;
   std::string pairs_file;
   int simulate = 0;
   bool on_base = false;
+  bool force = false;
   std::string method = "joint";
   std::string check, out, like, write_pairs;
   HandEyeOptions options;
@@ -58,32 +64,49 @@ void print_table(const HandEyeResult& result, const CalibrateCommand& command) {
   }
 }
 
-void print_json(const HandEyeResult& result, const HandEyeFile& file, const HandEyeSolution& chosen) {
-  nlohmann::json all = nlohmann::json::array();
-  for (const auto& s : result.solutions)
-    all.push_back(
-        {{"method", s.method}, {"T_A_C", pose_json(s.T_A_C)}, {"residual", residual_json(s.residual)}});
-  std::cout << nlohmann::json{{"schema", "stonestack.calibrate/1"}, {"camera", to_text(file.mount)},
-                              {"pairs", file.pairs.size()},         {"method", chosen.method},
-                              {"T_A_C", pose_json(chosen.T_A_C)},   {"solutions", all},
-                              {"warning", result.warning}}
-                   .dump(2)
-            << '\n';
-}
+/// A calibration that exists, compared with the stations.
+struct Check {
+  HandEyeResidual residual;
+  PoseDifference off;  ///< from the result
+  bool inverted = false;
+};
 
-/// Compares a calibration that exists with the stations.
-void check_file(const CalibrateCommand& command, const HandEyeFile& file, const HandEyeSolution& chosen) {
+Check check_file(const CalibrateCommand& command, const HandEyeFile& file, const HandEyeSolution& chosen) {
   const EasyHandEye given = read_easy_handeye(command.check);
   if (given.mount != file.mount)
     throw FileError(command.check, concat("is for a camera ", to_text(given.mount)),
                     concat("the pairs are of one ", to_text(file.mount)));
-  const auto residual = hand_eye_residual(file.pairs, file.mount, given.T_A_C);
-  const auto off = difference(given.T_A_C, chosen.T_A_C);
-  log_info(concat(command.check, ": residual ", 1000 * residual.translation, " mm, ",
-                  residual.rotation / kDegree, " deg; ", 1000 * off.translation, " mm and ",
-                  off.angle / kDegree, " deg from the result"));
-  if (looks_inverted(file.pairs, file.mount, given.T_A_C, command.options))
-    log_warning(command.check + ": the transformation is inverted: its inverse agrees with the pairs");
+  return {hand_eye_residual(file.pairs, file.mount, given.T_A_C), difference(given.T_A_C, chosen.T_A_C),
+          looks_inverted(file.pairs, file.mount, given.T_A_C, command.options)};
+}
+
+std::string in_words(const HandEyeResidual& r) {
+  return concat("residual ", 1000 * r.translation, " mm, ", r.rotation / kDegree, " deg");
+}
+
+/// What is wrong with the result, and what to do about it; empty if nothing is.
+std::string doubt(const HandEyeResult& result, const HandEyeSolution& chosen) {
+  if (!result.warning.empty()) return result.warning;
+  if (chosen.residual.translation <= kMostShift && chosen.residual.rotation <= kMostTurn) return {};
+  return concat(in_words(chosen.residual), ", more than ", 1000 * kMostShift, " mm or ", kMostTurn / kDegree,
+                " deg: arm and target poses do not belong together, or are in other units");
+}
+
+void print_json(const HandEyeResult& result, const HandEyeFile& file, const HandEyeSolution& chosen,
+                const std::vector<std::string>& warnings, const std::optional<Check>& check) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& s : result.solutions)
+    all.push_back(
+        {{"method", s.method}, {"T_A_C", pose_json(s.T_A_C)}, {"residual", residual_json(s.residual)}});
+  nlohmann::json out = {{"schema", "stonestack.calibrate/1"}, {"camera", to_text(file.mount)},
+                        {"pairs", file.pairs.size()},         {"method", chosen.method},
+                        {"T_A_C", pose_json(chosen.T_A_C)},   {"solutions", all},
+                        {"warning", result.warning},          {"warnings", warnings}};
+  if (check)
+    out["check"] = {{"residual", residual_json(check->residual)},
+                    {"off", {{"translation_m", check->off.translation}, {"rotation_rad", check->off.angle}}},
+                    {"inverted", check->inverted}};
+  std::cout << out.dump(2) << '\n';
 }
 
 void save(const CalibrateCommand& command, const HandEyeFile& file, const HandEyeSolution& chosen) {
@@ -105,23 +128,54 @@ void save(const CalibrateCommand& command, const HandEyeFile& file, const HandEy
   log_info("wrote " + command.out);
 }
 
+/// Stations that give no result are the file's fault.
+HandEyeResult solve(const CalibrateCommand& command, const HandEyeFile& file) {
+  try {
+    return calibrate_hand_eye(file.pairs, file.mount, command.options);
+  } catch (const InvalidArgument& problem) {
+    if (command.pairs_file.empty()) throw;
+    throw FileError(command.pairs_file, problem.what(),
+                    "record more stations, with the hand turned about two axes at least");
+  }
+}
+
+/// Says what `--check` found; returns what is wrong with that file.
+std::string report(const Check& check, const std::string& path) {
+  log_info(concat(path, ": ", in_words(check.residual), "; ", 1000 * check.off.translation, " mm and ",
+                  check.off.angle / kDegree, " deg from the result"));
+  return check.inverted ? path + ": the transformation is inverted: its inverse agrees with the pairs" : "";
+}
+
 void calibrate(CalibrateCommand& command) {
   command.common.begin();
   command.common.settings.apply(join(
       {nest("calibration", fields(command.options)), nest("simulated_calibration", fields(command.noise))}));
   const HandEyeFile file = stations(command);
   if (!command.write_pairs.empty()) write_hand_eye_pairs(command.write_pairs, file);
-  const HandEyeResult result = calibrate_hand_eye(file.pairs, file.mount, command.options);
+  const HandEyeResult result = solve(command, file);
   const auto chosen = std::find_if(result.solutions.begin(), result.solutions.end(),
                                    [&](const HandEyeSolution& s) { return s.method == command.method; });
   require(chosen != result.solutions.end(), "method ", command.method, " has no result for these pairs");
+  std::optional<Check> check;
+  if (!command.check.empty()) check = check_file(command, file, *chosen);
+  const std::string problem = doubt(result, *chosen);
+  std::vector<std::string> warnings;
+  if (!problem.empty()) warnings.push_back(problem);
+  if (check)
+    if (const auto inverted = report(*check, command.check); !inverted.empty()) warnings.push_back(inverted);
   if (command.common.json)
-    print_json(result, file, *chosen);
+    print_json(result, file, *chosen, warnings, check);
   else
     print_table(result, command);
-  if (!result.warning.empty()) log_warning(result.warning);
-  if (!command.check.empty()) check_file(command, file, *chosen);
-  if (!command.out.empty()) save(command, file, *chosen);
+  for (const auto& warning : warnings) log_warning(warning);
+  if (command.out.empty()) return;
+  if (!problem.empty() && !command.force)
+    throw FileError(
+        command.pairs_file.empty() ? "--simulate" : command.pairs_file,
+        concat("gives no calibration (", in_words(chosen->residual), "), so ", command.out,
+               " was not written"),
+        "check that each line holds one station's arm and target pose, in metres; --force writes it");
+  save(command, file, *chosen);
 }
 
 }  // namespace
@@ -140,6 +194,7 @@ void add_calibrate(CLI::App& app) {
   sub->add_option("--check", command->check, "An easy_handeye file to compare with the stations")
       ->type_name("FILE");
   sub->add_option("--out", command->out, "Write the result as an easy_handeye file")->type_name("FILE");
+  sub->add_flag("--force", command->force, "Write a result that looks wrong, too");
   sub->add_option("--like", command->like, "Take frame names and the other parameters from this file")
       ->type_name("FILE");
   sub->add_option("--write-pairs", command->write_pairs, "Write the stations that were used")

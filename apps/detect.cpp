@@ -63,9 +63,10 @@ DetectionResult detect_in(const std::vector<SceneView>& views, const DetectionMo
 void print_json(const DetectionResult& result, const Catalogue& catalogue, const std::optional<Pose>& T_W_C) {
   nlohmann::json list = nlohmann::json::array();
   for (const auto& found : result.detections) list.push_back(detection_json(catalogue, found, T_W_C));
-  std::cout << nlohmann::json{{"schema", "stonestack.detect/1"}, {"detections", list}, {"note", result.note}}
-                   .dump(2)
-            << '\n';
+  nlohmann::json out = {{"schema", "stonestack.detect/1"}, {"detections", list}, {"note", result.note}};
+  if (result.depth_scale_sigma > 0)
+    out["depth_scale"] = {{"factor", result.depth_scale}, {"sigma", result.depth_scale_sigma}};
+  std::cout << out.dump(2) << '\n';
 }
 
 /// Positions in C, or in W for a cloud that no camera took.
@@ -81,17 +82,34 @@ void print_table(const Catalogue& catalogue, const DetectionResult& result, cons
   }
 }
 
-/// Names the stones whose shape leaves the pose open, and the poses that the paper's inlier ratio takes
-/// though the visibility-aware score would refuse them.
+/// What else a detection may be: the other stones by name, and in how many other poses.
+std::string in_words(const Detection& found, const Catalogue& catalogue) {
+  std::string others;
+  int turned = 0;
+  for (const auto& like : found.likes) {
+    const std::string& name = catalogue.stones[static_cast<std::size_t>(like.stone)].name;
+    if (like.stone == found.stone)
+      ++turned;
+    else if (others.find("'" + name + "'") == std::string::npos)
+      others += concat(others.empty() ? "" : ", ", "'", name, "'");
+  }
+  std::string words;
+  if (!others.empty()) words = "may be " + others + " as well";
+  if (turned > 0)
+    words += concat(words.empty() ? "" : " and ", "is nearly symmetric: ", turned,
+                    " other poses fit as well or nearly");
+  return words;
+}
+
+/// Names the stones whose shape leaves the pose open, or which stone it is, and the poses that the paper's
+/// inlier ratio takes though the visibility-aware score would refuse them.
 void warn_of_doubtful(const DetectionResult& result, const Catalogue& catalogue,
                       const DetectionOptions& options) {
   for (const auto& found : result.detections) {
     const std::string& name = catalogue.stones[static_cast<std::size_t>(found.stone)].name;
     if (found.certainty < kCertain)
-      log_warning(
-          concat(name, " is nearly symmetric: ", found.likes.size(),
-                 " other poses fit as well or nearly (--json lists them), this one with a certainty of ",
-                 found.certainty));
+      log_warning(concat(name, " ", in_words(found, catalogue),
+                         " (--json lists them); it has a certainty of ", found.certainty));
     if (found.score < options.accept_score)
       log_warning(concat(name, " is here by its inlier ratio; its score of ", found.score,
                          " says that the pose is wrong (detection.accept_score ", options.accept_score, ")"));
@@ -102,6 +120,7 @@ void detect(DetectCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("detection", fields(command.options)));
+  warn_of_paper(command.common.settings, command.options);
   const Catalogue catalogue = command.common.read();
   const auto wanted = wanted_stones(catalogue, command.stones);
   const auto views = read_views(command);
@@ -112,6 +131,8 @@ void detect(DetectCommand& command) {
   const DetectionResult result = detect_in(views, models, wanted, command.options);
   check_level(views.front(), result.table_C, command.inputs.front());
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
+  if (!result.detections.empty() && !result.note.empty())
+    log_warning(command.inputs.front() + ": " + result.note);
   warn_of_doubtful(result, catalogue, command.options);
   if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
   if (command.common.json)

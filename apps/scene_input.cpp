@@ -116,6 +116,7 @@ SceneView view_of_picture(const std::string& path, const DepthInput& input) {
   CameraIntrinsics camera = parse_camera(input);
   const Eigen::Vector2i size = png_size(path);
   camera.width = size.x(), camera.height = size.y();
+  check_principal_point(camera, path);
   return {read_depth_png(path, camera, input.unit), std::nullopt};
 }
 
@@ -128,6 +129,7 @@ SceneView view_of_recording(const std::string& folder, const DepthInput& input) 
           sequence.records.size(), " frames, counted from 0; there is no ", input.frame);
   DepthRecord record = sequence.records[static_cast<std::size_t>(input.frame)];
   record.camera = with_distortion(record.camera, input);
+  check_principal_point(record.camera, record.path);
   return {read_depth(record), record.T_W_C};
 }
 

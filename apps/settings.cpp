@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -100,6 +101,20 @@ void Settings::apply(const FieldList& list) {
 std::string Settings::origin(const std::string& name) const {
   const auto found = origins_.find(name);
   return found == origins_.end() ? "default" : found->second;
+}
+
+void warn_of_paper(const Settings& settings, const DetectionOptions& options) {
+  if (options.method != "paper") return;
+  const auto warn = [&](const std::string& name, const std::string& value, const char* instead) {
+    const std::string origin = settings.origin(name);
+    if (origin != "default")
+      log_warning(concat(name, "=", value, " (", origin,
+                         ") has no effect with the method paper, which takes ", instead));
+  };
+  if (options.descriptor != "rops" && options.descriptor != "iss")
+    warn("detection.descriptor", options.descriptor, "rops, or iss if asked for");
+  if (options.matching != "kdtree") warn("detection.matching", options.matching, "kdtree");
+  if (options.sweep) warn("detection.sweep", "true", "none");
 }
 
 }  // namespace stonestack::apps

@@ -52,4 +52,7 @@ class Settings {
   void apply_file(const FieldList& list, const std::string& path, const std::string& kind);
 };
 
+/// Warns of options of detection that somebody set and that the method `paper` replaces by its own.
+void warn_of_paper(const Settings& settings, const DetectionOptions& options);
+
 }  // namespace stonestack::apps

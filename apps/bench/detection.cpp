@@ -1,6 +1,7 @@
 // Recall, false accepts, errors, calibration and time of detection on seeded synthetic scenes.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "bench.hpp"
@@ -32,8 +33,15 @@ DetectionOptions options_for(const std::string& method, DetectionBench& settings
   options.method = method;
   settings.common.settings.apply(nest("detection", fields(options)));
   options.method = method;
+  warn_of_paper(settings.common.settings, options);
   options.trace = !settings.trace.empty();
   return options;
+}
+
+/// One file a method: BOP's names begin with the method, up to the first '_'.
+std::string csv_of(const std::string& path, const std::string& method) {
+  const std::filesystem::path file(path);
+  return (file.parent_path() / (method + "-" + file.filename().string())).string();
 }
 
 void measure_kind(const bench::SceneKind& kind, const bench::SceneMaker& maker,
@@ -97,7 +105,9 @@ void add_bench_detection(CLI::App& bench) {
   sub->add_option("--bop", command->bop, "Detect in a data set of the BOP layout in place of our scenes")
       ->type_name("DIR");
   sub->add_option("--bop-split", command->bop_split, "Its folder of scenes")->capture_default_str();
-  sub->add_option("--bop-csv", command->bop_csv, "Where BOP's results go")->capture_default_str();
+  sub->add_option("--bop-csv", command->bop_csv,
+                  "Where BOP's results go; with several methods METHOD- before its name")
+      ->capture_default_str();
   sub->add_option("--trace", command->trace, "Write what each stage saw of every scene")->type_name("DIR");
   sub->add_option("--camera-shift", command->camera_error.shift,
                   "m, error of the reported pose of a second view")
@@ -115,8 +125,11 @@ void add_bench_detection(CLI::App& bench) {
       "scores");
   sub->callback([command] {
     if (command->bop.empty()) return measure(*command, command->common.read().stones);
+    const bool several = command->methods.size() > 1;
     for (const auto& method : command->methods)
-      bench::run_bop(command->bop, command->bop_split, command->bop_csv, options_for(method, *command));
+      bench::run_bop(command->bop, command->bop_split,
+                     several ? csv_of(command->bop_csv, method) : command->bop_csv,
+                     options_for(method, *command));
   });
 }
 

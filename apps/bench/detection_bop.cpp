@@ -49,11 +49,8 @@ BopModels read_models(const std::string& folder) {
   return models;
 }
 
-/// Which objects to look for in an image, and how many of each at most; empty: all, once.
-struct Target {
-  std::vector<int> models;
-  int copies = 1;
-};
+/// Which objects to look for in an image, each named as often as it is there; empty: all, once.
+using Target = std::vector<int>;
 
 std::map<std::pair<int, int>, Target> read_targets(const std::string& folder, const BopModels& models) {
   const std::string path = folder + "/test_targets_bop19.json";
@@ -67,8 +64,8 @@ std::map<std::pair<int, int>, Target> read_targets(const std::string& folder, co
     if (at == models.ids.end())
       throw FileError(path, concat("names object ", object), "models/ has none such");
     Target& target = targets[{scene, image}];
-    target.models.push_back(static_cast<int>(at - models.ids.begin()));
-    target.copies = std::max(target.copies, static_cast<int>(number_of(entry, "inst_count", 1, 1000, path)));
+    const auto count = static_cast<std::size_t>(number_of(entry, "inst_count", 1, 1000, path));
+    target.insert(target.end(), count, static_cast<int>(at - models.ids.begin()));
   }
   return targets;
 }
@@ -147,11 +144,9 @@ void run_bop(const std::string& folder, const std::string& split, const std::str
         if (at == targets.end()) continue;
         target = at->second;
       }
-      DetectionOptions here = options;
-      here.copies = std::max(options.copies, target.copies);
       const DepthImage image = read_depth(record);
       const Stopwatch watch;
-      const auto found = detect_stones(image, models, target.models, here).detections;
+      const auto found = detect_stones(image, models, target, options).detections;
       const double seconds = watch.seconds();
       for (const auto& d : found)
         text += result_line(scene, record.number, bop.ids[static_cast<std::size_t>(d.stone)], d, seconds);

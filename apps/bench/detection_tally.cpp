@@ -79,12 +79,15 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
       ++tally.false_accepts;
       tally.bad_scores.push_back(d.score);
       if (list)
-        std::printf("    false accept: stone %d score %.3f visible %.2f\n", d.stone, d.score, d.visible);
+        std::printf("    false accept: stone %d score %.3f certain %.2f visible %.2f\n", d.stone, d.score,
+                    d.certainty, d.visible);
       continue;
     }
     judge_found(d, **at, kind, list, tally);
     left.erase(at);
   }
+  if (list && result.depth_scale_sigma > 0)
+    std::printf("    depth scale %.4f +- %.4f\n", result.depth_scale, result.depth_scale_sigma);
   for (const auto* t : left)
     if (list && t->unhidden >= kind.least_unhidden)
       std::printf("    missed: stone %d unhidden %.2f\n", t->stone, t->unhidden);

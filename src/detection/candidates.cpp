@@ -10,8 +10,7 @@ namespace {
 
 constexpr int kCoarsePoints = 200;  // per pose: enough to fall into the basin
 constexpr int kFinePoints = 3000;
-constexpr std::size_t kKept = 5;            // poses a model that are refined finely, ...
-constexpr std::size_t kMostKept = 24;       // ... or this many if nothing sets them apart: a cube has as many
+constexpr std::size_t kMostKept = 24;       // poses that nothing sets apart: a cube has as many
 constexpr double kLikelyAsWell = 0.04;      // of the coarse score
 constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
 constexpr double kSameAngle = 0.10;
@@ -39,7 +38,8 @@ double tolerance(const DetectionScene& scene, const DetectionOptions& options) {
 }
 
 std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
-                                 const DetectionScene& scene, const DetectionOptions& options) {
+                                 const DetectionScene& scene, const DetectionOptions& options,
+                                 std::size_t most) {
   VerifyOptions loose{2.0 * tolerance(scene, options), kHiddenWeight, 0.025, 300};
   std::vector<Coarse> poses;
   for (const auto& h : hypotheses) {
@@ -59,7 +59,7 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
     });
     if (known) continue;
     const bool tie = pose.score > poses.front().score - kLikelyAsWell;
-    if (kept.size() >= (tie ? kMostKept : kKept)) break;
+    if (kept.size() >= (tie ? kMostKept : most)) break;
     kept.push_back(pose);
   }
   return kept;
@@ -95,9 +95,9 @@ std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose&
 
 std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
                                         std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
-                                        const DetectionOptions& options) {
+                                        const DetectionOptions& options, std::size_t kept_poses) {
   std::vector<Candidate> candidates;
-  for (const auto& pose : coarse_poses(model, hypotheses, scene, options)) {
+  for (const auto& pose : coarse_poses(model, hypotheses, scene, options, kept_poses)) {
     auto candidate = judge_pose(model, stone, pose.T_C_O, scene, options, kHiddenWeight);
     const bool kept =
         options.method == "paper" || (candidate && candidate->detection.score > 0.5 * options.accept_score);

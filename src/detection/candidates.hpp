@@ -17,7 +17,7 @@ struct Candidate {
 };
 
 /// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
-/// them. Best score first; nothing below half the accept score.
+/// them (`kept_poses`, more if they tie). Best score first; nothing below half the accept score.
 [[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
                                                       std::span<const Hypothesis> hypotheses,
                                                       const DetectionScene& scene,

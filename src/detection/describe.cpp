@@ -68,6 +68,8 @@ DetectionOptions resolved(DetectionOptions options) {
           options.method, "'");
   require(options.matching == "exact" || options.matching == "kdtree",
           "matching must be exact or kdtree, got '", options.matching, "'");
+  require(options.nearest < options.farthest, "detection.nearest must be less than detection.farthest, got ",
+          options.nearest, " and ", options.farthest, " m");
   if (options.method == "paper") {
     if (options.descriptor != "iss") options.descriptor = "rops";
     options.matching = "kdtree";

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "detection/accept.hpp"
+#include "detection/depth_scale.hpp"
 #include "detection/describe.hpp"
+#include "detection/identity.hpp"
 #include "detection/joint_refine.hpp"
 #include "detection/likeness.hpp"
 #include "detection/search_in_turns.hpp"
@@ -13,6 +16,10 @@
 
 namespace stonestack {
 namespace {
+
+constexpr double kDoubtfulScale = 0.02;  // of depth: SR300 scenes come out within 0.01 (bench)
+constexpr double kWrongScale = 0.05;     // a stone 0.7 m away is 35 mm off
+constexpr double kSurely = 3.0;          // standard deviations
 
 /// The models to look for, ascending, each as often as it may still be found.
 std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge& known, int count,
@@ -40,6 +47,22 @@ std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge
   return missing;
 }
 
+/// Says when all stones seem too large or too small, and drops them when they do by so much that every
+/// position is wrong by centimetres.
+void check_depth_scale(DetectionResult& result, const DetectionModels::Data& data,
+                       const DetectionScene& scene) {
+  const DepthScale scale = fit_depth_scale(result.detections, data, scene);
+  result.depth_scale = scale.factor, result.depth_scale_sigma = scale.sigma;
+  const double off = std::abs(std::log(scale.factor));
+  if (off < kDoubtfulScale || off < kSurely * scale.sigma) return;
+  result.note = concat("seen depths are ", scale.factor, " times (+- ", scale.sigma,
+                       ") what the sizes of the stones say: check the depth unit and the camera's intrinsics "
+                       "(focal lengths, size of the image)");
+  if (off < kWrongScale) return;
+  result.note += concat("; the ", result.detections.size(), " stones found lie elsewhere and are left out");
+  result.detections.clear();
+}
+
 /// Finds what is missing in a scene that is ready.
 DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data, std::vector<int> missing,
                         const DetectionOptions& options, const SceneKnowledge& known) {
@@ -57,15 +80,20 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   result.trace = trace;
   for (const auto& t : taken) result.detections.push_back(t.detection);
   if (options.method != "paper")
-    result.detections = among_its_likes(std::move(result.detections), data, scene, options);
+    result.detections =
+        without_doubles(among_its_likes(std::move(result.detections), data, scene, options, known.stones),
+                        data, scene, options);
   result.detections = refined_together(std::move(result.detections), data, scene, options);
   for (auto& d : result.detections) widen_by_likes(d);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
-  if (result.detections.empty())
+  if (result.detections.empty()) {
     result.note = result.table_C ? concat("no wanted stone fits what stands on the table, the plane ",
                                           std::abs(result.table_C->offset), " m away")
                                  : "no wanted stone fits what is in view, where no table is seen";
+    return result;
+  }
+  check_depth_scale(result, data, scene);
   return result;
 }
 

@@ -21,9 +21,7 @@ constexpr double kFar = 0.008;                // m: distances count up to this
 constexpr double kAlike = 0.0025;             // m, mean distance: looks much the same
 constexpr double kApart = 0.3;                // rad
 constexpr std::size_t kMostTurns = 24;
-constexpr double kScoreScale = 0.004;  // a pose that scores this much less is e times less likely (bench)
 constexpr double kHiddenWeight = 0.1;  // as in the search
-constexpr double kNegligible = 0.02;   // weight
 
 /// A turn about the model's centre, and how far it leaves the surface from itself.
 struct Turned {
@@ -77,40 +75,6 @@ std::vector<Eigen::Matrix3d> all_orientations() {
   return all;
 }
 
-/// The detection's own pose and those of its likes, judged alike; best score first.
-std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
-                                    const DetectionScene& alone, const DetectionOptions& options) {
-  std::vector<Pose> poses{d.T_C_O};
-  for (const auto& T_O_S : model.likes) poses.push_back(d.T_C_O * T_O_S);
-  std::vector<Detection> judged(poses.size());
-  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t k) {
-    const auto candidate = judge_pose(model, d.stone, poses[k], alone, options, kHiddenWeight);
-    if (candidate) judged[k] = candidate->detection;
-  });
-  std::erase_if(judged, [](const Detection& one) { return one.stone < 0; });
-  std::stable_sort(judged.begin(), judged.end(),
-                   [](const Detection& a, const Detection& b) { return a.score > b.score; });
-  std::vector<Detection> likes;
-  for (const auto& one : judged)
-    if (std::all_of(likes.begin(), likes.end(),
-                    [&](const Detection& l) { return difference(l.T_C_O, one.T_C_O).angle > 0.5 * kApart; }))
-      likes.push_back(one);
-  return likes;
-}
-
-/// The most likely pose, with what is left of certainty.
-Detection most_likely(const Detection& d, const std::vector<Detection>& likes) {
-  if (likes.empty()) return d;
-  Detection best = likes.front();
-  double sum = 0;
-  for (const auto& like : likes) sum += std::exp((like.score - best.score) / kScoreScale);
-  best.certainty = 1.0 / sum;
-  for (const auto& like : std::span(likes).subspan(1))
-    if (const double weight = std::exp((like.score - best.score) / kScoreScale) / sum; weight > kNegligible)
-      best.likes.push_back({like.T_C_O, weight});
-  return best;
-}
-
 }  // namespace
 
 std::vector<Pose> turns_onto_itself(const DetectionModel& model) {
@@ -142,28 +106,38 @@ std::vector<Pose> turns_onto_itself(const DetectionModel& model) {
   return kept;
 }
 
-std::vector<Detection> among_its_likes(std::vector<Detection> found, const DetectionModels::Data& data,
-                                       const DetectionScene& scene, const DetectionOptions& options) {
-  for (auto& d : found) {
-    const DetectionModel& model = data.models[static_cast<std::size_t>(d.stone)];
-    if (model.likes.empty()) continue;
-    std::vector<KnownStone> others;
-    for (const auto& other : found)
-      if (&other != &d) others.push_back({other.stone, other.T_C_O});
-    d = most_likely(d, judged_likes(d, model, without_stones(scene, data, others, options), options));
-  }
-  return found;
+std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
+                                    const DetectionScene& alone, const DetectionOptions& options) {
+  std::vector<Pose> poses{d.T_C_O};
+  for (const auto& T_O_S : model.likes) poses.push_back(d.T_C_O * T_O_S);
+  std::vector<Detection> judged(poses.size());
+  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t k) {
+    const auto candidate = judge_pose(model, d.stone, poses[k], alone, options, kHiddenWeight);
+    if (candidate) judged[k] = candidate->detection;
+  });
+  std::erase_if(judged, [](const Detection& one) { return one.stone < 0; });
+  std::stable_sort(judged.begin(), judged.end(),
+                   [](const Detection& a, const Detection& b) { return a.score > b.score; });
+  std::vector<Detection> likes;
+  for (const auto& one : judged)
+    if (std::all_of(likes.begin(), likes.end(),
+                    [&](const Detection& l) { return difference(l.T_C_O, one.T_C_O).angle > 0.5 * kApart; }))
+      likes.push_back(one);
+  return likes;
 }
 
 void widen_by_likes(Detection& d) {
   Eigen::Matrix<double, 6, 6> spread = Eigen::Matrix<double, 6, 6>::Zero();
+  double own = d.certainty;
   for (const auto& like : d.likes) {
+    if (like.stone != d.stone) continue;
+    own += like.weight;
     const Eigen::AngleAxisd turn(like.T_C_O.linear() * d.T_C_O.linear().transpose());
     Eigen::Matrix<double, 6, 1> off;
     off << like.T_C_O.translation() - d.T_C_O.translation(), turn.angle() * turn.axis();
     spread += like.weight * off * off.transpose();
   }
-  d.covariance += spread;
+  d.covariance += spread / own;
 }
 
 }  // namespace stonestack

@@ -10,14 +10,12 @@ namespace stonestack {
 /// 0.3 rad apart; empty for a stone that looks like nothing but itself.
 [[nodiscard]] std::vector<Pose> turns_onto_itself(const DetectionModel& model);
 
-/// Compares each detection with the poses that the turns of its model lead to: takes a pose that fits better,
-/// and states what is left of certainty when others fit nearly as well. `covariance` is left alone.
-[[nodiscard]] std::vector<Detection> among_its_likes(std::vector<Detection> found,
-                                                     const DetectionModels::Data& data,
-                                                     const DetectionScene& scene,
-                                                     const DetectionOptions& options);
+/// The detection's own pose and those that the turns of its model lead to, judged alike; best score first.
+[[nodiscard]] std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
+                                                  const DetectionScene& alone,
+                                                  const DetectionOptions& options);
 
-/// The covariance of the mixture: `P` of the pose itself, and the poses it may as well be.
+/// The covariance of the mixture: of the pose itself, and of the poses that the same stone may as well have.
 void widen_by_likes(Detection& detection);
 
 }  // namespace stonestack

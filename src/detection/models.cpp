@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "detection/describe.hpp"
+#include "detection/identity.hpp"
 #include "detection/likeness.hpp"
 #include "detection/sweep.hpp"
 #include "stonestack/core/error.hpp"
@@ -135,6 +136,7 @@ DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionO
     made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));
   });
   for (auto& m : made) data_->models.push_back(std::move(*m));
+  data_->rivals = models_of_like_shape(data_->models);
 }
 DetectionModels::~DetectionModels() = default;
 DetectionModels::DetectionModels(DetectionModels&&) noexcept = default;

@@ -41,7 +41,8 @@ struct DetectionModel {
 
 struct DetectionModels::Data {
   std::vector<DetectionModel> models;
-  DetectionOptions options;  ///< that the models were made with
+  DetectionOptions options;              ///< that the models were made with
+  std::vector<std::vector<int>> rivals;  ///< of each model, the others of like shape: detection/identity.hpp
 };
 
 /// Prepares one stone.

@@ -88,10 +88,33 @@ DepthSequence read_bop(const std::string& folder, const DepthSequenceInput& inpu
   return out;
 }
 
+/// Open3D writes a matrix column by column: by rows, the principal point stands where zeros belong.
+void check_columns(const std::vector<double>& K, const std::string& path) {
+  if (K[2] == 0.0 && K[5] == 0.0 && (K[6] != 0.0 || K[7] != 0.0)) return;
+  throw FileError(path,
+                  concat("intrinsic_matrix is [", K[0], ", ", K[1], ", ", K[2], ", ", K[3], ", ", K[4], ", ",
+                         K[5], ", ", K[6], ", ", K[7], ", ", K[8], "]"),
+                  "write it by columns: [fx, 0, 0, 0, fy, 0, cx, cy, 1]");
+}
+
+/// `width` and `height` of the intrinsics, where they are given, are those of the pictures.
+void check_size(const nlohmann::json& content, const DepthRecord& record, const std::string& path) {
+  if (!content.contains("width") || !content.contains("height")) return;
+  const Eigen::Vector2d said(number_of(content, "width", 1, 1e5, path),
+                             number_of(content, "height", 1, 1e5, path));
+  const Eigen::Vector2i size = png_size(record.path);
+  if (said == size.cast<double>()) return;
+  throw FileError(path,
+                  concat("is of images of ", said.x(), " x ", said.y(), " pixels, but ", record.path, " has ",
+                         size.x(), " x ", size.y()),
+                  "give the intrinsics of this stream, or --camera fx,fy,cx,cy");
+}
+
 DepthSequence read_open3d(const std::string& folder, const DepthSequenceInput& input) {
   const std::string path = folder + "/camera_intrinsic.json";
   const auto content = read_json(path);
   const auto K = numbers_of(content, "intrinsic_matrix", 9, path);  // column by column
+  if (!input.camera) check_columns(K, path);
   DepthRecord record;
   record.camera = input.camera.value_or(pinhole(K[0], K[4], K[6], K[7], path));
   const double in_file =
@@ -101,6 +124,7 @@ DepthSequence read_open3d(const std::string& folder, const DepthSequenceInput& i
   for (const auto& picture : pictures(folder + "/depth")) {
     record.path = picture;
     record.number = static_cast<int>(out.records.size());
+    if (!input.camera) check_size(content, record, path);
     out.records.push_back(record);
   }
   return out;
@@ -197,8 +221,18 @@ DepthSequence read_depth_sequence(const std::string& folder, const DepthSequence
     const Eigen::Vector2i size = png_size(record.path);
     record.camera.width = size.x();
     record.camera.height = size.y();
+    if (!input.camera) check_principal_point(record.camera, folder);
   }
   return out;
+}
+
+void check_principal_point(const CameraIntrinsics& camera, const std::string& path) {
+  const Eigen::Array2d size(camera.width, camera.height), at(camera.cx, camera.cy);
+  if ((at > -0.5 * size).all() && (at < 1.5 * size).all()) return;
+  throw FileError(path,
+                  concat("has its principal point at ", camera.cx, ", ", camera.cy, " in an image of ",
+                         camera.width, " x ", camera.height, " pixels"),
+                  "give fx,fy,cx,cy of this image, in pixels and in this order");
 }
 
 Eigen::Vector2i png_size(const std::string& path) {

@@ -187,6 +187,7 @@ void Builder::look_around(bool as_planned) {
     belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
     forget_reach();
     result_.seconds.detection += watch.seconds();
+    report_doubtful(sightings);
   };
   see();
   keep_ahead();

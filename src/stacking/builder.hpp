@@ -135,6 +135,8 @@ class Builder {
   [[nodiscard]] SearchResult search();
   /// What stands at the site by what was seen, from the table up.
   [[nodiscard]] std::vector<PlacedStone> standing(const std::vector<Sighting>& sightings) const;
+  /// Tells, once a stone, of stones of which detection is not sure which they are or how they lie.
+  void report_doubtful(const std::vector<Sighting>& sightings);
   /// Tells of stones of the stack that are no longer where they were.
   void report_moved(const std::vector<PlacedStone>& expected) const;
   /// What the arm must stay clear of on its way to a look, hand empty.
@@ -269,6 +271,7 @@ class Builder {
   std::string said_not_held_;                   ///< what `not_held` told last
   std::map<int, Eigen::Vector3d> seen_before_;  ///< m, W, centre of mass of each stone when it was seen last
   std::set<int> gone_;                          ///< of these, that were looked for beside the site in vain
+  std::set<int> doubtful_;                      ///< that were said to be seen with little certainty
   RunResult result_;
   /// A search that was done before the belief was certain.
   struct Ahead {

@@ -43,7 +43,7 @@ void add_marks(const ShapeList& shapes, const Look& a, const DetectionResult& in
 std::vector<Sighting> sightings_in(const Look& look, const DetectionResult& seen) {
   std::vector<Sighting> list;
   for (const Detection& found : seen.detections)
-    list.push_back({found.stone, look.T_W_C * found.T_C_O, found.score, found.visible});
+    list.push_back({found.stone, look.T_W_C * found.T_C_O, found.score, found.visible, found.certainty});
   return list;
 }
 
@@ -67,6 +67,7 @@ Belief Builder::refine_camera(std::vector<Look>& looks) {
   const auto detect = [&](const Look& look) {
     const Stopwatch watch;
     seen.push_back(detect_stones(look.image, models_, {}, options_.detection));
+    report_doubtful(sightings_in(look, seen.back()));
     views.push_back({look.T_W_C * T_T_C.inverse(), seen.back().table_C, {}});
     result_.seconds.detection += watch.seconds();
   };

@@ -1,14 +1,16 @@
 #include <algorithm>
+#include <cmath>
 
 #include "stacking/builder.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr double kLookHeight = 0.12;  // m: about the middle of a tower of three or four
-constexpr double kLow = 0.90;         // cosine: more than 26 deg off the vertical, so that sides are seen
-constexpr double kOtherSide = 0.5;    // cosine between two level directions that show different sides
-constexpr double kOnTable = 0.015;    // m: a lowest stone higher than that stands on something unseen
+constexpr double kCertainEnough = 0.6;  // of a stone and its pose: likelier than all else together
+constexpr double kLookHeight = 0.12;    // m: about the middle of a tower of three or four
+constexpr double kLow = 0.90;           // cosine: more than 26 deg off the vertical, so that sides are seen
+constexpr double kOtherSide = 0.5;      // cosine between two level directions that show different sides
+constexpr double kOnTable = 0.015;      // m: a lowest stone higher than that stands on something unseen
 
 Eigen::Vector2d level_direction(const Pose& T_W_C) {
   return T_W_C.linear().col(2).head<2>().normalized();
@@ -36,6 +38,14 @@ void Builder::look_at_site(std::vector<Look>& looks) {
     }
   }
   looks.insert(looks.end(), of_site.begin(), of_site.end());
+}
+
+void Builder::report_doubtful(const std::vector<Sighting>& sightings) {
+  for (const Sighting& seen : sightings)
+    if (seen.certainty < kCertainEnough && doubtful_.insert(seen.stone).second)
+      report(concat(name(seen.stone),
+                    " may be turned or another stone of like shape: it is seen with a certainty of ",
+                    std::lround(100 * seen.certainty), " %"));
 }
 
 std::vector<PlacedStone> Builder::standing(const std::vector<Sighting>& sightings) const {

@@ -143,7 +143,8 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
       for (const auto& placed : *group)
         if (const auto found =
                 track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
-          keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible});
+          keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible,
+                                  found->certainty});
   // What is hidden too much to be found again is where it was if what stands on it is.
   std::vector<Sighting> explained = sightings;
   for (const PlacedStone& hidden : carrying(before.stack, sightings))
@@ -152,7 +153,7 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
   if (missing.empty()) return sightings;
   const auto add = [&](const Pose& T_W_C, const DetectionResult& result) {
     for (const auto& found : result.detections)
-      keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible});
+      keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible, found.certainty});
   };
   for (const auto& look : looks)
     add(look.T_W_C, detect_stones(look.image, models, missing, options, known_in(look.T_W_C, explained)));

@@ -117,6 +117,9 @@ TEST_F(Commands, BenchScoresADataSetOfTheBopLayout) {
   EXPECT_EQ(count, 2);
   write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 4, "inst_count": 1}])");
   EXPECT_THAT(run("bench detection --bop bop").out, HasSubstr("1 images, 1 detections"));
+  EXPECT_EQ(run("bench detection --bop bop --bop-csv ours_bop-test.csv --methods paper,default").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ + "/paper-ours_bop-test.csv"));
+  EXPECT_TRUE(fs::exists(folder_ + "/default-ours_bop-test.csv"));
   expect_refusal("bench detection --bop bop --bop-split train", 3, {"bop/train", "--bop-split"});
   expect_refusal("bench detection --bop nowhere", 3, {"nowhere/models"});
   write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 9, "inst_count": 1}])");

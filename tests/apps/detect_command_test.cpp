@@ -120,6 +120,12 @@ TEST_F(DetectCommand, UsesEveryOptionOrRefusesIt) {
   EXPECT_GT(off, 2e-4) << "the lens of a recording that names only the pinhole";
 }
 
+TEST_F(DetectCommand, RefusesACameraOfWhichTheImageIsNot) {
+  expect_refusal("detect scene/depth.png --camera 475,475,1e9,239.5 --depth-unit 0.000125", 3,
+                 {"depth.png", "640 x 480", "fx,fy,cx,cy"});
+  expect_refusal("detect scene/depth.png --camera 475,475,319.5,-400 --depth-unit 0.000125", 3, {"-400"});
+}
+
 TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   std::vector<Eigen::Vector3f> plane;
   for (int i = 0; i < 200; ++i)
@@ -127,6 +133,27 @@ TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   write_points("table.ply", plane);
   expect_refusal("detect table.ply --trace trace -q", 4, {"nothing unknown stands on the table"});
   EXPECT_TRUE(fs::exists(folder_ + "/trace/turn_1/stages.json"));
+}
+
+TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
+  const std::string camera = "--camera 475,475,319.5,239.5 --json --depth-unit ";
+  const Outcome right = run("detect scene/depth.png " + camera + "0.000125");
+  EXPECT_EQ(right.data()["note"], "") << right.out;
+  const Outcome doubtful = run("detect scene/depth.png " + camera + "0.00013");
+  EXPECT_EQ(doubtful.code, 0) << doubtful.err;
+  EXPECT_THAT(doubtful.err, HasSubstr("depth unit"));
+  EXPECT_NEAR(doubtful.data()["depth_scale"]["factor"].get<double>(), 1.04, 0.012);
+  const Outcome wrong = run("detect scene/depth.png " + camera + "0.0001375");
+  EXPECT_EQ(wrong.code, 4) << wrong.out;
+  EXPECT_TRUE(wrong.data()["detections"].empty());
+}
+
+TEST_F(DetectCommand, WarnsOfOptionsThatThePapersMethodReplaces) {
+  EXPECT_THAT(run("detect scene/scene.yaml --method paper --set detection.descriptor=shot").err,
+              HasSubstr("detection.descriptor=shot (flag --set) has no effect"));
+  EXPECT_THAT(run("detect scene/scene.yaml --method paper").err, ::testing::Not(HasSubstr("has no effect")));
+  expect_refusal("detect scene/scene.yaml --set detection.nearest=1 --set detection.farthest=0.5", 2,
+                 {"nearest", "farthest"});
 }
 
 TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {

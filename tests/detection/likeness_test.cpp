@@ -57,5 +57,43 @@ TEST(Likeness, ACubesPoseIsOneOf24AndTheCovarianceSaysSo) {
   }
 }
 
+/// The block of stone `there`, alone on a table, seen with noise.
+DepthImage image_of(const Stone& there, const Pose& T_W_C) {
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitZ()));
+  return test::with_noise(test::look_at({{&there, test::on_table(there, turned, 0.0, 0.0)}}, T_W_C), 0.001,
+                          1);
+}
+
+TEST(Identity, WhichOfTwoTwinsItIsIsAsUncertainAsItLooks) {
+  std::vector<Stone> stones{test::make_test_stone(1), test::make_test_stone(1), test::make_test_stone(2)};
+  for (auto& p : stones[1].mesh.vertices) p *= 1.004;  // 0.3 mm: no camera tells
+  stones[1].name = "twin";
+  const DetectionModels models(stones);
+  EXPECT_EQ(models.data().rivals, (std::vector<std::vector<int>>{{1}, {0}, {}}));
+  const auto found = detect_stones(image_of(stones[0], test::make_camera_pose(0.5, 0.3)), models).detections;
+  ASSERT_EQ(found.size(), 1U);
+  const Detection& d = found[0];
+  ASSERT_LT(d.stone, 2);
+  EXPECT_LT(d.certainty, 0.9);
+  ASSERT_EQ(d.likes.size(), 1U);
+  EXPECT_EQ(d.likes[0].stone, 1 - d.stone);
+  EXPECT_NEAR(d.certainty + d.likes[0].weight, 1.0, 1e-9);
+  EXPECT_LT(difference(d.likes[0].T_C_O, d.T_C_O).translation, 0.003) << "at the same place";
+  EXPECT_LT(std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()), 0.05)
+      << "of this stone the pose is known";
+}
+
+TEST(Identity, AStoneThatIsKnownElsewhereIsNoRival) {
+  const std::vector<Stone> stones{test::make_test_stone(1), test::make_test_stone(1)};
+  const DetectionModels models(stones);
+  const Pose T_W_C = test::make_camera_pose(0.5, 0.3);
+  SceneKnowledge known;
+  known.stones.push_back({1, T_W_C.inverse() * make_pose({0, 0, 0.4})});  // in the hand
+  const auto found = detect_stones(image_of(stones[0], T_W_C), models, {}, {}, known).detections;
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].stone, 0);
+  EXPECT_EQ(found[0].certainty, 1.0);
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -84,6 +84,28 @@ TEST_F(DepthSequences, Open3dIsColumnByColumnAndItsScaleIsNeverGuessed) {
   expect_refused(input, "was given");  // 0.0002 in the file, 0.001 given: a factor of five
 }
 
+TEST_F(DepthSequences, IntrinsicsOfAnotherImageAreRefused) {
+  write_picture("depth/00000.png");
+  const auto with = [&](const std::string& size, const std::string& matrix) {
+    write("camera_intrinsic.json",
+          "{" + size + R"("depth_scale": 1000, "intrinsic_matrix": )" + matrix + "}");
+  };
+  const std::string good = "[7, 0, 0, 0, 7, 0, 4, 3, 1]";
+  with("", good);
+  EXPECT_EQ(read().records.size(), 1U);
+  with(R"("width": 640, "height": 480, )", good);
+  expect_refused({}, "640 x 480");
+  with("", "[7, 0, 4, 0, 7, 3, 0, 0, 1]");
+  expect_refused({}, "by columns");
+  with("", "[7, 0, 0, 0, 7, 0, 0, 0, 1]");
+  expect_refused({}, "by columns");
+  with("", "[7, 0, 0, 0, 7, 0, 319.5, 239.5, 1]");
+  expect_refused({}, "319.5, 239.5 in an image of 8 x 6");
+  DepthSequenceInput given;
+  given.camera = CameraIntrinsics{};
+  EXPECT_EQ(read(given).records.size(), 1U) << "the caller knows better";
+}
+
 TEST_F(DepthSequences, TumMatchesPosesByTimeAndNeedsCameraAndScale) {
   write_picture("depth/a.png");
   write_picture("depth/b.png");

@@ -13,10 +13,12 @@
 
 namespace stonestack {
 
-/// Another pose that a stone of nearly symmetric shape may as well have.
+/// What may as well be there: another pose of a stone of nearly symmetric shape, or another stone of like
+/// shape.
 struct LikePose {
   Pose T_C_O = Pose::Identity();
-  double weight = 0.0;  ///< of all poses together 1
+  double weight = 0.0;  ///< of all together 1
+  int stone = -1;       ///< index into the models
 };
 
 /// Where a stone was found.
@@ -27,18 +29,21 @@ struct Detection {
   double inlier_ratio = 0.0;  ///< the paper's, over visible model points
   double visible = 0.0;       ///< share of the model's surface that this view saw
   Eigen::Matrix<double, 6, 6> covariance =
-      Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C; spans `likes`, too
-  double certainty = 1.0;       ///< of this pose among the likes of a nearly symmetric stone: a cube's 24
-  std::vector<LikePose> likes;  ///< the other poses that fit nearly as well, the best first
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C; spans the stone's own
+                                            ///< `likes`, too, supposing that it is this stone
+  double certainty = 1.0;  ///< of this stone in this pose: a cube has 24, and another stone may look alike
+  std::vector<LikePose> likes;  ///< what fits nearly as well, the best first
 };
 
 struct DetectionTrace;
 
 /// What one frame, or several of one scene, showed.
 struct DetectionResult {
-  std::vector<Detection> detections;            ///< at most `copies` a model, best score first
-  std::optional<Plane> table_C;                 ///< normal towards the camera
-  std::string note;                             ///< why nothing was found, for a person; empty otherwise
+  std::vector<Detection> detections;  ///< at most `copies` a model, best score first
+  std::optional<Plane> table_C;       ///< normal towards the camera
+  std::string note;  ///< why nothing was found, or what is odd about the image, for a person; empty otherwise
+  double depth_scale = 1.0;        ///< by how much seen depths are too large for the stones' sizes, ...
+  double depth_scale_sigma = 0.0;  ///< ... and its standard deviation; 0: too little was seen to tell
   std::shared_ptr<const DetectionTrace> trace;  ///< what each stage saw, with DetectionOptions::trace
 };
 

@@ -38,7 +38,7 @@ struct DepthSequenceInput {
 ///   TUM     depth.txt (time, file) and groundtruth.txt (time, T_W_C), matched within 20 ms
 /// Images are not opened but for their size. Throws FileError naming file, key and value, also when unit or
 /// intrinsics are missing, or given twice and different (a depth scale off by 5 or 1000 is the usual
-/// mistake).
+/// mistake), or when the intrinsics are of images of another size or Open3D's matrix stands by rows.
 [[nodiscard]] DepthSequence read_depth_sequence(const std::string& folder,
                                                 const DepthSequenceInput& input = {});
 
@@ -47,6 +47,10 @@ struct DepthSequenceInput {
 
 /// Width and height of a PNG file. Throws FileError.
 [[nodiscard]] Eigen::Vector2i png_size(const std::string& path);
+
+/// Throws FileError naming `path` when the principal point lies further outside the image than half its size:
+/// intrinsics of another image, or in another order.
+void check_principal_point(const CameraIntrinsics& camera, const std::string& path);
 
 /// Opens one image.
 [[nodiscard]] DepthImage read_depth(const DepthRecord& record);

@@ -68,6 +68,7 @@ struct Sighting {
   Pose T_W_O = Pose::Identity();
   double score = 0.0;
   double visible = 0.0;
+  double certainty = 1.0;  ///< of this stone in this pose: Detection::certainty
 };
 
 /// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score; of those

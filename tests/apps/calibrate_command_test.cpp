@@ -1,0 +1,78 @@
+// What `stonestack calibrate` does with stations that are none.
+#include <sstream>
+
+#include "commands.hpp"
+
+namespace stonestack {
+namespace {
+
+class CalibrateCommand : public Commands {
+ protected:
+  void SetUp() override {
+    Commands::SetUp();
+    ASSERT_EQ(run("calibrate --simulate 12 --seed 3 --write-pairs pairs.yaml --out good.yaml").code, 0);
+    std::istringstream lines(read_file(folder_ + "/pairs.yaml", 1 << 20));
+    for (std::string line; std::getline(lines, line);)
+      (line.find("T_R_F") == std::string::npos ? head_ : stations_.emplace_back()) += line + "\n";
+  }
+  /// The first `count` stations, each with the target as the station `shift` further on saw it.
+  void write_stations(const std::string& name, std::size_t count, std::size_t shift) const {
+    std::string text = head_;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string &arm = stations_[i], &target = stations_[(i + shift) % count];
+      text += arm.substr(0, arm.find("T_C_B")) + target.substr(target.find("T_C_B"));
+    }
+    write(name, text);
+  }
+
+  std::string head_;
+  std::vector<std::string> stations_;
+};
+
+TEST_F(CalibrateCommand, DoesNotWriteWhatDoesNotAgreeWithItsStations) {
+  write_stations("shuffled.yaml", stations_.size(), 5);
+  const Outcome seen = run("calibrate shuffled.yaml --json");
+  EXPECT_EQ(seen.code, 0) << "looking is allowed";
+  EXPECT_EQ(seen.data()["warnings"].size(), 1U) << seen.out;
+  expect_refusal("calibrate shuffled.yaml -q --out bad.yaml", 3,
+                 {"shuffled.yaml", "bad.yaml", " mm", "--force"});
+  EXPECT_FALSE(fs::exists(folder_ + "/bad.yaml"));
+  EXPECT_EQ(run("calibrate shuffled.yaml --out bad.yaml --force").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ + "/bad.yaml"));
+  EXPECT_EQ(run("calibrate pairs.yaml --out fine.yaml --json").data()["warnings"].size(), 0U);
+}
+
+TEST_F(CalibrateCommand, DoesNotWriteWhatLooksInverted) {
+  std::string text = head_;
+  for (const auto& station : stations_) {
+    double v[7];
+    ASSERT_EQ(std::sscanf(station.c_str(),
+                          " - {T_R_F: {x: %lf, y: %lf, z: %lf, qx: %lf, qy: %lf, qz: %lf, qw: %lf}", v, v + 1,
+                          v + 2, v + 3, v + 4, v + 5, v + 6),
+              7);
+    const Pose T_F_R = make_pose({v[0], v[1], v[2]}, Eigen::Quaterniond(v[6], v[3], v[4], v[5])).inverse();
+    text += concat("  - {T_R_F: ", to_text(T_F_R), ", ", station.substr(station.find("T_C_B")));
+  }
+  write("inverted.yaml", text);
+  expect_refusal("calibrate inverted.yaml -q --out bad.yaml", 3, {"inverted.yaml", "inverted", "--force"});
+  EXPECT_FALSE(fs::exists(folder_ + "/bad.yaml"));
+}
+
+TEST_F(CalibrateCommand, NamesTheFileThatHasTooFewStations) {
+  write_stations("two.yaml", 2, 0);
+  expect_refusal("calibrate two.yaml", 3, {"two.yaml", "three stations", "got 2"});
+  std::string same = head_;
+  for (int i = 0; i < 4; ++i) same += stations_[0];
+  write("same.yaml", same);
+  expect_refusal("calibrate same.yaml", 3, {"same.yaml", "no three differ"});
+}
+
+TEST_F(CalibrateCommand, SaysInJsonWhatTheCheckFound) {
+  const json check = run("calibrate pairs.yaml --check good.yaml --json").data()["check"];
+  EXPECT_FALSE(check["inverted"].get<bool>());
+  EXPECT_LT(check["residual"]["translation_m"].get<double>(), 0.002);
+  EXPECT_LT(check["off"]["translation_m"].get<double>(), 1e-6);
+}
+
+}  // namespace
+}  // namespace stonestack
