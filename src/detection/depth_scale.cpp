@@ -19,6 +19,7 @@ constexpr double kGateLast = 0.005;    // m
 constexpr double kRobust = 0.0015;     // m, residual at which a point counts half
 constexpr double kLeastCosine = 0.5;   // between seen and model normal
 constexpr double kPointSigma = 0.004;  // m: errors of depth and mesh are smooth, neighbours err alike (bench)
+constexpr double kNoisySigma = 7.0;    // the same of the image's noise: a D435 rounds edges off (bench: d435)
 constexpr double kPriorSigma = 0.15;   // of the scale: units are off by factors, lenses by a few per cent
 
 using Vector7 = Eigen::Matrix<double, 7, 1>;
@@ -36,7 +37,7 @@ struct Fit {
 void accumulate(Fit& fit, const DetectionModel& model, const DetectionScene& scene,
                 const std::vector<int>& points, double gate) {
   fit.H.setZero(), fit.g.setZero(), fit.points = 0;
-  const double factor = std::exp(fit.shrink);
+  const double factor = std::exp(fit.shrink), sigma = std::max(kPointSigma, kNoisySigma * scene.noise);
   for (const int i : points) {
     const auto at = static_cast<std::size_t>(i);
     const Eigen::Vector3d eye = scene.views[static_cast<std::size_t>(scene.view_of[at])].T_C_V.translation();
@@ -51,7 +52,7 @@ void accumulate(Fit& fit, const DetectionModel& model, const DetectionScene& sce
     const double r = n.dot(off), robust = std::max(kRobust, gate / 4.0);
     Vector7 J;
     J << n, (q - model.centre).cross(n), n.dot(fit.T_O_C.linear() * ray);
-    const double w = 1.0 / (1.0 + r * r / (robust * robust)) / (kPointSigma * kPointSigma);
+    const double w = 1.0 / (1.0 + r * r / (robust * robust)) / (sigma * sigma);
     fit.H += w * J * J.transpose();
     fit.g += w * r * J;
     ++fit.points;

@@ -5,48 +5,16 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/trace.hpp"
-#include "stonestack/detection/track_stones.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr double kDegree = 3.14159265358979 / 180.0;
-
-/// Five test stones; the last is never in a scene.
-class Detect : public test::StonesOnce<5> {
- protected:
-  /// Stones 0 to 3 apart on the table, in random orientations.
-  struct Scene {
-    Pose T_W_C;
-    std::vector<Pose> T_W_O;
-    DepthImage image;
-  };
-  static Scene make_scene(std::uint64_t seed) {
-    Random random = Random::stream(seed, "scene");
-    Scene scene;
-    scene.T_W_C = test::make_camera_pose(random.uniform(0.0, 0.7), random.uniform(0.0, 6.28));
-    std::vector<test::StandingStone> standing;
-    for (int i = 0; i < 4; ++i) {
-      const auto& stone = stones()[static_cast<std::size_t>(i)];
-      scene.T_W_O.push_back(
-          test::on_table(stone, random.rotation(), i % 2 == 0 ? -0.11 : 0.11, i < 2 ? -0.11 : 0.11));
-      standing.push_back({&stone, scene.T_W_O.back()});
-    }
-    scene.image = test::with_noise(test::look_at(standing, scene.T_W_C), 0.001, seed);
-    return scene;
-  }
-  static bool right(const Detection& d, const Scene& scene) {
-    const PoseDifference error =
-        difference(d.T_C_O, scene.T_W_C.inverse() * scene.T_W_O[static_cast<std::size_t>(d.stone)]);
-    return error.translation < 0.005 && error.angle < 5 * kDegree;
-  }
-};
+class Detect : public test::FourOfFive {};
 
 TEST_F(Detect, FindsTheStonesThatAreThereAndNoOther) {
   int found = 0;
@@ -89,23 +57,6 @@ TEST_F(Detect, SameResultForAnyNumberOfThreads) {
     EXPECT_EQ(many.detections[i].T_C_O.matrix(), few.detections[i].T_C_O.matrix());
     EXPECT_EQ(many.detections[i].score, few.detections[i].score);
   }
-}
-
-TEST_F(Detect, TracksFromAGuessAndMissesAnAbsentStone) {
-  const Scene scene = make_scene(3);
-  for (int i = 0; i < 4; ++i) {
-    const Pose T_C_O = scene.T_W_C.inverse() * scene.T_W_O[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d c = T_C_O.translation();
-    const Pose guess = make_pose(c + Eigen::Vector3d(0.007, -0.006, 0.005)) *
-                       Pose(Eigen::AngleAxisd(9 * kDegree, Eigen::Vector3d(1, 2, -1).normalized())) *
-                       make_pose(-c) * T_C_O;
-    const auto tracked = track_stone(scene.image, *models(), i, guess);
-    ASSERT_TRUE(tracked.has_value()) << "stone " << i;
-    EXPECT_TRUE(right(*tracked, scene)) << "stone " << i;
-    EXPECT_GT(tracked->visible, 0.1);
-  }
-  const Pose empty_spot = scene.T_W_C.inverse() * make_pose({0.0, 0.3, 0.05});
-  EXPECT_FALSE(track_stone(scene.image, *models(), 0, empty_spot).has_value());
 }
 
 TEST_F(Detect, SenselessImagesGiveANoteAndNothingElse) {
@@ -257,78 +208,10 @@ TEST_F(Detect, ACloudInMillimetresIsSaidToBeOne) {
   EXPECT_THAT(result.note, ::testing::HasSubstr("millimetres"));
 }
 
-TEST_F(Detect, TrackedStonesAreInPlaceMovedFallenOrUnseen) {
-  const Scene scene = make_scene(3);
-  const Pose T_C_W = scene.T_W_C.inverse();
-  const auto at = [&](int i) { return scene.T_W_O[static_cast<std::size_t>(i)]; };
-  const std::vector<KnownStone> expected = {
-      {0, T_C_W * at(0)},
-      {1, T_C_W * make_pose({0.006, 0.004, 0.0}) * at(1)},  // now 7 mm beside
-      {2, T_C_W * make_pose({0.05, 0.02, 0.08}) * at(2)},   // was 8 cm higher
-      {4, T_C_W * make_pose({0.0, 0.0, 0.05})},             // is not there any more
-  };
-  const auto tracked = track_stones(scene.image, *models(), expected).stones;
-  using Status = TrackedStone::Status;
-  ASSERT_EQ(tracked.size(), 4U);
-  EXPECT_EQ(tracked[0].status, Status::kInPlace);
-  EXPECT_EQ(tracked[1].status, Status::kMoved);
-  EXPECT_NEAR(tracked[1].moved.translation, std::hypot(0.006, 0.004), 0.0015);
-  EXPECT_EQ(tracked[2].status, Status::kFallen);
-  EXPECT_NEAR(tracked[2].moved.translation, Eigen::Vector3d(0.05, 0.02, 0.08).norm(), 0.002);
-  EXPECT_EQ(tracked[3].status, Status::kUnseen);
-  EXPECT_FALSE(tracked[3].detection.has_value());
-  const std::vector<KnownStone> held = {{2, T_C_W * make_pose({0.0, 0.0, 0.4})}};
-  EXPECT_EQ(track_stones(scene.image, *models(), std::span(expected).subspan(2, 1), {}, {held, {}})
-                .stones[0]
-                .status,
-            Status::kUnseen)
-      << "a held stone is not searched on the table";
-}
-
-TEST_F(Detect, AStoneThatFellByLittleIsFallenToo) {
-  const Scene scene = make_scene(3);
-  const Pose before = scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.020}) * scene.T_W_O[0];
-  const auto tracked = track_stones(scene.image, *models(), std::vector<KnownStone>{{0, before}}).stones;
-  EXPECT_EQ(tracked[0].status, TrackedStone::Status::kFallen) << to_text(tracked[0].status);
-  EXPECT_NEAR(tracked[0].moved.translation, 0.020, 0.001);
-}
-
-TEST_F(Detect, AWrongDepthScaleIsNoticed) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    const DepthImage right = make_scene(seed).image;
-    const auto scaled = [&](float factor) {
-      DepthImage image = right;
-      for (auto& z : image.z) z *= factor;
-      return detect_stones(image, *models());
-    };
-    const auto as_it_is = scaled(1.0F);
-    EXPECT_FALSE(as_it_is.detections.empty());
-    EXPECT_EQ(as_it_is.note, "") << "seed " << seed << ": " << as_it_is.depth_scale;
-    EXPECT_NEAR(as_it_is.depth_scale, 1.0, 0.012);
-    EXPECT_LT(std::abs(as_it_is.depth_scale - 1.0), 3.5 * as_it_is.depth_scale_sigma);
-    for (const float factor : {0.92F, 1.08F}) {
-      const auto wrong = scaled(factor);
-      EXPECT_TRUE(wrong.detections.empty()) << "centimetres off, seed " << seed << ", " << factor;
-    }
-    const auto doubtful = scaled(1.035F);
-    EXPECT_FALSE(doubtful.detections.empty());
-    EXPECT_THAT(doubtful.note, ::testing::HasSubstr("depth unit")) << doubtful.depth_scale;
-    EXPECT_NEAR(doubtful.depth_scale, 1.035, 0.012);
-  }
-}
-
 TEST_F(Detect, ADepthRangeThatIsNoneIsTheCallersFault) {
   DetectionOptions options;
   options.nearest = 0.9, options.farthest = 0.5;
   EXPECT_THROW((void)detect_stones(make_scene(1).image, *models(), {}, options), InvalidArgument);
-}
-
-TEST_F(Detect, ACloudInMillimetresIsSaidToBeOneWhileTracking) {
-  DepthImage image = make_scene(1).image;
-  for (auto& z : image.z) z *= 1000.0F;
-  const auto result = track_stones(image, *models(), std::vector<KnownStone>{{0, make_pose({0, 0, 0.7})}});
-  EXPECT_EQ(result.stones[0].status, TrackedStone::Status::kUnseen);
-  EXPECT_THAT(result.note, ::testing::HasSubstr("millimetres"));
 }
 
 TEST_F(Detect, AHeldStoneIsNotSearchedOnTheTable) {

@@ -107,4 +107,25 @@ DepthImage with_noise(const DepthImage& image, double sigma, std::uint64_t seed)
   return out;
 }
 
+FourOfFive::Scene FourOfFive::make_scene(std::uint64_t seed) {
+  Random random = Random::stream(seed, "scene");
+  Scene scene;
+  scene.T_W_C = make_camera_pose(random.uniform(0.0, 0.7), random.uniform(0.0, 6.28));
+  std::vector<StandingStone> standing;
+  for (int i = 0; i < 4; ++i) {
+    const auto& stone = stones()[static_cast<std::size_t>(i)];
+    scene.T_W_O.push_back(
+        on_table(stone, random.rotation(), i % 2 == 0 ? -0.11 : 0.11, i < 2 ? -0.11 : 0.11));
+    standing.push_back({&stone, scene.T_W_O.back()});
+  }
+  scene.image = with_noise(look_at(standing, scene.T_W_C), 0.001, seed);
+  return scene;
+}
+
+bool FourOfFive::right(const Detection& d, const Scene& scene) {
+  const PoseDifference error =
+      difference(d.T_C_O, scene.T_W_C.inverse() * scene.T_W_O[static_cast<std::size_t>(d.stone)]);
+  return error.translation < 0.005 && error.angle < 5 * 3.14159265358979 / 180.0;
+}
+
 }  // namespace stonestack::test

@@ -55,4 +55,17 @@ struct StandingStone {
 /// edges.
 [[nodiscard]] DepthImage with_noise(const DepthImage& image, double sigma, std::uint64_t seed);
 
+/// Four of five test stones apart on the table, in random orientations; the last is never in a scene.
+class FourOfFive : public StonesOnce<5> {
+ protected:
+  struct Scene {
+    Pose T_W_C;
+    std::vector<Pose> T_W_O;
+    DepthImage image;
+  };
+  static Scene make_scene(std::uint64_t seed);
+  /// Within 5 mm and 5 deg.
+  static bool right(const Detection& d, const Scene& scene);
+};
+
 }  // namespace stonestack::test

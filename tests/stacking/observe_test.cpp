@@ -72,6 +72,16 @@ TEST(FindInLooks, WhatLiesWhereItWasIsFoundThere) {
   }
 }
 
+TEST(FindInLooks, HowCertainItIsWhichStoneItIsComesAlong) {
+  std::vector<Stone> stones = field().catalogue.stones;
+  stones.push_back(stones[1]);
+  const DetectionModels models(stones, field().options);
+  const auto found = find_in_looks({field().look}, models, {1}, {}, {}, field().options);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_LT(found[0].certainty, 0.7) << "it may be its twin";
+  for (const Sighting& s : field().seen) EXPECT_GT(s.certainty, 0.9);
+}
+
 TEST(FindInLooks, WhatMovedFarIsFoundAnew) {
   Belief before;
   for (const Sighting& s : field().seen)
