@@ -70,7 +70,9 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
 }
 
 TEST_F(DoctorCommand, RefusesPolyScopeX) {
-  write("x.yaml", "simulate: true\nsimulators: {arm: {version: 10.7.0.0}}\n");
+  write("x.yaml",
+        "simulate: true\nsimulators:\n  arm: {version: 10.7.0.0, standard_ports: false}\n"
+        "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n  camera: {port: 0}\n");
   const Outcome refused = run("doctor --cell x.yaml");
   EXPECT_EQ(refused.code, 6);
   EXPECT_THAT(refused.err, ContainsRegex("FAIL  arm, RTDE: UR controller at 127.*PolyScope X 10.7.0.0"));
