@@ -1,10 +1,9 @@
 #include "stonestack/geometry/obstacle.hpp"
 
-#include <cmath>
 #include <filesystem>
-#include <numbers>
 
 #include "core/yaml.hpp"
+#include "geometry/enclosing_shapes.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
@@ -14,29 +13,8 @@ namespace {
 
 constexpr std::size_t kMost = 200;                    // obstacles
 constexpr double kSmallest = 0.001, kLargest = 20.0;  // m
-constexpr int kSides = 32;                            // of a cylinder
 constexpr std::size_t kMostFaces = 4000;              // that convex_pieces takes
 constexpr const char* kShapes[] = {"box", "sphere", "cylinder", "mesh"};
-
-Mesh around_sphere(double radius) {
-  const Mesh unit = make_sphere(1.0, 2);
-  double inside = 1.0;
-  const auto normals = face_normals(unit);
-  for (std::size_t i = 0; i < unit.faces.size(); ++i)
-    inside = std::min(inside, normals[i].dot(unit.vertices[static_cast<std::size_t>(unit.faces[i][0])]));
-  return scaled(unit, radius / inside);
-}
-
-Mesh around_cylinder(double radius, double length) {
-  Mesh corners;
-  const double outside = radius / std::cos(std::numbers::pi / kSides);
-  for (int i = 0; i < kSides; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / kSides;
-    for (const double z : {-0.5 * length, 0.5 * length})
-      corners.vertices.emplace_back(outside * std::cos(angle), outside * std::sin(angle), z);
-  }
-  return convex_hull(corners);
-}
 
 std::vector<Mesh> read_pieces(yaml::Map& entry) {
   const std::string name = entry.text("mesh");

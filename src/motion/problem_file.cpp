@@ -4,19 +4,17 @@
 #include <limits>
 #include <sstream>
 
+#include "geometry/enclosing_shapes.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLargestFile = std::size_t{1} << 22;
 constexpr std::size_t kMostObjects = 10000, kMostProblems = 100000;
 constexpr double kFurthest = 100.0;    ///< m; nothing a robot plans with is larger or further away
 constexpr double kHandLength = 0.264;  ///< m, flange to tip of the hand that a file has by default
-constexpr int kSides = 32;             ///< of a cylinder
 
 /// The statements of one line and where it stands, for messages.
 class Line {
@@ -76,46 +74,6 @@ class Line {
   const std::string& file_;
   int number_;
 };
-
-/// A polyhedron of 320 faces around a sphere.
-Mesh around_sphere(double radius) {
-  const Mesh unit = make_sphere(1.0, 2);
-  double inside = 1.0;
-  const auto normals = face_normals(unit);
-  for (std::size_t i = 0; i < unit.faces.size(); ++i)
-    inside = std::min(inside, normals[i].dot(unit.vertices[static_cast<std::size_t>(unit.faces[i][0])]));
-  return scaled(unit, radius / inside);
-}
-
-/// A prism around a cylinder about z; vertices only matter, but the faces make it a mesh.
-Mesh around_cylinder(double radius, double length) {
-  Mesh mesh;
-  const double outside = radius / std::cos(kPi / kSides);
-  for (int i = 0; i < kSides; ++i)
-    for (const double z : {-0.5 * length, 0.5 * length})
-      mesh.vertices.emplace_back(outside * std::cos(2 * kPi * i / kSides),
-                                 outside * std::sin(2 * kPi * i / kSides), z);
-  for (int i = 0; i < kSides; ++i) {
-    const int a = 2 * i, b = 2 * ((i + 1) % kSides);
-    mesh.faces.emplace_back(a, b, b + 1);
-    mesh.faces.emplace_back(a, b + 1, a + 1);
-    if (i == 0 || i == kSides - 1) continue;
-    mesh.faces.emplace_back(0, b, a);
-    mesh.faces.emplace_back(1, a + 1, b + 1);
-  }
-  return mesh;
-}
-
-/// `length` is between the centres of the two half spheres, along z.
-Mesh around_capsule(double radius, double length) {
-  // The hull of two polyhedra that contain the spheres at the ends contains the capsule; moving only one half
-  // of one polyhedron each way leaves out what lies below its middle.
-  const Mesh ball = around_sphere(radius);
-  Mesh both;
-  for (const auto& v : ball.vertices)
-    for (const double end : {-0.5, 0.5}) both.vertices.push_back(v + Eigen::Vector3d(0, 0, end * length));
-  return convex_hull(both);
-}
 
 /// A shape statement; false if `word` names none.
 bool read_shape(const std::string& word, Line& line, PlanningScene& scene) {
