@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/hard_scene.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
@@ -128,35 +129,9 @@ TEST(Jerk, KeepsTheToolSpeed) {
   }
 }
 
-/// The hard set of `bench motion`: towers, a post and bars between stones and site.
-PlanningScene hard_scene() {
-  PlanningScene scene;
-  scene.robot = read_robot("ur10");
-  scene.T_F_T = CellLayout().T_F_T;
-  const auto box = [&](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
-    scene.objects.push_back({name, {make_box(size)}, make_pose(p)});
-  };
-  box("first tower", {0.14, 0.14, 0.45}, {0.62, 0.05, 0.225});
-  box("second tower", {0.14, 0.14, 0.45}, {0.90, 0.05, 0.225});
-  box("post", {0.05, 0.05, 1.2}, {0.50, -0.45, 0.6});
-  box("lower bar", {1.2, 0.04, 0.04}, {0.75, 0.05, 0.60});
-  box("upper bar", {1.2, 0.04, 0.04}, {0.75, 0.05, 1.10});
-  return scene;
-}
-
-std::vector<Joints> tool_down_at(const PlanningScene& scene, const Eigen::Vector3d& p_W_tip, double turn) {
-  const Pose T_W_T =
-      make_pose(p_W_tip, Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * Eigen::Quaterniond(0, 1, 0, 0));
-  Joints near;
-  near << 0, -0.5 * kPi, 0.5 * kPi, -0.5 * kPi, -0.5 * kPi, 0;
-  std::vector<Joints> all;
-  for (const auto& s : inverse(scene.robot, T_W_T * scene.T_F_T.inverse(), near)) all.push_back(s.q);
-  return all;
-}
-
 /// Averaging the joints over time cut corners unseen: 3 to 35 mm into the towers.
 TEST(Jerk, ATransitKeepsItsPaddingOnTheHardSet) {
-  const PlanningScene scene = hard_scene();
+  const PlanningScene scene = test::hard_scene();
   CollisionRules rules;
   const CollisionChecker posed(scene, rules);
   rules.padding -= 3e-5;  // chords of the curves are certified, the curves lie within 0.01 mrad of them
@@ -168,8 +143,8 @@ TEST(Jerk, ATransitKeepsItsPaddingOnTheHardSet) {
     const auto place = [&](double low, double high) {
       return Eigen::Vector3d(random.uniform(0.55, 0.95), random.uniform(low, high), random.uniform(0.1, 0.3));
     };
-    const auto starts = tool_down_at(scene, place(-0.45, -0.2), random.uniform(-kPi, kPi));
-    const auto goals = tool_down_at(scene, place(0.3, 0.5), random.uniform(-kPi, kPi));
+    const auto starts = test::tool_down_at(scene, place(-0.45, -0.2), random.uniform(-kPi, kPi));
+    const auto goals = test::tool_down_at(scene, place(0.3, 0.5), random.uniform(-kPi, kPi));
     if (starts.empty() || goals.empty()) continue;
     if (posed.collides(starts.front()) || posed.collides(goals.front())) continue;
     ++tested;

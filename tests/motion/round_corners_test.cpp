@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "motion/hard_scene.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
@@ -15,29 +16,12 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kChord = 3e-5;  // m: chords of the curves are certified, the curves lie within 0.01 mrad
 
-std::vector<Joints> tool_down_at(const PlanningScene& scene, const Eigen::Vector3d& p_W_tip, double turn) {
-  const Pose T_W_T =
-      make_pose(p_W_tip, Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * Eigen::Quaterniond(0, 1, 0, 0));
-  Joints near;
-  near << 0, -0.5 * kPi, 0.5 * kPi, -0.5 * kPi, -0.5 * kPi, 0;
-  std::vector<Joints> all;
-  for (const auto& s : inverse(scene.robot, T_W_T * scene.T_F_T.inverse(), near)) all.push_back(s.q);
-  return all;
-}
-
 /// A hand between two walls and two towers, a post and bars on its way.
 PlanningScene slot_scene(double x, double gap, double height) {
-  PlanningScene scene;
-  scene.robot = read_robot("ur10");
-  scene.T_F_T = CellLayout().T_F_T;
+  PlanningScene scene = test::hard_scene();
   const auto box = [&](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
     scene.objects.push_back({name, {make_box(size)}, make_pose(p)});
   };
-  box("first tower", {0.14, 0.14, 0.45}, {0.62, 0.05, 0.225});
-  box("second tower", {0.14, 0.14, 0.45}, {0.90, 0.05, 0.225});
-  box("post", {0.05, 0.05, 1.2}, {0.50, -0.45, 0.6});
-  box("lower bar", {1.2, 0.04, 0.04}, {0.75, 0.05, 0.60});
-  box("upper bar", {1.2, 0.04, 0.04}, {0.75, 0.05, 1.10});
   box("left wall", {0.3, 0.02, height}, {x, -0.3 + gap + 0.01, height / 2});
   box("right wall", {0.3, 0.02, height}, {x, -0.3 - gap - 0.01, height / 2});
   return scene;
@@ -59,8 +43,8 @@ TEST(RoundCorners, ATightTransitKeepsItsPadding) {
     const double x = random.uniform(0.62, 0.85);
     const PlanningScene scene = slot_scene(x, gap, height);
     const CollisionChecker wide = checker_at(scene, 0.010), tight = checker_at(scene, 0.002);
-    const auto starts = tool_down_at(scene, {x, -0.3, 0.05}, static_cast<double>(k % 2) * kPi);
-    const auto goals = tool_down_at(scene, {0.8, 0.35, 0.2}, 0.0);
+    const auto starts = test::tool_down_at(scene, {x, -0.3, 0.05}, static_cast<double>(k % 2) * kPi);
+    const auto goals = test::tool_down_at(scene, {0.8, 0.35, 0.2}, 0.0);
     const auto start = std::find_if(starts.begin(), starts.end(),
                                     [&](const Joints& q) { return wide.collides(q) && !tight.collides(q); });
     if (start == starts.end() || goals.empty()) continue;
@@ -80,8 +64,8 @@ TEST(RoundCorners, ATightTransitKeepsItsPadding) {
 TEST(RoundCorners, WhatIsCutStaysFree) {
   const PlanningScene scene = slot_scene(0.8, 0.061, 0.1);
   const CollisionChecker checker = checker_at(scene, 0.010), promised = checker_at(scene, 0.010 - kChord);
-  const auto starts = tool_down_at(scene, {0.8, -0.3, 0.25}, 0.0);
-  const auto goals = tool_down_at(scene, {0.8, 0.35, 0.2}, 0.0);
+  const auto starts = test::tool_down_at(scene, {0.8, -0.3, 0.25}, 0.0);
+  const auto goals = test::tool_down_at(scene, {0.8, 0.35, 0.2}, 0.0);
   const auto start =
       std::find_if(starts.begin(), starts.end(), [&](const Joints& q) { return !checker.collides(q); });
   ASSERT_TRUE(start != starts.end());
