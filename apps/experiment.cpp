@@ -3,9 +3,11 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "experiment_variants.hpp"
 #include "scene_input.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/core/error.hpp"
@@ -26,65 +28,11 @@ struct ExperimentCommand {
   int stones = 6;
   int per_run = 4;
   bool survival = true;
+  bool go_on = false;  ///< with what the folder holds
   std::string compare;
   std::vector<std::string> variants;
   SimulatedRun run;
 };
-
-/// One row of a comparison: the experiment with some options set differently.
-struct Variant {
-  std::string name;
-  std::vector<std::string> assignments;
-};
-
-/// Each way in which the cell is hard, alone, against all of them and none of them.
-std::vector<Variant> cell_variants() {
-  const std::vector<std::string> easy{
-      "simulation.sensor_noise=false",  "simulation.hand_eye_translation=0", "simulation.hand_eye_rotation=0",
-      "simulation.arm_repeatability=0", "simulation.arm_residual=0",         "simulation.mass_error=0",
-      "simulation.com_error=0",         "simulation.friction=0.5",           "simulation.friction_spread=0"};
-  const auto only = [&](const std::string& name, const std::vector<std::string>& hard) {
-    Variant variant{name, easy};
-    variant.assignments.insert(variant.assignments.end(), hard.begin(), hard.end());
-    return variant;
-  };
-  return {{"as it is", {}},
-          only("no error at all", {}),
-          only("sensor noise only", {"simulation.sensor_noise=true"}),
-          only("hand-eye error only",
-               {"simulation.hand_eye_translation=0.001", "simulation.hand_eye_rotation=0.0052"}),
-          only("arm error only", {"simulation.arm_repeatability=0.0001", "simulation.arm_residual=0.001"}),
-          only("mass and centre only", {"simulation.mass_error=0.02", "simulation.com_error=0.002"}),
-          only("friction 0.35 to 0.65 only", {"simulation.friction_spread=0.15"}),
-          only("fingers locked only", {"simulation.regrip=false"}),
-          only("friction 0.2 only", {"simulation.friction=0.2"}),
-          only("friction 0.1 only", {"simulation.friction=0.1"})};
-}
-
-/// Each part of the design taken away, alone.
-std::vector<Variant> design_variants() {
-  return {{"as it is", {}},
-          {"paper's search", {"search.method=paper"}},
-          {"first failure ends the run", {"run.most_failures=1"}},
-          {"no stone taken off again", {"run.most_taken_off=0"}},
-          {"no stone turned over", {"run.most_turned_over=0"}},
-          {"friction 0.1 only", {"run.most_friction=0.1"}},
-          {"grasps by three contacts", {"motion.press_pads=false"}},
-          {"no perturbed verdicts", {"search.perturbations=0"}},
-          {"aim not corrected", {"run.correct_aim=false"}}};
-}
-
-/// "name: option=value, option=value"
-Variant parse_variant(const std::string& text) {
-  const auto colon = text.find(':');
-  require(colon != std::string::npos, "--variant expects 'NAME: OPTION=VALUE, ...', got '", text, "'");
-  Variant variant{text.substr(0, colon), {}};
-  for (auto assignment : split(text.substr(colon + 1), ',')) {
-    std::erase(assignment, ' ');
-    if (!assignment.empty()) variant.assignments.push_back(assignment);
-  }
-  return variant;
-}
 
 /// The stones of the experiment: `count` of the catalogue, drawn by the seed, in its order.
 Catalogue choose_stones(const Catalogue& all, int count, int seed, const RobotModel& robot) {
@@ -108,6 +56,77 @@ struct Performed {
   bool interrupted = false;
 };
 
+SimulatedRun run_number(int k, const SimulatedRun& settings, int seed) {
+  SimulatedRun run = settings;
+  run.seed = 1000 * seed + k;
+  spread_seed(run);
+  return run;
+}
+
+/// The first line in which two option files differ, for the user.
+std::string first_difference(const std::string& there, const std::string& now) {
+  std::istringstream a(there), b(now);
+  std::string p, q;
+  do {
+    p.clear();
+    q.clear();
+    std::getline(a, p);
+    std::getline(b, q);
+  } while (p == q && (a || b));
+  return concat("'", p, "' there, '", q, "' now");
+}
+
+/// The run was made by what would be done now.
+void check_same_run(const RunReport& report, int k, SimulatedRun run, const std::vector<std::string>& present,
+                    const std::string& folder) {
+  const std::string file = concat(folder, "/run-", k, "/options.yaml");
+  const std::string remedy = "repeat the command that began it, or begin another in a new folder";
+  if (report.seed != run.seed)
+    throw FileError(folder, concat("run ", k, " has the seed ", report.seed, ", not ", run.seed), remedy);
+  if (report.present != present)
+    throw FileError(folder, concat("run ", k, " was made with other stones"), remedy);
+  const std::string there = read_file(file, 1U << 20U), now = write_fields(fields(run));
+  if (there != now)
+    throw FileError(file, concat("made with other options: ", first_difference(there, now)), remedy);
+}
+
+std::vector<std::string> names_of(const Catalogue& catalogue, const std::vector<int>& stones) {
+  std::vector<std::string> names;
+  for (const int stone : stones) names.push_back(catalogue.stones[static_cast<std::size_t>(stone)].name);
+  return names;
+}
+
+/// The runs that the folder holds, if they belong to this experiment. One that was interrupted is put aside.
+std::vector<ExperimentRun> runs_done(const ExperimentCommand& command, const SimulatedRun& settings,
+                                     const Catalogue& catalogue, const RobotModel& robot,
+                                     const std::string& folder) {
+  std::vector<ExperimentRun> runs;
+  if (std::filesystem::exists(folder + "/experiment.json"))
+    runs = read_experiment(folder + "/experiment.json").runs;
+  require(runs.size() <= static_cast<std::size_t>(command.runs), folder, " holds ", runs.size(),
+          " runs already; ask for more with --runs");
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    require(runs[i].report.robot == robot.name, folder, " was made with ", runs[i].report.robot,
+            ", not with ", robot.name);
+    const int k = static_cast<int>(i) + 1;
+    const SimulatedRun run = run_number(k, settings, command.common.seed);
+    const auto present = draw_stones(catalogue, command.per_run, run.seed, hand_of(CellLayout{}), robot);
+    check_same_run(runs[i].report, k, run, names_of(catalogue, present), folder);
+    require(runs[i].survival.standing.empty() != command.survival, folder, ": run ", k,
+            " was made with --survival ", command.survival ? "false" : "true",
+            "; repeat the command that began it");
+  }
+  const std::string next = concat(folder, "/run-", runs.size() + 1);
+  if (std::filesystem::exists(next)) {
+    std::string aside = next + "-interrupted";
+    for (int n = 2; std::filesystem::exists(aside); ++n) aside = concat(next, "-interrupted-", n);
+    std::filesystem::rename(next, aside);
+    log_info(concat(next, " was not finished; it is kept as ", aside));
+  }
+  if (!runs.empty()) log_info(concat(runs.size(), " runs are there already"));
+  return runs;
+}
+
 /// All runs; what is done is on disk after each of them, and is returned when the user interrupts. The run
 /// that was under way then tells nothing about the design: its folder stays, but it is not counted.
 Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& settings,
@@ -119,10 +138,9 @@ Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& set
                             " stones, ", robot.name, ", seed ", command.common.seed);
   const SurvivalOptions survival;
   experiment.survival_seconds = survival.seconds;
-  for (int k = 1; k <= command.runs; ++k) {
-    SimulatedRun run = settings;
-    run.seed = 1000 * command.common.seed + k;
-    spread_seed(run);
+  if (command.go_on) experiment.runs = runs_done(command, settings, catalogue, robot, folder);
+  for (int k = static_cast<int>(experiment.runs.size()) + 1; k <= command.runs; ++k) {
+    const SimulatedRun run = run_number(k, settings, command.common.seed);
     const auto present = draw_stones(catalogue, command.per_run, run.seed, hand_of(CellLayout{}), robot);
     log_info(concat("run ", k, " of ", command.runs));
     FinishedRun done;
@@ -153,14 +171,6 @@ std::string out_folder(const ExperimentCommand& command) {
   return concat("experiments/", stamp, "-seed", command.common.seed);
 }
 
-std::vector<Variant> variants_of(const ExperimentCommand& command) {
-  std::vector<Variant> list;
-  if (command.compare == "cell") list = cell_variants();
-  if (command.compare == "design") list = design_variants();
-  for (const auto& text : command.variants) list.push_back(parse_variant(text));
-  return list;
-}
-
 std::string comparison_row(const Variant& variant, const Experiment& experiment) {
   double height = 0.0, seconds = 0.0;
   for (const auto& run : experiment.runs) {
@@ -174,6 +184,14 @@ std::string comparison_row(const Variant& variant, const Experiment& experiment)
                 variant.name.c_str(), experiment.runs.size(), height / n, whole.hits, whole.trials,
                 100 * whole.low(), 100 * whole.high(), seconds / n);
   return row;
+}
+
+std::vector<Variant> variants_of(const ExperimentCommand& command) {
+  std::vector<Variant> list;
+  if (command.compare == "cell") list = cell_variants();
+  if (command.compare == "design") list = design_variants();
+  for (const auto& text : command.variants) list.push_back(parse_variant(text));
+  return list;
 }
 
 /// A table with a row for each variant.
@@ -205,8 +223,9 @@ void experiment(ExperimentCommand& command) {
       choose_stones(command.common.read(), command.stones, command.common.seed, robot);
   const auto variants = variants_of(command);
   const std::string folder = out_folder(command);
-  require(!std::filesystem::exists(folder), folder,
-          " is there already; name another folder with --out, or remove it");
+  require(!command.go_on || !command.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
+  require(command.go_on || !std::filesystem::exists(folder), folder,
+          " is there already; go on with it by --continue, or name another folder with --out");
   if (!variants.empty()) return compare(command, variants, catalogue, robot, folder);
   const auto [done, interrupted] = perform_runs(command, command.run, catalogue, robot, folder);
   if (!done.runs.empty()) {
@@ -240,13 +259,15 @@ void add_experiment(CLI::App& app) {
       ->check(CLI::IsMember({"cell", "design"}));
   sub->add_option("--variant", command->variants,
                   "Another row: 'NAME: OPTION=VALUE, OPTION=VALUE' (repeatable)");
+  sub->add_flag("--continue", command->go_on,
+                "Go on with the runs that the folder --out holds: the same command, stopped before");
   sub->add_option("--out", command->out, "Folder for the record (default: experiments/<time>-seed<seed>)");
   command->common.register_on(*sub);
   sub->footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"
       "Examples:\n"
       "  stonestack experiment --runs 11 --stones 6 --per-run 4 --seed 1\n"
-      "  stonestack experiment --runs 200 --catalogue rocks --stones 16 --json > rocks.json\n"
+      "  stonestack experiment --runs 200 --catalogue rocks --stones 16 --out long --continue\n"
       "  stonestack experiment --runs 20 --compare cell --survival false\n"
       "  stonestack experiment --runs 20 --variant 'as it is:' --variant 'wide: search.beam=6'");
   sub->callback([command] { experiment(*command); });

@@ -17,28 +17,6 @@ using nlohmann::json;
 
 constexpr double kDegrees = 57.295779513082321;
 
-std::string end_text(RunResult::End end) {
-  switch (end) {
-    case RunResult::End::kAllPlaced:
-      return "all_placed";
-    case RunResult::End::kHeightReached:
-      return "height_reached";
-    case RunResult::End::kNoPose:
-      return "no_feasible_pose";
-    case RunResult::End::kNoPlan:
-      return "no_plan";
-    case RunResult::End::kPlacementFailed:
-      return "placement_failed";
-    case RunResult::End::kNothingSeen:
-      return "nothing_seen";
-    case RunResult::End::kStopped:
-      return "stopped";
-    case RunResult::End::kInterrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
 json placement_entry(const PlacementRecord& record) {
   return {{"stone", record.stone},
           {"T_W_O_planned", pose_json(record.planned.T_W_O)},
@@ -117,6 +95,28 @@ std::string summary(const RunReport& report) {
 
 }  // namespace
 
+std::string to_text(RunResult::End end) {
+  switch (end) {
+    case RunResult::End::kAllPlaced:
+      return "all_placed";
+    case RunResult::End::kHeightReached:
+      return "height_reached";
+    case RunResult::End::kNoPose:
+      return "no_feasible_pose";
+    case RunResult::End::kNoPlan:
+      return "no_plan";
+    case RunResult::End::kPlacementFailed:
+      return "placement_failed";
+    case RunResult::End::kNothingSeen:
+      return "nothing_seen";
+    case RunResult::End::kStopped:
+      return "stopped";
+    case RunResult::End::kInterrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
 std::string run_json(const RunReport& report) {
   const RunResult& result = report.result;
   json placements = json::array();
@@ -124,7 +124,7 @@ std::string run_json(const RunReport& report) {
   json out = {{"schema", "stonestack.run/1"},
               {"height", result.height},
               {"placements", placements},
-              {"ended", end_text(result.end)},
+              {"ended", to_text(result.end)},
               {"reason", result.ended},
               {"robot", report.robot},
               {"seed", report.seed},

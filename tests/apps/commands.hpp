@@ -36,6 +36,14 @@ inline Pose pose_of(const json& t) {
                    Eigen::Quaterniond(number("qw"), number("qx"), number("qy"), number("qz")));
 }
 
+/// Starts the command, and Ctrl-C comes as soon as its messages show `line`; its exit code is printed.
+inline std::string interrupted_at(const std::string& folder, const std::string& arguments,
+                                  const std::string& line) {
+  return concat("cd ", folder, " && { ", STONESTACK_BINARY, " ", arguments, " 2>err & pid=$!; ",
+                "for i in $(seq 1200); do grep -q '", line, "' err && break; sleep 0.1; done; ",
+                "kill -INT $pid; wait $pid; echo code $?; }");
+}
+
 /// `stonestack` as a user runs it, in a folder of its own.
 class Commands : public testing::Test {
  protected:

@@ -271,25 +271,6 @@ TEST_F(Commands, StonesThatTheHandCannotCarryAreNotDrawnAndNamed) {
       << done.err;
 }
 
-TEST_F(Commands, ExperimentKeepsTheRecordOfThePaper) {
-  const std::string arguments =
-      "experiment --runs 3 --per-run 2 --seed 2 --json --survival false --set search.perturbations=2 --out ";
-  const Outcome done = run(arguments + "record");
-  ASSERT_EQ(done.code, 0) << done.err;
-  const json result = done.data();
-  EXPECT_EQ(result["schema"], "stonestack.experiment/1");
-  ASSERT_EQ(result["runs"].size(), 3u);
-  for (const auto& one : result["runs"]) {
-    EXPECT_GE(one["height"], 1) << one["reason"];
-    EXPECT_EQ(one["judged_height"], one["height"]) << "a tower is reported that does not stand";
-  }
-  for (const char* file : {"figure5.svg", "figure5.csv", "runs.csv", "summary.txt", "run-3/tower.png"})
-    EXPECT_TRUE(fs::exists(folder_ + "/record/" + file)) << file;
-  expect_refusal(arguments + "record", 2, {"record", "is there already"});
-  // A run of the experiment is an ordinary run with the seed that its line tells.
-  EXPECT_EQ(result["runs"][0]["seed"], 2001);
-}
-
 TEST_F(Commands, BuildsThroughTheRealBackends) {
   const std::string cell = std::string(STONESTACK_SOURCE_DIR) + "/data/cells/loopback-ur10.yaml";
   const Outcome done =
@@ -410,13 +391,6 @@ TEST_F(Commands, CheckRefusesWhatCannotBeAndTellsWhatFalls) {
   expect_refusal("check missing.yaml", 3, {"missing.yaml"});
 }
 
-/// Starts the command, and Ctrl-C comes as soon as its messages show `line`; its exit code is printed.
-std::string interrupted_at(const std::string& folder, const std::string& arguments, const std::string& line) {
-  return concat("cd ", folder, " && { ", STONESTACK_BINARY, " ", arguments, " 2>err & pid=$!; ",
-                "for i in $(seq 1200); do grep -q '", line, "' err && break; sleep 0.1; done; ",
-                "kill -INT $pid; wait $pid; echo code $?; }");
-}
-
 TEST_F(Commands, CtrlCEndsARunAfterItsFirstSearchAndKeepsTheRecord) {
   const Outcome outcome = shell(interrupted_at(folder_, "run --seed 7 --out record", "level 1:"));
   EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
@@ -424,16 +398,6 @@ TEST_F(Commands, CtrlCEndsARunAfterItsFirstSearchAndKeepsTheRecord) {
   EXPECT_THAT(outcome.err, testing::Not(HasSubstr("level 4:")));
   EXPECT_THAT(read_file(folder_ + "/record/journal.jsonl", 1 << 20), HasSubstr("observed"));
   EXPECT_TRUE(fs::exists(folder_ + "/record/result.json"));
-}
-
-TEST_F(Commands, CtrlCEndsAnExperimentWithWhatWasDone) {
-  const Outcome outcome = shell(interrupted_at(
-      folder_, "experiment --runs 9 --per-run 1 --seed 7 --survival false --out record", "run 3 of 9"));
-  EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("run 3 is not counted"));
-  EXPECT_THAT(outcome.err, HasSubstr("towers of 1: 100.0 % (2 of 2;"));
-  const json record = json::parse(read_file(folder_ + "/record/experiment.json", 1 << 20), nullptr, false);
-  EXPECT_EQ(record["runs"].size(), 2U);
 }
 
 }  // namespace

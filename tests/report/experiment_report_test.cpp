@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 
 namespace stonestack {
 namespace {
@@ -75,6 +79,66 @@ TEST(ExperimentReport, ComparesPredictionsWithWhatWasSeen) {
   EXPECT_EQ(bins[1].observed.trials, 1);
   EXPECT_EQ(bins[1].observed.hits, 0);
   EXPECT_NEAR(bins[4].mean_prediction, 0.95, 1e-12);
+}
+
+/// Numbers to nine digits: poses become quaternions and matrices again.
+nlohmann::json to_nine_digits(const nlohmann::json& value) {
+  if (value.is_number_float()) return std::round(1e9 * value.get<double>());
+  if (!value.is_structured()) return value;
+  nlohmann::json same = value;
+  for (auto& entry : same) entry = to_nine_digits(entry);
+  return same;
+}
+
+TEST(ExperimentReport, WhatIsWrittenIsReadAgain) {
+  Experiment experiment = sample();
+  PlacementRecord& first = experiment.runs[0].report.result.placements[0];
+  first.planned.T_W_O = make_pose(Eigen::Vector3d(0.1, -0.7, 0.05), Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5));
+  first.T_W_O_measured = first.planned.T_W_O;
+  first.planned.terms = {{"area", 0.25}, {"margin", HUGE_VAL}};
+  first.note = "1 mm and 0 deg from the plan";
+  experiment.runs[1].report.result.end = RunResult::End::kPlacementFailed;
+  experiment.runs[1].report.result.seconds = {1.0, 2.0, 3.0, 4.0, 5.0};
+  experiment.runs[1].report.robot = "ur10";
+  const std::string path = testing::TempDir() + "experiment_to_read.json", text = experiment_json(experiment);
+  write_file(path, text);
+  const Experiment same = read_experiment(path);
+  EXPECT_EQ(to_nine_digits(nlohmann::json::parse(experiment_json(same))),
+            to_nine_digits(nlohmann::json::parse(text)));
+  EXPECT_EQ(experiment_table(same), experiment_table(experiment));
+  EXPECT_EQ(runs_csv(same), runs_csv(experiment));
+}
+
+TEST(ExperimentReport, ARecordThatIsBrokenIsRefused) {
+  const std::string path = testing::TempDir() + "broken_experiment.json";
+  const nlohmann::json whole = nlohmann::json::parse(experiment_json(sample()));
+  const auto refused = [&](const nlohmann::json& broken, const std::string& part) {
+    write_file(path, broken.dump());
+    try {
+      (void)read_experiment(path);
+      ADD_FAILURE() << "read: " << part;
+    } catch (const FileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(part));
+      EXPECT_THAT(error.what(), HasSubstr(path));
+    }
+  };
+  for (const char* key : {"seed", "stones", "ended", "placements", "seconds", "survival"}) {
+    nlohmann::json broken = whole;
+    broken["runs"][0].erase(key);
+    refused(broken, key);
+    broken["runs"][0][key] = nullptr;
+    refused(broken, key);
+  }
+  nlohmann::json broken = whole;
+  broken["runs"][0]["placements"][0]["outcome"] = "flown away";
+  refused(broken, "flown away");
+  broken = whole;
+  broken["runs"][0]["placements"][0]["T_W_O_planned"]["qw"] = 2.0;
+  refused(broken, "quaternion");
+  broken = whole;
+  broken["runs"][1]["stones"][0] = 3;
+  refused(broken, "stones");
+  refused(nlohmann::json::array(), "stonestack.experiment/1");
 }
 
 TEST(ExperimentReport, FigureHasAMarkForEachSelectedPose) {

@@ -53,6 +53,9 @@ struct CalibrationBin {
 [[nodiscard]] std::string experiment_table(const Experiment& experiment);
 /// "stonestack.experiment/1".
 [[nodiscard]] std::string experiment_json(const Experiment& experiment);
+/// What experiment_json wrote into a file. Not in it: catalogue, options and belief of the runs. Throws
+/// FileError.
+[[nodiscard]] Experiment read_experiment(const std::string& path);
 /// A line a run: run, seed, stones, height, end, times.
 [[nodiscard]] std::string runs_csv(const Experiment& experiment);
 /// The paper's figure 5: cost of each selected pose by level, a colour a run, a ring where the placement held

@@ -1,0 +1,54 @@
+#include "experiment_variants.hpp"
+
+#include "scene_input.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::apps {
+
+std::vector<Variant> cell_variants() {
+  const std::vector<std::string> easy{
+      "simulation.sensor_noise=false",  "simulation.hand_eye_translation=0", "simulation.hand_eye_rotation=0",
+      "simulation.arm_repeatability=0", "simulation.arm_residual=0",         "simulation.mass_error=0",
+      "simulation.com_error=0",         "simulation.friction=0.5",           "simulation.friction_spread=0"};
+  const auto only = [&](const std::string& name, const std::vector<std::string>& hard) {
+    Variant variant{name, easy};
+    variant.assignments.insert(variant.assignments.end(), hard.begin(), hard.end());
+    return variant;
+  };
+  return {{"as it is", {}},
+          only("no error at all", {}),
+          only("sensor noise only", {"simulation.sensor_noise=true"}),
+          only("hand-eye error only",
+               {"simulation.hand_eye_translation=0.001", "simulation.hand_eye_rotation=0.0052"}),
+          only("arm error only", {"simulation.arm_repeatability=0.0001", "simulation.arm_residual=0.001"}),
+          only("mass and centre only", {"simulation.mass_error=0.02", "simulation.com_error=0.002"}),
+          only("friction 0.35 to 0.65 only", {"simulation.friction_spread=0.15"}),
+          only("fingers locked only", {"simulation.regrip=false"}),
+          only("friction 0.2 only", {"simulation.friction=0.2"}),
+          only("friction 0.1 only", {"simulation.friction=0.1"})};
+}
+
+std::vector<Variant> design_variants() {
+  return {{"as it is", {}},
+          {"paper's search", {"search.method=paper"}},
+          {"first failure ends the run", {"run.most_failures=1"}},
+          {"no stone taken off again", {"run.most_taken_off=0"}},
+          {"no stone turned over", {"run.most_turned_over=0"}},
+          {"friction 0.1 only", {"run.most_friction=0.1"}},
+          {"grasps by three contacts", {"motion.press_pads=false"}},
+          {"no perturbed verdicts", {"search.perturbations=0"}},
+          {"aim not corrected", {"run.correct_aim=false"}}};
+}
+
+Variant parse_variant(const std::string& text) {
+  const auto colon = text.find(':');
+  require(colon != std::string::npos, "--variant expects 'NAME: OPTION=VALUE, ...', got '", text, "'");
+  Variant variant{text.substr(0, colon), {}};
+  for (auto assignment : split(text.substr(colon + 1), ',')) {
+    std::erase(assignment, ' ');
+    if (!assignment.empty()) variant.assignments.push_back(assignment);
+  }
+  return variant;
+}
+
+}  // namespace stonestack::apps

@@ -1,0 +1,74 @@
+#include <cmath>
+
+#include "commands.hpp"
+
+namespace stonestack {
+namespace {
+
+/// Numbers to nine digits: a pose that is read and written again may differ in the last.
+json without_last_digits(const json& value) {
+  if (value.is_number_float()) return std::round(1e9 * value.get<double>());
+  if (!value.is_structured()) return value;
+  json same = value;
+  for (auto& entry : same) entry = without_last_digits(entry);
+  return same;
+}
+
+TEST_F(Commands, ExperimentKeepsTheRecordOfThePaper) {
+  const std::string arguments =
+      "experiment --runs 3 --per-run 2 --seed 2 --json --survival false --set search.perturbations=2 --out ";
+  const Outcome done = run(arguments + "record");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const json result = done.data();
+  EXPECT_EQ(result["schema"], "stonestack.experiment/1");
+  ASSERT_EQ(result["runs"].size(), 3u);
+  for (const auto& one : result["runs"]) {
+    EXPECT_GE(one["height"], 1) << one["reason"];
+    EXPECT_EQ(one["judged_height"], one["height"]) << "a tower is reported that does not stand";
+  }
+  for (const char* file : {"figure5.svg", "figure5.csv", "runs.csv", "summary.txt", "run-3/tower.png"})
+    EXPECT_TRUE(fs::exists(folder_ + "/record/" + file)) << file;
+  expect_refusal(arguments + "record", 2, {"record", "is there already"});
+  // A run of the experiment is an ordinary run with the seed that its line tells.
+  EXPECT_EQ(result["runs"][0]["seed"], 2001);
+}
+
+TEST_F(Commands, CtrlCEndsAnExperimentWithWhatWasDoneAndItGoesOn) {
+  const Outcome outcome = shell(interrupted_at(
+      folder_, "experiment --runs 9 --per-run 1 --seed 7 --survival false --out record", "run 3 of 9"));
+  EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("run 3 is not counted"));
+  EXPECT_THAT(outcome.err, HasSubstr("towers of 1: 100.0 % (2 of 2;"));
+  const json record = json::parse(read_file(folder_ + "/record/experiment.json", 1 << 20), nullptr, false);
+  EXPECT_EQ(record["runs"].size(), 2U);
+
+  const std::string again = "experiment --per-run 1 --out record --continue ";
+  expect_refusal(again + "--seed 7 --survival false --runs 1", 2, {"record", "holds 2 runs already"});
+  expect_refusal(again + "--seed 7 --survival true --runs 3", 2, {"record", "run 1", "--survival false"});
+  expect_refusal(again + "--seed 7 --survival false --runs 3 --set search.beam=5", 3,
+                 {"run-1/options.yaml", "other options", "beam"});
+  expect_refusal(again + "--survival false --runs 3 --seed 8", 3, {"record", "run 1 has the seed 7001"});
+  write("record/run-3/journal.jsonl", "{}");  // as a run leaves it that was stopped under way
+  const Outcome goes_on = run(again + "--seed 7 --survival false --runs 3 --json");
+  ASSERT_EQ(goes_on.code, 0) << goes_on.err;
+  EXPECT_THAT(goes_on.err, testing::Not(HasSubstr("run 1 of 3")));
+  EXPECT_TRUE(fs::exists(folder_ + "/record/run-3-interrupted/journal.jsonl"));
+  EXPECT_TRUE(fs::exists(folder_ + "/record/run-3/tower.png"));
+  ASSERT_EQ(goes_on.data()["runs"].size(), 3U);
+  EXPECT_EQ(goes_on.data()["runs"][2]["seed"], 7003);
+  for (const char* key : {"seed", "height", "judged_height", "placements", "seconds", "stones", "truth"})
+    EXPECT_EQ(without_last_digits(goes_on.data()["runs"][0][key]),
+              without_last_digits(record["runs"][0][key]))
+        << key;
+}
+
+TEST_F(Commands, ExperimentGoesOnOnlyWithAFolderThatItCanRead) {
+  expect_refusal("experiment --continue", 2, {"--continue", "--out"});
+  write("record/experiment.json", "{\"schema\": \"stonestack.experiment/1\", \"title\": 7}");
+  expect_refusal("experiment --continue --out record", 3, {"record/experiment.json", "title"});
+  write("record/experiment.json", "{\"schema\": ");
+  expect_refusal("experiment --continue --out record", 3, {"record/experiment.json", "not JSON"});
+}
+
+}  // namespace
+}  // namespace stonestack
