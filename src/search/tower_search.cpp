@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead asks only sides that nearly lie flat
 constexpr int kCloser = 4;         ///< times the perturbations, where the first of them disagree
+constexpr int kSurer = 3;          ///< the same where none of them fell: what is best of many was lucky, too
 constexpr double kCrowding = 0.1;  ///< of the friction: TowerTree::choose
 
 }  // namespace
@@ -39,7 +40,12 @@ void TowerSearch::run(Ways ways) {
     round(static_cast<std::size_t>(o.beam));
     context_.say(concat("round ", k + 1, ": ", tree_.size() - 1, " towers grown, the highest of ",
                         tree_.node(best_).level, " of ", levels_, " stones"));
-    const bool exhausted = static_cast<std::size_t>(tree_.size()) + dropped_.size() == before;
+    bool exhausted = static_cast<std::size_t>(tree_.size()) + dropped_.size() == before;
+    if (exhausted && !tree_.node(0).spare.empty()) {  // nothing that was begun leads on
+      tree_.set_grown(0);
+      grow(root);
+      exhausted = false;
+    }
     const bool finished = tree_.node(best_).level == levels_;
     const bool firm = finished && (tree_.node(best_).trial.margin >= o.firm_margin || more == 0);
     if (firm || exhausted) break;
@@ -147,14 +153,16 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
   const SearchOptions& o = *context_.options;
   std::vector<int> tried;
   std::vector<Candidate> candidates;
+  bool sure = true;
   for (const int k : nodes) {
     TowerNode& node = tree_.node(k);
-    const bool sure = node.predicted && node.trial.placement.predicted_success >= 1.0;
-    if (!node.judged || !node.trial.alive || (closely ? sure : node.predicted)) continue;
+    if (!node.judged || !node.trial.alive || (node.predicted && !closely)) continue;
+    sure = sure && node.predicted && node.trial.placement.predicted_success >= 1.0;
     tried.push_back(k);
     candidates.push_back({&tree_.node(node.parent).stack, &node.trial});
   }
-  stonestack::predict(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
+  const int times = !closely ? 1 : (sure ? kSurer : kCloser);
+  stonestack::predict(context_, candidates, times * o.perturbations);
   for (const int k : tried) tree_.node(k).predicted = true;
   drop_fallen(tried);
 }

@@ -251,6 +251,16 @@ TEST(FindNextPose, AsksTheArmFirst) {
   EXPECT_THAT(result.reason, HasSubstr("reaches none"));
 }
 
+TEST(FindNextPose, GoesOnToOtherProposalsWhenNoneOfTheFirstServes) {
+  SearchProblem problem = base_stands();
+  SearchOptions options = quick();
+  options.settled = 1;  // a turn asks the arm about twelve
+  int asked = 0;
+  problem.reachable = [&](int, const Pose&, const Stack&) { return ++asked > 12; };
+  const SearchResult result = find_next_pose(problem, options);
+  EXPECT_FALSE(result.best.empty()) << result.reason << ", asked " << asked;
+}
+
 TEST(FindNextPose, AsksTheArmAboutTheStackAsItWillHaveGrown) {
   SearchProblem problem = base_stands();
   const std::size_t stands = problem.stack.stones.size();
