@@ -148,10 +148,31 @@ TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
   EXPECT_TRUE(wrong.data()["detections"].empty());
 }
 
-TEST_F(DetectCommand, WarnsOfOptionsThatThePapersMethodReplaces) {
-  EXPECT_THAT(run("detect scene/scene.yaml --method paper --set detection.descriptor=shot").err,
-              HasSubstr("detection.descriptor=shot (flag --set) has no effect"));
-  EXPECT_THAT(run("detect scene/scene.yaml --method paper").err, ::testing::Not(HasSubstr("has no effect")));
+TEST_F(DetectCommand, ThePapersMethodIsASetOfOptionsThatOthersOverride) {
+  write("stonestack.yaml", "detection: {method: paper, descriptor: shot}");  // shot is the plain default
+  const auto settings = [&](const std::string& more) { return run("config show --origin " + more).out; };
+  EXPECT_THAT(settings(""), HasSubstr("detection.descriptor: shot  # project file"));
+  EXPECT_THAT(settings(""), HasSubstr("detection.matching: kdtree  # detection.method"));
+  EXPECT_THAT(settings(""), HasSubstr("detection.sweep: false  # detection.method"));
+  EXPECT_THAT(settings("--set detection.descriptor=iss"),
+              HasSubstr("detection.descriptor: iss  # flag --set"));
+  EXPECT_THAT(settings("--set detection.method=default"), HasSubstr("detection.matching: exact  # default"));
+  fs::remove(folder_ + "/stonestack.yaml");
+  EXPECT_THAT(settings("--set detection.method=paper"),
+              HasSubstr("detection.descriptor: rops  # detection.method"));
+
+  const auto matches = [&](const std::string& more) {
+    const std::string trace = concat("trace", std::hash<std::string>()(more));
+    const Outcome found = run("detect scene/scene.yaml -q --method paper " + more + " --trace " + trace);
+    EXPECT_EQ(found.code, 0) << more << found.err;
+    return json::parse(read_file(folder_ + "/" + trace + "/turn_1/stages.json", 64 << 20))["matches"];
+  };
+  const json rops = matches("");
+  EXPECT_NE(rops, matches("--set detection.descriptor=shot"));
+  EXPECT_NE(rops, matches("--set detection.keypoints=iss"));
+}
+
+TEST_F(DetectCommand, RefusesAnEmptyDepthRange) {
   expect_refusal("detect scene/scene.yaml --set detection.nearest=1 --set detection.farthest=0.5", 2,
                  {"nearest", "farthest"});
 }
