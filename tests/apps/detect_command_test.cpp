@@ -42,6 +42,8 @@ TEST_F(DetectCommand, TakesACloudAsTheCameraSeesItButNotItsMirrorImage) {
   EXPECT_EQ(found.data()["detections"].size(), 2u) << "a cloud without rows is in the camera frame, too";
   write_changed("mirror.ply", cloud_, mirrored);
   expect_refusal("detect mirror.ply", 3, {"mirror.ply", "mirrored"});
+  write("mirror.yaml", "schema: stonestack.scene/1\ncloud: mirror.ply\n");
+  expect_refusal("detect mirror.yaml", 3, {"mirror.ply", "mirrored"});
   write_changed("mirrored_heap.ply", heap_, mirrored);
   EXPECT_EQ(run("detect mirrored_heap.ply").code, 4);
 }
