@@ -128,6 +128,22 @@ TEST_F(DetectCommand, RefusesACameraOfWhichTheImageIsNot) {
   expect_refusal("detect scene/depth.png --camera 475,475,319.5,-400 --depth-unit 0.000125", 3, {"-400"});
 }
 
+TEST_F(DetectCommand, JoinsSeveralViewsOfWhichItKnowsTheCameraPoses) {
+  const Outcome other = run("render --out other --seed 3 --stones limestone_1,limestone_4 --tilt 35 --json");
+  ASSERT_EQ(other.code, 0) << other.err;
+  const Outcome found = run("detect scene/scene.yaml other/scene.yaml --json");
+  ASSERT_EQ(found.data()["detections"].size(), 2u) << found.err;
+  const double alone = run("detect scene/scene.yaml --json").data()["detections"][0]["visible"].get<double>();
+  EXPECT_GT(found.data()["detections"][0]["visible"].get<double>(), alone) << "two views show more";
+  for (const auto& d : found.data()["detections"])
+    for (const auto& truth : other.data()["stones"])
+      if (truth["stone"] == d["stone"])
+        EXPECT_LT(difference(pose_of(d["T_W_O"]), pose_of(truth["T_W_O"])).translation, 0.003) << d["stone"];
+  expect_refusal("detect scene/scene.yaml other/cloud.ply", 3, {"other/cloud.ply", "has no camera pose"});
+  expect_refusal("detect scene/scene.yaml other/cloud.ply --camera-pose scene/scene.yaml", 2,
+                 {"2 scenes and 1 poses"});
+}
+
 TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   std::vector<Eigen::Vector3f> plane;
   for (int i = 0; i < 200; ++i)
