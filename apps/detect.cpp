@@ -120,7 +120,6 @@ void detect(DetectCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("detection", fields(command.options)));
-  warn_of_paper(command.common.settings, command.options);
   const Catalogue catalogue = command.common.read();
   const auto wanted = wanted_stones(catalogue, command.stones);
   const auto views = read_views(command);
@@ -168,7 +167,9 @@ void add_detect(CLI::App& app) {
   sub->add_option("--trace", command->trace,
                   "Write what each stage saw: keypoints, matches, clusters, hypotheses (PLY, JSON)")
       ->type_name("DIR");
-  command->common.settings.bind(sub->add_option("--method", command->options.method, "default or paper")
+  command->common.settings.bind(sub->add_option("--method", command->options.method,
+                                                "default, or paper: section 2 as a set of options, which "
+                                                "--set, files and environment override")
                                     ->check(CLI::IsMember({"default", "paper"}))
                                     ->capture_default_str(),
                                 "detection.method");
@@ -179,7 +180,8 @@ void add_detect(CLI::App& app) {
       "  stonestack detect cloud.pcd --catalogue rocks --json\n"
       "  stonestack detect depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125\n"
       "  stonestack detect left/scene.yaml right/scene.yaml --trace trace\n"
-      "  stonestack detect cloud.ply --method paper --set detection.best=50");
+      "  stonestack detect cloud.ply --method paper --set detection.keypoints=iss --set "
+      "detection.descriptor=iss");
   sub->callback([command] { detect(*command); });
 }
 

@@ -59,6 +59,12 @@ Cloud cloud_in(const std::string& path, const DepthInput& input) {
   return cloud;
 }
 
+void refuse_mirrored(const Cloud& cloud, const std::string& path) {
+  if (is_mirrored(cloud))
+    throw FileError(path, "is mirrored: x or y runs against the image",
+                    "export it right-handed (x right, y down, z forward); no stone fits its mirror image");
+}
+
 SceneView view_of_cloud(const std::string& path, const std::string& camera_pose, bool world,
                         const DepthInput& input) {
   const Cloud cloud = cloud_in(path, input);
@@ -66,9 +72,7 @@ SceneView view_of_cloud(const std::string& path, const std::string& camera_pose,
   if (solid.points.empty()) throw FileError(path, "has no finite point", "record the scene again");
   SceneView view;
   const auto camera = fit_camera(cloud);
-  if (!world && is_mirrored(cloud))
-    throw FileError(path, "is mirrored: x or y runs against the image",
-                    "export it right-handed (x right, y down, z forward); no stone fits its mirror image");
+  if (!world) refuse_mirrored(cloud, path);
   if (world || (camera_pose.empty() && !camera && in_world_frame(solid))) {
     if (!world) log_info(path + ": most of it lies about z = 0; taken as in the world frame");
     view.world = true;
@@ -206,6 +210,7 @@ SceneView read_view(const std::string& path, const std::string& camera_pose, boo
     view.image = read_depth_png(scene.depth_file, *scene.camera, scene.depth_unit);
   } else if (!scene.cloud_file.empty()) {
     const Cloud cloud = read_cloud(scene.cloud_file);
+    refuse_mirrored(cloud, scene.cloud_file);
     const auto fitted = scene.camera ? scene.camera : fit_camera(cloud);
     view.image = to_depth_image(cloud, fitted ? *fitted : camera_for(cloud));
   } else {

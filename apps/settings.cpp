@@ -4,9 +4,10 @@
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/log.hpp"
+#include "stonestack/detection/method.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -29,6 +30,33 @@ std::vector<std::string> values(const FieldList& list) {
   std::vector<std::string> texts;
   for (const auto& field : list) texts.push_back(field_text(field));
   return texts;
+}
+
+/// What detection.method stands for, by name, as far as it is not the default.
+std::vector<std::pair<std::string, std::string>> set_of_method(const FieldList& list) {
+  const auto method =
+      std::find_if(list.begin(), list.end(), [](const Field& f) { return f.name == "detection.method"; });
+  if (method == list.end()) return {};
+  DetectionOptions plain, meant = options_of(field_text(*method));
+  plain.method = meant.method;
+  const FieldList before = nest("detection", fields(plain)), after = nest("detection", fields(meant));
+  std::vector<std::pair<std::string, std::string>> set;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (field_text(before[i]) != field_text(after[i])) set.emplace_back(after[i].name, field_text(after[i]));
+  return set;
+}
+
+/// Takes the option from its environment variable and returns that one's name, if there is one.
+std::optional<std::string> apply_environment(const FieldList& list, const std::string& option) {
+  const std::string name = environment_name(option);
+  const char* value = std::getenv(name.c_str());
+  if (value == nullptr) return {};
+  try {
+    set_field(list, option + "=" + value);
+  } catch (const InvalidArgument& problem) {
+    throw InvalidArgument(concat("environment variable ", name, ": ", problem.what()));
+  }
+  return name;
 }
 
 }  // namespace
@@ -73,48 +101,35 @@ void Settings::apply_bound(const FieldList& list) {
 }
 
 void Settings::apply(const FieldList& list) {
-  const std::string user = user_file();
-  if (!user.empty() && std::filesystem::exists(user)) apply_file(list, user, "user file");
-  if (!config_.empty()) {
-    apply_file(list, config_, "file");
-  } else if (std::filesystem::exists("stonestack.yaml")) {
-    apply_file(list, "stonestack.yaml", "project file");
-  }
-  for (const auto& field : list) {
-    const std::string name = environment_name(field.name);
-    const char* value = std::getenv(name.c_str());
-    if (value == nullptr) continue;
-    try {
-      set_field(list, field.name + "=" + value);
-    } catch (const InvalidArgument& problem) {
-      throw InvalidArgument(concat("environment variable ", name, ": ", problem.what()));
+  const auto apply_all = [&] {
+    const std::string user = user_file();
+    if (!user.empty() && std::filesystem::exists(user)) apply_file(list, user, "user file");
+    if (!config_.empty()) {
+      apply_file(list, config_, "file");
+    } else if (std::filesystem::exists("stonestack.yaml")) {
+      apply_file(list, "stonestack.yaml", "project file");
     }
-    origins_[field.name] = "environment " + name;
+    for (const auto& field : list)
+      if (const auto name = apply_environment(list, field.name))
+        origins_[field.name] = "environment " + *name;
+    apply_bound(list);
+    for (const auto& assignment : assignments_) {
+      set_field(list, assignment);
+      origins_[assignment.substr(0, assignment.find('='))] = "flag --set";
+    }
+  };
+  apply_all();
+  const auto set = set_of_method(list);
+  for (const auto& [name, value] : set) {
+    set_field(list, name + "=" + value);
+    origins_[name] = "detection.method";
   }
-  apply_bound(list);
-  for (const auto& assignment : assignments_) {
-    set_field(list, assignment);
-    origins_[assignment.substr(0, assignment.find('='))] = "flag --set";
-  }
+  if (!set.empty()) apply_all();  // over it
 }
 
 std::string Settings::origin(const std::string& name) const {
   const auto found = origins_.find(name);
   return found == origins_.end() ? "default" : found->second;
-}
-
-void warn_of_paper(const Settings& settings, const DetectionOptions& options) {
-  if (options.method != "paper") return;
-  const auto warn = [&](const std::string& name, const std::string& value, const char* instead) {
-    const std::string origin = settings.origin(name);
-    if (origin != "default")
-      log_warning(concat(name, "=", value, " (", origin,
-                         ") has no effect with the method paper, which takes ", instead));
-  };
-  if (options.descriptor != "rops" && options.descriptor != "iss")
-    warn("detection.descriptor", options.descriptor, "rops, or iss if asked for");
-  if (options.matching != "kdtree") warn("detection.matching", options.matching, "kdtree");
-  if (options.sweep) warn("detection.sweep", "true", "none");
 }
 
 }  // namespace stonestack::apps

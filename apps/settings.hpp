@@ -36,10 +36,11 @@ class Settings {
   /// environment like any flag. "*.seed" means the seed of every part.
   void bind(CLI::Option* flag, const std::string& name);
   /// Applies files, environment, bound flags and --set to `list`, in that order; remembers the origin of each
-  /// value.
+  /// value. Where that makes detection.method one that stands for a set of options, these take the place of
+  /// the defaults.
   /// Throws FileError or InvalidArgument naming file, value and range.
   void apply(const FieldList& list);
-  /// "default", "user file PATH", "project file PATH", "environment NAME", "flag --set".
+  /// "default", "detection.method", "user file PATH", "project file PATH", "environment NAME", "flag --set".
   [[nodiscard]] std::string origin(const std::string& name) const;
 
  private:
@@ -51,8 +52,5 @@ class Settings {
   void apply_bound(const FieldList& list);
   void apply_file(const FieldList& list, const std::string& path, const std::string& kind);
 };
-
-/// Warns of options of detection that somebody set and that the method `paper` replaces by its own.
-void warn_of_paper(const Settings& settings, const DetectionOptions& options);
 
 }  // namespace stonestack::apps

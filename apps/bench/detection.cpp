@@ -10,7 +10,7 @@
 #include "detection_tally.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/detection/method.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack::apps {
@@ -29,11 +29,10 @@ struct DetectionBench {
 };
 
 DetectionOptions options_for(const std::string& method, DetectionBench& settings) {
-  DetectionOptions options;
-  options.method = method;
-  settings.common.settings.apply(nest("detection", fields(options)));
-  options.method = method;
-  warn_of_paper(settings.common.settings, options);
+  DetectionOptions options = options_of(method);
+  FieldList list = nest("detection", fields(options));
+  std::erase_if(list, [](const Field& f) { return f.name == "detection.method"; });  // --methods says it
+  settings.common.settings.apply(list);
   options.trace = !settings.trace.empty();
   return options;
 }

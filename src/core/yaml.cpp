@@ -23,27 +23,31 @@ struct Walk {
     if (node.IsSequence()) return visit(name, YAML::Dump(node));
     require(node.IsMap() || node.IsNull(), "'", name, "' must be a value or a map of values");
     for (const auto& entry : node) {
-      const std::string key = entry.first.as<std::string>();
+      const std::string& key = entry.first.Scalar();
       down(entry.second, name.empty() ? key : name + "." + key, level + 1);
     }
   }
 };
 
-/// yaml-cpp keeps both of two equal keys and finds one of them; who wrote the other would never know. Stops
-/// early in what is too deep or too large, which `Walk` refuses.
-void refuse_double_keys(const YAML::Node& node, const std::string& path, int& visits, int level) {
+/// yaml-cpp keeps both of two equal keys and finds one of them; who wrote the other would never know. A key
+/// that is a list, a map or nothing has no name. Stops early in what is too deep or too large, which `Walk`
+/// refuses.
+void check_keys(const YAML::Node& node, const std::string& path, int& visits, int level) {
   if (++visits > kMostVisits || level > kMostLevels) return;
   if (node.IsSequence())
-    for (const auto& entry : node) refuse_double_keys(entry, path, visits, level + 1);
+    for (const auto& entry : node) check_keys(entry, path, visits, level + 1);
   if (!node.IsMap()) return;
   std::set<std::string> keys;
   for (const auto& entry : node) {
-    if (entry.first.IsScalar() && !keys.insert(entry.first.Scalar()).second)
+    if (!entry.first.IsScalar())
+      throw FileError(path, concat("has a key that is no word in line ", entry.first.Mark().line + 1),
+                      "write 'name: value'");
+    if (!keys.insert(entry.first.Scalar()).second)
       throw FileError(path,
                       concat("the key '", entry.first.Scalar(), "' stands twice in one map, again in line ",
                              entry.first.Mark().line + 1),
                       "keep one of the two");
-    refuse_double_keys(entry.second, path, visits, level + 1);
+    check_keys(entry.second, path, visits, level + 1);
   }
 }
 
@@ -53,7 +57,7 @@ YAML::Node parse(const std::string& text, const std::string& path) {
   try {
     YAML::Node node = YAML::Load(text);
     int visits = 0;
-    refuse_double_keys(node, path, visits, 0);
+    check_keys(node, path, visits, 0);
     return node;
   } catch (const YAML::Exception& problem) {
     throw FileError(path, concat("not YAML: ", problem.what()), "mend the file at that line");

@@ -63,19 +63,13 @@ Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like, const 
   return describe_points(seen_like, options);
 }
 
-DetectionOptions resolved(DetectionOptions options) {
+void require_usable(const DetectionOptions& options) {
   require(options.method == "default" || options.method == "paper", "method must be default or paper, got '",
           options.method, "'");
   require(options.matching == "exact" || options.matching == "kdtree",
           "matching must be exact or kdtree, got '", options.matching, "'");
   require(options.nearest < options.farthest, "detection.nearest must be less than detection.farthest, got ",
           options.nearest, " and ", options.farthest, " m");
-  if (options.method == "paper") {
-    if (options.descriptor != "iss") options.descriptor = "rops";
-    options.matching = "kdtree";
-    options.sweep = false;
-  }
-  return options;
 }
 
 }  // namespace stonestack

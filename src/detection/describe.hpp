@@ -11,8 +11,7 @@ namespace stonestack {
 [[nodiscard]] Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like,
                                       const DetectionOptions& options);
 
-/// What `method` stands for: paper sets the keypoints, descriptor and hypothesis source of section 2, default
-/// leaves everything as it is. Throws InvalidArgument for any other.
-[[nodiscard]] DetectionOptions resolved(DetectionOptions options);
+/// Throws InvalidArgument for a method or matching that is none, or an empty depth range.
+void require_usable(const DetectionOptions& options);
 
 }  // namespace stonestack

@@ -101,18 +101,18 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
 }  // namespace
 
 DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
-                              std::span<const int> wanted, const DetectionOptions& given,
+                              std::span<const int> wanted, const DetectionOptions& options,
                               const SceneKnowledge& known) {
-  const DetectionOptions options = resolved(given);
+  require_usable(options);
   const auto& data = models.data();
   auto missing = wanted_models(wanted, known, static_cast<int>(data.models.size()), options);
   return find_in(preprocess(image, known.table_C, true, options), data, std::move(missing), options, known);
 }
 
 DetectionResult detect_stones(std::span<const DepthView> views, const DetectionModels& models,
-                              std::span<const int> wanted, const DetectionOptions& given,
+                              std::span<const int> wanted, const DetectionOptions& options,
                               const SceneKnowledge& known) {
-  const DetectionOptions options = resolved(given);
+  require_usable(options);
   const auto& data = models.data();
   auto missing = wanted_models(wanted, known, static_cast<int>(data.models.size()), options);
   return find_in(preprocess(views, known.table_C, true, options), data, std::move(missing), options, known);

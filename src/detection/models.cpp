@@ -130,7 +130,8 @@ DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data&
 
 DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionOptions& options)
     : data_(std::make_unique<Data>()) {
-  data_->options = resolved(options);
+  require_usable(options);
+  data_->options = options;
   std::vector<std::unique_ptr<DetectionModel>> made(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
     made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));

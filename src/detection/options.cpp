@@ -1,13 +1,15 @@
-#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/detection/method.hpp"
 
 namespace stonestack {
 
 FieldList fields(DetectionOptions& o) {
   return {
-      field("method", o.method, "default, or paper (section 2 to the letter)"),
+      field("method", o.method, "default, or paper: section 2 as a set of options, which others override"),
       field("keypoints", o.keypoints, "voxel or iss; paper section 2"),
-      field("descriptor", o.descriptor, "shot, fpfh, iss or rops; paper section 2: rops (iss if asked for)"),
-      field("matching", o.matching, "exact, or kdtree (paper section 2; the same matches)"),
+      field("descriptor", o.descriptor,
+            "shot, fpfh, iss or rops; with method paper rops (section 2: or iss)"),
+      field("matching", o.matching, "exact, or kdtree (the same matches); with method paper kdtree"),
       field("nearest", o.nearest, {0.02, 10}, "m", "SR300: 0.2 m"),
       field("farthest", o.farthest, {0.1, 20}, "m", "SR300: 1.5 m"),
       field("smoothing_step", o.smoothing_step, {1e-4, 0.1}, "m", "ours"),
@@ -28,7 +30,7 @@ FieldList fields(DetectionOptions& o) {
       field("consistency_fewest", o.consistency_fewest, {3, 100}, "", "ours"),
       field("best", o.best, {1, 1000}, "", "paper section 2: b, no value given; ours"),
       field("copies", o.copies, {1, 100}, "", "ours"),
-      field("sweep", o.sweep, "ours"),
+      field("sweep", o.sweep, "ours; with method paper false"),
       field("icp_gate", o.icp_gate, {0.002, 0.1}, "m", "ours"),
       field("verify_tolerance", o.verify_tolerance, {0.001, 0.05}, "m", "ours"),
       field("accept_score", o.accept_score, {-1, 1}, "",
@@ -43,6 +45,18 @@ FieldList fields(DetectionOptions& o) {
       field("trace", o.trace, "ours"),
       field("seed", o.seed, {0, 2147483647}, "", "ours"),
   };
+}
+
+DetectionOptions options_of(const std::string& method) {
+  require(method == "default" || method == "paper", "method must be default or paper, got '", method, "'");
+  DetectionOptions options;
+  options.method = method;
+  if (method == "paper") {
+    options.descriptor = "rops";
+    options.matching = "kdtree";
+    options.sweep = false;
+  }
+  return options;
 }
 
 }  // namespace stonestack

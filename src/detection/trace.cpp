@@ -38,6 +38,23 @@ void write_clusters(const std::string& folder, const TracedTurn& turn) {
     write_points(concat(folder, "/cluster_", k, ".ply"), std::move(clusters[k]));
 }
 
+/// Keypoints of the scene that have a match.
+void write_matches(const std::string& folder, const TracedTurn& turn) {
+  std::vector<Eigen::Vector3f> points;
+  for (const auto& m : turn.matches) points.push_back(m.p_C);
+  write_points(folder + "/matches.ply", std::move(points));
+}
+
+/// The middle of the stone in every hypothesis, in the order of the JSON.
+void write_hypotheses(const std::string& folder, const TracedTurn& turn, std::span<const Stone> stones) {
+  std::vector<Eigen::Vector3f> middles;
+  for (const auto& h : turn.hypotheses) {
+    const Eigen::Vector3d p_O = bounds(stones[static_cast<std::size_t>(h.stone)].mesh).center();
+    middles.emplace_back((h.T_C_O * p_O).cast<float>());
+  }
+  write_points(folder + "/hypotheses.ply", std::move(middles));
+}
+
 json stages_json(const TracedTurn& turn, std::span<const Stone> stones) {
   const auto name = [&](int stone) { return stones[static_cast<std::size_t>(stone)].name; };
   json matches = json::array(), hypotheses = json::array(), candidates = json::array();
@@ -76,6 +93,8 @@ void write_trace(const std::string& folder, const DetectionTrace& trace, std::sp
     write_points(here + "/surface.ply", turn.surface_C);
     write_points(here + "/keypoints.ply", turn.keypoints_C);
     write_clusters(here, turn);
+    write_matches(here, turn);
+    write_hypotheses(here, turn, stones);
     for (std::size_t k = 0; k < turn.candidates.size(); ++k) {
       const Detection& d = turn.candidates[k].detection;
       write_mesh(concat(here, "/candidate_", k, ".ply"),

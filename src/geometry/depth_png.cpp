@@ -59,7 +59,9 @@ bool decode(Source source, const CameraIntrinsics& camera, unsigned char* bytes,
   }
   png_set_read_fn(png, &source, read_bytes);
   png_set_user_limits(png, 16384, 16384);
-  png_set_chunk_malloc_max(png, 1U << 20U);
+  // Text and colours tell nothing of depth, and libpng makes room for as much as such a chunk announces: its
+  // limit is only a warning.
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);
   if (png_get_bit_depth(png, info) != 16 || png_get_color_type(png, info) != PNG_COLOR_TYPE_GRAY)
     png_error(png, "not a 16-bit greyscale picture");

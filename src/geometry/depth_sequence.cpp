@@ -57,7 +57,8 @@ std::optional<Pose> bop_camera_pose(const nlohmann::json& entry, const std::stri
   Pose T_C_W = Pose::Identity();
   T_C_W.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
   T_C_W.translation() = 0.001 * Eigen::Vector3d(t[0], t[1], t[2]);
-  if (std::abs(T_C_W.linear().determinant() - 1.0) > 0.01)
+  const Eigen::Matrix3d rest = T_C_W.linear() * T_C_W.linear().transpose() - Eigen::Matrix3d::Identity();
+  if (!(rest.cwiseAbs().maxCoeff() < 0.01) || T_C_W.linear().determinant() < 0)
     throw FileError(path, "cam_R_w2c is not a rotation", "correct it");
   return orthonormal(T_C_W).inverse();
 }

@@ -20,6 +20,56 @@ std::string number_text(double value) {
   return plain.find_first_of(".e") == std::string::npos ? plain + ".0" : plain;
 }
 
+bool is_printable(const std::string& text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+}
+
+/// In double quotes, control characters escaped; what is not ASCII stays as it is.
+std::string escaped(const std::string& text) {
+  static constexpr char kHex[] = "0123456789ABCDEF";
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\t')
+      quoted += "\\t";
+    else if (c == '\n')
+      quoted += "\\n";
+    else if (c == '"' || c == '\\')
+      quoted += std::string("\\") + c;
+    else if (byte < 0x20 || byte == 0x7F)
+      quoted += std::string("\\x") + kHex[byte >> 4U] + kHex[byte & 15U];
+    else
+      quoted += c;
+  }
+  return quoted + '"';
+}
+
+/// Read back as this text, number or truth value without quotes.
+bool stands_plain(const std::string& value) {
+  if (!is_printable(value)) return false;
+  YAML::Emitter plain;
+  plain << value;
+  return value == plain.c_str();
+}
+
+EasyHandEyeParameter read_parameter(yaml::Map& map, const std::string& key) {
+  const YAML::Node node = map.node(key);
+  if (node.IsNull()) return {key, "", true, false};
+  const std::string value = map.text(key);
+  const bool is_text = node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str";  // in quotes, or !!str
+  return {key, value, false, is_text || !stands_plain(value)};
+}
+
+/// PyYAML takes single quotes unless something must be escaped.
+std::string scalar_text(const EasyHandEyeParameter& p) {
+  if (p.is_null) return "null";
+  if (!p.is_quoted && stands_plain(p.value)) return p.value;
+  if (!is_printable(p.value)) return escaped(p.value);
+  std::string quoted = "'";
+  for (const char c : p.value) quoted += c == '\'' ? "''" : std::string(1, c);
+  return quoted + "'";
+}
+
 }  // namespace
 
 HandEyeFile read_hand_eye_pairs(const std::string& path) {
@@ -61,7 +111,7 @@ EasyHandEye read_easy_handeye(const std::string& path) {
   out.mount = on_hand == "true" ? CameraMount::kOnHand : CameraMount::kOnBase;
   for (const auto& entry : map.node("parameters")) {
     const std::string key = entry.first.Scalar();
-    if (key != "eye_on_hand") out.parameters.emplace_back(key, parameters.text(key));
+    if (key != "eye_on_hand") out.parameters.push_back(read_parameter(parameters, key));
   }
   out.T_A_C = read_pose(map.map("transformation"));
   map.finish();
@@ -70,20 +120,19 @@ EasyHandEye read_easy_handeye(const std::string& path) {
 
 void write_easy_handeye(const std::string& path, const EasyHandEye& calibration) {
   auto parameters = calibration.parameters;
-  parameters.emplace_back("eye_on_hand", calibration.mount == CameraMount::kOnHand ? "true" : "false");
-  std::sort(parameters.begin(), parameters.end());
+  parameters.push_back({"eye_on_hand", calibration.mount == CameraMount::kOnHand ? "true" : "false"});
+  std::sort(parameters.begin(), parameters.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
   Eigen::Quaterniond q(calibration.T_A_C.linear());
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const Eigen::Vector3d& p = calibration.T_A_C.translation();
   const std::vector<std::pair<std::string, double>> numbers = {
       {"qw", q.w()}, {"qx", q.x()}, {"qy", q.y()}, {"qz", q.z()}, {"x", p.x()}, {"y", p.y()}, {"z", p.z()}};
-  YAML::Emitter out;
-  out << YAML::BeginMap << YAML::Key << "parameters" << YAML::Value << YAML::BeginMap;
-  for (const auto& [key, value] : parameters) out << YAML::Key << key << YAML::Value << value;
-  out << YAML::EndMap << YAML::Key << "transformation" << YAML::Value << YAML::BeginMap;
-  for (const auto& [key, value] : numbers) out << YAML::Key << key << YAML::Value << number_text(value);
-  out << YAML::EndMap << YAML::EndMap;
-  write_file(path, std::string(out.c_str()) + "\n");
+  std::string text = "parameters:\n";
+  for (const auto& entry : parameters)
+    text += concat("  ", scalar_text({entry.key, entry.key}), ": ", scalar_text(entry), "\n");
+  text += "transformation:\n";
+  for (const auto& [key, value] : numbers) text += concat("  ", key, ": ", number_text(value), "\n");
+  write_file(path, text);
 }
 
 }  // namespace stonestack

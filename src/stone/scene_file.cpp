@@ -1,5 +1,6 @@
 #include "stonestack/stone/scene_file.hpp"
 
+#include <cmath>
 #include <filesystem>
 
 #include "core/yaml.hpp"
@@ -16,10 +17,16 @@ std::string beside(const std::string& scene_path, const std::string& file) {
   return given.is_absolute() ? file : (std::filesystem::path(scene_path).parent_path() / given).string();
 }
 
+int read_pixels(yaml::Map& map, const std::string& key) {
+  const double count = map.number(key, 1, 10000);
+  if (count != std::floor(count)) map.fail(key, concat("is ", count), "it must be a whole number");
+  return static_cast<int>(count);
+}
+
 CameraIntrinsics read_camera(yaml::Map map) {
   CameraIntrinsics camera;
-  camera.width = static_cast<int>(map.number("width", 1, 10000));
-  camera.height = static_cast<int>(map.number("height", 1, 10000));
+  camera.width = read_pixels(map, "width");
+  camera.height = read_pixels(map, "height");
   camera.fx = map.number("fx", 1, 1e5);
   camera.fy = map.number("fy", 1, 1e5);
   camera.cx = map.number("cx", -1e5, 1e5);

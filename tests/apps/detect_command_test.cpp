@@ -42,6 +42,8 @@ TEST_F(DetectCommand, TakesACloudAsTheCameraSeesItButNotItsMirrorImage) {
   EXPECT_EQ(found.data()["detections"].size(), 2u) << "a cloud without rows is in the camera frame, too";
   write_changed("mirror.ply", cloud_, mirrored);
   expect_refusal("detect mirror.ply", 3, {"mirror.ply", "mirrored"});
+  write("mirror.yaml", "schema: stonestack.scene/1\ncloud: mirror.ply\n");
+  expect_refusal("detect mirror.yaml", 3, {"mirror.ply", "mirrored"});
   write_changed("mirrored_heap.ply", heap_, mirrored);
   EXPECT_EQ(run("detect mirrored_heap.ply").code, 4);
 }
@@ -126,6 +128,23 @@ TEST_F(DetectCommand, RefusesACameraOfWhichTheImageIsNot) {
   expect_refusal("detect scene/depth.png --camera 475,475,319.5,-400 --depth-unit 0.000125", 3, {"-400"});
 }
 
+TEST_F(DetectCommand, JoinsSeveralViewsOfWhichItKnowsTheCameraPoses) {
+  const Outcome other = run("render --out other --seed 3 --stones limestone_1,limestone_4 --tilt 35 --json");
+  ASSERT_EQ(other.code, 0) << other.err;
+  const Outcome found = run("detect scene/scene.yaml other/scene.yaml --json");
+  ASSERT_EQ(found.data()["detections"].size(), 2u) << found.err;
+  EXPECT_NE(found.data()["detections"], run("detect scene/scene.yaml --json").data()["detections"]);
+  const auto truth = other.data()["stones"];
+  for (const auto& d : found.data()["detections"]) {
+    const bool first = truth[0]["stone"] == d["stone"];
+    const Pose T_W_O = pose_of(truth[first ? 0 : 1]["T_W_O"]);
+    EXPECT_LT(difference(pose_of(d["T_W_O"]), T_W_O).translation, 0.003) << d["stone"];
+  }
+  expect_refusal("detect scene/scene.yaml other/cloud.ply", 3, {"other/cloud.ply", "has no camera pose"});
+  expect_refusal("detect scene/scene.yaml other/cloud.ply --camera-pose scene/scene.yaml", 2,
+                 {"2 scenes and 1 poses"});
+}
+
 TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   std::vector<Eigen::Vector3f> plane;
   for (int i = 0; i < 200; ++i)
@@ -148,10 +167,31 @@ TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
   EXPECT_TRUE(wrong.data()["detections"].empty());
 }
 
-TEST_F(DetectCommand, WarnsOfOptionsThatThePapersMethodReplaces) {
-  EXPECT_THAT(run("detect scene/scene.yaml --method paper --set detection.descriptor=shot").err,
-              HasSubstr("detection.descriptor=shot (flag --set) has no effect"));
-  EXPECT_THAT(run("detect scene/scene.yaml --method paper").err, ::testing::Not(HasSubstr("has no effect")));
+TEST_F(DetectCommand, ThePapersMethodIsASetOfOptionsThatOthersOverride) {
+  write("stonestack.yaml", "detection: {method: paper, descriptor: shot}");  // shot is the plain default
+  const auto settings = [&](const std::string& more) { return run("config show --origin " + more).out; };
+  EXPECT_THAT(settings(""), HasSubstr("detection.descriptor: shot  # project file"));
+  EXPECT_THAT(settings(""), HasSubstr("detection.matching: kdtree  # detection.method"));
+  EXPECT_THAT(settings(""), HasSubstr("detection.sweep: false  # detection.method"));
+  EXPECT_THAT(settings("--set detection.descriptor=iss"),
+              HasSubstr("detection.descriptor: iss  # flag --set"));
+  EXPECT_THAT(settings("--set detection.method=default"), HasSubstr("detection.matching: exact  # default"));
+  fs::remove(folder_ + "/stonestack.yaml");
+  EXPECT_THAT(settings("--set detection.method=paper"),
+              HasSubstr("detection.descriptor: rops  # detection.method"));
+
+  const auto matches = [&](const std::string& more) {
+    const std::string trace = concat("trace", std::hash<std::string>()(more));
+    const Outcome found = run("detect scene/scene.yaml -q --method paper " + more + " --trace " + trace);
+    EXPECT_TRUE(found.code == 0 || found.code == 4) << more << found.err;  // ISS keypoints are few
+    return json::parse(read_file(folder_ + "/" + trace + "/turn_1/stages.json", 64 << 20))["matches"];
+  };
+  const json rops = matches("");
+  EXPECT_NE(rops, matches("--set detection.descriptor=shot"));
+  EXPECT_NE(rops, matches("--set detection.keypoints=iss"));
+}
+
+TEST_F(DetectCommand, RefusesAnEmptyDepthRange) {
   expect_refusal("detect scene/scene.yaml --set detection.nearest=1 --set detection.farthest=0.5", 2,
                  {"nearest", "farthest"});
 }

@@ -38,6 +38,11 @@ TEST(Yaml, RefusesAKeyThatAMapHasTwice) {
   EXPECT_EQ(problem_of("a: {x: 1}\nb: {x: 2}\n"), "");
 }
 
+TEST(Yaml, RefusesAKeyThatIsNoWord) {
+  for (const char* text : {"{[a, b]: 1}", "{{a: b}: 1}", "? \n: 1", "a: {~: 1}"})
+    EXPECT_THROW((void)parse(text, "cell.yaml"), FileError) << text;
+}
+
 TEST(YamlWalk, EndsOnAnAliasBomb) {
   std::string text = "a0: &a0 {x: 1}\n";
   for (int i = 1; i < 30; ++i) {

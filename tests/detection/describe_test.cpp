@@ -12,6 +12,7 @@
 #include "detection/test_scene.hpp"
 #include "detection/triangulate.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/detection/method.hpp"
 
 namespace stonestack {
 namespace {
@@ -121,12 +122,13 @@ TEST(Matching, AKdTreeFindsTheSame) {
 TEST(Options, UnknownNamesAreTheCallersFault) {
   DetectionOptions method, descriptor, keypoints;
   method.method = "best";
-  EXPECT_THROW((void)resolved(method), InvalidArgument);
+  EXPECT_THROW(require_usable(method), InvalidArgument);
   descriptor.descriptor = "sift";
   EXPECT_THROW((void)describe_model({}, {}, descriptor), InvalidArgument);
   DetectionOptions matching;
   matching.matching = "guess";
-  EXPECT_THROW((void)resolved(matching), InvalidArgument);
+  EXPECT_THROW(require_usable(matching), InvalidArgument);
+  EXPECT_THROW((void)options_of("best"), InvalidArgument);
   keypoints.keypoints = "all";
   EXPECT_THROW((void)describe_model({}, {}, keypoints), InvalidArgument);
 }

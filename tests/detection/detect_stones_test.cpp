@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/detection/method.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack {
@@ -143,17 +145,29 @@ TEST_F(Detect, LensDistortionIsTakenIntoAccount) {
 }
 
 TEST_F(Detect, PaperModeLooksOnceWithItsOwnDescriptorAndNoSweep) {
-  DetectionOptions options;
-  options.method = "paper";
-  options.trace = true;
   const std::vector<Stone> two(stones().begin(), stones().begin() + 2);
-  const DetectionModels paper(two, options);
-  const auto result = detect_stones(make_scene(1).image, paper, {}, options);
-  ASSERT_NE(result.trace, nullptr);
-  ASSERT_EQ(result.trace->turns.size(), 1U);
-  EXPECT_FALSE(result.trace->turns[0].keypoints_C.empty());
-  EXPECT_FALSE(result.trace->turns[0].hypotheses.empty());
-  for (const auto& h : result.trace->turns[0].hypotheses) EXPECT_EQ(h.source, "consistency");
+  const auto matches = [&](const std::string& descriptor, const std::string& keypoints) {
+    DetectionOptions options = options_of("paper");
+    EXPECT_EQ(options.descriptor, "rops");
+    EXPECT_EQ(options.matching, "kdtree");
+    options.trace = true;
+    options.descriptor = descriptor;
+    options.keypoints = keypoints;
+    const auto result = detect_stones(make_scene(1).image, DetectionModels(two, options), {}, options);
+    std::set<float> distances;
+    if (result.trace == nullptr || result.trace->turns.size() != 1U) return distances;
+    const TracedTurn& turn = result.trace->turns[0];
+    EXPECT_FALSE(turn.keypoints_C.empty()) << descriptor;
+    EXPECT_TRUE(keypoints == "iss" || !turn.hypotheses.empty()) << descriptor;
+    for (const auto& h : turn.hypotheses) EXPECT_EQ(h.source, "consistency") << descriptor;
+    for (const auto& m : turn.matches) distances.insert(m.distance);
+    return distances;
+  };
+  std::set<std::set<float>> all;
+  for (const char* descriptor : {"rops", "iss", "shot"}) all.insert(matches(descriptor, "voxel"));
+  EXPECT_EQ(all.size(), 3U) << "each descriptor is a choice";
+  EXPECT_TRUE(all.insert(matches("shot", "iss")).second) << "and so are the keypoints";
+  EXPECT_EQ(all.count({}), 0U) << "looks once";
 }
 
 TEST_F(Detect, AMirroredSceneShowsNoStone) {

@@ -14,6 +14,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/detection/trace.hpp"
 #include "stonestack/detection/track_stones.hpp"
+#include "stonestack/geometry/cloud_file.hpp"
 
 namespace stonestack {
 namespace {
@@ -151,10 +152,16 @@ TEST_F(Views, ATraceHoldsEveryStageAndCanBeWritten) {
   EXPECT_EQ(static_cast<std::size_t>(accepted), result.detections.size());
   const auto folder = std::filesystem::temp_directory_path() / ("trace_" + std::to_string(::getpid()));
   write_trace(folder.string(), *result.trace, stones());
-  for (const char* name : {"stages.json", "surface.ply", "keypoints.ply", "cluster_0.ply", "candidate_0.ply"})
+  for (const char* name : {"stages.json", "surface.ply", "keypoints.ply", "cluster_0.ply", "candidate_0.ply",
+                           "matches.ply", "hypotheses.ply"})
     EXPECT_TRUE(std::filesystem::exists(folder / "turn_1" / name)) << name;
   EXPECT_NE(read_file((folder / "turn_1/stages.json").string(), 100U << 20U).find("consistency"),
             std::string::npos);
+  const Cloud middles = read_cloud((folder / "turn_1/hypotheses.ply").string());
+  ASSERT_EQ(middles.points.size(), turn.hypotheses.size());
+  const TracedHypothesis& h = turn.hypotheses.front();
+  const Eigen::Vector3d middle = bounds(stones()[static_cast<std::size_t>(h.stone)].mesh).center();
+  EXPECT_LT((middles.points.front().cast<double>() - h.T_C_O * middle).norm(), 1e-5);
   std::filesystem::remove_all(folder);
 }
 

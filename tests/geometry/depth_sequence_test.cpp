@@ -63,6 +63,10 @@ TEST_F(DepthSequences, BopHasItsScaleInMillimetresAndTheWorldInTheCamera) {
   const DepthImage image = read_depth(record);
   EXPECT_EQ(image.camera.width, 8);
   EXPECT_NEAR(image.at(3, 2), 0.0001 * (1000 + 19), 1e-7);
+  write("scene_camera.json",  // a shear, whose determinant is that of a rotation
+        R"({"7": {"cam_K": [600, 0, 4, 0, 610, 3, 0, 0, 1], "depth_scale": 0.1,
+                  "cam_R_w2c": [1, 0.5, 0, 0, 1, 0, 0, 0, 1], "cam_t_w2c": [0, 0, 800]}})");
+  expect_refused({}, "cam_R_w2c is not a rotation");
 }
 
 TEST_F(DepthSequences, Open3dIsColumnByColumnAndItsScaleIsNeverGuessed) {

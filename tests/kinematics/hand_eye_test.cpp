@@ -134,6 +134,43 @@ TEST_F(HandEyeFiles, EasyHandeyeIsReadAndWrittenAsItIs) {
   EXPECT_EQ(text.substr(text.find("  x:")), expected.substr(expected.find("  x:")));
 }
 
+// Each line as PyYAML 6.0 dumps that value: text that looks like something else, nothing, a truth value.
+TEST_F(HandEyeFiles, ParametersOfEasyHandeyeKeepTheirTypeAndTheirQuotes) {
+  const std::string parameters =
+      "parameters:\n"
+      "  empty: ''\n"
+      "  eye_on_hand: false\n"
+      "  freehand_robot_movement: true\n"
+      "  label: 'it''s: a # label'\n"
+      "  move_group: null\n"
+      "  queue_size: 10\n"
+      "  serial: '007'\n"
+      "  tabbed: \"a\\tb\"\n"
+      "  verbose: 'true'\n";
+  const std::string rest =
+      std::string(kEasyHandEye).substr(std::string(kEasyHandEye).find("transformation:"));
+  write_file(path, parameters + rest);
+  const EasyHandEye read = read_easy_handeye(path);
+  EXPECT_EQ(read.mount, CameraMount::kOnBase);
+  ASSERT_EQ(read.parameters.size(), 8U);
+  EXPECT_EQ(read.parameters[2], (EasyHandEyeParameter{"label", "it's: a # label", false, true}));
+  EXPECT_EQ(read.parameters[3], (EasyHandEyeParameter{"move_group", "", true, false}));
+  write_easy_handeye(path, read);
+  const std::string text = read_file(path, 100000);
+  EXPECT_EQ(text.substr(0, text.find("transformation:")), parameters);
+}
+
+TEST_F(HandEyeFiles, ParametersOfOurOwnAreQuotedWhereTheyMustBe) {
+  EasyHandEye ours;
+  ours.parameters = {{"label", "a: b"}, {"odd: key", "- x"}};
+  write_easy_handeye(path, ours);
+  const EasyHandEye read = read_easy_handeye(path);
+  ASSERT_EQ(read.parameters.size(), 2U);
+  EXPECT_EQ(read.parameters[0].value, "a: b");
+  EXPECT_EQ(read.parameters[1].key, "odd: key");
+  EXPECT_EQ(read.parameters[1].value, "- x");
+}
+
 TEST_F(HandEyeFiles, BadEasyHandeyeFilesAreRefusedByName) {
   const auto refuses = [&](const std::string& from, const std::string& to) {
     std::string text = kEasyHandEye;

@@ -71,6 +71,8 @@ TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
       problem_of(head +
                  "camera: {width: 640, height: 480, fx: 1, fy: 1, cx: 1, cy: 1, distortion: fisheye}\n"),
       HasSubstr("fisheye"));
+  EXPECT_THAT(problem_of(head + "camera: {width: 640.5, height: 480, fx: 1, fy: 1, cx: 1, cy: 1}\n"),
+              HasSubstr("camera.width is 640.5"));
 }
 
 }  // namespace

@@ -55,10 +55,10 @@ struct DepthView {
 
 /// Stages and limits of detection.
 struct DetectionOptions {
-  std::string method = "default";    ///< default, or paper: section 2 to the letter, for comparison
+  std::string method = "default";    ///< default, or paper (method.hpp): judged by the inlier ratio
   std::string keypoints = "voxel";   ///< voxel, iss
-  std::string descriptor = "shot";   ///< shot, fpfh, iss, rops; paper: rops unless iss is asked for
-  std::string matching = "exact";    ///< exact, kdtree (the same matches); paper: kdtree
+  std::string descriptor = "shot";   ///< shot, fpfh, iss, rops
+  std::string matching = "exact";    ///< exact, kdtree (the same matches)
   double nearest = 0.15;             ///< m, depth range that is looked at
   double farthest = 2.0;             ///< m
   double smoothing_step = 0.006;     ///< m, largest depth step within a surface, at up to 1 m; grows with z^2
@@ -76,7 +76,7 @@ struct DetectionOptions {
   int consistency_fewest = 5;        ///< correspondences in a group
   int best = 30;                     ///< b best hypotheses a model
   int copies = 1;                    ///< of each model at most, in one scene
-  bool sweep = true;                 ///< also try all orientations on each cluster (not with paper)
+  bool sweep = true;                 ///< also try all orientations on each cluster
   double icp_gate = 0.015;           ///< m, furthest correspondence at first
   double verify_tolerance = 0.005;   ///< m, from seen to expected surface
   double accept_score = 0.85;        ///< at least; 0.89 in a clean image of one view (measured)

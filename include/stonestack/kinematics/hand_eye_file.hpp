@@ -21,17 +21,26 @@ struct HandEyeFile {
 [[nodiscard]] HandEyeFile read_hand_eye_pairs(const std::string& path);
 void write_hand_eye_pairs(const std::string& path, const HandEyeFile& file);
 
+/// One parameter of an easy_handeye file.
+struct EasyHandEyeParameter {
+  std::string key;
+  std::string value;
+  bool is_null = false;    ///< `key: null`
+  bool is_quoted = false;  ///< text, even where it looks like a number or a truth value: '007'
+  bool operator==(const EasyHandEyeParameter&) const = default;
+};
+
 /// The result as the ROS package easy_handeye keeps it (~/.ros/easy_handeye/NAME.yaml): `parameters` and
 /// `transformation`, which is T_F_C with eye_on_hand, T_R_C otherwise.
 struct EasyHandEye {
   CameraMount mount = CameraMount::kOnHand;
   Pose T_A_C = Pose::Identity();
   /// Every parameter but eye_on_hand as it stood in the file: robot_base_frame, tracking_base_frame, ...
-  std::vector<std::pair<std::string, std::string>> parameters;
+  std::vector<EasyHandEyeParameter> parameters;
 };
 /// Throws FileError naming file, key and value.
 [[nodiscard]] EasyHandEye read_easy_handeye(const std::string& path);
-/// What was read is written as it was, keys sorted as easy_handeye sorts them.
+/// What was read is written as it was, keys sorted and text quoted as easy_handeye (PyYAML) does.
 void write_easy_handeye(const std::string& path, const EasyHandEye& calibration);
 
 }  // namespace stonestack

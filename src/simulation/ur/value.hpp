@@ -31,23 +31,45 @@ struct Value {
   std::variant<std::monostate, bool, long long, double, std::string, List, PoseVector, ThreadHandle, Fields>
       is;
 
-  Value() = default;
-  Value(bool value) : is(value) {}                         // NOLINT: a value is what it holds
-  Value(int value) : is(static_cast<long long>(value)) {}  // NOLINT
-  Value(long long value) : is(value) {}                    // NOLINT
-  Value(double value) : is(value) {}                       // NOLINT
-  Value(std::string value) : is(std::move(value)) {}       // NOLINT
-  Value(const char* value) : is(std::string(value)) {}     // NOLINT
-  Value(List value) : is(std::move(value)) {}              // NOLINT
-  Value(PoseVector value) : is(std::move(value)) {}        // NOLINT
-  Value(ThreadHandle value) : is(value) {}                 // NOLINT
-  Value(Fields value);                                     // NOLINT
+  Value();
+  Value(const Value& other);
+  Value(Value&& other) noexcept;
+  Value& operator=(const Value& other);
+  Value& operator=(Value&& other) noexcept;
+  ~Value();
+  Value(bool value);          // NOLINT: a value is what it holds
+  Value(int value);           // NOLINT
+  Value(long long value);     // NOLINT
+  Value(double value);        // NOLINT
+  Value(std::string value);   // NOLINT
+  Value(const char* value);   // NOLINT
+  Value(List value);          // NOLINT
+  Value(PoseVector value);    // NOLINT
+  Value(ThreadHandle value);  // NOLINT
+  Value(Fields value);        // NOLINT
 };
 
 struct Field {
   std::string name;
   Value value;
 };
+
+// A field holds a value: only now is either complete.
+inline Value::Value() = default;
+inline Value::Value(const Value& other) = default;
+inline Value::Value(Value&& other) noexcept = default;
+inline Value& Value::operator=(const Value& other) = default;
+inline Value& Value::operator=(Value&& other) noexcept = default;
+inline Value::~Value() = default;
+inline Value::Value(bool value) : is(value) {}
+inline Value::Value(int value) : is(static_cast<long long>(value)) {}
+inline Value::Value(long long value) : is(value) {}
+inline Value::Value(double value) : is(value) {}
+inline Value::Value(std::string value) : is(std::move(value)) {}
+inline Value::Value(const char* value) : is(std::string(value)) {}
+inline Value::Value(List value) : is(std::move(value)) {}
+inline Value::Value(PoseVector value) : is(std::move(value)) {}
+inline Value::Value(ThreadHandle value) : is(value) {}
 inline Value::Value(Fields value) : is(std::move(value)) {}
 
 inline constexpr std::size_t kLongestText = 65536;  ///< characters of a string

@@ -1,0 +1,13 @@
+// PCD clouds: refused with a FileError, or sound.
+#include "fuzz/checks.hpp"
+#include "geometry/cloud_parse.hpp"
+#include "stonestack/core/error.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
+  try {
+    fuzz::check_cloud(parse_cloud("fuzz.pcd", "pcd", fuzz::text_of(data, size)));
+  } catch (const FileError&) {
+  }
+  return 0;
+}

@@ -1,0 +1,13 @@
+// STL meshes: refused with a FileError, or sound.
+#include "fuzz/checks.hpp"
+#include "geometry/mesh_parse.hpp"
+#include "stonestack/core/error.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
+  try {
+    fuzz::check_mesh(parse_mesh("fuzz.stl", "stl", fuzz::text_of(data, size)));
+  } catch (const FileError&) {
+  }
+  return 0;
+}

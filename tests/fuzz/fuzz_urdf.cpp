@@ -1,0 +1,23 @@
+// Robot descriptions: refused with a FileError, or joints with limits and shapes that are finite, and a DH
+// table that gives a pose.
+#include "fuzz/checks.hpp"
+#include "kinematics/dh.hpp"
+#include "kinematics/urdf.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
+  using fuzz::check;
+  try {
+    RobotModel robot = parse_urdf(fuzz::text_of(data, size), "fuzz.urdf");
+    check((robot.lower.array() < robot.upper.array()).all());
+    check(robot.velocity.allFinite() && robot.velocity.minCoeff() > 0);
+    for (const auto& capsule : robot.capsules)
+      check(capsule.a.allFinite() && capsule.b.allFinite() && capsule.radius >= 0 && capsule.link <= 6);
+    if (!derive_dh(robot).empty()) return 0;
+    check(is_valid(forward(robot, Joints::Constant(0.3))));
+  } catch (const FileError&) {
+  }
+  return 0;
+}

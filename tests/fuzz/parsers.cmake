@@ -1,0 +1,56 @@
+# What the fuzz targets need of the library, for clang's libFuzzer: without PCL, OMPL, Embree and the physics, so
+# that it is built in minutes. A parser that begins to need another file of the library misses it here when it
+# is linked.
+pkg_check_modules(URDFDOM REQUIRED IMPORTED_TARGET urdfdom)
+
+# stonestack_files(VARIABLE ROOM FILE...): adds src/ROOM/FILE.cpp to the list
+macro(stonestack_files list room)
+  foreach(name ${ARGN})
+    list(APPEND ${list} "${PROJECT_SOURCE_DIR}/src/${room}/${name}.cpp")
+  endforeach()
+endmacro()
+
+# What reads foreign bytes: instrumented.
+stonestack_files(parsers core file options yaml)
+stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequence lzf mesh_file obj obstacle pcd
+  ply ply_header pose_yaml stl)
+stonestack_files(parsers stone scene_file stone_yaml)
+stonestack_files(parsers kinematics calibration dh hand_eye_file robot_model urdf urdf_shapes xml_guard)
+stonestack_files(parsers hardware cell_file camera/camera_settings camera/frame_stream camera/recording camera/z16
+  robotiq/ft_frames robotiq/gripper_words robotiq/modbus_frame ur/dashboard_text ur/primary_wire ur/rtde_wire)
+stonestack_files(parsers motion problem_file)
+stonestack_files(parsers simulation robotiq/gripper_plant robotiq/gripper_registers
+  ur/builtins ur/builtins_flow ur/builtins_io ur/builtins_motion ur/builtins_poses ur/builtins_sockets
+  ur/builtins_state ur/builtins_text ur/compile_expressions ur/compile_statements ur/controller
+  ur/controller_programs ur/dashboard_session ur/lexer ur/machine ur/machine_calls ur/rtde_access ur/rtde_session
+  ur/script_collector ur/value)
+
+# What these stand on: no foreign byte is read there, so it is built as fast as can be.
+stonestack_files(others core byte_stream clock data error log random serial socket)
+stonestack_files(others geometry cloud convex_hull convex_pieces enclosing_shapes mesh mesh_edges mesh_shapes pose)
+stonestack_files(others kinematics forward hand_eye hand_eye_methods inverse jacobian joints polish)
+stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
+  camera/stream_camera camera/v4l2_camera camera/v4l2_kernel robotiq/ft_link robotiq/ft_sensor robotiq/modbus
+  robotiq/modbus_rtu robotiq/modbus_tcp robotiq/three_finger_gripper ur/dashboard_client ur/primary_client
+  ur/rtde_client ur/rtde_fields ur/rtde_session ur/run_program ur/script_gate ur/script_guard ur/script_text
+  ur/script_writer ur/ur_arm ur/ur_link ur/ur_status)
+stonestack_files(others motion planning_scene)
+stonestack_files(others simulation ur/arm_geometry ur/ideal_plant ur/motion ur/motion_step ur/profile)
+
+function(stonestack_part target)
+  add_library(${target} STATIC ${ARGN})
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
+  target_compile_definitions(${target} PRIVATE STONESTACK_DATA_DIR="${PROJECT_SOURCE_DIR}/data")
+  target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
+  target_include_directories(${target} SYSTEM PRIVATE ${BULLET_INCLUDE_DIRS})
+  target_link_libraries(${target} PUBLIC stonestack_settings Eigen3::Eigen PRIVATE spdlog::spdlog yaml-cpp
+    nlohmann_json::nlohmann_json TBB::tbb PNG::PNG gmp mpfr HACD-float64 CGAL::CGAL PkgConfig::URDFDOM)
+  target_precompile_headers(${target} PRIVATE <Eigen/Geometry> <functional> <map> <sstream> <string> <vector>)
+endfunction()
+
+stonestack_part(stonestack_parsers ${parsers})
+target_compile_options(stonestack_parsers PRIVATE -fsanitize=fuzzer-no-link)
+stonestack_part(stonestack_others ${others})
+target_compile_options(stonestack_others PRIVATE -O0 -g0 -fno-sanitize=all)
+target_link_libraries(stonestack_parsers PUBLIC stonestack_others)
+target_link_libraries(stonestack_others PRIVATE stonestack_parsers)  # either way: rooms are cut across here
