@@ -172,6 +172,26 @@ TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowled
   EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
 }
 
+TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndTold) {
+  // ur_rtde's script of 2025 prints it back: without the function nothing of the script ran on 5.10 and
+  // later.
+  ScriptBench bench("5.12.2.1101534");
+  EXPECT_EQ(
+      bench.say("def load():\n"
+                "  textmsg(get_target_payload_inertia())\n"
+                "  set_target_payload(2, get_target_payload_cog(), [0.1, 0.2, 0.3, 0, 0, 0.01])\n"
+                "  textmsg(get_target_payload_inertia())\n"
+                "  set_target_payload(2, [0, 0, 0.1], inertia=[0.1, 0, 0, 0, 0, 0], transition_time=0.1)\n"
+                "  set_payload(1)\n"
+                "  textmsg(get_target_payload_inertia())\n"
+                "end\n"),
+      "[0,0,0,0,0,0]|[0.1,0.2,0.3,0,0,0.01]|[0,0,0,0,0,0]");
+  EXPECT_EQ(bench.exceptions, "");
+  ScriptBench older("5.9.0.1031618");
+  older.value("get_target_payload_inertia()");
+  EXPECT_THAT(older.exceptions, HasSubstr("compile_error_name_not_found:get_target_payload_inertia"));
+}
+
 TEST(UrForeignClients, DashboardRolesAndModesAreAnsweredAsUrsLibraryWantsThem) {
   ScriptBench old, recent("5.12.2.1101534");
   const auto ask = [](ScriptBench& bench, const char* command) {

@@ -142,6 +142,7 @@ class UrController {
   std::string loaded_program;             ///< of the Dashboard; empty: none
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
+  Six payload_inertia = Six::Zero();               ///< xx, yy, zz, xy, xz, yz; told, without effect
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque
   std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written

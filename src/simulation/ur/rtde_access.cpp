@@ -69,6 +69,7 @@ void add_motion(Table& t) {
   t["tcp_offset"] = [](C c) { return six(urscript::to_vector(c.motion.geometry().T_F_P)); };
   t["payload"] = [](C c) { return c.payload; };
   t["payload_cog"] = [](C c) { return three(c.payload_cog); };
+  t["payload_inertia"] = [](C c) { return six(c.payload_inertia); };
   t["elbow_position"] = [](C c) { return three(elbow(c, c.plant().q)); };
   t["elbow_velocity"] = [](C c) {
     constexpr double kStep = 1e-4;
