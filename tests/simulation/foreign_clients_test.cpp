@@ -5,6 +5,7 @@
 
 #include "script_bench.hpp"
 #include "simulation/ur/dashboard_session.hpp"
+#include "simulation/ur/rtde_access.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -170,6 +171,64 @@ TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowled
   EXPECT_LT(controller.plant().q[1], -1.25);
   turn(0.3, 2.0);
   EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
+}
+
+TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndTold) {
+  // ur_rtde's script of 2025 prints it back: without the function nothing of the script ran on 5.10 and
+  // later.
+  ScriptBench bench("5.12.2.1101534");
+  EXPECT_EQ(
+      bench.say("def load():\n"
+                "  textmsg(get_target_payload_inertia())\n"
+                "  set_target_payload(2, get_target_payload_cog(), [0.1, 0.2, 0.3, 0, 0, 0.01])\n"
+                "  textmsg(get_target_payload_inertia())\n"
+                "  set_target_payload(2, [0, 0, 0.1], inertia=[0.1, 0, 0, 0, 0, 0], transition_time=0.1)\n"
+                "  set_payload(1)\n"
+                "  textmsg(get_target_payload_inertia())\n"
+                "end\n"),
+      "[0,0,0,0,0,0]|[0.1,0.2,0.3,0,0,0.01]|[0,0,0,0,0,0]");
+  EXPECT_EQ(bench.exceptions, "");
+  ScriptBench older("5.9.0.1031618");
+  older.value("get_target_payload_inertia()");
+  EXPECT_THAT(older.exceptions, HasSubstr("compile_error_name_not_found:get_target_payload_inertia"));
+}
+
+TEST(UrForeignClients, RtdeSeesNowAndThenWhatAScriptWritesOverAtOnce) {
+  // ur_rtde waits for a 2 (done) that its script, for what it takes for a command of every step (the flange's
+  // pose), turns into a 1 (ready) at once. On robots it comes to see it.
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  c.run_script(
+      "def resident():\n"
+      "  write_output_integer_register(1, 7)\n"
+      "  while True:\n"
+      "    if read_input_integer_register(0) == 58:\n"
+      "      write_output_integer_register(0, 2)\n"
+      "    end\n"
+      "    write_output_integer_register(0, 1)\n"
+      "    sync()\n"
+      "  end\n"
+      "end\n");
+  const auto read = rtde_reader(*find_rtde_output("output_int_register_0"));
+  const auto once = rtde_reader(*find_rtde_output("output_int_register_1"));
+  const auto seen = [&](int steps) {
+    int done = 0;
+    for (int k = 0; k < steps; ++k) {
+      bench.run(c.period());
+      const auto value = std::get<std::int32_t>(read(c));
+      EXPECT_TRUE(value == 1 || value == 2) << value;
+      EXPECT_EQ(std::get<std::int32_t>(once(c)), 7);
+      if (value == 2) ++done;
+    }
+    return done;
+  };
+  EXPECT_EQ(seen(100), 0);
+  c.registers.in_int[0] = 58;
+  const int done = seen(100);
+  EXPECT_GT(done, 0);
+  EXPECT_LT(done, 20) << "it is the exception";
+  c.registers.in_int[0] = 0;
+  EXPECT_EQ(seen(100), 0);
 }
 
 TEST(UrForeignClients, DashboardRolesAndModesAreAnsweredAsUrsLibraryWantsThem) {

@@ -221,19 +221,35 @@ TEST(UrServer, FaultsOfTheLink) {
 }
 
 TEST(UrServer, ASlowReaderIsSkippedAndThenDisconnected) {
-  UrServerOptions options;
-  options.speed = 20.0;
-  Server bench(options);
-  Client slow(bench.server.ports().realtime);
+  Server bench({}, 100.0);
+  Client slow(bench.server.ports().rtde);
+  slow.send(kStart);
   const double begin = bench.server.time();
   const Stopwatch watch;
-  while (bench.server.time() < begin + 20.0 && watch.seconds() < 30.0)
+  while (bench.server.time() < begin + 300.0 && watch.seconds() < 30.0)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   slow.until("never");  // what had been sent is there, then the link ends
   EXPECT_TRUE(slow.closed);
-  EXPECT_LT(slow.seen.size(), 20.0 * 125 * 1220 / 2) << "packages were left out";
-  Client fresh(bench.server.ports().realtime);
-  EXPECT_EQ(fresh.exact(1220).size(), 1220U);
+  EXPECT_LT(slow.seen.size(), 300.0 * 125 * 12 / 2) << "packages were left out";
+  Client fresh(bench.server.ports().rtde);
+  fresh.send(kStart);
+  EXPECT_EQ(fresh.exact(18).size(), 18U);
+}
+
+TEST(UrServer, ScriptPortsSkipClientsThatOnlyWriteAndKeepThem) {
+  // ur_rtde sends its programs over one connection to the realtime port and never reads what streams there.
+  Server bench({}, 20.0);
+  Client primary(bench.server.ports().primary), writer(bench.server.ports().realtime);
+  primary.until("URControl");
+  const double begin = bench.server.time();
+  const Stopwatch watch;
+  while (bench.server.time() < begin + 60.0 && watch.seconds() < 30.0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  writer.send("def late():\n sync()\nend\n");
+  EXPECT_NE(primary.until("PROGRAM_XXX_STOPPEDlate"), "");
+  writer.until("never", 0.2);
+  EXPECT_FALSE(writer.closed);
+  EXPECT_LT(writer.seen.size(), 60.0 * 125 * 1220 / 2) << "packages were left out";
 }
 
 TEST(UrServer, LoopbackOnlyAndTakenPortsAreRefused) {

@@ -63,7 +63,7 @@ void add_registers(std::vector<Builtin>& list) {
                     return Outcome(Value(c.host.registers.out_bit[place(c, 128)]));
                   }});
   list.push_back({"write_output_integer_register", {"address", "value"}, 2, [](BuiltinCall& c) {
-                    c.host.registers.out_int[place(c, 48)] = to_int32(arg(c, 1));
+                    c.host.registers.write_int(place(c, 48), to_int32(arg(c, 1)), c.host.steps());
                     return Outcome(Value());
                   }});
   list.push_back({"write_output_float_register", {"address", "value"}, 2, [](BuiltinCall& c) {

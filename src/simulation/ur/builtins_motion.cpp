@@ -189,10 +189,11 @@ double payload_mass(const BuiltinCall& call) {
 
 Outcome set_payload(BuiltinCall& call) {
   const double mass = payload_mass(call);
-  if (call.has(2)) static_cast<void>(six(arg(call, 2)));  // inertia: nothing here depends on it
+  const Six inertia = call.has(2) ? Six(six(arg(call, 2))) : Six(Six::Zero());
   // Without a centre of gravity it is the tool centre point, as on the pendant.
   call.host.set_payload(mass, call.has(1) ? three(arg(call, 1))
                                           : Eigen::Vector3d(call.host.motion.geometry().T_F_P.translation()));
+  call.host.payload_inertia = inertia;
   return Value();
 }
 
@@ -239,7 +240,7 @@ void add_motion(std::vector<Builtin>& list) {
                   }});
   list.push_back({"set_tcp", {"pose"}, 1, set_tcp});
   list.push_back({"set_payload", {"m", "cog"}, 1, set_payload});
-  list.push_back({"set_target_payload", {"m", "cog", "inertia"}, 1, set_payload});
+  list.push_back({"set_target_payload", {"m", "cog", "inertia", "transition_time"}, 1, set_payload});
   list.push_back({"set_payload_mass", {"m"}, 1, [](BuiltinCall& c) {
                     c.host.set_payload(payload_mass(c), c.host.payload_cog);
                     return Outcome(Value());

@@ -85,6 +85,7 @@ void add_state(std::vector<Builtin>& list) {
   add(list, "is_steady", [](BuiltinCall& c) { return !c.host.motion.moving(); });
   add(list, "get_target_payload", [](BuiltinCall& c) { return c.host.payload; });
   add(list, "get_target_payload_cog", [](BuiltinCall& c) { return to_list(c.host.payload_cog); });
+  add(list, "get_target_payload_inertia", [](BuiltinCall& c) { return to_list(c.host.payload_inertia); });
   list.push_back({"get_actual_joint_positions_history", {"steps"}, 0, joints_before});
   list.push_back({"tool_contact", {"direction"}, 0, feel});
   list.push_back({"is_within_safety_limits", {"q"}, 1, within_limits});

@@ -20,7 +20,8 @@ constexpr double kGravity = 9.81;
 constexpr std::size_t kHistory = 1000;                 // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kViolation = 3;                          // report level
-constexpr double kStopAcceleration = 10.0;             // rad/s^2 when a program ends in motion
+constexpr std::uint64_t kEarlyLook = 13;    // every so many steps RTDE looks before a script is through
+constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
 
 }  // namespace
 
@@ -57,6 +58,21 @@ UrController::UrController(const UrServerOptions& options, const RobotModel& rob
 
 bool UrController::can_move() const {
   return robot_mode == RobotMode::kRunning && safety_mode == SafetyMode::kNormal;
+}
+
+void Registers::write_int(std::size_t i, std::int32_t value, std::uint64_t step) {
+  auto& write = writes_[i];
+  if (write.step == step && out_int[i] != value) {
+    write.over = out_int[i];
+    write.over_step = step;
+  }
+  write.step = step;
+  out_int[i] = value;
+}
+
+std::int32_t Registers::seen_int(std::size_t i, std::uint64_t step) const {
+  const auto& write = writes_[i];
+  return write.over_step == step && step % kEarlyLook == 0 ? write.over : out_int[i];
 }
 
 void UrController::step() {

@@ -29,6 +29,19 @@ struct Registers {
   std::array<std::int32_t, 48> in_int{}, out_int{};
   std::array<double, 48> in_double{}, out_double{};
   std::array<bool, 128> in_bit{}, out_bit{};
+
+  /// An integer of a script, written during that control step.
+  void write_int(std::size_t i, std::int32_t value, std::uint64_t step);
+  /// What RTDE shows of it after that step. It looks while scripts run: now and then at what a script wrote
+  /// and wrote over again within the step.
+  [[nodiscard]] std::int32_t seen_int(std::size_t i, std::uint64_t step) const;
+
+ private:
+  struct Write {
+    std::uint64_t step = 0, over_step = 0;
+    std::int32_t over = 0;
+  };
+  std::array<Write, 48> writes_{};
 };
 
 struct ControllerIo {
@@ -142,6 +155,7 @@ class UrController {
   std::string loaded_program;             ///< of the Dashboard; empty: none
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
+  Six payload_inertia = Six::Zero();               ///< xx, yy, zz, xy, xz, yz; told, without effect
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque
   std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written

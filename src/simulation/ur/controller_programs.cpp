@@ -40,6 +40,7 @@ constexpr Gate kGates[] = {
     {"struct", {0, 0, 0, 0}, {5, 10, 0, 0}},  // UR's client library
     {"get_target_payload", {3, 11, 0, 0}, {5, 0, 0, 0}},
     {"get_target_payload_cog", {3, 11, 0, 0}, {5, 0, 0, 0}},
+    {"get_target_payload_inertia", {3, 15, 0, 0}, {5, 10, 0, 0}},
 };
 
 ControllerEvent make_event(Kind kind, std::string title, std::string text) {

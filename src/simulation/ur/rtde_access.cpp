@@ -69,6 +69,7 @@ void add_motion(Table& t) {
   t["tcp_offset"] = [](C c) { return six(urscript::to_vector(c.motion.geometry().T_F_P)); };
   t["payload"] = [](C c) { return c.payload; };
   t["payload_cog"] = [](C c) { return three(c.payload_cog); };
+  t["payload_inertia"] = [](C c) { return six(c.payload_inertia); };
   t["elbow_position"] = [](C c) { return three(elbow(c, c.plant().q)); };
   t["elbow_velocity"] = [](C c) {
     constexpr double kStep = 1e-4;
@@ -136,10 +137,11 @@ const Table& readers() {
         t[side + "_bit_registers" + std::to_string(first) + "_to_" + std::to_string(first + 31)] = [=](C c) {
           return bits_from(c.registers.*bits, first);
         };
-      const auto ints = in ? &Registers::in_int : &Registers::out_int;
       const auto doubles = in ? &Registers::in_double : &Registers::out_double;
       for (std::size_t i = 0; i < 48; ++i) {
-        t[side + "_int_register_" + std::to_string(i)] = [=](C c) { return (c.registers.*ints)[i]; };
+        t[side + "_int_register_" + std::to_string(i)] = [=](C c) {
+          return in ? c.registers.in_int[i] : c.registers.seen_int(i, c.steps());
+        };
         t[side + "_double_register_" + std::to_string(i)] = [=](C c) { return (c.registers.*doubles)[i]; };
       }
     }

@@ -18,7 +18,7 @@ std::string trimmed(const std::string& line) {
 }  // namespace
 
 ScriptLink::ScriptLink(TcpStream stream, UrController& controller, Kind kind, bool read_only)
-    : ServerLink(std::move(stream), controller),
+    : ServerLink(std::move(stream), controller, Unread::kSkipped),  // many clients only ever write here
       kind_(kind),
       read_only_(read_only),
       next_state_(controller.steps()) {

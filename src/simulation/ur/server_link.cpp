@@ -19,8 +19,8 @@ constexpr int kReadsAStep = 16;
 
 }  // namespace
 
-ServerLink::ServerLink(TcpStream stream, UrController& controller)
-    : stream_(std::move(stream)), controller_(&controller) {
+ServerLink::ServerLink(TcpStream stream, UrController& controller, Unread unread)
+    : stream_(std::move(stream)), controller_(&controller), unread_(unread) {
   ::setsockopt(stream_.descriptor(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof(kSendBuffer));
 }
 
@@ -48,7 +48,7 @@ void ServerLink::flush() {
     if (result.status != IoStatus::kDone) break;
   }
   pending_.erase(0, sent);
-  if (pending_.empty()) {
+  if (pending_.empty() || unread_ == Unread::kSkipped) {
     behind_since_ = -1.0;
   } else if (behind_since_ < 0 || sent > 0) {
     behind_since_ = controller_->uptime();
@@ -60,7 +60,8 @@ void ServerLink::flush() {
 void ServerLink::send(std::string_view bytes) {
   if (dead_ || mute_) return;
   if (pending_.size() + bytes.size() > kMostPending) {
-    dead_ = true;
+    ++skipped_;
+    dead_ = unread_ == Unread::kDisconnected;
     return;
   }
   pending_ += bytes;

@@ -11,7 +11,9 @@ namespace stonestack {
 /// One client of one port. Everything happens between two control steps and never waits.
 class ServerLink {
  public:
-  ServerLink(TcpStream stream, UrController& controller);
+  /// What becomes of a client that does not read.
+  enum class Unread { kDisconnected, kSkipped };
+  ServerLink(TcpStream stream, UrController& controller, Unread unread = Unread::kDisconnected);
   virtual ~ServerLink() = default;
 
   /// Reads what has come, and writes what is still to go.
@@ -28,7 +30,7 @@ class ServerLink {
 
  protected:
   virtual void receive(std::string_view bytes) = 0;
-  /// Sends all of it, sooner or later.
+  /// Sends all of it, sooner or later; what finds no room is skipped, or ends the link.
   void send(std::string_view bytes);
   /// Sends it now or, if the client is behind, not at all.
   void offer(std::string_view bytes);
@@ -39,6 +41,7 @@ class ServerLink {
 
   TcpStream stream_;
   UrController* controller_;
+  Unread unread_;
   std::string pending_;
   double behind_since_ = -1.0;  // s, controller time
   bool dead_ = false, mute_ = false;

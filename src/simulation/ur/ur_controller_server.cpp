@@ -117,10 +117,12 @@ void UrControllerServer::Parts::turn(bool accept) {
     std::swap(todo, calls);
   }
   for (const auto& call_it : todo) call_it();
+  // RTDE last: a client that takes its command back by RTDE and sends a program then must not find the
+  // program here before the command is gone.
   const auto each = [&](auto&& what) {
-    if (rtde) what(*rtde);
-    if (dashboard) what(*dashboard);
     for (auto& port : scripts) what(*port);
+    if (dashboard) what(*dashboard);
+    if (rtde) what(*rtde);
   };
   if (accept) each([](ServerPort& port) { port.accept(); });
   each([](ServerPort& port) { port.pump(); });
