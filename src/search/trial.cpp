@@ -150,8 +150,8 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   stand.fall = 0.0;
   const StandVerdict verdict =
       judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);
-  if (!verdict.stands || !verdict.clean)
-    return drop(trial, "the stack does not stand for the time of the verdict");
+  if (!verdict.stands) return drop(trial, "the stack does not stand for the time of the verdict");
+  if (!verdict.clean) return drop(trial, "a stone touches more than the one below it");
 }
 
 void predict(const SearchContext& context, std::span<const Candidate> candidates, int worlds) {
