@@ -77,7 +77,7 @@ Joints home_joints() {
 }
 
 GripperModel hand_of(const CellLayout& layout) {
-  GripperModel hand = make_robotiq_3f();
+  GripperModel hand = with_camera_at(make_robotiq_3f(), layout.T_T_C);
   hand.sensor_mass = layout.sensor_mass;
   hand.camera_mass = layout.camera_mass;
   return hand;

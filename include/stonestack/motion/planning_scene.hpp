@@ -16,6 +16,7 @@ struct GripperBox {
   Eigen::Vector3d p_T_centre;  ///< with the fingers closed (opening 0)
   double finger_side = 0.0;    ///< +1 or -1: moves by that times opening / 2 along x; 0: fixed
   double spread = 0.0;         ///< moves along y by that times the change of the spacing of B and C
+  bool camera = false;         ///< goes where the camera is mounted
 };
 
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
@@ -47,6 +48,12 @@ struct GripperModel {
 /// The hand with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing that
 /// is not between `narrow_spacing` and `finger_spacing`.
 [[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);
+
+/// The hand with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around
+/// camera and bracket moves with it and grows to the box along T's axes that holds it. A mount within 10 mm
+/// and 3 deg of the default, as a calibration finds it, keeps the default's box. Throws InvalidArgument for
+/// what is no rigid transform.
+[[nodiscard]] GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C);
 
 /// A convex obstacle or one convex piece of a stone, with its own name for messages.
 struct SceneObject {
