@@ -96,4 +96,12 @@ GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C) {
   return gripper;
 }
 
+double padding_between(const PlanningScene& scene, const std::string& part, const std::string& link,
+                       const std::string& stands, double padding) {
+  if (padding == 0.0) return padding;
+  for (const PairPadding& pair : scene.paddings)
+    if ((pair.a == part || pair.a == link) && pair.b == stands) padding = pair.m;
+  return padding;
+}
+
 }  // namespace stonestack

@@ -95,6 +95,7 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
       const Stone& stone = catalogue.stones[static_cast<std::size_t>(placed.stone)];
       scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
     }
+  scene.paddings = layout.paddings;
   for (const Obstacle& o : layout.obstacles) scene.objects.push_back({o.name, o.pieces, o.T_W_O});
   return scene;
 }

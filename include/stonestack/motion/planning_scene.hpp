@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stonestack/geometry/mesh.hpp"
+#include "stonestack/geometry/pair_padding.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/stone/stone.hpp"
 
@@ -68,9 +69,15 @@ struct PlanningScene {
   GripperModel gripper = make_robotiq_3f();
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
-  double table_z = 0.0;              ///< m; the half space below is solid
-  double opening = 0.155;            ///< m, of the empty hand while `plan_transit` moves it
-  std::vector<SceneObject> objects;  ///< loose stones, stack, user's boxes and meshes
+  double table_z = 0.0;               ///< m; the half space below is solid
+  double opening = 0.155;             ///< m, of the empty hand while `plan_transit` moves it
+  std::vector<SceneObject> objects;   ///< loose stones, stack, user's boxes and meshes
+  std::vector<PairPadding> paddings;  ///< users', instead of a motion's padding unless that is 0 (contact)
 };
+/// m, that what moves stays away from what stands: of the user's paddings that name both the last, otherwise
+/// `padding`, which alone counts where it is 0. `part`: "arm", "hand" or "held"; `link`: "forearm", or the
+/// part again.
+[[nodiscard]] double padding_between(const PlanningScene& scene, const std::string& part,
+                                     const std::string& link, const std::string& stands, double padding);
 
 }  // namespace stonestack
