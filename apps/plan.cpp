@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
@@ -21,7 +22,9 @@ namespace {
 
 struct PlanCommand {
   CommonOptions common;
-  std::string robot = "ur10";
+  std::string robot;  ///< empty: the cell's, or a UR10
+  std::string cell;
+  std::string start;
   std::string scene;
   std::string stone;
   std::string target;
@@ -129,22 +132,43 @@ std::string csv_text(const PickAndPlacePlan& plan) {
   return text;
 }
 
+/// Joint angles of --start; where the arm cannot stand is refused.
+Joints parse_start(const std::string& text, const RobotModel& robot) {
+  const std::vector<double> q = parse_numbers(text, 6, "q1,q2,q3,q4,q5,q6 in rad");
+  const Joints joints = Eigen::Map<const Joints>(q.data());
+  for (Eigen::Index i = 0; i < 6; ++i)
+    require(joints[i] >= robot.lower[i] && joints[i] <= robot.upper[i], "--start: joint ", i + 1, " at ",
+            joints[i], " rad is outside the limits of ", robot.name, ", ", robot.lower[i], " to ",
+            robot.upper[i], " rad", std::abs(joints[i]) > 6.4 ? "; angles are in rad, not degrees" : "");
+  return joints;
+}
+
 /// For the first target that can be carried out; fails with what stands in the way of each.
 Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
                   const std::vector<NamedPose>& targets) {
-  const RobotModel robot = read_robot(command.robot);
+  CellLayout layout;
+  std::string robot_name = command.robot;
+  if (!command.cell.empty()) {
+    const CellFile cell = read_cell(command.cell);
+    require(robot_name.empty() || robot_name == cell.cell.robot, "--robot ", robot_name,
+            " is not the robot of ", command.cell, ", ", cell.cell.robot);
+    robot_name = cell.cell.robot;
+    layout = to_layout(cell.cell);
+  }
+  const RobotModel robot = read_robot(robot_name.empty() ? "ur10" : robot_name);
+  const Joints q_start = command.start.empty() ? home_joints() : parse_start(command.start, robot);
   const SceneFile file = read_scene_file(command.scene);
   Belief belief;
   for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
-  CellLayout layout;
-  layout.obstacles = file.obstacles;
+  layout.obstacles.insert(layout.obstacles.end(), file.obstacles.begin(), file.obstacles.end());
+  layout.paddings.insert(layout.paddings.end(), file.paddings.begin(), file.paddings.end());
   const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
   std::string refusals;
   for (const NamedPose& target : targets) {
     throw_if_interrupted();
     const int stone = catalogue.index(target.stone);
-    Planned planned{scene, make_task(catalogue, belief, stone, target.T_W_O, home_joints()), {}};
+    Planned planned{scene, make_task(catalogue, belief, stone, target.T_W_O, q_start), {}};
     planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
     if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
     refusals += concat(refusals.empty() ? "" : "; ", target.stone, ": ", planned.plan.reason);
@@ -218,8 +242,15 @@ void add_plan(CLI::App& app) {
   sub->add_option("SCENE", command->scene,
                   "Scene file with the stones' poses and, if there are any, obstacles")
       ->required();
-  sub->add_option("--robot", command->robot, "Robot name, URDF, or YAML of a calibrated robot")
-      ->capture_default_str();
+  sub->add_option("--robot", command->robot,
+                  "Robot name, URDF, or YAML of a calibrated robot (default: the cell's, or ur10)");
+  sub->add_option(
+         "--cell", command->cell,
+         "Cell file, or the name of one that comes with stonestack: takes its robot and layout (mounts, "
+         "masses, obstacles, padding)")
+      ->type_name("FILE");
+  sub->add_option("--start", command->start,
+                  "Where the arm stands: q1,q2,q3,q4,q5,q6 in rad (default: where a run begins)");
   sub->add_option("--stone", command->stone, "Which stone to move");
   sub->add_option("--target", command->target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
   sub->add_option(
@@ -242,6 +273,8 @@ void add_plan(CLI::App& app) {
       "  stonestack search scene/scene.yaml --robot ur10 --json > next.json\n"
       "  stonestack plan scene/scene.yaml --search next.json --csv motion.csv\n"
       "  stonestack plan scene/scene.yaml --search next.json --plot motion.svg --frames frames\n"
+      "  stonestack plan scene/scene.yaml --search next.json --cell my_lab.yaml --start "
+      "0.3,-1.75,1.85,-1.67,-1.57,0\n"
       "  stonestack plan scene/scene.yaml --stone limestone_3 --target 0.7,0.28,0.06,0,0,0,1 --json");
   sub->callback([command] { plan(*command); });
 }

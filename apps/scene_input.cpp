@@ -18,19 +18,6 @@ constexpr float kNearestSeen = 0.10F;  // m
 constexpr double kCameraHeight = 0.8;  // m above the middle of a world-frame cloud
 constexpr double kMostTilt = 0.35;     // rad, of the table in W: more is another frame
 
-std::vector<double> parse_numbers(const std::string& text, std::size_t count, const char* form) {
-  std::vector<double> numbers;
-  for (const auto& part : split(text, ',')) {
-    double value = 0.0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    require(error == std::errc() && end == part.data() + part.size() && std::isfinite(value), "'", part,
-            "' in '", text, "' is not a number; expected ", form);
-    numbers.push_back(value);
-  }
-  require(numbers.size() == count, "'", text, "' has ", numbers.size(), " numbers; expected ", form);
-  return numbers;
-}
-
 /// A camera that looks straight down on a cloud in W.
 Pose camera_above(const Cloud& cloud_W) {
   Eigen::AlignedBox3f box;
@@ -160,6 +147,19 @@ std::vector<std::string> split(const std::string& list, char separator) {
     from = to + 1;
   }
   return parts;
+}
+
+std::vector<double> parse_numbers(const std::string& text, std::size_t count, const char* form) {
+  std::vector<double> numbers;
+  for (const auto& part : split(text, ',')) {
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    require(error == std::errc() && end == part.data() + part.size() && std::isfinite(value), "'", part,
+            "' in '", text, "' is not a number; expected ", form);
+    numbers.push_back(value);
+  }
+  require(numbers.size() == count, "'", text, "' has ", numbers.size(), " numbers; expected ", form);
+  return numbers;
 }
 
 bool is_scene_file(const std::string& path) {

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/plane.hpp"
@@ -27,6 +28,8 @@ struct DepthInput {
 /// --depth-unit, --camera, --distortion, --frame, --units.
 void register_depth_input(CLI::App& command, DepthInput& input);
 
+/// `count` finite numbers with commas between; `form` says in errors what they are. Throws InvalidArgument.
+[[nodiscard]] std::vector<double> parse_numbers(const std::string& text, std::size_t count, const char* form);
 /// "x,y,z,qx,qy,qz,qw", or the path of a scene file with T_W_C. Throws InvalidArgument or FileError.
 [[nodiscard]] Pose parse_pose(const std::string& text);
 /// "x,y".

@@ -1,4 +1,5 @@
-// Prints, for every robot: inverse solutions recovered, worst residual, processor time a call.
+// Prints, for every robot as drawn and as calibrated: inverse solutions recovered, worst residual, processor
+// time a call.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,16 +8,25 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "kinematics/dh.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/jacobian.hpp"
 
 namespace stonestack::apps {
 namespace {
 
-/// Processor time of this process, s: other work on the machine does not count.
+constexpr int kCalibrations = 20;  // drawn for each robot
+
+/// How far a calibration moves and turns each joint's frame, one sigma an axis.
+struct CalibrationDraw {
+  double length = 0.001;  // m
+  double angle = 0.002;   // rad
+};
+
 struct Problem {
   Joints q;
   Pose T_R_F;
@@ -118,26 +128,100 @@ void measure(const std::string& name, std::size_t count, std::uint64_t seed) {
   measure_singular(robot, count / 10, seed);
 }
 
+/// The robot with every joint's frame a little off, as a factory calibration finds it.
+RobotModel calibrated(RobotModel robot, const CalibrationDraw& draw, Random& random) {
+  const RobotModel drawn = robot;
+  for (;;) {
+    const auto three = [&](double sigma) {
+      return Eigen::Vector3d(random.normal(0, sigma), random.normal(0, sigma), random.normal(0, sigma));
+    };
+    for (std::size_t i = 0; i < 6; ++i) {
+      const Eigen::Vector3d turn = three(draw.angle);
+      robot.T_parent_joint[i] = drawn.T_parent_joint[i] * Eigen::Translation3d(three(draw.length)) *
+                                Eigen::AngleAxisd(turn.norm(), turn.normalized());
+    }
+    if (derive_dh(robot).empty()) return robot;  // a draw beyond what read_robot takes is drawn again
+  }
+}
+
+/// Largest difference of two joint vectors, whole turns not counted.
+double apart(const Joints& a, const Joints& b) {
+  double most = 0.0;
+  for (Eigen::Index i = 0; i < 6; ++i)
+    most = std::max(most, std::abs(std::remainder(a[i] - b[i], 2.0 * 3.14159265358979323846)));
+  return most;
+}
+
+/// Random poses of calibrated robots. The seed knows nothing of the answer.
+void measure_calibrated(const std::string& name, const CalibrationDraw& draw, std::size_t count,
+                        std::uint64_t seed) {
+  Random random = Random::stream(seed, name + " calibrations");
+  std::size_t recovered = 0, solutions = 0, poses = 0;
+  double worst = 0.0, seconds = 0.0, missed = 0.0;
+  for (std::uint64_t k = 0; k < kCalibrations; ++k) {
+    const RobotModel robot = calibrated(read_robot(name), draw, random);
+    const auto problems = random_problems(robot, std::max<std::size_t>(1, count / kCalibrations), seed + k);
+    std::vector<IkBranches> found(problems.size());
+    const double start = processor_seconds();
+    for (std::size_t i = 0; i < problems.size(); ++i)
+      found[i] = inverse_branches(robot, problems[i].T_R_F, Joints::Zero());
+    seconds += processor_seconds() - start;
+    poses += problems.size();
+    for (std::size_t i = 0; i < problems.size(); ++i) {
+      bool same = false;
+      for (int b = 0; b < found[i].count; ++b) {
+        const Joints& s = found[i].solutions[static_cast<std::size_t>(b)].q;
+        const double off = (forward(robot, s).matrix() - problems[i].T_R_F.matrix()).cwiseAbs().maxCoeff();
+        worst = std::max(worst, off == off ? off : 1e9);
+        same = same || apart(s, problems[i].q) < 1e-5;
+      }
+      recovered += same ? 1 : 0;
+      if (!same) missed = std::max(missed, manipulability(robot, problems[i].q));
+      solutions += static_cast<std::size_t>(found[i].count);
+    }
+    throw_if_interrupted();
+  }
+  std::printf(
+      "%-6s calibrated: recovered %zu of %zu, %.2f branches a pose, residual <= %.1e, %.1f us a call; "
+      "manipulability of those missed <= %.1e\n",
+      name.c_str(), recovered, poses, static_cast<double>(solutions) / static_cast<double>(poses), worst,
+      1e6 * seconds / static_cast<double>(poses), missed);
+}
+
 }  // namespace
 
 void add_bench_kinematics(CLI::App& bench) {
   struct Command {
     int poses = 100000;
     int seed = 1;
+    CalibrationDraw draw;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub = bench.add_subcommand(
-      "kinematics",
-      "Inverse kinematics: recovered poses, residual, time a call; a tenth as many singular poses");
+  CLI::App* sub = bench.add_subcommand("kinematics",
+                                       "Inverse kinematics: recovered poses, residual, time a call; a tenth "
+                                       "as many singular poses, and as many "
+                                       "of calibrated robots");
   sub->add_option("--poses", command->poses, "Random joint positions a robot")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
   sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
+  sub->add_option("--calibration-length", command->draw.length,
+                  "m, by which calibrated robots' joint frames are moved (one sigma an axis)")
+      ->check(CLI::Range(0.0, 0.005))
+      ->capture_default_str();
+  sub->add_option("--calibration-angle", command->draw.angle, "rad, by which they are turned")
+      ->check(CLI::Range(1e-6, 0.01))
+      ->capture_default_str();
   sub->footer("Example:\n  stonestack bench kinematics --poses 1000000");
   sub->callback([command] {
     std::printf("%d poses a robot, seed %d\n", command->poses, command->seed);
-    for (const auto& name : robot_names())
-      measure(name, static_cast<std::size_t>(command->poses), static_cast<std::uint64_t>(command->seed));
+    const auto seed = static_cast<std::uint64_t>(command->seed);
+    const auto poses = static_cast<std::size_t>(command->poses);
+    for (const auto& name : robot_names()) measure(name, poses, seed);
+    std::printf(
+        "%d calibrations a robot, joint frames off by %g m and %g rad (one sigma an axis), %zu poses\n",
+        kCalibrations, command->draw.length, command->draw.angle, poses / 10);
+    for (const auto& name : robot_names()) measure_calibrated(name, command->draw, poses / 10, seed);
   });
 }
 

@@ -37,7 +37,8 @@ FieldList layout_fields(CellConfig& c) {
                pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate"),
                {field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "FT150 0.65, FT300 0.30 (data sheet)"),
                 field("camera_mass", c.camera_mass, {0.0, 10.0}, "kg", "with bracket and cable; ours"),
-                field("obstacles", c.obstacles_text, "a list of name, shape, T_W_O: README, Formats")},
+                field("obstacles", c.obstacles_text, "a list of name, shape, T_W_O: README, Formats"),
+                field("padding", c.padding_text, "a list of a, b, m: README, Formats")},
                {field("site.x", c.site_x, {-3.0, 3.0}, "m", "where the tower goes"),
                 field("site.y", c.site_y, {-3.0, 3.0}, "m", "where the tower goes"),
                 field("field.x", c.field_x, {-3.0, 3.0}, "m", "middle of the loose stones"),
@@ -124,6 +125,7 @@ CellLayout to_layout(const CellConfig& c) {
   layout.sensor_mass = c.sensor_mass;
   layout.camera_mass = c.camera_mass;
   layout.obstacles = c.obstacles;
+  layout.paddings = c.paddings;
   layout.site = {c.site_x, c.site_y};
   layout.field_centre = {c.field_x, c.field_y};
   layout.field_size = {c.field_width, c.field_depth};
@@ -135,6 +137,9 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   read_fields(fields(config), path, others);
   config.file = path;
   config.obstacles = parse_obstacles(config.obstacles_text, path, "layout.obstacles");
+  std::vector<std::string> names;
+  for (const Obstacle& obstacle : config.obstacles) names.push_back(obstacle.name);
+  config.paddings = parse_pair_paddings(config.padding_text, path, "layout.padding", names);
   require_known_words(config, path);
   require_usable_settings(config);
   return config;

@@ -3,13 +3,12 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "kinematics/jacobian_of.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
 namespace stonestack {
 
-Jacobian jacobian(const RobotModel& robot, const Joints& q) {
-  const auto T_R_link = link_poses(robot, q);
-  const Eigen::Vector3d p_R_F = (T_R_link[6] * robot.T_6_F).translation();
+Jacobian jacobian_of(const std::array<Pose, 7>& T_R_link, const Eigen::Vector3d& p_R_F) {
   Jacobian J;
   for (std::size_t i = 0; i < 6; ++i) {
     const Pose& T_R_i = T_R_link[i + 1];
@@ -19,6 +18,11 @@ Jacobian jacobian(const RobotModel& robot, const Joints& q) {
     J.block<3, 1>(3, column) = n_R_axis;
   }
   return J;
+}
+
+Jacobian jacobian(const RobotModel& robot, const Joints& q) {
+  const auto T_R_link = link_poses(robot, q);
+  return jacobian_of(T_R_link, (T_R_link[6] * robot.T_6_F).translation());
 }
 
 double manipulability(const RobotModel& robot, const Joints& q) {

@@ -73,12 +73,12 @@ bool hits_table(const CollisionShapes& shapes, const Placed& placed, const Slack
   };
   const bool hand_is_high =
       shapes.first_hand < shapes.movers.size() &&
-      axis_height(placed.hand) > shapes.hand.reach + shapes.rules.padding + slack.of_hand(0, shapes);
+      axis_height(placed.hand) > shapes.hand.reach + shapes.hand_table_padding + slack.of_hand(0, shapes);
   const std::size_t last = hand_is_high ? shapes.first_hand : shapes.movers.size();
   for (std::size_t i = 0; i < last; ++i) {
     const auto& mover = shapes.movers[i];
     if (!mover.sees_table) continue;
-    const double away = shapes.rules.padding + slack.of(mover);
+    const double away = mover.table_padding + slack.of(mover);
     if (axis_height(placed.axes[i]) - mover.core.reach < away && height(shapes, mover, placed) < away)
       return true;
   }
@@ -99,8 +99,9 @@ bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacl
 }
 
 bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
-  const double hand_ball = shapes.hand.reach + shapes.rules.padding + slack.of_hand(0, shapes);
+  const double hand_reach = shapes.hand.reach + slack.of_hand(0, shapes);
   for (const auto& group : shapes.groups) {
+    const double hand_ball = hand_reach + group.hand_padding;
     const double ball_of_hand = hand_ball + group.sphere;
     const bool hand_is_far = shapes.first_hand < shapes.movers.size() &&
                              (apart(placed.hand_box, group.box, hand_ball) ||
@@ -109,7 +110,7 @@ bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Sla
     for (std::size_t i = 0; i < last; ++i) {
       if (group.sees[i] == 0) continue;
       const auto& mover = shapes.movers[i];
-      const double away = shapes.rules.padding + slack.of(mover);
+      const double away = group.padding[i] + slack.of(mover);
       if (apart(placed.boxes[i], group.box, mover.core.reach + away)) continue;
       for (std::size_t k = group.first; k < group.last; ++k)
         if (hits(placed, mover, i, shapes.obstacles[k], away)) return true;

@@ -54,6 +54,26 @@ void add_mover(CollisionShapes& shapes, Mover::Part part, int link, ConvexCore c
   shapes.movers.push_back(std::move(mover));
 }
 
+/// How users call the part of a mover.
+const char* part_name(Mover::Part part) {
+  switch (part) {
+    case Mover::Part::kGripper:
+      return "hand";
+    case Mover::Part::kHeld:
+      return "held";
+    default:
+      return "arm";
+  }
+}
+
+double padding_of(const PlanningScene& scene, const CollisionRules& rules, const Mover& mover,
+                  const std::string& stands) {
+  if (scene.paddings.empty()) return rules.padding;
+  const std::string part = part_name(mover.part);
+  return padding_between(scene, part, mover.part == Mover::Part::kArm ? mover.name : part, stands,
+                         rules.padding);
+}
+
 /// Arm first, then gripper, then what it holds: links do not decrease.
 void add_movers(const PlanningScene& scene, const HeldObject* held, CollisionShapes& shapes) {
   auto capsules = scene.robot.capsules;
@@ -88,7 +108,8 @@ Obstacle make_obstacle(std::vector<Eigen::Vector3d> points) {
   return obstacle;
 }
 
-void add_object(const SceneObject& object, int index, const Pose& T_R_W, CollisionShapes& shapes) {
+void add_object(const PlanningScene& scene, int index, const Pose& T_R_W, CollisionShapes& shapes) {
+  const SceneObject& object = scene.objects[static_cast<std::size_t>(index)];
   ObstacleGroup group;
   group.name = object.name;
   group.first = shapes.obstacles.size();
@@ -107,7 +128,12 @@ void add_object(const SceneObject& object, int index, const Pose& T_R_W, Collisi
     const auto& piece = shapes.obstacles[k];
     group.sphere = std::max(group.sphere, (piece.centre - group.centre).norm() + piece.sphere);
   }
-  for (const auto& mover : shapes.movers) group.sees.push_back(may_touch(shapes.rules, mover, index) ? 0 : 1);
+  for (const auto& mover : shapes.movers) {
+    group.sees.push_back(may_touch(shapes.rules, mover, index) ? 0 : 1);
+    group.padding.push_back(padding_of(scene, shapes.rules, mover, object.name));
+    if (mover.part != Mover::Part::kArm)
+      group.hand_padding = std::max(group.hand_padding, group.padding.back());
+  }
   shapes.groups.push_back(std::move(group));
 }
 
@@ -148,10 +174,15 @@ CollisionShapes make_collision_shapes(const PlanningScene& scene, const Collisio
   add_movers(scene, held, shapes);
   require(shapes.movers.size() <= CollisionShapes::kMostMovers, "arm, gripper and held stone have ",
           shapes.movers.size(), " collision shapes, at most ", CollisionShapes::kMostMovers, " are checked");
+  for (Mover& mover : shapes.movers) {
+    mover.table_padding = padding_of(scene, rules, mover, "table");
+    if (mover.part != Mover::Part::kArm)
+      shapes.hand_table_padding = std::max(shapes.hand_table_padding, mover.table_padding);
+  }
   const Pose T_R_W = scene.T_W_R.inverse();
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (static_cast<int>(i) != rules.left_out && !scene.objects[i].pieces.empty())
-      add_object(scene.objects[i], static_cast<int>(i), T_R_W, shapes);
+      add_object(scene, static_cast<int>(i), T_R_W, shapes);
   bound_hand(shapes);
   add_pairs(shapes);
   shapes.n_R_table = T_R_W.linear().col(2);

@@ -19,6 +19,7 @@ struct Mover {
   bool sees_table = true;
   Eigen::AlignedBox3d box_T;  ///< of a gripper box, in T; empty for others
   std::string name;
+  double table_padding = 0.0;  ///< m
 };
 
 /// A convex piece of an object.
@@ -36,7 +37,9 @@ struct ObstacleGroup {
   Bounds box;
   Eigen::Vector3d centre;
   double sphere = 0.0;
-  std::vector<char> sees;  ///< one a mover: 0 where the two may touch
+  std::vector<char> sees;       ///< one a mover: 0 where the two may touch
+  std::vector<double> padding;  ///< m, one a mover
+  double hand_padding = 0.0;    ///< m, largest of gripper and held stone
 };
 
 /// Two movers that could touch; the second is on the same or a later link.
@@ -57,6 +60,7 @@ struct CollisionShapes {
   std::size_t first_hand = 0;          ///< movers from here on
   ConvexCore hand;                     ///< around them, in the frame of link 6
   double hand_span = 0.0;              ///< m, like Mover::span
+  double hand_table_padding = 0.0;     ///< m, largest of them
   std::vector<MoverPair> arm_pairs;    ///< of `pairs`, those within the arm
   std::vector<std::size_t> sees_hand;  ///< capsules of the arm that the hand could touch
   Pose T_6_T = Pose::Identity();

@@ -5,6 +5,13 @@
 
 namespace stonestack {
 
+double palm_front(const GripperModel& gripper) {
+  double front = -1e300;
+  for (const GripperBox& box : gripper.boxes)
+    if (box.finger_side == 0.0) front = std::max(front, box.p_T_centre.z() + box.size.z() / 2);
+  return front;
+}
+
 HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
                    const Eigen::Matrix3d& R_O_T) {
   HandView view{R_O_T, std::vector<Eigen::Vector3d>(surface.size()), 0.0};

@@ -8,6 +8,9 @@
 /// Private to motion: what closing fingers meet of a stone's surface.
 namespace stonestack {
 
+/// m, z in T of what stands out furthest towards the tips beside the fingers.
+[[nodiscard]] double palm_front(const GripperModel& gripper);
+
 inline constexpr double kNoStone = -1e300;  ///< m, a height where there is nothing
 
 /// The surface from the hand's side: points about the centre of mass in T's axes.

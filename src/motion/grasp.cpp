@@ -188,9 +188,7 @@ void sort_by_score(GraspSet& set) {
 
 /// All directions and yaws at one spacing of the fingers.
 void sample_grasps(Sampler s) {
-  s.palm_front = -1e300;
-  for (const GripperBox& box : s.gripper.boxes)
-    if (box.finger_side == 0.0) s.palm_front = std::max(s.palm_front, box.p_T_centre.z() + box.size.z() / 2);
+  s.palm_front = palm_front(s.gripper);
   const std::vector<Eigen::Vector3d> directions = approaches(s.options);
   std::vector<GraspSet> parts(directions.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {

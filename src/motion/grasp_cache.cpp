@@ -2,6 +2,7 @@
 #include <map>
 #include <mutex>
 
+#include "motion/finger_strips.hpp"
 #include "stonestack/motion/grasp.hpp"
 
 namespace stonestack {
@@ -36,12 +37,7 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
        {gripper.largest_opening, gripper.smallest_object, gripper.finger_width, gripper.finger_spacing,
         gripper.narrow_spacing, gripper.pad_length, gripper.force, gripper.friction})
     key.add(v);
-  for (const GripperBox& box : gripper.boxes) {
-    key.add(box.size);
-    key.add(box.p_T_centre);
-    key.add(box.finger_side);
-    key.add(box.spread);
-  }
+  key.add(palm_front(gripper));  // all that sampling asks of the boxes: a camera beside the palm changes none
   key.add(options.n_O_towards);
   for (const Field& field : fields(options)) {
     if (const auto* number = std::get_if<double*>(&field.value)) key.add(**number);

@@ -85,6 +85,7 @@ GraspEnd::GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects)
   scene.T_W_R = scene_.T_W_R;
   scene.T_F_T = scene_.T_F_T;
   scene.table_z = scene_.table_z;
+  scene.paddings = scene_.paddings;
   scene.objects.assign(objects.begin(), objects.end());
   make_hands(scene, -1);
 }

@@ -5,7 +5,16 @@
 
 namespace stonestack {
 
-HandCheck::HandCheck(const PlanningScene& scene, double way, int left_out) : table_z_(scene.table_z) {
+namespace {
+
+double chosen(double users, double padding) {
+  return users < 0.0 || padding == 0.0 ? padding : users;
+}
+
+}  // namespace
+
+HandCheck::HandCheck(const PlanningScene& scene, double way, int left_out)
+    : table_z_(scene.table_z), table_padding_(padding_between(scene, "hand", "hand", "table", kNoPadding)) {
   for (const GripperBox& box : scene.gripper.boxes) {
     std::vector<Eigen::Vector3d> corners;
     for (int i = 0; i < 8; ++i) {
@@ -20,6 +29,7 @@ HandCheck::HandCheck(const PlanningScene& scene, double way, int left_out) : tab
     for (const Mesh& mesh : scene.objects[object].pieces) {
       const Mesh piece_W = transformed(mesh, scene.objects[object].T_W_object);
       Piece piece{make_core(piece_W.vertices, 0.0), bounds(piece_W).center(), 0.0, static_cast<int>(object)};
+      piece.user_padding = padding_between(scene, "hand", "hand", scene.objects[object].name, kNoPadding);
       for (const Eigen::Vector3d& p : piece_W.vertices)
         piece.radius = std::max(piece.radius, (p - piece.centre).norm());
       pieces_.push_back(std::move(piece));
@@ -41,15 +51,16 @@ HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double paddin
   // Most grasps of a stone fall here, so only heights are worked out.
   const Eigen::RowVector3d up_T = T_W_T.linear().row(2);
   for (const Part& part : parts_) {
-    const double least =
-        table_z_ + padding - T_W_T.translation().z() - up_T.x() * part.finger_side * opening / 2;
+    const double least = table_z_ + chosen(table_padding_, padding) - T_W_T.translation().z() -
+                         up_T.x() * part.finger_side * opening / 2;
     for (const Eigen::Vector3d& p : part.core.points)
       if (up_T.dot(p) < least) return {Hit::What::kTableObject, -1};
   }
   for (const Part& part : parts_) {
     const Pose T_W_part = placed(part);
     for (const Piece& piece : pieces_)
-      if (near(part, T_W_part, piece, padding)) return {Hit::What::kObject, piece.object};
+      if (near(part, T_W_part, piece, chosen(piece.user_padding, padding)))
+        return {Hit::What::kObject, piece.object};
   }
   return {};
 }

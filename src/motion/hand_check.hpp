@@ -23,6 +23,7 @@ class HandCheck {
   [[nodiscard]] Hit sweep(const Pose& T_W_T, double opening, double padding) const;
 
  private:
+  static constexpr double kNoPadding = -1.0;  ///< m: the user asks for none of his own
   struct Part {
     ConvexCore core;  ///< swept, in T, fingers closed
     double finger_side = 0.0;
@@ -32,12 +33,14 @@ class HandCheck {
     Eigen::Vector3d centre;
     double radius = 0.0;
     int object = -1;
+    double user_padding = kNoPadding;
   };
   [[nodiscard]] bool near(const Part& part, const Pose& T_W_part, const Piece& piece, double padding) const;
 
   std::vector<Part> parts_;
   std::vector<Piece> pieces_;
   double table_z_ = 0.0;
+  double table_padding_ = kNoPadding;
 };
 
 }  // namespace stonestack

@@ -18,6 +18,29 @@ constexpr double kUnbalanced = 0.03;                         ///< share of the l
 constexpr double kLargestMove = 0.003, kLargestTurn = 0.06;  ///< m, rad: further, it counts as lost
 constexpr double kLength = 0.05;                             ///< m, makes torques comparable with forces
 constexpr double kLoadStep = 0.5;                            ///< of the weight
+constexpr double kDeepest = 0.02;                            ///< m, that a stone is pressed into a pad
+constexpr int kHalvings = 24;                                ///< of that
+
+/// Adds J^T diag(along, across, across) J to the lower triangle of `K`, where J = (1, -[r]x) is how a point
+/// at `r` follows the stone's shift and turn. Written out: most of the time of a press is spent here.
+void add_spring(const Eigen::Vector3d& r, double along, double across, Eigen::Matrix<double, 6, 6>& K) {
+  const double x = r.x(), y = r.y(), z = r.z();
+  K(0, 0) += along;
+  K(1, 1) += across;
+  K(2, 2) += across;
+  K(3, 1) -= across * z;
+  K(3, 2) += across * y;
+  K(4, 0) += along * z;
+  K(4, 2) -= across * x;
+  K(5, 0) -= along * y;
+  K(5, 1) += across * x;
+  K(3, 3) += across * (y * y + z * z);
+  K(4, 4) += along * z * z + across * x * x;
+  K(5, 5) += along * y * y + across * x * x;
+  K(4, 3) -= across * x * y;
+  K(5, 3) -= across * x * z;
+  K(5, 4) -= along * y * z;
+}
 
 }  // namespace
 
@@ -43,24 +66,28 @@ PadPress::PadPress(const std::vector<SurfaceSample>& surface, const MassProperti
   squeeze();
 }
 
-void PadPress::close(State& state, int pad) const {
+double PadPress::height(const State& state, const Sample& s) const {
+  return kSide[static_cast<std::size_t>(s.pad)] *
+         (s.p.x() + state.u[0] + state.u[4] * s.r.z() - state.u[5] * s.r.y());
+}
+
+void PadPress::close(State& state, int pad) {
   // The force falls as the pad's place grows: bisection.
   const auto f = static_cast<std::size_t>(pad);
-  double low = 0.0, high = 0.0;
-  for (const Sample& s : samples_)
-    if (s.pad == pad)
-      high = std::max(high, kSide[f] * (s.p + state.u.head<3>() + state.u.tail<3>().cross(s.r)).x());
-  low = high - 0.02;
-  for (int i = 0; i < 24; ++i) {
+  double high = 0.0;
+  met_.clear();
+  for (const Sample& s : samples_) {
+    if (s.pad != pad) continue;
+    met_.push_back({height(state, s), gripper_.pad_stiffness * s.area});
+    high = std::max(high, met_.back().height);
+  }
+  double low = high - kDeepest;
+  for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
     double force = 0.0;
-    for (const Sample& s : samples_) {
-      if (s.pad != pad) continue;
-      const double x = kSide[f] * (s.p.x() + state.u[0] + state.u.tail<3>().cross(s.r).x());
-      const double depth = x - middle;
-      if (depth <= 0) continue;
-      force +=
-          gripper_.pad_stiffness * s.area * (depth + kBehind * std::max(0.0, depth - gripper_.pad_thickness));
+    for (const auto& [height, stiff] : met_) {
+      const double depth = height - middle;
+      if (depth > 0) force += stiff * (depth + kBehind * std::max(0.0, depth - gripper_.pad_thickness));
     }
     (force > wanted_[f] ? low : high) = middle;
   }
@@ -71,30 +98,24 @@ PadPress::Vector6 PadPress::forces(const State& state, Matrix6* stiffness) const
   Vector6 sum = Vector6::Zero();
   if (stiffness != nullptr) stiffness->setZero();
   for (const Sample& s : samples_) {
-    const auto f = static_cast<std::size_t>(s.pad);
-    const Eigen::Vector3d d = state.u.head<3>() + state.u.tail<3>().cross(s.r);
-    const double depth = kSide[f] * (s.p.x() + d.x()) - state.place[f];
+    const double depth = height(state, s) - state.place[static_cast<std::size_t>(s.pad)];
     if (depth <= 0) continue;
     const double stiff = gripper_.pad_stiffness * s.area,
                  pressed = stiff * std::min(depth, gripper_.pad_thickness);
     const double behind = kBehind * stiff * std::max(0.0, depth - gripper_.pad_thickness);
+    const Eigen::Vector3d d = state.u.head<3>() + state.u.tail<3>().cross(s.r);
     Eigen::Vector2d shear = -gripper_.pad_shear * s.area * d.tail<2>();
     const double limit = gripper_.friction * pressed, size = shear.norm();
     const bool slips = size > limit;
     if (slips) shear *= limit / size;
-    const Eigen::Vector3d force(-kSide[f] * (pressed + behind), shear.x(), shear.y());
+    const Eigen::Vector3d force(-kSide[static_cast<std::size_t>(s.pad)] * (pressed + behind), shear.x(),
+                                shear.y());
     sum.head<3>() += force;
     sum.tail<3>() += s.r.cross(force);
     if (stiffness == nullptr) continue;
     const double along = stiff * (behind > 0 ? 1 + kBehind : 1.0);
     const double across = (slips ? kSlipStiffness : 1.0) * gripper_.pad_shear * s.area;
-    Eigen::Matrix<double, 3, 6> J;
-    J.leftCols<3>().setIdentity();
-    J.rightCols<3>() << 0, s.r.z(), -s.r.y(), -s.r.z(), 0, s.r.x(), s.r.y(), -s.r.x(), 0;
-    Eigen::Matrix<double, 3, 6> KJ = J;
-    KJ.row(0) *= along;
-    KJ.bottomRows<2>() *= across;
-    stiffness->noalias() += J.transpose() * KJ;
+    add_spring(s.r, along, across, *stiffness);
   }
   return sum;
 }
@@ -132,9 +153,7 @@ double PadPress::deepest(int finger) const {
   double depth = 0.0;
   for (const Sample& s : samples_)
     if (s.pad == finger)
-      depth = std::max(depth, kSide[static_cast<std::size_t>(finger)] *
-                                      (s.p + gripped_.u.head<3>() + gripped_.u.tail<3>().cross(s.r)).x() -
-                                  gripped_.place[static_cast<std::size_t>(finger)]);
+      depth = std::max(depth, height(gripped_, s) - gripped_.place[static_cast<std::size_t>(finger)]);
   return depth;
 }
 

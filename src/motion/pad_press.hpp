@@ -25,6 +25,8 @@ class PadPress {
   };
   /// With gravity along the unit vector `n_T_down`; loads up to `most` times the weight are tried.
   [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double most) const;
+  /// False: the stone slips out while the hand closes; no load is borne.
+  [[nodiscard]] bool holds() const { return holds_; }
   /// rad, by which closing the hand turns the stone.
   [[nodiscard]] double squeeze_turn() const { return gripped_.u.tail<3>().norm(); }
   /// m, how deep the stone presses into the pad of finger A, B or C.
@@ -42,14 +44,22 @@ class PadPress {
     Vector6 u = Vector6::Zero();    // of the stone: shift and small turn about its centre of mass
     std::array<double, 3> place{};  // m, of each pad from the plane x = 0
   };
+  /// What a closing pad meets.
+  struct Met {
+    double height = 0.0;  // m, of the surface towards its finger
+    double stiff = 0.0;   // N/m
+  };
   void squeeze();
-  void close(State& state, int pad) const;
+  void close(State& state, int pad);
+  [[nodiscard]] double height(const State& state, const Sample& sample) const;
+  /// On the stone; of the stiffness the lower triangle.
   Vector6 forces(const State& state, Matrix6* stiffness) const;
   bool settle(State& state, const Vector6& load) const;
 
   const GripperModel& gripper_;
   double weight_ = 0.0;
   std::vector<Sample> samples_;
+  std::vector<Met> met_;            // of one pad at a time; kept for its memory
   std::array<double, 3> wanted_{};  // N, of each finger
   State gripped_;
   bool holds_ = false;

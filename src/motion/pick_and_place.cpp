@@ -145,7 +145,8 @@ double total_seconds(const std::vector<PlanStep>& steps) {
   return seconds;
 }
 
-/// Tries candidates in order until enough have a free way; the quickest wins.
+/// Tries candidates in order until enough have a free way; the quickest wins. Those whose transit is hard to
+/// find give way to the others, and get much effort where none of these led anywhere.
 PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& task,
                            const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
   const Stopwatch watch;
@@ -153,19 +154,30 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
   PickFaults pick_faults;
   PickAndPlacePlan best = refused(Status::kNoTransit, "");
   int found = 0, tried = 0;
+  std::vector<PickCandidate> hard;
+  std::size_t again = 0;  // of these, tried with much effort
   bool in_time = true;
   double best_cost = 0.0;  // s
   while (found < options.alternatives) {
     throw_if_interrupted();
     in_time = watch.seconds() <= options.planning_seconds;
-    const auto candidate = in_time ? candidates.next() : std::nullopt;
+    auto candidate = in_time ? candidates.next() : std::nullopt;
+    auto effort = PickAttempt::Effort::kLittle;
+    if (!candidate && in_time && found == 0 && again < hard.size()) {
+      candidate = hard[again++];
+      effort = PickAttempt::Effort::kMuch;
+    }
     if (!candidate) break;
-    ++tried;
+    const bool first = effort == PickAttempt::Effort::kLittle;
+    tried += first ? 1 : 0;
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(candidate->grasp)];
     const PickAttempt attempt(scene, task, options, grasp);
-    const PickAttempt::Result result = attempt.try_joints(candidate->q_pick, candidate->q_place);
-    faults.add(result.fault);
-    pick_faults.add(candidate->grasp, result.fault);
+    const PickAttempt::Result result = attempt.try_joints(candidate->q_pick, candidate->q_place, effort);
+    if (first) {
+      faults.add(result.fault);
+      pick_faults.add(candidate->grasp, result.fault);
+      if (result.fault == WayFault::kTransit || result.fault == WayFault::kCarry) hard.push_back(*candidate);
+    }
     if (result.fault != WayFault::kNone) continue;
     ++found;
     PickAndPlacePlan plan;

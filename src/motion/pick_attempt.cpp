@@ -13,6 +13,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kTransitSeconds = 0.5;  ///< s, effort for one transit of one candidate
+constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
 constexpr double kWidestBlend = 0.2;     ///< rad, corners cut, most
 constexpr std::array kLifts{1.0, 0.5};   ///< of MotionOptions::lift, where the arm has no room for more
 constexpr std::array kOut{0.03, 0.06};   ///< m, that a stone is taken out of a lean before it goes up
@@ -188,13 +189,14 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
 }
 
 std::optional<Transit> PickAttempt::transit(const CollisionChecker& wide, const CollisionChecker& tight,
-                                            const Joints& a, const Joints& b) const {
+                                            const Joints& a, const Joints& b, Effort effort) const {
   // An end that is nearer to something than the padding of a transit leaves no choice.
   const bool near = wide.collides(a) || wide.collides(b);
   const CollisionChecker& checker = near ? tight : wide;
   MotionOptions options = options_;  // a grasp whose way is hard to find gives way to the next one
   options.planning_seconds = std::min(options.planning_seconds, kTransitSeconds);
-  auto path = find_path(checker, a, std::span(&b, 1), options);
+  const double first = effort == Effort::kLittle ? kLittleSeconds : kTransitSeconds;
+  auto path = find_path(checker, a, std::span(&b, 1), options, first);
   if (!path) return std::nullopt;
   Transit transit{std::move(*path), 0.0};
   TimingLimits limits = timing_limits(scene_.robot, options_);
@@ -203,13 +205,15 @@ std::optional<Transit> PickAttempt::transit(const CollisionChecker& wide, const 
   return transit;
 }
 
-PickAttempt::Result PickAttempt::try_joints(const Joints& q_pick, const Joints& q_place) const {
+PickAttempt::Result PickAttempt::try_joints(const Joints& q_pick, const Joints& q_place,
+                                            Effort effort) const {
   Result result;
   result.fault = straight_parts(q_pick, q_place, result.way);
   if (result.fault != WayFault::kNone) return result;
   Way& way = result.way;
-  const auto to_pick = transit(open_wide_, open_tight_, task_.q_start, way.approach.front());
-  const auto carry = to_pick ? transit(held_wide_, held_, way.lift.back(), way.lower.front()) : std::nullopt;
+  const auto to_pick = transit(open_wide_, open_tight_, task_.q_start, way.approach.front(), effort);
+  const auto carry =
+      to_pick ? transit(held_wide_, held_, way.lift.back(), way.lower.front(), effort) : std::nullopt;
   if (!carry) {
     result.fault = to_pick ? WayFault::kCarry : WayFault::kTransit;
     return result;

@@ -39,7 +39,9 @@ class PickAttempt {
     WayFault fault = WayFault::kNone;
     Way way;
   };
-  [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place) const;
+  /// `effort`: how long is looked for a way where there seems to be none.
+  enum class Effort { kLittle, kMuch };
+  [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place, Effort effort) const;
 
  private:
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
@@ -56,7 +58,7 @@ class PickAttempt {
   [[nodiscard]] PlanningScene placed_alone() const;
   [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
   [[nodiscard]] std::optional<Transit> transit(const CollisionChecker& wide, const CollisionChecker& tight,
-                                               const Joints& a, const Joints& b) const;
+                                               const Joints& a, const Joints& b, Effort effort) const;
 
   PlanningScene scene_;  ///< with the fingers as the grasp wants them
   const PickAndPlaceTask& task_;

@@ -1,7 +1,7 @@
 #include "motion/pick_candidates.hpp"
 
 #include <algorithm>
-#include <tuple>
+#include <utility>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
@@ -27,6 +27,7 @@ constexpr double kSlipCost = 40.0;                     ///< s, what a stone that
 // deg), and it is set down turned by that.
 constexpr double kStraight = 0.0035, kTurnCost = 570.0;  ///< rad that cost nothing; s a rad: 10 s a degree
 constexpr double kMostLoad = 1.5;                        ///< times the weight that a grasp should bear
+constexpr std::size_t kParts = 3;                        ///< of what is looked at of a grasp's firmness
 
 /// 0 up to `low`, 1 from `high` on.
 double ramp(double value, double low, double high) {
@@ -69,14 +70,14 @@ PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTas
     const auto cheaper = [](const PickCandidate& a, const PickCandidate& b) { return a.cost < b.cost; };
     std::stable_sort(own.begin(), own.end(), cheaper);
     own.resize(std::min(own.size(), kWaysPerGrasp));
-    for (const PickCandidate& candidate : own) push({candidate, false});
+    for (const PickCandidate& candidate : own) push({candidate});
   }
 }
 
 // The cheapest comes first; of two that cost the same, the better grasp.
 struct PickCandidates::Later {
   bool operator()(const Entry& a, const Entry& b) const {
-    return std::tie(a.candidate.cost, a.candidate.grasp) > std::tie(b.candidate.cost, b.candidate.grasp);
+    return std::pair(a.cost(), a.bare.grasp) > std::pair(b.cost(), b.bare.grasp);
   }
 };
 
@@ -85,25 +86,30 @@ void PickCandidates::push(Entry entry) {
   std::push_heap(heap_.begin(), heap_.end(), Later());
 }
 
-double PickCandidates::looseness_cost(int grasp) {
-  const auto [it, is_new] = looseness_.try_emplace(grasp, 0.0);
-  if (!is_new) return it->second;
-  const Grasp& g = set_.grasps[static_cast<std::size_t>(grasp)];
-  const PadPress press(surface_, task_.stone->mass, gripper_, g);
-  double risk = 0.0;
-  for (const Pose* T_W_O : {&task_.T_W_O_pick, &task_.T_W_O_place}) {
-    const Eigen::Vector3d n_T_down = -(*T_W_O * g.T_O_T).linear().row(2).transpose();
-    const PadPress::Load load = press.bear(n_T_down, kMostLoad);
+void PickCandidates::add_part(const Grasp& grasp, Looseness& looseness) const {
+  if (!looseness.pads) {
+    const PadPress& pads = looseness.pads.emplace(surface_, task_.stone->mass, gripper_, grasp);
+    double deepest = 0.0;
+    for (int finger = 0; finger < 3; ++finger) deepest = std::max(deepest, pads.deepest(finger));
+    if (!pads.holds()) looseness.risk = 1.0;
+    looseness.pressed = 0.4 * ramp(deepest, kShallow, kDeep);
+    looseness.turned = kTurnCost * std::max(0.0, pads.squeeze_turn() - kStraight);
+  } else {
+    const Pose& T_W_O = looseness.cost.size() == kParts ? task_.T_W_O_place : task_.T_W_O_pick;
+    const Eigen::Vector3d n_T_down = -(T_W_O * grasp.T_O_T).linear().row(2).transpose();
+    const PadPress::Load load = looseness.pads->bear(n_T_down, kMostLoad);
     const double own = load.share < kMostLoad ? 1.0
                                               : 0.6 * ramp(load.moved, kFirm, kLoose) +
                                                     0.2 * ramp(load.turned, kTurned, kFarTurned);
-    risk = std::max(risk, own);
+    looseness.risk = std::max(looseness.risk, own);
   }
-  double deepest = 0.0;
-  for (int finger = 0; finger < 3; ++finger) deepest = std::max(deepest, press.deepest(finger));
-  it->second = kSlipCost * (risk + 0.4 * ramp(deepest, kShallow, kDeep)) +
-               kTurnCost * std::max(0.0, press.squeeze_turn() - kStraight);
-  return it->second;
+  looseness.cost.push_back(kSlipCost * (looseness.risk + looseness.pressed) + looseness.turned);
+}
+
+double PickCandidates::looseness_cost(int grasp, std::size_t parts) {
+  Looseness& looseness = looseness_[grasp];
+  while (looseness.cost.size() <= parts) add_part(set_.grasps[static_cast<std::size_t>(grasp)], looseness);
+  return looseness.cost[parts];
 }
 
 std::optional<PickCandidate> PickCandidates::next() {
@@ -111,11 +117,12 @@ std::optional<PickCandidate> PickCandidates::next() {
     std::pop_heap(heap_.begin(), heap_.end(), Later());
     Entry first = std::move(heap_.back());
     heap_.pop_back();
-    if (first.pressed || surface_.empty()) return first.candidate;
-    first.pressed = true;
-    const double looseness = looseness_cost(first.candidate.grasp);
-    first.candidate.price += looseness;
-    first.candidate.cost += looseness;
+    if (first.parts == kParts || surface_.empty()) {
+      first.bare.price += first.looseness;
+      first.bare.cost += first.looseness;
+      return first.bare;
+    }
+    first.looseness = looseness_cost(first.bare.grasp, ++first.parts);
     push(std::move(first));
   }
   return std::nullopt;

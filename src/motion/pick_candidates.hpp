@@ -18,8 +18,8 @@ struct PickCandidate {
 };
 
 /// The usable grasps of a task, each with a few inverse kinematic solutions in which the arm is free at both
-/// ends, cheapest first. How firmly a
-/// grasp holds is worked out only when its turn comes; a loose one goes back into the queue at its price.
+/// ends, cheapest first. How firmly a grasp holds is worked out only when its turn comes, and in parts: what
+/// is known of its price so far is a lower bound with which it goes back into the queue.
 class PickCandidates {
  public:
   /// With these joints the arm is free at a grasp (index into the set): GraspFinder::arm_is_free.
@@ -31,12 +31,25 @@ class PickCandidates {
   [[nodiscard]] std::optional<PickCandidate> next();
 
  private:
+  /// What is known of how loosely a grasp holds: how the stone lies between the closed pads, then how it
+  /// hangs where it lies, then at the target. Each part can only add to the cost.
+  struct Looseness {
+    std::optional<PadPress> pads;
+    double pressed = 0.0;           ///< risk from how deep it presses into a pad
+    double turned = 0.0;            ///< s, for the turn that closing brings
+    double risk = 0.0;              ///< that it slips, largest of the ends looked at
+    std::vector<double> cost{0.0};  ///< s, after so many parts
+  };
   struct Entry {
-    PickCandidate candidate;
-    bool pressed = false;  // the price of looseness is in
+    PickCandidate bare;      ///< without what looseness costs
+    double looseness = 0.0;  ///< s, of the parts that are in
+    std::size_t parts = 0;   ///< that are in
+    [[nodiscard]] double cost() const { return bare.cost + looseness; }
   };
   struct Later;
-  [[nodiscard]] double looseness_cost(int grasp);
+  /// s, a grasp's looseness from its first `parts` parts.
+  [[nodiscard]] double looseness_cost(int grasp, std::size_t parts);
+  void add_part(const Grasp& grasp, Looseness& looseness) const;
   void push(Entry entry);
 
   const PickAndPlaceTask& task_;
@@ -44,7 +57,7 @@ class PickCandidates {
   const GraspSet& set_;
   std::vector<SurfaceSample> surface_;  // empty: looseness costs nothing
   std::vector<Entry> heap_;
-  std::map<int, double> looseness_;  // s, by grasp
+  std::map<int, Looseness> looseness_;  // by grasp
 };
 
 }  // namespace stonestack

@@ -45,12 +45,13 @@ bool is_inside(const RobotModel& robot, const Joints& q) {
 class PathSearch {
  public:
   PathSearch(const CollisionChecker& checker, const Joints& start, const JointPath& goals,
-             const MotionOptions& options)
+             const MotionOptions& options, double first_seconds)
       : checker_(checker),
         start_(start),
         goals_(goals),
         seed_(static_cast<std::uint64_t>(options.seed)),
-        most_(std::max(1L, std::lround(options.planning_seconds * kMotionsPerSecond))) {}
+        most_(motions_in(options.planning_seconds)),
+        most_first_(motions_in(std::min(first_seconds, options.planning_seconds))) {}
 
   /// `known`: length of a path that is known already; only shorter ones are looked for.
   [[nodiscard]] std::optional<JointPath> shortest(double known) {
@@ -66,12 +67,16 @@ class PathSearch {
   }
 
  private:
+  static long motions_in(double seconds) { return std::max(1L, std::lround(seconds * kMotionsPerSecond)); }
+
   void grow(double known) {
     double best = known;
     long gained = 0;  // checks spent at the last gain
-    for (std::uint64_t k = 0; k < kTries && used_ < most_; ++k) {
+    for (std::uint64_t k = 0; k < kTries; ++k) {
+      const long most = std::isfinite(best) ? most_ : most_first_;
+      if (used_ >= most) return;
       TreeLimits limits;
-      limits.most_motions = std::min(most_ - used_, kMostPerTree);
+      limits.most_motions = std::min(most - used_, kMostPerTree);
       if (std::isfinite(best)) {
         const long left = std::min(kEffort - used_, patience(best) - (used_ - gained));
         if (left <= 0) return;
@@ -96,7 +101,7 @@ class PathSearch {
 
   /// Where samples do not do: every edge is certified.
   [[nodiscard]] std::optional<JointPath> grow_certified() {
-    const TreeLimits limits{kResolution, most_, 0.0};
+    const TreeLimits limits{kResolution, most_first_, 0.0};
     const Tree tree = rrt_connect(checker_, start_, goals_, limits, Random::stream(seed_, "certified tree"));
     if (tree.path.empty()) return std::nullopt;
     Random random = Random::stream(seed_, "certified path");
@@ -114,7 +119,8 @@ class PathSearch {
   const Joints start_;
   const JointPath& goals_;
   std::uint64_t seed_;
-  long most_;  ///< motion checks
+  long most_;        ///< motion checks
+  long most_first_;  ///< until there is a path
   long used_ = 0;
   std::vector<JointPath> found_;
   MotionTest sampled_ = [this](const Joints& a, const Joints& b) { return checker_.samples_are_free(a, b); };
@@ -178,7 +184,8 @@ double length(const JointPath& path) {
 }
 
 std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints& start,
-                                   std::span<const Joints> goals, const MotionOptions& options) {
+                                   std::span<const Joints> goals, const MotionOptions& options,
+                                   double first_seconds) {
   require(start.allFinite(), "the start has the joint angles ", start.transpose());
   if (checker.collides(start)) return std::nullopt;
   const JointPath free = free_goals(checker, start, goals);
@@ -189,7 +196,7 @@ std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints
   if (best && length(*best) <= kDetour * nearest + kDetourMore) return best;
   // A straight motion to a far branch may be much longer than a way around to a near one.
   const double known = best ? length(*best) : std::numeric_limits<double>::infinity();
-  if (auto path = PathSearch(checker, start, free, options).shortest(known))
+  if (auto path = PathSearch(checker, start, free, options, first_seconds).shortest(known))
     if (!best || length(*path) < known) best = std::move(path);
   return best;
 }

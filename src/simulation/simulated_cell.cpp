@@ -72,7 +72,7 @@ struct SimulatedCell::Parts {
       : stones(all),
         believed(layout),
         mounting(draw_mounting(layout, options)),
-        world(stones, present, make_robotiq_3f(), options),
+        world(stones, present, with_camera_at(make_robotiq_3f(), layout.T_T_C), options),
         clock(world),
         force_torque(world, mounting, options),
         arm(world, robot, mounting, force_torque, options, start_joints(robot, layout)),

@@ -77,7 +77,7 @@ Joints home_joints() {
 }
 
 GripperModel hand_of(const CellLayout& layout) {
-  GripperModel hand = make_robotiq_3f();
+  GripperModel hand = with_camera_at(make_robotiq_3f(), layout.T_T_C);
   hand.sensor_mass = layout.sensor_mass;
   hand.camera_mass = layout.camera_mass;
   return hand;
@@ -95,6 +95,7 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
       const Stone& stone = catalogue.stones[static_cast<std::size_t>(placed.stone)];
       scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
     }
+  scene.paddings = layout.paddings;
   for (const Obstacle& o : layout.obstacles) scene.objects.push_back({o.name, o.pieces, o.T_W_O});
   return scene;
 }

@@ -107,6 +107,11 @@ SceneFile read_scene_file(const std::string& path) {
   scene.stones = read_stones(map, "stones");
   if (map.has("obstacles"))
     scene.obstacles = parse_obstacles(YAML::Dump(map.node("obstacles")), path, "obstacles");
+  if (map.has("padding")) {
+    std::vector<std::string> names;
+    for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
+    scene.paddings = parse_pair_paddings(YAML::Dump(map.node("padding")), path, "padding", names);
+  }
   map.finish();
   return scene;
 }

@@ -201,6 +201,47 @@ TEST_F(Commands, PlanStaysClearOfTheObstaclesOfTheScene) {
   EXPECT_THAT(wrong.err, HasSubstr("obstacles[0].box.z is missing"));
 }
 
+TEST_F(Commands, PlanTakesRobotAndLayoutOfACell) {
+  write("lying.yaml", kLying);
+  const auto with = [&](const std::string& layout, const std::string& more = "") {
+    write("cell.yaml", concat("robot: ur10\nlayout:\n", layout));
+    return concat("plan lying.yaml --cell cell.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned,
+                  ' ', more);
+  };
+  const std::string lamp =
+      "  obstacles: [{name: lamp, sphere: {radius: 0.1}, T_W_O: {x: 1.0, y: 0.3, z: 0.6, qx: 0, qy: 0, qz: "
+      "0, "
+      "qw: 1}}]\n";
+  const Outcome under = run(with(lamp));
+  EXPECT_EQ(under.code, 0) << under.err;
+  expect_refusal(with(lamp + "  padding: [{a: hand, b: lamp, m: 0.7}]\n"), 6, {"no plan"});
+  expect_refusal(with(lamp + "  padding: [{a: hand, b: lmp, m: 0.7}]\n"), 3,
+                 {"layout.padding[0]", "lmp", "table, lamp"});
+  expect_refusal(with("  sensor_mass: 8\n"), 6, {"kg"});
+  expect_refusal(with(lamp, "--robot ur5"), 2, {"--robot ur5", "cell.yaml", "ur10"});
+  expect_refusal(
+      concat("plan lying.yaml --cell no_such.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned), 3,
+      {"no_such.yaml", "loopback-ur10"});
+}
+
+TEST_F(Commands, PlanStartsWhereItIsTold) {
+  write("lying.yaml", kLying);
+  const auto from = [&](const std::string& start) {
+    return concat("plan lying.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned, " --json --start ",
+                  start);
+  };
+  const Outcome planned = run(from("0.5,-1.75,1.85,-1.67,-1.5,0.1"));
+  ASSERT_EQ(planned.code, 0) << planned.err;
+  for (const auto& step : planned.data()["steps"]) {
+    if (step["trajectory"].empty()) continue;
+    EXPECT_EQ(step["trajectory"][0]["q"], json({0.5, -1.75, 1.85, -1.67, -1.5, 0.1}));
+    break;
+  }
+  expect_refusal(from("0.5,-1.75"), 2, {"2 numbers", "q1,q2,q3,q4,q5,q6 in rad"});
+  expect_refusal(from("0.5,-1.75,1.85,-1.67,x,0"), 2, {"'x'"});
+  expect_refusal(from("30,-90,90,-90,-90,0"), 2, {"joint 1 at 30 rad", "not degrees"});
+}
+
 TEST_F(Commands, PlanNamesTheFolderThatCannotTakePictures) {
   write("lying.yaml", kLying);
   write("taken", "a file");

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -153,6 +154,47 @@ TEST(Calibration, TakesTheOutputOfUrCalibration) {
 TEST(Calibration, ARobotWithoutDeparturesStaysExact) {
   EXPECT_FALSE(robot_of("robot: ur5e\nacceleration: 2\n").calibrated);
   EXPECT_EQ(robot_of("robot: ur5e\nacceleration: 2\n").acceleration[3], 2.0);
+}
+
+/// Beside a singularity the closed form's branches may all lead to other solutions than the one that is
+/// wanted.
+/// Without starts of their own there one in eight of these poses is missed (bench kinematics has all poses).
+TEST(Calibration, NearlyEverySolutionIsFoundBesideSingularitiesToo) {
+  Random random = Random::stream(11, "singular calibrated poses");
+  int missed = 0;
+  for (int k = 0; k < 5; ++k) {
+    Table table = kUr10;
+    for (Row& row : table) {
+      row.theta = rounded(row.theta + random.normal(0.0, 0.002));
+      row.d = rounded(row.d + random.normal(0.0, 0.001));
+      row.a = rounded(row.a + random.normal(0.0, 0.001));
+      row.alpha = rounded(row.alpha + random.normal(0.0, 0.002));
+    }
+    const RobotModel robot = robot_of(yaml_of(table));
+    for (int i = 0; i < 400; ++i) {
+      Joints q = random_joints(random);
+      if (i % 4 == 1) q[4] = random.normal(0.0, 0.01);
+      if (i % 4 == 2) q[2] = random.normal(0.0, 0.05);
+      if (i % 4 == 3) q[4] = kPi + random.normal(0.0, 0.01);
+      const IkBranches found = inverse_branches(robot, forward(robot, q), Joints::Zero());
+      double nearest = kPi;
+      std::array<int, 8> named{};
+      for (int b = 0; b < found.count; ++b) {
+        const IkSolution& s = found.solutions[static_cast<std::size_t>(b)];
+        ++named.at(static_cast<std::size_t>(s.branch));
+        Joints off = s.q - q;
+        for (auto& angle : off) angle = std::remainder(angle, 2.0 * kPi);
+        nearest = std::min(nearest, off.cwiseAbs().maxCoeff());
+        const IkOnBranch alone = inverse_on_branch(robot, forward(robot, q), s.q, s.branch);
+        EXPECT_TRUE(alone.found);
+        EXPECT_LT((forward(robot, alone.q).matrix() - forward(robot, q).matrix()).cwiseAbs().maxCoeff(),
+                  1e-9);
+      }
+      missed += nearest < 1e-5 ? 0 : 1;
+      EXPECT_LE(*std::max_element(named.begin(), named.end()), 1) << "one solution a branch";
+    }
+  }
+  EXPECT_LE(missed, 10) << "of 2000";
 }
 
 TEST(Calibration, RefusesWhatCannotBe) {

@@ -56,8 +56,9 @@ struct UnderABoard {
       };
       const auto pick = joints(task.T_W_O_pick), place = joints(task.T_W_O_place);
       if (pick && place)
-        all.push_back({grasp.pre_opening, grasp.spacing,
-                       PickAttempt(scene, task, {}, grasp).try_joints(*pick, *place)});
+        all.push_back(
+            {grasp.pre_opening, grasp.spacing,
+             PickAttempt(scene, task, {}, grasp).try_joints(*pick, *place, PickAttempt::Effort::kMuch)});
     }
     return all;
   }

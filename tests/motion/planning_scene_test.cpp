@@ -86,6 +86,42 @@ TEST(CameraMount, LooksForwardWithImageAxesAsDocumented) {
   EXPECT_LT(T_T_C.linear().col(2).y(), -0.1) << "tilted towards the tool axis";
 }
 
+const GripperBox& camera_of(const GripperModel& gripper) {
+  return *std::find_if(gripper.boxes.begin(), gripper.boxes.end(),
+                       [](const auto& box) { return box.camera; });
+}
+
+TEST(CameraMount, TheCamerasBoxGoesWhereTheCameraIs) {
+  const GripperModel drawn = make_robotiq_3f();
+  const Pose T_T_C = CellLayout::make_default_T_T_C();
+  const Pose across(Eigen::AngleAxisd(std::acos(-1.0), Eigen::Vector3d::UnitZ()));
+  const GripperModel other_side = with_camera_at(drawn, across * T_T_C);
+  EXPECT_TRUE(camera_of(other_side).p_T_centre.isApprox(across * camera_of(drawn).p_T_centre));
+  EXPECT_TRUE(camera_of(other_side).size.isApprox(camera_of(drawn).size));
+  const Pose aside(Eigen::Translation3d(0.0, 0.03, 0.0));
+  EXPECT_TRUE(camera_of(with_camera_at(drawn, aside * T_T_C))
+                  .p_T_centre.isApprox(aside * camera_of(drawn).p_T_centre))
+      << "the box is drawn for the layout's default mount";
+  const Pose quarter(Eigen::AngleAxisd(0.5 * std::acos(-1.0), Eigen::Vector3d::UnitZ()));
+  const Eigen::Vector3d size = camera_of(drawn).size;
+  EXPECT_TRUE(camera_of(with_camera_at(drawn, quarter * T_T_C))
+                  .size.isApprox(Eigen::Vector3d(size.y(), size.x(), size.z())));
+  for (std::size_t i = 0; i < drawn.boxes.size(); ++i)
+    EXPECT_TRUE(drawn.boxes[i].camera || other_side.boxes[i].p_T_centre.isApprox(drawn.boxes[i].p_T_centre));
+}
+
+/// A run corrects its mount by some millimetres; its plans shall not change by that.
+TEST(CameraMount, ACorrectedMountKeepsTheBox) {
+  const GripperModel drawn = make_robotiq_3f();
+  const Pose corrected = CellLayout::make_default_T_T_C() * Eigen::Translation3d(0.003, -0.004, 0.002) *
+                         Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitY());
+  EXPECT_EQ(camera_of(with_camera_at(drawn, corrected)).p_T_centre, camera_of(drawn).p_T_centre);
+  EXPECT_EQ(camera_of(with_camera_at(drawn, corrected)).size, camera_of(drawn).size);
+  Pose broken = corrected;
+  broken.linear() *= 2.0;
+  EXPECT_THROW((void)with_camera_at(drawn, broken), InvalidArgument);
+}
+
 /// The gripper may stand in a corner of the picture, not more.
 TEST(CameraMount, GripperFillsLittleOfTheView) {
   const GripperModel gripper = make_robotiq_3f();

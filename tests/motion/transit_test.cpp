@@ -141,6 +141,21 @@ TEST(Transit, StopsWhenItsEffortIsSpent) {
   EXPECT_LT(hasty, 6);
 }
 
+TEST(Transit, GivesUpEarlyWhereNothingWasFound) {
+  const PlanningScene scene = hard_scene();
+  const CollisionChecker checker(scene);
+  int hasty = 0;
+  for (int k = 0; k < 6; ++k) {
+    const double x = 0.7 + 0.04 * k;
+    const Joints start = solutions_above(scene, {x, -0.3, 0.15}).front();
+    const std::vector<Joints> goal{solutions_above(scene, {x, 0.3, 0.15}).front()};
+    hasty += find_path(checker, start, goal, {}, 1e-4).has_value() ? 1 : 0;
+    EXPECT_EQ(find_path(checker, start, goal, {}, 1.0), find_path(checker, start, goal))
+        << "found in time: the same path";
+  }
+  EXPECT_LT(hasty, 6);
+}
+
 /// A goal one hundredth of a millimetre outside the padding is reached all the same.
 TEST(Transit, ReachesAGoalThatNearlyCollides) {
   PlanningScene scene = hard_scene();

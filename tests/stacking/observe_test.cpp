@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "stonestack/core/data.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/collision.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 namespace stonestack {
@@ -56,6 +59,22 @@ TEST(PlanningSceneOfACell, HoldsTheObstaclesBehindTheStonesAndTheHandsMasses) {
   EXPECT_EQ(scene.objects[1].name, "wall");
   EXPECT_DOUBLE_EQ(scene.objects[1].T_W_object.translation().x(), 0.4);
   EXPECT_DOUBLE_EQ(scene.gripper.sensor_mass, 0.3);
+}
+
+TEST(PlanningSceneOfACell, HasTheCameraWhereTheLayoutMountsIt) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  CellLayout layout;
+  // What stands where the camera is mounted by default is not met with the camera on the other side.
+  const Joints q = home_joints();
+  const Pose T_W_T = forward(robot, q) * layout.T_F_T;
+  layout.obstacles = {
+      {"lamp", {make_sphere(0.015, 1)}, T_W_T * Pose(Eigen::Translation3d(0.0, 0.115, -0.193))}};
+  CollisionRules rules;
+  rules.padding = 0.0;
+  EXPECT_TRUE(CollisionChecker(make_planning_scene(layout, robot, catalogue, {}), rules).collides(q));
+  layout.T_T_C = Eigen::AngleAxisd(std::acos(-1.0), Eigen::Vector3d::UnitZ()) * layout.T_T_C;
+  EXPECT_FALSE(CollisionChecker(make_planning_scene(layout, robot, catalogue, {}), rules).collides(q));
 }
 
 TEST(FindInLooks, WhatLiesWhereItWasIsFoundThere) {

@@ -3,6 +3,7 @@
 
 #include "stonestack/core/clock.hpp"
 #include "stonestack/geometry/obstacle.hpp"
+#include "stonestack/geometry/pair_padding.hpp"
 #include "stonestack/hardware/arm.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 #include "stonestack/hardware/force_torque.hpp"
@@ -21,6 +22,7 @@ struct CellLayout {
   Eigen::Vector2d field_centre{0.70, -0.18};  ///< where loose stones lie
   Eigen::Vector2d field_size{0.40, 0.50};     ///< m
   std::vector<Obstacle> obstacles;            ///< what the arm must not touch beside table and stones
+  std::vector<PairPadding> paddings;          ///< how far it stays away from these, where a user says so
   [[nodiscard]] static Pose make_default_T_T_C();
 };
 

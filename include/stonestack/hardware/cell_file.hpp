@@ -37,6 +37,8 @@ struct CellConfig {
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
   std::string obstacles_text;                                         ///< the list as it stands in the file
   std::vector<Obstacle> obstacles;                                    ///< what `read_cell_file` read there
+  std::string padding_text;                                           ///< as obstacles_text
+  std::vector<PairPadding> paddings;                                  ///< what `read_cell_file` read there
 
   CellConfig();  ///< the layout of CellLayout, no addresses
 };

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stonestack/geometry/mesh.hpp"
+#include "stonestack/geometry/pair_padding.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/stone/stone.hpp"
 
@@ -16,6 +17,7 @@ struct GripperBox {
   Eigen::Vector3d p_T_centre;  ///< with the fingers closed (opening 0)
   double finger_side = 0.0;    ///< +1 or -1: moves by that times opening / 2 along x; 0: fixed
   double spread = 0.0;         ///< moves along y by that times the change of the spacing of B and C
+  bool camera = false;         ///< goes where the camera is mounted
 };
 
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
@@ -48,6 +50,12 @@ struct GripperModel {
 /// is not between `narrow_spacing` and `finger_spacing`.
 [[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);
 
+/// The hand with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around
+/// camera and bracket moves with it and grows to the box along T's axes that holds it. A mount within 10 mm
+/// and 3 deg of the default, as a calibration finds it, keeps the default's box. Throws InvalidArgument for
+/// what is no rigid transform.
+[[nodiscard]] GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C);
+
 /// A convex obstacle or one convex piece of a stone, with its own name for messages.
 struct SceneObject {
   std::string name;
@@ -61,9 +69,15 @@ struct PlanningScene {
   GripperModel gripper = make_robotiq_3f();
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
-  double table_z = 0.0;              ///< m; the half space below is solid
-  double opening = 0.155;            ///< m, of the empty hand while `plan_transit` moves it
-  std::vector<SceneObject> objects;  ///< loose stones, stack, user's boxes and meshes
+  double table_z = 0.0;               ///< m; the half space below is solid
+  double opening = 0.155;             ///< m, of the empty hand while `plan_transit` moves it
+  std::vector<SceneObject> objects;   ///< loose stones, stack, user's boxes and meshes
+  std::vector<PairPadding> paddings;  ///< users', instead of a motion's padding unless that is 0 (contact)
 };
+/// m, that what moves stays away from what stands: of the user's paddings that name both the last, otherwise
+/// `padding`, which alone counts where it is 0. `part`: "arm", "hand" or "held"; `link`: "forearm", or the
+/// part again.
+[[nodiscard]] double padding_between(const PlanningScene& scene, const std::string& part,
+                                     const std::string& link, const std::string& stands, double padding);
 
 }  // namespace stonestack

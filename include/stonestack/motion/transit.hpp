@@ -12,11 +12,12 @@ namespace stonestack {
 /// first; then RRT-Connect (OMPL) to all goals at once, again and again for shorter paths until that brings
 /// nothing, and the shortest is kept after bounded shortcutting. A goal equal to `start` gives a path of one
 /// point. Deterministic for options.seed whatever the load of the machine: the effort is bounded by a number
-/// of checks that stands for options.planning_seconds. Throws InvalidArgument for numbers that are not
-/// finite, Interrupted.
+/// of checks that stands for options.planning_seconds; where no path at all was found, for `first_seconds` if
+/// that is less. Throws InvalidArgument for numbers that are not finite, Interrupted.
 [[nodiscard]] std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints& start,
                                                  std::span<const Joints> goals,
-                                                 const MotionOptions& options = {});
+                                                 const MotionOptions& options = {},
+                                                 double first_seconds = 1e9);
 
 /// Where the arm stands too near to something for a transit to begin: a straight way of the tool, back out of
 /// the hand's direction or up, at most 12 cm, on which it comes away from what it is near until it is clear

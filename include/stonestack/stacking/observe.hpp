@@ -27,7 +27,7 @@ struct Belief {
 [[nodiscard]] Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                                   const std::vector<PlacedStone>& stones);
 
-/// The hand of a cell, with the masses that its layout names.
+/// The hand of a cell, with the masses and the camera's mount that its layout names.
 [[nodiscard]] GripperModel hand_of(const CellLayout& layout);
 
 /// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`,

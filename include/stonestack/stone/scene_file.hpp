@@ -5,6 +5,7 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/obstacle.hpp"
+#include "stonestack/geometry/pair_padding.hpp"
 
 namespace stonestack {
 
@@ -25,6 +26,7 @@ struct NamedPose {
 ///   stones:                                      # loose
 ///     - {stone: limestone_2, T_W_O: {...}}
 ///   obstacles: [{name: wall, box: {x: 0.02, y: 2, z: 1.5}, T_W_O: {...}}]  # parse_obstacles
+///   padding: [{a: arm, b: wall, m: 0.05}]  # parse_pair_paddings
 ///
 /// Every key but `schema` may be missing.
 struct SceneFile {
@@ -35,7 +37,8 @@ struct SceneFile {
   std::string cloud_file;
   std::vector<NamedPose> stack;
   std::vector<NamedPose> stones;
-  std::vector<Obstacle> obstacles;  ///< read, never written
+  std::vector<Obstacle> obstacles;    ///< read, never written
+  std::vector<PairPadding> paddings;  ///< the same
 };
 
 /// Throws FileError naming file, key and value: also for poses that are not finite or not rotations, unknown
