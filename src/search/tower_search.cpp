@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead asks only sides that nearly lie flat
 constexpr int kCloser = 4;         ///< times the perturbations, where the first of them disagree
-constexpr int kSurer = 3;          ///< the same where none of them fell: what is best of many was lucky, too
 constexpr double kCrowding = 0.1;  ///< of the friction: TowerTree::choose
 
 }  // namespace
@@ -153,16 +152,14 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
   const SearchOptions& o = *context_.options;
   std::vector<int> tried;
   std::vector<Candidate> candidates;
-  bool sure = true;
   for (const int k : nodes) {
     TowerNode& node = tree_.node(k);
-    if (!node.judged || !node.trial.alive || (node.predicted && !closely)) continue;
-    sure = sure && node.predicted && node.trial.placement.predicted_success >= 1.0;
+    const bool sure = node.predicted && node.trial.placement.predicted_success >= 1.0;
+    if (!node.judged || !node.trial.alive || (closely ? sure : node.predicted)) continue;
     tried.push_back(k);
     candidates.push_back({&tree_.node(node.parent).stack, &node.trial});
   }
-  const int times = !closely ? 1 : (sure ? kSurer : kCloser);
-  stonestack::predict(context_, candidates, times * o.perturbations);
+  stonestack::predict(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
   for (const int k : tried) tree_.node(k).predicted = true;
   drop_fallen(tried);
 }
