@@ -201,8 +201,7 @@ void compare(ExperimentCommand& command, const std::vector<Variant>& variants, c
   std::cerr << table;
   for (std::size_t v = 0; v < variants.size(); ++v) {
     SimulatedRun run = command.run;
-    const FieldList list = fields(run);
-    for (const auto& assignment : variants[v].assignments) set_field(list, assignment);
+    set_fields(fields(run), variants[v].assignments);
     const Performed done = perform_runs(command, run, catalogue, robot, concat(folder, "/variant-", v + 1));
     if (!done.experiment.runs.empty()) {
       const std::string row = comparison_row(variants[v], done.experiment);

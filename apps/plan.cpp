@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -161,8 +162,13 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
   Belief belief;
   for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
+  const std::vector<PairPadding> cell_paddings = layout.paddings;
   layout.obstacles.insert(layout.obstacles.end(), file.obstacles.begin(), file.obstacles.end());
-  layout.paddings.insert(layout.paddings.end(), file.paddings.begin(), file.paddings.end());
+  for (PairPadding pair : file.paddings) {  // a scene may ask for more room than the cell, not for less
+    for (const PairPadding& of_cell : cell_paddings)
+      if (of_cell.b == pair.b) pair.m = std::max(pair.m, of_cell.m);
+    layout.paddings.push_back(pair);
+  }
   const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
   std::string refusals;
   for (const NamedPose& target : targets) {

@@ -133,7 +133,11 @@ void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, Searc
   const RobotModel robot = read_robot(command.robot);
   const Belief belief{problem->stack.stones, problem->available};
   CellLayout layout;
-  if (is_scene_file(command.input)) layout.obstacles = read_scene_file(command.input).obstacles;
+  if (is_scene_file(command.input)) {
+    const SceneFile file = read_scene_file(command.input);
+    layout.obstacles = file.obstacles;
+    layout.paddings = file.paddings;
+  }
   const auto reach = std::make_shared<Reach>(belief, make_planning_scene(layout, robot, catalogue, belief),
                                              catalogue, command.motion);
   problem->reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {

@@ -127,6 +127,18 @@ void Settings::apply(const FieldList& list) {
   if (!set.empty()) apply_all();  // over it
 }
 
+void set_fields(const FieldList& list, const std::vector<std::string>& assignments) {
+  const auto set_all = [&] {
+    for (const auto& assignment : assignments) set_field(list, assignment);
+  };
+  const auto before = set_of_method(list);
+  set_all();
+  const auto after = set_of_method(list);
+  if (after == before) return;
+  for (const auto& [name, value] : after) set_field(list, name + "=" + value);
+  set_all();  // over it
+}
+
 std::string Settings::origin(const std::string& name) const {
   const auto found = origins_.find(name);
   return found == origins_.end() ? "default" : found->second;

@@ -53,4 +53,8 @@ class Settings {
   void apply_file(const FieldList& list, const std::string& path, const std::string& kind);
 };
 
+/// Sets "NAME=VALUE" one after the other, as --set does, also what a detection.method among them stands for.
+/// Throws InvalidArgument.
+void set_fields(const FieldList& list, const std::vector<std::string>& assignments);
+
 }  // namespace stonestack::apps

@@ -1,5 +1,6 @@
 #include "stonestack/geometry/obstacle.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/yaml.hpp"
@@ -74,6 +75,12 @@ std::vector<Obstacle> parse_obstacles(const std::string& text, const std::string
     Obstacle obstacle;
     obstacle.name = entry.text("name");
     if (obstacle.name.empty()) entry.fail("name", "is empty", "name it, for messages");
+    if (obstacle.name == "table")
+      entry.fail("name", "is 'table'", "that is what everything stands on; name it otherwise");
+    if (std::any_of(obstacles.begin(), obstacles.end(),
+                    [&](const Obstacle& o) { return o.name == obstacle.name; }))
+      entry.fail("name", concat("'", obstacle.name, "' stands for another obstacle, too"),
+                 "give each a name of its own");
     obstacle.pieces = read_shape(entry);
     obstacle.T_W_O = read_pose(entry.map("T_W_O"));
     entry.finish();

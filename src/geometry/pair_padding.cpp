@@ -46,6 +46,8 @@ std::vector<PairPadding> parse_pair_paddings(const std::string& text, const std:
     yaml::Map entry(list[i], path, concat(where, "[", i, "]"));
     PairPadding padding{name_of(entry, "a", moves), name_of(entry, "b", stands),
                         entry.number("m", 0.0, kWidest)};
+    if (padding.a == "shoulder" && padding.b == "table")
+      entry.fail("a", "is 'shoulder'", "the shoulder stands on the table; name another link");
     entry.finish();
     paddings.push_back(std::move(padding));
   }

@@ -85,11 +85,13 @@ class CalibratedSearch {
     found.q[4] += bent;
     const Joints start = found.q;
     if (!polish(robot_, T_R_F_, kClamp, found.q)) return false;
+    const Joints end = found.q;
+    for (int i = 0; i < 6; ++i) found.q[i] = nearest_turn(found.q[i], seed_[i]);
     for (int i = 0; i < found_.count; ++i)
       if (apart(found_.solutions[static_cast<std::size_t>(i)].q, found.q) < kSame) return false;
     if (found_.count == static_cast<int>(kBranches)) return false;
     found_.solutions[static_cast<std::size_t>(found_.count++)] = found;
-    return sure && apart(start, found.q) < kAstray;
+    return sure && (end - start).cwiseAbs().maxCoeff() < kAstray;
   }
 
   /// Starts all round wrist 3 where wrist 2 is nearly in line, to both sides of the base's angle where its

@@ -8,7 +8,7 @@ namespace stonestack {
 double palm_front(const GripperModel& gripper) {
   double front = -1e300;
   for (const GripperBox& box : gripper.boxes)
-    if (box.finger_side == 0.0) front = std::max(front, box.p_T_centre.z() + box.size.z() / 2);
+    if (box.finger_side == 0.0 && !box.camera) front = std::max(front, box.p_T_centre.z() + box.size.z() / 2);
   return front;
 }
 

@@ -24,6 +24,7 @@ constexpr double kInTable = 0.003;  ///< m: what a scan and a measured pose may 
 
 using Status = PickAndPlacePlan::Status;
 
+constexpr std::size_t kMostHard = 8;     ///< ways whose transit is hard to find, before one gets much effort
 constexpr double kNearGrasp = 0.020;     ///< m: a grasp that near to one that failed would fail as well
 constexpr double kNearGraspTurn = 0.35;  ///< rad
 
@@ -146,7 +147,7 @@ double total_seconds(const std::vector<PlanStep>& steps) {
 }
 
 /// Tries candidates in order until enough have a free way; the quickest wins. Those whose transit is hard to
-/// find give way to the others, and get much effort where none of these led anywhere.
+/// find give way to the others, and get much effort where none of these led anywhere, or many were as hard.
 PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& task,
                            const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
   const Stopwatch watch;
@@ -161,9 +162,11 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
   while (found < options.alternatives) {
     throw_if_interrupted();
     in_time = watch.seconds() <= options.planning_seconds;
-    auto candidate = in_time ? candidates.next() : std::nullopt;
+    if (!in_time) break;
+    const bool enough_hard = found == 0 && hard.size() - again >= kMostHard;
+    auto candidate = enough_hard ? std::nullopt : candidates.next();
     auto effort = PickAttempt::Effort::kLittle;
-    if (!candidate && in_time && found == 0 && again < hard.size()) {
+    if (!candidate && found == 0 && again < hard.size()) {
       candidate = hard[again++];
       effort = PickAttempt::Effort::kMuch;
     }

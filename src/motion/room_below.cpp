@@ -1,5 +1,7 @@
 #include "stonestack/motion/room_below.hpp"
 
+#include <algorithm>
+
 #include "motion/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -10,6 +12,12 @@ namespace {
 
 constexpr double kFineness = 0.001;  ///< m
 
+/// Did the user say how far hand and table stay apart?
+bool is_kept_off_table(const PlanningScene& scene) {
+  return std::any_of(scene.paddings.begin(), scene.paddings.end(),
+                     [](const PairPadding& pair) { return pair.a == "hand" && pair.b == "table"; });
+}
+
 }  // namespace
 
 double room_below(const PlanningScene& scene, const Joints& q, double opening, int object, double most,
@@ -18,7 +26,7 @@ double room_below(const PlanningScene& scene, const Joints& q, double opening, i
   CollisionRules rules;
   rules.padding = options.descent_padding;
   rules.opening = opening;
-  rules.gripper_may_touch = {kTableObject};
+  if (!is_kept_off_table(scene)) rules.gripper_may_touch = {kTableObject};
   rules.left_out = object;
   const CollisionChecker checker(scene, rules);
   const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;

@@ -25,7 +25,7 @@ HandModel make_hand(const GripperModel& gripper) {
   model.pad.length = gripper.pad_length;
   model.pad.friction = gripper.friction;
   for (const auto& box : gripper.boxes) {
-    HandBox part{box.size, box.p_T_centre, -1, box.spread, box.finger_side};
+    HandBox part{box.size, box.p_T_centre, -1, box.spread, box.finger_side, box.camera};
     if (box.finger_side != 0.0) {
       part.finger = box.finger_side > 0 ? 0 : box.p_T_centre.y() > 0 ? 1 : 2;
       part.size.x() -= model.pad.thickness;

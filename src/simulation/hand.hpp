@@ -30,6 +30,7 @@ struct HandBox {
   int finger = -1;                                       ///< moves with that finger; -1: fixed
   double spread = 0.0;                                   ///< along y, of what `narrowed` takes away
   double side = 0.0;                                     ///< along x of T
+  bool camera = false;                                   ///< carries the lens
 };
 
 /// The hand as the world meets it: rigid boxes, and on each finger a pad of rubber that stands out from the

@@ -96,7 +96,13 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
       scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
     }
   scene.paddings = layout.paddings;
-  for (const Obstacle& o : layout.obstacles) scene.objects.push_back({o.name, o.pieces, o.T_W_O});
+  for (const Obstacle& o : layout.obstacles) {
+    require(std::none_of(scene.objects.begin(), scene.objects.end(),
+                         [&](const auto& other) { return other.name == o.name; }),
+            "the obstacle '", o.name,
+            "' is called as something else in the cell or scene; give it a name of its own");
+    scene.objects.push_back({o.name, o.pieces, o.T_W_O});
+  }
   return scene;
 }
 

@@ -62,6 +62,16 @@ TEST_F(Commands, CtrlCEndsAnExperimentWithWhatWasDoneAndItGoesOn) {
         << key;
 }
 
+TEST_F(Commands, AVariantWithThePapersDetectionHasAllOfIt) {
+  const Outcome done =
+      run("experiment --runs 1 --per-run 1 --seed 4 --survival false --out record "
+          "--variant 'paper: detection.method=paper, detection.descriptor=iss'");
+  ASSERT_EQ(done.code, 0) << done.err;
+  const std::string options = read_file(folder_ + "/record/variant-1/run-1/options.yaml", 1 << 20);
+  for (const char* value : {"method: paper", "descriptor: iss", "matching: kdtree", "sweep: false"})
+    EXPECT_THAT(options, HasSubstr(value));
+}
+
 TEST_F(Commands, ExperimentGoesOnOnlyWithAFolderThatItCanRead) {
   expect_refusal("experiment --continue", 2, {"--continue", "--out"});
   write("record/experiment.json", "{\"schema\": \"stonestack.experiment/1\", \"title\": 7}");

@@ -24,6 +24,13 @@ std::string problem_of(const std::string& text) {
   return "";
 }
 
+TEST(Obstacle, HasANameOfItsOwn) {
+  const std::string wall = "- {name: wall, box: {x: 0.1, y: 2, z: 1.5}" + kPose;
+  EXPECT_EQ(problem_of(wall), "");
+  EXPECT_THAT(problem_of(wall + wall), HasSubstr("'wall' stands for another obstacle, too"));
+  EXPECT_THAT(problem_of("- {name: table, box: {x: 0.1, y: 2, z: 1.5}" + kPose), HasSubstr("is 'table'"));
+}
+
 TEST(Obstacle, ReadsBoxesAndRoundShapes) {
   const auto list = parse_obstacles("- {name: wall, box: {x: 0.1, y: 2, z: 1.5}" + kPose +
                                         "- {name: post, cylinder: {radius: 0.1, length: 1}" + kPose +

@@ -41,6 +41,7 @@ TEST(PairPadding, RefusesWithFileKeyAndValue) {
               AllOf(HasSubstr("'floor'"), HasSubstr("table, wall, lamp")));
   EXPECT_THAT(problem_of("- {a: hand, b: table, m: -0.1}"), HasSubstr("-0.1"));
   EXPECT_THAT(problem_of("- {a: hand, b: table, m: .nan}"), HasSubstr("layout.padding[0].m"));
+  EXPECT_THAT(problem_of("- {a: shoulder, b: table, m: 0.1}"), HasSubstr("stands on the table"));
   EXPECT_THAT(problem_of("- {a: hand, b: table}"), HasSubstr("m is missing"));
   EXPECT_THAT(problem_of("- {a: hand, b: table, m: 0.1, mm: 3}"), HasSubstr("mm"));
 }

@@ -47,6 +47,9 @@ TEST(RoomBelow, IsWholeWhereFingersPassBeside) {
 TEST(RoomBelow, FingersMayFeelTheTable) {
   const OverATower none(0.20, 0.0);
   EXPECT_EQ(none.room(), 0.015);
+  OverATower kept = none;
+  kept.scene.paddings = {{"hand", "table", 0.007}};
+  EXPECT_LE(kept.room(), 0.005) << "12 mm above it, and 7 are asked for";
   EXPECT_THROW((void)none.room(-0.001), InvalidArgument);
 }
 

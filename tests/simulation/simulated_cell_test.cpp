@@ -21,8 +21,9 @@ struct Bench {
   SimulatedCell simulated;
   Cell cell;
 
-  explicit Bench(std::vector<Stone> all, const SimulationOptions& options = {})
+  explicit Bench(std::vector<Stone> all, const SimulationOptions& options = {}, const CellLayout& in = {})
       : stones(std::move(all)),
+        layout(in),
         simulated(stones, every(stones), robot, layout, options),
         cell(simulated.cell()) {}
 
@@ -197,6 +198,15 @@ TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
         if (const float z = first.image.at(u + du, v + dv); z > 0) nearest = std::min<double>(nearest, z);
     EXPECT_LT(nearest, p_C.z() - 0.01) << "stone " << i;
   }
+}
+
+TEST(SimulatedCell, ACameraMountedStraightDoesNotSeeItself) {
+  CellLayout layout;
+  layout.T_T_C = Pose(Eigen::Translation3d(0.0, 0.11, -0.17));  // its box, along T's axes, holds the lens
+  Bench bench({make_pebble("pebble", 1.2)}, {}, layout);
+  const DepthImage image = bench.cell.camera.capture().image;
+  const auto seen = std::count_if(image.z.begin(), image.z.end(), [](float z) { return z > 0.0F; });
+  EXPECT_GT(seen, static_cast<std::ptrdiff_t>(image.z.size() / 2));
 }
 
 TEST(SimulatedCell, TooManyStonesAreRefusedWithAReason) {

@@ -114,7 +114,7 @@ TEST(Ahead, TheArmIsOnItsWayWhileItIsSearched) {
 }
 
 TEST(Ahead, OnATowerThatStoodThereBeforeNothingIsSearchedTwice) {
-  Lab lab({1, 2, 3});
+  Lab lab({1, 2, 4});
   ASSERT_EQ(lab.build(1).height, 1) << lab.said;
   lab.said.clear();
   EXPECT_EQ(lab.build(3).height, 3) << lab.said;
