@@ -4,12 +4,12 @@
 // tower is planned anew from what stands.
 #include <cstdio>
 #include <iostream>
-#include <map>
 #include <memory>
 
 #include "bench.hpp"
 #include "ode_witness.hpp"
 #include "put_down.hpp"
+#include "search_row.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
@@ -19,6 +19,8 @@
 namespace stonestack::apps {
 namespace {
 
+using bench::SearchOutcome;
+using bench::SearchRow;
 using bench::StonePool;
 
 struct BenchOptions {
@@ -33,18 +35,9 @@ struct BenchOptions {
   Settings settings;
 };
 
-struct Outcome {
-  int planned = 0;
-  int clean = 0;
-  double cpu = 0.0, wall = 0.0;
-  double margin = 0.0;
-  bench::OdeVerdict ode;
-  std::string reason;
-};
-
 /// What a tower is worth: how many of its stones stay, clean, and how far it is from falling.
-Outcome witness(const BenchOptions& options, const StonePool& pool, const Stack& tower) {
-  Outcome outcome;
+SearchOutcome witness(const BenchOptions& options, const StonePool& pool, const Stack& tower) {
+  SearchOutcome outcome;
   outcome.planned = static_cast<int>(tower.stones.size());
   if (tower.stones.empty()) return outcome;
   StandOptions stand;
@@ -100,14 +93,14 @@ Stack build(const BenchOptions& options, const SearchProblem& problem, const Sea
   return stack_of(plan_tower(problem, options.stones, search, reason));
 }
 
-Outcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
+SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
   const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
   const double start = processor_seconds();
   const Stopwatch watch;
   std::string reason;
   const Stack tower = build(options, problem, options.search, k, &reason);
   const double cpu = processor_seconds() - start, wall = watch.seconds();
-  Outcome outcome = witness(options, pool, tower);
+  SearchOutcome outcome = witness(options, pool, tower);
   outcome.cpu = cpu;
   outcome.wall = wall;
   if (!reason.empty()) outcome.reason = reason;
@@ -116,7 +109,7 @@ Outcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
 
 /// The paper's search; with exact placement restarted with new seeds until the CPU time is used, of which the
 /// highest tower counts.
-Outcome run_paper(const BenchOptions& options, const StonePool& pool, int k, double cpu) {
+SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int k, double cpu) {
   const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
   SearchOptions search = options.search;
   search.method = "paper";
@@ -124,63 +117,26 @@ Outcome run_paper(const BenchOptions& options, const StonePool& pool, int k, dou
   const double start = processor_seconds();
   const Stopwatch watch;
   Stack best;
+  double once = 0.0;
+  int once_planned = 0;
   std::string reason;
   for (int pass = 0; pass == 0 || (!noisy && processor_seconds() - start < cpu); ++pass) {
     search.seed = options.search.seed + 1000 * pass;
     const Stack tower = build(options, problem, search, k, &reason);
+    if (pass == 0) {
+      once = watch.seconds();
+      once_planned = static_cast<int>(tower.stones.size());
+    }
     if (tower.stones.size() > best.stones.size()) best = tower;
     if (best.stones.size() == problem.available.size()) break;
   }
   const double used = processor_seconds() - start, wall = watch.seconds();
-  Outcome outcome = witness(options, pool, best);
+  SearchOutcome outcome = witness(options, pool, best);
   outcome.cpu = used;
   outcome.wall = wall;
+  outcome.once = once;
+  outcome.once_planned = once_planned;
   return outcome;
-}
-
-void print_row(const BenchOptions& options, const std::string& pool, const char* method,
-               const std::vector<Outcome>& outcomes) {
-  std::map<int, int> clean;
-  double sum = 0.0, cpu = 0.0, wall = 0.0;
-  int whole = 0, firm = 0;
-  for (const Outcome& outcome : outcomes) {
-    ++clean[outcome.clean];
-    sum += outcome.clean;
-    cpu += outcome.cpu;
-    wall += outcome.wall;
-    whole += outcome.clean == options.stones ? 1 : 0;
-    firm += outcome.clean == options.stones && outcome.margin >= options.search.least_margin ? 1 : 0;
-  }
-  const auto n = static_cast<double>(outcomes.size());
-  std::string heights;
-  for (const auto& [height, count] : clean) heights += concat(heights.empty() ? "" : " ", height, ":", count);
-  std::printf("%-10s %-8s %6d %10.2f %6.0f %% %12.0f %% %11.1f %9.1f   %s\n", pool.c_str(), method,
-              static_cast<int>(outcomes.size()), sum / n, 100 * whole / n, 100 * firm / n, cpu / n, wall / n,
-              heights.c_str());
-  if (options.ode) {
-    int planned = 0, standing = 0;
-    for (const Outcome& outcome : outcomes) {
-      if (outcome.clean != options.stones) continue;
-      ++planned;
-      standing += outcome.ode.standing == options.stones ? 1 : 0;
-    }
-    const bench::OdeOptions& o = options.in_ode;
-    std::printf(
-        "%-10s %-8s of %d whole towers %d stand in ODE for %g s within %g mm and %.3g deg (step %g ms)\n",
-        pool.c_str(), method, planned, standing, o.seconds, 1e3 * o.largest_shift,
-        o.largest_turn * 180 / M_PI, 1e3 * o.step);
-  }
-  std::fflush(stdout);
-}
-
-void describe(const BenchOptions& options, const char* method, int k, const Outcome& outcome) {
-  std::string ode;
-  if (options.ode)
-    ode = concat(", ODE ", outcome.ode.standing, " (", 1e3 * outcome.ode.shift, " mm, ",
-                 outcome.ode.turn * 180 / M_PI, " deg)");
-  std::fprintf(stderr, "%s draw %d: planned %d, clean %d, margin %.3f g, CPU %.1f s%s%s%s\n", method, k,
-               outcome.planned, outcome.clean, outcome.margin, outcome.cpu, ode.c_str(),
-               outcome.reason.empty() ? "" : "; ", outcome.reason.c_str());
 }
 
 /// Candidates a CPU second of one thread, both methods, on the second level of the first draw.
@@ -210,20 +166,24 @@ void measure(const BenchOptions& options) {
       options.stones, s.friction, options.noise, options.noise_turn, options.seed, s.beam, s.rounds,
       s.horizon, 1e3 * s.placement_sigma_translation, s.placement_sigma_rotation * 180 / M_PI,
       options.witness_seconds);
-  std::printf("%-10s %-8s %6s %10s %8s %14s %11s %9s   %s\n", "stones", "method", "draws", "mean clean",
-              "whole", "whole, margin", "CPU s each", "wall s", "heights");
+  bench::print_search_header();
   const std::vector<StonePool> pools = bench::read_pools(options.pools);
   for (const StonePool& pool : pools) {
-    std::vector<Outcome> of_default, of_paper;
+    const SearchRow of_search{pool.name,      "default",   options.stones,
+                              s.least_margin, options.ode, options.in_ode};
+    const SearchRow paper{pool.name, "paper", options.stones, s.least_margin, options.ode, options.in_ode};
+    std::vector<SearchOutcome> of_default, of_paper;
     for (int k = 0; k < options.draws; ++k) {
       of_default.push_back(run_default(options, pool, k));
-      describe(options, "default", k, of_default.back());
+      bench::tell_draw(of_search, k, of_default.back());
       if (!options.paper) continue;
       of_paper.push_back(run_paper(options, pool, k, of_default.back().cpu));
-      describe(options, "paper", k, of_paper.back());
+      bench::tell_draw(paper, k, of_paper.back());
     }
-    print_row(options, pool.name, "default", of_default);
-    if (options.paper) print_row(options, pool.name, "paper", of_paper);
+    bench::print_search_row(of_search, of_default);
+    if (!options.paper) continue;
+    bench::print_search_row(paper, of_paper);
+    bench::print_paper_time(pool.name, of_paper);
   }
   for (const StonePool& pool : pools) print_speed(options, pool);
 }
