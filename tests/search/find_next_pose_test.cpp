@@ -377,6 +377,17 @@ TEST(PlanTower, StacksThreeBoxes) {
   EXPECT_TRUE(verdict.clean);
 }
 
+TEST(PlanTower, SaysThatTheTimeWasOver) {
+  SearchOptions options = quick();
+  options.budget = 1e-6;
+  for (const int horizon : {1, 4}) {
+    options.horizon = horizon;
+    std::string reason;
+    EXPECT_TRUE(plan_tower(base_stands(), 2, options, &reason).empty());
+    EXPECT_THAT(reason, HasSubstr("the time was over")) << "horizon " << horizon;
+  }
+}
+
 TEST(PaperMode, FindsAPoseForCubes) {
   SearchOptions options = quick();
   options.method = "paper";
