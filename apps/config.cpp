@@ -44,6 +44,11 @@ void add_config(CLI::App& app) {
   show_command->footer(
       "Precedence: flag, environment (STONESTACK_SEARCH_FRICTION=0.3), ./stonestack.yaml, "
       "~/.config/stonestack/config.yaml, default.\n"
+      "Defaults are those of `run`; of their own, `search` and `bench` plan for exact centres of mass "
+      "(search.com_sigma 0), "
+      "placements within\n1 mm and 0.5 deg (search.placement_sigma_translation 0.001, _rotation 0.0087) and "
+      "any tilt "
+      "(search.largest_tilt 3.14).\n"
       "Examples:\n"
       "  stonestack config show > stonestack.yaml      an option file to edit\n"
       "  stonestack config show --origin");

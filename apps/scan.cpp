@@ -122,7 +122,7 @@ nlohmann::json to_json(const ModelResult& result, const std::string& folder) {
 /// A line a stone on stderr, lengths in cm, deviations in mm.
 void print_table(const nlohmann::json& stones) {
   std::cerr << "stone                 size (cm)           mass (kg)  vol/hull  faces  pieces"
-               "  mesh off scan (mm)  contact off scan (mm)\n"
+               "  mesh off scan (mm)  contact off scan (mm): median / worst\n"
             << std::fixed;
   const auto mm = [](const nlohmann::json& metres) { return metres.get<double>() * 1000.0; };
   for (const auto& s : stones) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -7,6 +9,7 @@
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
 #include "scene_input.hpp"
+#include "search/search_context.hpp"
 #include "search_trace.hpp"
 #include "stacking/reach.hpp"
 #include "stonestack/core/error.hpp"
@@ -42,6 +45,7 @@ struct SearchCommand {
 struct Found {
   std::vector<Placement> placements, alternatives;
   std::string reason;
+  bool repeatable = true;  ///< not ended by the clock or the user: the same seed gives the same
 };
 
 /// What the search starts from, by whatever way it was given.
@@ -81,6 +85,22 @@ SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalo
   problem.available = belief.loose;
   log_info(concat(belief.stack.size(), " stones stand at the site, ", belief.loose.size(), " lie loose"));
   return problem;
+}
+
+/// A stack that was measured a little off is built on as it comes to rest, so that placements touch what is
+/// told of below them. One that does not stand is left to the search to refuse.
+void let_come_to_rest(const SearchOptions& options, SearchProblem* problem) {
+  check_problem(*problem, options);
+  std::string unused;
+  const auto stack = standing_stack(*problem->shapes, problem->stack, options, &unused);
+  if (!stack) return;
+  double moved = 0.0;
+  for (std::size_t i = 0; i < stack->stones.size(); ++i)
+    moved = std::max(moved, difference(problem->stack.stones[i].T_W_O, stack->stones[i].T_W_O).translation);
+  if (moved > 0.0)
+    log_info(concat("the given stack comes to rest up to ", 0.01 * std::round(1e5 * moved),
+                    " mm from where it is said to be; searching on that"));
+  problem->stack = *stack;
 }
 
 nlohmann::json placement_json(const Catalogue& catalogue, const Placement& p) {
@@ -150,6 +170,7 @@ Found find(const SearchCommand& command, const Catalogue& catalogue, const Searc
   const auto progress = [](const std::string& line) { log_progress(line); };
   if (command.levels > 1) {
     found.placements = plan_tower(problem, command.levels, command.options, &found.reason, progress);
+    found.repeatable = command.options.budget == 0.0 && !interrupt_noted();
     return found;
   }
   SearchOptions options = command.options;
@@ -157,14 +178,20 @@ Found find(const SearchCommand& command, const Catalogue& catalogue, const Searc
   SearchResult result = find_next_pose(problem, options, progress);
   if (!command.trace.empty()) write_trace(command.trace, catalogue, result);
   found.reason = result.reason;
+  found.repeatable = command.options.budget == 0.0 && !interrupt_noted();
   if (result.best.empty()) return found;
   found.placements.push_back(result.best.front());
   found.alternatives.assign(result.best.begin() + 1, result.best.end());
   return found;
 }
 
-void print(const SearchCommand& command, const Catalogue& catalogue, const Found& found) {
+void print(const SearchCommand& command, const Catalogue& catalogue, const SearchProblem& problem,
+           const Found& found) {
   if (!command.common.json) return print_table(catalogue, found.placements);
+  nlohmann::json stack = nlohmann::json::array();
+  for (const PlacedStone& placed : problem.stack.stones)
+    stack.push_back({{"stone", catalogue.stones[static_cast<std::size_t>(placed.stone)].name},
+                     {"T_W_O", pose_json(placed.T_W_O)}});
   const auto list = [&](const std::vector<Placement>& placements) {
     nlohmann::json array = nlohmann::json::array();
     for (const auto& p : placements) array.push_back(placement_json(catalogue, p));
@@ -173,7 +200,9 @@ void print(const SearchCommand& command, const Catalogue& catalogue, const Found
   std::cout << nlohmann::json{{"schema", "stonestack.search/1"},
                               {"placements", list(found.placements)},
                               {"alternatives", list(found.alternatives)},
+                              {"stack", stack},
                               {"reason", found.reason},
+                              {"repeatable", found.repeatable},
                               {"seed", command.common.seed}}
                    .dump(2)
             << '\n';
@@ -190,11 +219,16 @@ void search(SearchCommand& command) {
   const Catalogue catalogue = command.common.read();
   const ShapeList shapes = make_contact_shapes(catalogue.stones);
   SearchProblem problem = read_problem(command, catalogue, shapes);
+  let_come_to_rest(command.options, &problem);
   ask_the_arm(command, catalogue, &problem);
   const Found found = find(command, catalogue, problem);
   write_outputs(command, catalogue, tower_of(problem, found.placements), problem.site);
-  print(command, catalogue, found);
+  print(command, catalogue, problem, found);
+  throw_if_interrupted();
   if (found.placements.empty()) throw Error("no stable pose: " + found.reason, ExitCode::kNoStablePose);
+  if (!found.repeatable)
+    log_info(concat("the clock may have ended it (--budget ", command.options.budget,
+                    "): another run may find something else"));
   if (static_cast<int>(found.placements.size()) < command.levels)
     log_warning(concat(found.placements.size(), " of ", command.levels, " levels: ", found.reason));
 }
@@ -223,7 +257,7 @@ void add_search(CLI::App& app) {
                                 "search.method");
   command->common.settings.bind(
       sub->add_option("--friction", command->options.friction, "Assumed friction, stone on stone")
-          ->check(CLI::Range(0.0, 2.0))
+          ->check(CLI::Range(1e-3, 2.0))
           ->capture_default_str(),
       "search.friction");
   command->common.settings.bind(
@@ -247,7 +281,9 @@ void add_search(CLI::App& app) {
       "  stonestack search scene.yaml --robot ur10 --json > next.json    # for stonestack plan --search\n"
       "A cloud without --camera-pose is taken to be in the world frame (z up, table at z = 0), unless it is "
       "organised as a\n"
-      "depth camera's: then the table that is seen becomes z = 0.");
+      "depth camera's: then the table that is seen becomes z = 0. A stack in a scene file is built on, from "
+      "its last "
+      "stone up.\nCtrl-C ends the search with the best so far (exit code 130).");
   sub->callback([command] { search(*command); });
 }
 

@@ -20,6 +20,17 @@ constexpr int kCollect = 8;                // steps over which they are collecte
 constexpr double kCarries = 0.0003;        // m: contacts further apart carry nothing
 constexpr std::size_t kMostContacts = 16;  // of a pair
 
+std::string named(const ShapeList& shapes, const Stack& stack, int level) {
+  return concat("stone ", level, " (",
+                shapes[static_cast<std::size_t>(stack.stones[static_cast<std::size_t>(level)].stone)]->name,
+                ")");
+}
+
+/// To two digits after the point, for texts.
+double hundredths(double value) {
+  return 0.01 * std::round(100.0 * value);
+}
+
 const ContactShape& shape_of(const ShapeList& shapes, const PlacedStone& placed) {
   require(placed.stone >= 0 && placed.stone < static_cast<int>(shapes.size()), "no stone ", placed.stone,
           "; there are ", shapes.size());
@@ -59,7 +70,7 @@ std::string unclean(const ShapeList& shapes, const Stack& stack, double gap, int
     double low = 1e9;
     for (const auto& v : X.scan.vertices) low = std::min(low, (upper.T_W_O * v).z());
     *first = i;
-    if (low < gap) return concat("stone ", i, " touches the table");
+    if (low < gap) return named(shapes, stack, i) + " touches the table";
     for (int j = 0; j + 1 < i; ++j) {
       const PlacedStone& lower = stack.stones[static_cast<std::size_t>(j)];
       const ContactShape& Y = shape_of(shapes, lower);
@@ -67,7 +78,7 @@ std::string unclean(const ShapeList& shapes, const Stack& stack, double gap, int
       if (apart > X.radius + Y.radius + gap) continue;
       if (samples_near(X, upper.T_W_O, Y, lower.T_W_O, gap) ||
           samples_near(Y, lower.T_W_O, X, upper.T_W_O, gap))
-        return concat("stone ", i, " touches stone ", j);
+        return concat(named(shapes, stack, i), " touches ", named(shapes, stack, j));
     }
   }
   *first = n;
@@ -126,8 +137,8 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
 
   StandVerdict verdict;
   int clean_levels = n;
-  std::string fault = unclean(shapes, stack, options.touch_gap, &clean_levels);
-  verdict.clean = fault.empty();
+  std::string fell, touches = unclean(shapes, stack, options.touch_gap, &clean_levels);
+  verdict.clean = touches.empty();
   int stayed = n;  // levels from the bottom that stayed
   double end = options.seconds;
   std::vector<Pose> last;
@@ -150,18 +161,17 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
     }
     if (worst < 0 || end < options.seconds) continue;
     end = std::min(end, world.time() + options.fall);
-    if (verdict.clean)
-      fault = concat("stone ", worst, " moved ", 1e3 * verdict.shift, " mm or turned ",
-                     verdict.turn * 180 / M_PI, " deg within ", world.time(), " s");
+    fell = concat(named(shapes, stack, worst), " moved ", hundredths(1e3 * verdict.shift), " mm and turned ",
+                  hundredths(verdict.turn * 180 / M_PI), " deg within ", hundredths(world.time()), " s");
   }
   if (verdict.clean && stayed == n) {
-    fault = unclean(shapes, moved(stack, world), options.touch_gap, &clean_levels);
-    verdict.clean = fault.empty();
+    touches = unclean(shapes, moved(stack, world), options.touch_gap, &clean_levels);
+    verdict.clean = touches.empty();
   }
   verdict.stands = stayed == n;
   verdict.standing = std::min(stayed, clean_levels);
   for (int i = 0; i < n; ++i) verdict.T_W_O.push_back(world.pose(i));
-  verdict.reason = fault;
+  verdict.reason = fell + (fell.empty() || touches.empty() ? "" : "; ") + touches;
   return verdict;
 }
 

@@ -1,13 +1,12 @@
 #include "stonestack/physics/stack_problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
-
-constexpr double kOverlap = 0.008;  ///< m: deeper than any measurement error
 
 /// True if some direction separates the point from every vertex: Frank and Wolfe's walk to the nearest point
 /// of the hull.
@@ -47,13 +46,13 @@ std::string impossible(const ContactShape& shape) {
   return {};
 }
 
-std::string overlap_of(const ShapeList& shapes, const Stack& stack) {
+std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allowed) {
   for (const PlacedStone& placed : stack.stones) {
     const ContactShape& shape = *shapes[static_cast<std::size_t>(placed.stone)];
     double lowest = 0.0;
     for (const Eigen::Vector3d& v : shape.scan.vertices) lowest = std::min(lowest, (placed.T_W_O * v).z());
-    if (lowest < -kOverlap)
-      return concat("the given stack cannot be: ", shape.name, " reaches ", -1000.0 * lowest,
+    if (lowest < -allowed)
+      return concat("the given stack cannot be: ", shape.name, " reaches ", 0.1 * std::round(-1e4 * lowest),
                     " mm below the table");
   }
   for (std::size_t p = 0; p < stack.stones.size(); ++p)
@@ -63,9 +62,10 @@ std::string overlap_of(const ShapeList& shapes, const Stack& stack) {
       const ContactShape& shape_b = *shapes[static_cast<std::size_t>(b.stone)];
       const double depth =
           std::max(overlap(shape_a, a.T_W_O, shape_b, b.T_W_O), overlap(shape_b, b.T_W_O, shape_a, a.T_W_O));
-      if (depth > kOverlap)
+      const double known = std::min(shape_a.distance.band(), shape_b.distance.band());
+      if (depth > allowed)
         return concat("the given stack cannot be: ", shape_a.name, " and ", shape_b.name, " overlap by ",
-                      1000.0 * depth, " mm");
+                      0.1 * std::round(1e4 * depth), depth < known - 1e-6 ? " mm" : " mm or more");
     }
   return {};
 }

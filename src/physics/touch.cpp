@@ -25,6 +25,7 @@ void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose&
     Vector n_Y;
     const double gap = signed_distance(Y, T_Y_X * p_X, &n_Y);
     if (gap > -kDeep) continue;
+    if (n_Y.isZero()) n_Y = (T_Y_X * p_X - Y.features->box.center()).normalized();  // too deep to tell
     Touch t;
     t.kind = swapped ? TouchKind::kDeepB : TouchKind::kDeepA;
     (swapped ? t.b : t.a) = v;

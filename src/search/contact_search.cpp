@@ -7,9 +7,7 @@
 namespace stonestack {
 namespace {
 
-constexpr double kLongest = 1.0;   ///< s simulated
-constexpr int kPathEvery = 8;      ///< steps between poses of the path
-constexpr double kFarAway = 0.25;  ///< m from the start: it slid off
+constexpr int kPathEvery = 8;  ///< steps between poses of the path
 
 /// Contacts of the new stone; false if it touches something else than the top of the stack.
 bool touches_top_only(const World& world, int body, int top, std::vector<Contact>* contacts) {
@@ -55,8 +53,13 @@ void collect(const SearchContext& context, const Target& target, int stone, Worl
   result->pose.support = support_polygon(contacts, result->pose.p_W_com);
   result->pose.v_W = (target.p_W_centroid - result->pose.p_W_com).normalized();
   result->cost = pose_cost(result->pose, *context.options);
-  result->valid = result->pose.support.corners_W.size() >= 3 && result->pose.support.margin > 0.0;
-  if (!result->valid) result->outcome = "the centre of mass left the polygon while contacts were collected";
+  const SupportPolygon& support = result->pose.support;
+  if (support.corners_W.size() < 3 || support.margin <= 0.0)
+    result->outcome = "the centre of mass left the polygon while contacts were collected";
+  else if (support.area < context.options->area_min)
+    result->outcome = "the support polygon is smaller than area_min";
+  else
+    result->valid = true;
 }
 
 }  // namespace
@@ -71,12 +74,12 @@ ContactSearch search_contact(const SearchContext& context, const Target& target,
   ContactSearch result;
   result.pose.p_W_previous_com = target.p_W_previous_com;
   std::vector<Contact> contacts;
-  const int steps = static_cast<int>(kLongest / world.options().step);
+  const int steps = static_cast<int>(o.contact_seconds / world.options().step);
   for (int k = 0; k < steps; ++k) {
     const Pose T_W_O = world.pose(body);
     const Eigen::Vector3d p_W_com = T_W_O * p_O_M;
     if (k % kPathEvery == 0) result.path_W_O.push_back(T_W_O);
-    if ((p_W_com - T_W_O_init * p_O_M).norm() > kFarAway) {
+    if ((p_W_com - T_W_O_init * p_O_M).norm() > o.slid_off) {
       result.outcome = "slid off the stack";
       return result;
     }

@@ -7,7 +7,7 @@ namespace stonestack {
 /// How a stone came to touch the stack.
 struct ContactSearch {
   bool valid = false;
-  std::string outcome;  ///< when not valid: what was missing
+  std::string outcome;  ///< when not valid: what was missing; of a step of the descent: that it is one
   Pose T_W_O = Pose::Identity();
   ContactPose pose;
   PoseCost cost;

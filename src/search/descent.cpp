@@ -8,13 +8,13 @@
 namespace stonestack {
 namespace {
 
-using Step = Eigen::Matrix<double, 5, 1>;  ///< x, y and rotation vector times kArm, all in metres
-constexpr double kArm = 0.05;              ///< m: a turn by 1 / kArm rad moves the surface by about a metre
-constexpr double kMissing = 0.5;           ///< relative cost rise assumed where no contact pose was found
+/// x, y and a rotation vector times descent_step / descent_turn, all in metres.
+using Step = Eigen::Matrix<double, 5, 1>;
 
 ContactSearch from(const SearchContext& context, const Target& target, int stone, const ContactSearch& at,
                    const Step& step) {
-  const Eigen::Vector3d turn = step.tail<3>() / kArm;
+  const Eigen::Vector3d turn =
+      step.tail<3>() * (context.options->descent_turn / context.options->descent_step);
   Eigen::Matrix3d R = at.T_W_O.linear();
   if (turn.norm() > 1e-12) R = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * R;
   Eigen::Vector3d aside = at.pose.p_W_com - target.p_W_centroid;
@@ -26,8 +26,14 @@ ContactSearch from(const SearchContext& context, const Target& target, int stone
 }  // namespace
 
 ContactSearch descend(const SearchContext& context, const Target& target, int stone, ContactSearch start,
-                      long* evaluated) {
+                      std::vector<ContactSearch>* tried) {
   const SearchOptions& o = *context.options;
+  const auto try_step = [&](const ContactSearch& at, const Step& step, const char* what) {
+    ContactSearch there = from(context, target, stone, at, step);
+    tried->push_back(there);
+    if (there.valid) tried->back().outcome = what;
+    return there;
+  };
   ContactSearch best = std::move(start);
   double length = 2.0 * o.descent_step;
   for (int round = 0; round < o.descent_rounds && !context.out_of_time(); ++round) {
@@ -36,14 +42,13 @@ ContactSearch descend(const SearchContext& context, const Target& target, int st
     for (int axis = 0; axis < 5; ++axis) {
       Step step = Step::Zero();
       step[axis] = o.descent_step;
-      const ContactSearch beside = from(context, target, stone, best, step);
-      ++*evaluated;
-      const double rise = beside.valid ? beside.cost.total - best.cost.total : kMissing * best.cost.total;
+      const ContactSearch beside = try_step(best, step, "perturbed for the gradient");
+      const double rise =
+          beside.valid ? beside.cost.total - best.cost.total : o.descent_missing * best.cost.total;
       gradient[axis] = rise / o.descent_step;
     }
     if (gradient.norm() < 1e-12) break;
-    const ContactSearch next = from(context, target, stone, best, -length * gradient.normalized());
-    ++*evaluated;
+    const ContactSearch next = try_step(best, -length * gradient.normalized(), "a step of the descent");
     if (!next.valid || next.cost.total >= best.cost.total) {
       length *= 0.5;
       if (length < 0.25 * o.descent_step) break;

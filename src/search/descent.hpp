@@ -6,8 +6,8 @@ namespace stonestack {
 /// Contact pose refinement (paper §3.2): the pose is perturbed by a small step in each of five directions
 /// (sideways in x and y, turned about x, y and z; the attraction sets the sixth), the gradient of eq. (2)
 /// follows by finite differences, and the pose descends until the cost converges. Each evaluation is a
-/// contact search of its own from just above the displaced pose.
+/// contact search of its own from just above the displaced pose; all of them are added to `tried`, in order.
 [[nodiscard]] ContactSearch descend(const SearchContext& context, const Target& target, int stone,
-                                    ContactSearch start, long* evaluated);
+                                    ContactSearch start, std::vector<ContactSearch>* tried);
 
 }  // namespace stonestack

@@ -19,8 +19,7 @@ void search(const SearchContext& context, SearchResult* result) {
   } catch (const Interrupted&) {
     if (result->best.empty()) result->reason = "interrupted before a pose was found";
   }
-  if (result->best.empty() && context.out_of_time())
-    result->reason = "the time was over before a pose was found";
+  if (result->best.empty() && context.out_of_time()) result->reason = kTimeOver;
   result->seconds = context.watch.seconds();
 }
 

@@ -5,8 +5,7 @@
 namespace stonestack {
 namespace {
 
-constexpr double kClearance = 0.002;  ///< m between stack and stone at the start
-constexpr double kTouchGap = 0.001;   ///< m
+constexpr double kTouchGap = 0.001;  ///< m
 
 }  // namespace
 
@@ -48,7 +47,7 @@ Pose placed_along_normal(const SearchContext& context, const Target& target, int
       top = std::max(top, (body.R_W_O * v + body.p_W_M - target.p_W_centroid).dot(n));
   double bottom = 0.0;  // of the stone along n_j, from its centre of mass
   for (const Eigen::Vector3d& v : geometry.vertices_M) bottom = std::min(bottom, (R_W_O * v).dot(n));
-  const double along = top - bottom + kClearance - aside.dot(n);
+  const double along = top - bottom + context.options->initial_gap - aside.dot(n);
   return stone_pose({&geometry, R_W_O, target.p_W_centroid + aside + along * n});
 }
 

@@ -9,13 +9,13 @@
 namespace stonestack {
 namespace {
 
-/// One local solution of one stone, and the failed tries before it.
+/// One local solution of one stone, and what was tried on the way to it.
 struct LocalSolution {
   std::size_t available = 0;
   int stone = -1;
   ContactSearch found;
-  std::vector<ContactSearch> failed;
-  long evaluated = 0;
+  long evaluated = 0;                ///< all that were tried
+  std::vector<ContactSearch> tried;  ///< for the trace: orientations that failed, steps of the descent
 };
 
 void solve(const SearchContext& context, const Target& target, std::uint64_t task, LocalSolution* local) {
@@ -29,10 +29,17 @@ void solve(const SearchContext& context, const Target& target, std::uint64_t tas
     ContactSearch contact = search_contact(context, target, local->stone, T_W_O);
     ++local->evaluated;
     if (contact.valid) {
-      local->found = descend(context, target, local->stone, std::move(contact), &local->evaluated);
+      if (o.trace) {
+        local->tried.push_back(contact);
+        local->tried.back().outcome = "first contact, descends from here";
+      }
+      std::vector<ContactSearch> steps;
+      local->found = descend(context, target, local->stone, std::move(contact), &steps);
+      local->evaluated += static_cast<long>(steps.size());
+      if (o.trace) local->tried.insert(local->tried.end(), steps.begin(), steps.end());
       return;
     }
-    if (o.trace) local->failed.push_back(std::move(contact));
+    if (o.trace) local->tried.push_back(std::move(contact));
   }
 }
 
@@ -42,7 +49,7 @@ CandidateTrace trace_of(int stone, const ContactSearch& contact) {
           contact.pose.support,
           contact.cost.total,
           contact.cost.terms,
-          contact.valid ? "local solution" : contact.outcome};
+          contact.outcome.empty() ? "local solution" : contact.outcome};
 }
 
 Placement placement_of(int stone, const ContactSearch& contact) {
@@ -97,7 +104,7 @@ void paper_search(const SearchContext& context, SearchResult* result) {
   for (const LocalSolution& local : all) {
     result->candidates += local.evaluated;
     if (!o.trace) continue;
-    for (const ContactSearch& failed : local.failed) result->trace.push_back(trace_of(local.stone, failed));
+    for (const ContactSearch& tried : local.tried) result->trace.push_back(trace_of(local.stone, tried));
     if (local.found.valid) result->trace.push_back(trace_of(local.stone, local.found));
   }
   const auto ranked = by_cost(context, all, result);

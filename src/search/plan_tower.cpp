@@ -29,6 +29,7 @@ std::vector<Placement> plan_greedily(SearchProblem problem, int levels, const Se
     std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == next.stone; });
     tower.push_back(next);
   }
+  if (why->empty() && interrupt_noted()) *why = "interrupted";
   return tower;
 }
 
@@ -47,7 +48,8 @@ std::vector<Placement> plan_whole(const SearchProblem& problem, int levels, cons
     if (!search.tree().node(k).predicted) break;  // interrupted before that
     tower.push_back(search.tree().node(k).trial.placement);
   }
-  if (why->empty() && tower.size() < static_cast<std::size_t>(levels)) *why = search.reason();
+  if (why->empty() && tower.size() < static_cast<std::size_t>(levels))
+    *why = context.out_of_time() ? kTimeOver : search.reason();
   return tower;
 }
 

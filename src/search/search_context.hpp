@@ -32,6 +32,8 @@ struct SearchContext {
 /// The loose stones with every orientation that the tilt limit allows.
 [[nodiscard]] std::vector<LooseStone> loose_stones(const SearchContext& context);
 
+/// Why nothing, or no more, was found where `budget` ended the search.
+inline constexpr const char* kTimeOver = "the time was over before a pose was found";
 /// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
 inline constexpr double kStill = 1e-7;
 /// s: the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact).

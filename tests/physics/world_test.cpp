@@ -121,6 +121,18 @@ TEST(World, BoxPushesAStoneAndFixedStonesStay) {
   EXPECT_LT(world.pose(fixed).translation().z(), 0.46);
 }
 
+TEST(World, WhatIsDeeperInAStoneThanItsDistanceIsKnownComesOut) {
+  World world;
+  world.set_gravity(Eigen::Vector3d::Zero());
+  world.add_stone(box(0.1, 0.1, 0.1), at(0, 0, 0), true);
+  const int thrown = world.add_stone(box(0.03, 0.03, 0.05), at(0.01, 0.005, 0.05));  // 25 mm deep
+  for (int i = 0; i < 240; ++i) {
+    world.step();
+    ASSERT_TRUE(world.pose(thrown).matrix().allFinite()) << "step " << i;
+  }
+  EXPECT_GT(world.pose(thrown).translation().z(), 0.07);
+}
+
 TEST(World, ContactCanBeTurnedOffAndFrictionSetForAPair) {
   World world(with_friction(0.1));
   const int stone = world.add_stone(box(0.06, 0.06, 0.06), at(0, 0, 0.03));

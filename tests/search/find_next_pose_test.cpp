@@ -7,52 +7,13 @@
 #include <limits>
 #include <set>
 
+#include "box_scenes.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
 namespace {
 
 using ::testing::HasSubstr;
-
-std::shared_ptr<const ContactShape> box(const std::string& name, const Eigen::Vector3d& size) {
-  ShapeOptions options;
-  options.cell = 0.003;
-  options.spacing = 0.006;
-  const Mesh mesh = make_box(size);
-  return make_contact_shape(mesh, mass_properties(mesh, 2600.0), name, options);
-}
-
-const ShapeList& boxes() {
-  static const ShapeList list = {box("base", {0.12, 0.11, 0.06}), box("middle", {0.10, 0.09, 0.05}),
-                                 box("top", {0.08, 0.07, 0.04})};
-  return list;
-}
-
-Pose at(double x, double y, double z) {
-  return make_pose(Eigen::Vector3d(x, y, z));
-}
-
-/// The base stands at the origin; the other two lie beside it.
-SearchProblem base_stands() {
-  SearchProblem problem;
-  problem.shapes = &boxes();
-  problem.stack.stones = {{0, at(0, 0, 0.03)}};
-  problem.available = {{1, at(0.4, 0, 0.025)}, {2, at(0.4, 0.3, 0.02)}};
-  return problem;
-}
-
-SearchOptions quick() {
-  SearchOptions options;
-  options.directions = 30;
-  options.yaws = 3;
-  options.settled = 6;
-  options.alternatives = 2;
-  options.verdict_seconds = 1.0;
-  options.perturbations = 2;
-  options.perturbed_seconds = 0.5;
-  options.threads = 2;
-  return options;
-}
 
 TEST(FindNextPose, PutsABoxOnABox) {
   const SearchResult result = find_next_pose(base_stands(), quick());
@@ -377,36 +338,14 @@ TEST(PlanTower, StacksThreeBoxes) {
   EXPECT_TRUE(verdict.clean);
 }
 
-TEST(PaperMode, FindsAPoseForCubes) {
+TEST(PlanTower, SaysThatTheTimeWasOver) {
   SearchOptions options = quick();
-  options.method = "paper";
-  options.theta_init = 0.1;
-  options.local_solutions = 2;
-  options.descent_rounds = 3;
-  options.trace = true;
-  options.verify = false;
-  const SearchResult result = find_next_pose(base_stands(), options);
-  ASSERT_FALSE(result.best.empty()) << result.reason;
-  EXPECT_GE(result.best[0].support.corners_W.size(), 3U);
-  EXPECT_GT(result.best[0].support.margin, 0.0);
-  for (std::size_t k = 1; k < result.best.size(); ++k)
-    EXPECT_LE(result.best[k - 1].cost, result.best[k].cost);
-  ASSERT_FALSE(result.trace.empty());
-  for (const CandidateTrace& trace : result.trace) EXPECT_FALSE(trace.path_W_O.empty());
-}
-
-TEST(PaperMode, ExpectsAsManyStonesAsItJudgesLikely) {
-  SearchOptions options = quick();
-  options.method = "paper";
-  options.theta_init = 0.1;
-  options.local_solutions = 2;
-  options.descent_rounds = 3;
-  options.friction = 0.5;
-  const SearchResult result = find_next_pose(base_stands(), options);
-  ASSERT_FALSE(result.best.empty()) << result.reason;
-  for (const Placement& placement : result.best) {
-    EXPECT_GT(placement.expected_height, 0.0);
-    EXPECT_EQ(placement.expected_height, placement.predicted_success);
+  options.budget = 1e-6;
+  for (const int horizon : {1, 4}) {
+    options.horizon = horizon;
+    std::string reason;
+    EXPECT_TRUE(plan_tower(base_stands(), 2, options, &reason).empty());
+    EXPECT_THAT(reason, HasSubstr("the time was over")) << "horizon " << horizon;
   }
 }
 

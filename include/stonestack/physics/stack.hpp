@@ -42,7 +42,7 @@ struct StandVerdict {
   double shift = 0.0;       ///< m, largest of any stone
   double turn = 0.0;        ///< rad
   std::vector<Pose> T_W_O;  ///< at the end
-  std::string reason;       ///< when it does not stand: which stone, what happened
+  std::string reason;       ///< when it does not stand or is not clean: which stone (from 0), what happened
 };
 /// Simulates the stack with every stone dynamic and judges it.
 [[nodiscard]] StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack,

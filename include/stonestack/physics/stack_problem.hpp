@@ -10,7 +10,7 @@ namespace stonestack {
 [[nodiscard]] std::string impossible(const ContactShape& shape);
 
 /// Names two stones of a stack that cut into each other, or one that reaches through the table, by more than
-/// any measurement errs (8 mm). Empty if there are none.
-[[nodiscard]] std::string overlap_of(const ShapeList& shapes, const Stack& stack);
+/// `allowed` (m; 8 mm: more than any measurement errs). Empty if there are none.
+[[nodiscard]] std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allowed = 0.008);
 
 }  // namespace stonestack

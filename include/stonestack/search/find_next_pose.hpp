@@ -27,10 +27,16 @@ struct SearchOptions {
   double theta_init = 0.785398;     ///< rad: random initial rotation (companion paper, weak)
   double attraction = 100.0;        ///< N, F
   double e_kin_stable = 0.0002;     ///< J; measured: 20 J filters nothing (facts/paper.md)
+  double area_min = 1e-5;           ///< m^2: a contact pose on a smaller support polygon is none
   int local_solutions = 5;          ///< x
   int contact_steps = 10;           ///< steps over which contacts are collected
   int restarts = 40;                ///< initial orientations tried for one local solution
-  double descent_step = 0.003;      ///< m, delta p; rotations turn by descent_step / 0.05 m
+  double initial_gap = 0.002;       ///< m along n_j between stack and stone at the start
+  double contact_seconds = 1.0;     ///< s simulated in which contact must come about
+  double slid_off = 0.25;           ///< m from the start: the stone has slid off the stack
+  double descent_step = 0.003;      ///< m, delta p along x and y
+  double descent_turn = 0.06;       ///< rad, delta p about each axis
+  double descent_missing = 0.5;     ///< relative rise of the cost assumed where delta p leads to no contact
   int descent_rounds = 12;          ///< at most
   double descent_tolerance = 0.01;  ///< relative change of the cost that counts as converged
 

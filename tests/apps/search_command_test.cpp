@@ -1,0 +1,55 @@
+#include "commands.hpp"
+#include "stonestack/geometry/mesh_file.hpp"
+
+namespace stonestack {
+namespace {
+
+/// `stonestack search` on boxes.
+class SearchCommand : public Commands {
+ protected:
+  void SetUp() override {
+    Commands::SetUp();
+    write_mesh(folder_ + "/low.ply", make_box({0.12, 0.1, 0.05}));
+    write_mesh(folder_ + "/high.ply", make_box({0.07, 0.06, 0.05}));
+    ASSERT_EQ(run("scan low.ply high.ply --catalogue boxes").code, 0);
+  }
+  /// The low box on the table, its centre at height z, and the high one beside it.
+  void write_scene(double z) const {
+    write("scene.yaml",
+          concat("schema: stonestack.scene/1\nstack:\n  - {stone: low, T_W_O: {x: 0.7, y: 0.28, z: ", z,
+                 ", qx: 0, qy: 0, qz: 0, qw: 1}}\nstones:\n"
+                 "  - {stone: high, T_W_O: {x: 0.6, y: -0.2, z: 0.025, qx: 0, qy: 0, qz: 0, qw: 1}}\n"));
+  }
+};
+
+TEST_F(SearchCommand, TellsWhereAStackThatWasMeasuredALittleOffComesToRest) {
+  write_scene(0.028);
+  const Outcome outcome = run("search scene.yaml --catalogue boxes --json --out tower.yaml");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("comes to rest up to 3 mm from where it is said to be"));
+  const json found = outcome.data();
+  EXPECT_NEAR(pose_of(found["stack"][0]["T_W_O"]).translation().z(), 0.025, 5e-5);
+  EXPECT_TRUE(found["repeatable"].get<bool>());
+  EXPECT_EQ(run("check tower.yaml --catalogue boxes --seconds 1").code, 0)
+      << "what was planned does not touch";
+}
+
+TEST_F(SearchCommand, SaysThatABudgetMayEndItElsewhereNextTime) {
+  write_scene(0.025);
+  const Outcome outcome = run("search scene.yaml --catalogue boxes --json --budget 600");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("another run may find something else"));
+  EXPECT_FALSE(outcome.data()["repeatable"].get<bool>());
+}
+
+TEST_F(SearchCommand, CtrlCEndsItWithTheBestSoFar) {
+  const Outcome outcome = shell(interrupted_at(
+      folder_, "search --stones limestone_1,limestone_2,limestone_3,limestone_4 --json", "round 1"));
+  EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
+  const json found = json::parse(outcome.out.substr(0, outcome.out.rfind("code")), nullptr, false);
+  EXPECT_EQ(found["placements"].size(), 1u) << outcome.err;
+  EXPECT_FALSE(found["repeatable"].get<bool>());
+}
+
+}  // namespace
+}  // namespace stonestack
