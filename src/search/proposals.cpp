@@ -64,23 +64,23 @@ UndersideOptions underside_options(const StackField& stack) {
   return options;
 }
 
-StackField stack_field(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
+StackField stack_field(const StackBodies& stack, std::span<const LooseStone> stones,
                        const Eigen::Vector2d& site, double cell, const SearchOptions& options) {
   double radius = 0.0;
   for (const LooseStone& stone : stones)
     radius = std::max({radius, stone.geometry->radius, stone.raster_radius});
   SurfaceGrid grid;
-  grid.centre = stack.empty() ? site : Eigen::Vector2d(stack.back().p_W_M.head<2>());
+  grid.centre = stack.bodies.empty() ? site : Eigen::Vector2d(stack.bodies.back().p_W_M.head<2>());
   grid.cell = cell;
   grid.half = static_cast<int>(std::ceil((radius + kOffsetReach + 0.03) / cell));
-  return {top_surface(stack, grid, options.clean_height), interfaces(stack, kInterfaceTouch),
+  return {top_surface(stack.bodies, grid, options.clean_height), interfaces(stack, kInterfaceTouch),
           options.friction};
 }
 
-std::vector<Proposal> propose(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
+std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,
                               const Eigen::Vector2d& site, int keep, const SearchOptions& options,
                               long* evaluated) {
-  const bool on_table = stack.empty();
+  const bool on_table = stack.bodies.empty();
   const StackField coarse = stack_field(stack, stones, site, options.grid, options);
   const StackField fine = stack_field(stack, stones, site, 0.5 * options.grid, options);
   std::vector<Proposal> candidates = coarse_proposals(coarse, on_table, stones, kRefined, options, evaluated);

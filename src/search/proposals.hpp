@@ -36,7 +36,7 @@ void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options)
 inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of the top that are tried
 
 /// The gap field of a stack for any of the stones: raster as wide as the largest.
-[[nodiscard]] StackField stack_field(std::span<const BodyPose> stack, std::span<const LooseStone> stones,
+[[nodiscard]] StackField stack_field(const StackBodies& stack, std::span<const LooseStone> stones,
                                      const Eigen::Vector2d& site, double cell, const SearchOptions& options);
 [[nodiscard]] UndersideOptions underside_options(const StackField& stack);
 
@@ -66,8 +66,8 @@ inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of
 
 /// What the top of `stack` and the undersides of the stones offer each other: coarse, refined, at most `keep`
 /// a stone and distinct. Sorted by stone, best first.
-[[nodiscard]] std::vector<Proposal> propose(std::span<const BodyPose> stack,
-                                            std::span<const LooseStone> stones, const Eigen::Vector2d& site,
-                                            int keep, const SearchOptions& options, long* evaluated);
+[[nodiscard]] std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,
+                                            const Eigen::Vector2d& site, int keep,
+                                            const SearchOptions& options, long* evaluated);
 
 }  // namespace stonestack

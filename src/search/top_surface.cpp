@@ -17,9 +17,21 @@ void raise_by(HeightRaster& raster, const BodyPose& body) {
 }
 
 constexpr double kInterfaceCell = 0.003;  ///< m
+constexpr double kTouchGap = 0.0008;      ///< m
+
+Rest rest_on(const std::vector<Eigen::Vector3d>& points_W) {
+  Rest rest;
+  std::vector<Eigen::Vector2d> seen;
+  for (const Eigen::Vector3d& p_W : points_W) {
+    seen.push_back(p_W.head<2>());
+    rest.z += p_W.z() / static_cast<double>(points_W.size());
+  }
+  rest.polygon_W = convex_hull(seen);
+  return rest;
+}
 
 /// Contacts of a stone with the one below (or the table) at the poses that they have.
-Interface interface_of(const BodyPose* below, const BodyPose& above, double tolerance) {
+Rest estimated_rest(const BodyPose* below, const BodyPose& above, double tolerance) {
   const int half = static_cast<int>(std::ceil(above.stone->radius / kInterfaceCell)) + kRun;
   const SurfaceGrid grid{above.p_W_M.head<2>(), kInterfaceCell, half};
   TopSurface surface = top_surface({}, grid, 0.0);
@@ -35,20 +47,16 @@ Interface interface_of(const BodyPose* below, const BodyPose& above, double tole
       make_underside(above.stone->vertices_M, above.stone->faces, above.R_W_O, options);
   GapField field;
   lay(surface, underside, 0, 0, tolerance, &field);
-  Interface result;
-  std::vector<Eigen::Vector2d> points;
-  double sum = 0.0;
+  std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < field.d.size(); ++k) {
     if (field.d[k] < field.highest - static_cast<float>(tolerance)) continue;
     const int node = field.node(k);
     const auto z = static_cast<double>(surface.heights.z[static_cast<std::size_t>(node)]);
     if (z <= static_cast<double>(kNoSurface) + 1.0) continue;
-    points.push_back(surface.heights.node(node));
-    sum += z;
+    const Eigen::Vector2d at = surface.heights.node(node);
+    points.emplace_back(at.x(), at.y(), z);
   }
-  if (!points.empty()) result.z = sum / static_cast<double>(points.size());
-  result.polygon_W = convex_hull(points);
-  return result;
+  return rest_on(points);
 }
 
 }  // namespace
@@ -99,14 +107,26 @@ TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid,
   return surface;
 }
 
-std::vector<Interface> interfaces(std::span<const BodyPose> stack, double tolerance) {
-  std::vector<Interface> list;
-  for (std::size_t k = 0; k < stack.size(); ++k)
-    list.push_back(interface_of(k == 0 ? nullptr : &stack[k - 1], stack[k], tolerance));
-  for (std::size_t k = 0; k < stack.size(); ++k) {
-    for (std::size_t m = k; m < stack.size(); ++m) {
-      list[k].mass_above += stack[m].stone->mass;
-      list[k].moment_above += stack[m].stone->mass * stack[m].p_W_M;
+std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack) {
+  std::vector<std::vector<Eigen::Vector3d>> points(stack.stones.size());
+  for (const Contact& contact : geometric_contacts(shapes, stack, kTouchGap))
+    if (contact.below == contact.above - 1 || (contact.below == kTable && contact.above == 0))
+      points[static_cast<std::size_t>(contact.above)].push_back(contact.p_W);
+  std::vector<Rest> rests;
+  for (const auto& of_stone : points) rests.push_back(rest_on(of_stone));
+  return rests;
+}
+
+std::vector<Interface> interfaces(const StackBodies& stack, double tolerance) {
+  const std::vector<BodyPose>& bodies = stack.bodies;
+  std::vector<Interface> list(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    list[k].rest = k < stack.rests.size()
+                       ? stack.rests[k]
+                       : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k], tolerance);
+    for (std::size_t m = k; m < bodies.size(); ++m) {
+      list[k].mass_above += bodies[m].stone->mass;
+      list[k].moment_above += bodies[m].stone->mass * bodies[m].p_W_M;
     }
   }
   return list;
@@ -116,8 +136,8 @@ double tipping_limit(std::span<const Interface> interfaces, double mass, const E
   double least = 1e300;
   for (const Interface& at : interfaces) {
     const Eigen::Vector3d p_W_com = (at.moment_above + mass * p_W_M) / (at.mass_above + mass);
-    const double height = std::max(p_W_com.z() - at.z, 1e-3);
-    least = std::min(least, margin(at.polygon_W, p_W_com.head<2>()) / height);
+    const double height = std::max(p_W_com.z() - at.rest.z, 1e-3);
+    least = std::min(least, margin(at.rest.polygon_W, p_W_com.head<2>()) / height);
   }
   return least;
 }

@@ -37,17 +37,29 @@ struct SurfaceGrid {
 [[nodiscard]] TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid,
                                      double clean_height);
 
-/// Where a stone rests on what is below it, and what it carries without the stone that is to come.
+/// Where a stone rests on what is below it.
+struct Rest {
+  Polygon2 polygon_W;  ///< hull of the contacts seen from above
+  double z = 0.0;      ///< m, mean height of the contacts
+};
+/// That, and what it carries without the stone that is to come.
 struct Interface {
-  Polygon2 polygon_W;           ///< hull of the contacts seen from above
-  double z = 0.0;               ///< m, mean height of the contacts
+  Rest rest;
   double mass_above = 0.0;      ///< kg
   Eigen::Vector3d moment_above  ///< kg m: mass times centre of mass
       = Eigen::Vector3d::Zero();
 };
-/// One for each stone of the stack, from the gap between the scans (contacts: within `tolerance` of the
-/// nearest).
-[[nodiscard]] std::vector<Interface> interfaces(std::span<const BodyPose> stack, double tolerance);
+/// A stack, and where the lowest of its stones rest as far as that is known. Where it is not, as with stones
+/// that are only proposed, it is estimated on a raster.
+struct StackBodies {
+  std::vector<BodyPose> bodies;
+  std::vector<Rest> rests;
+};
+/// Where each stone of a stack at rest touches what is below it, by the scans themselves. A raster passes
+/// over sharp corners: a stone on three of them seems to rest on one or two.
+[[nodiscard]] std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack);
+/// One for each stone of the stack; estimated: what is within `tolerance` of the nearest, seen every 3 mm.
+[[nodiscard]] std::vector<Interface> interfaces(const StackBodies& stack, double tolerance);
 /// Horizontal acceleration (g) at which the stack tips over one of its interfaces once a mass is put on top.
 [[nodiscard]] double tipping_limit(std::span<const Interface> interfaces, double mass,
                                    const Eigen::Vector3d& p_W_M);

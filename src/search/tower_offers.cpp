@@ -31,27 +31,28 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
   survey();
   const SearchOptions& o = *context_.options;
   const TowerNode& node = tree_.node(k);
-  const std::vector<BodyPose> bodies = bodies_of(context_, node.stack);
+  const StackBodies below{bodies_of(context_, node.stack), rests_of(context_.shapes(), node.stack)};
   std::vector<LooseStone> stones;
   for (const LooseStone& stone : loose_)
     if (std::any_of(node.left.begin(), node.left.end(),
                     [&](const auto& s) { return s.stone == stone.stone; }))
       stones.push_back(stone);
   std::vector<Proposal> list =
-      propose(bodies, stones, context_.problem->site, kProposalsPerStone, o, &candidates_);
+      propose(below, stones, context_.problem->site, kProposalsPerStone, o, &candidates_);
   const std::vector<int> used = stones_of(node.stack);
   std::vector<long> counts(list.size(), 0);
   run_tasks(o.threads, list.size(), [&](std::size_t p) {
     Proposal& proposal = list[p];
-    std::vector<BodyPose> higher = bodies;
-    higher.push_back(proposal.body);
+    StackBodies higher = below;
+    higher.bodies.push_back(proposal.body);
     std::vector<int> gone = used;
     gone.push_back(proposal.stone);
     if (stones.size() > 1)
       proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
     // On the table every estimate is the friction: the margin tells the stones apart.
-    const double base = bodies.empty() ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
-                                       : proposal.robust;
+    const double base = below.bodies.empty()
+                            ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
+                            : proposal.robust;
     proposal.score = std::min(base, o.friction) + proposal.look_ahead;
   });
   for (const long count : counts) candidates_ += count;

@@ -221,9 +221,9 @@ void TowerSearch::grow(std::span<const int> nodes) {
     const TowerNode& below = tree_.node(made[k].node);
     settle_trial(context_, below.stack, &trial);
     if (!trial.alive || below.left.size() < 2) return;
-    std::vector<BodyPose> bodies = bodies_of(context_, below.stack);
-    bodies.push_back(
-        body_pose(context_.geometry[static_cast<std::size_t>(trial.stone)], trial.placement.T_W_O));
+    Stack higher = below.stack;
+    higher.stones.push_back({trial.stone, trial.placement.T_W_O});
+    const StackBodies bodies{bodies_of(context_, higher), rests_of(context_.shapes(), higher)};
     std::vector<int> used = stones_of(below.stack);
     used.push_back(trial.stone);
     trial.look_ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull, &counts[k]);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kCell = 0.004;
 
 StackField field_of(const std::vector<BodyPose>& stack, double clean_height = 0.006) {
-  return {top_surface(stack, {{0, 0}, kCell, 70}, clean_height), interfaces(stack, 0.0008), 0.1};
+  return {top_surface(stack, {{0, 0}, kCell, 70}, clean_height), interfaces({stack, {}}, 0.0008), 0.1};
 }
 
 LandingGrid land_box(const StackField& field, const Mesh& box, int i, int j) {
@@ -25,10 +25,10 @@ LandingGrid land_box(const StackField& field, const Mesh& box, int i, int j) {
 TEST(Interfaces, CubeOnTheTableTipsAtHalfWidthOverHeight) {
   const StoneGeometry cube = geometry_of(make_box({0.1, 0.1, 0.1}), 2.0);
   const std::vector<BodyPose> stack = {at(cube, 0, 0, 0.05)};
-  const std::vector<Interface> list = interfaces(stack, 0.0008);
+  const std::vector<Interface> list = interfaces({stack, {}}, 0.0008);
   ASSERT_EQ(list.size(), 1U);
-  EXPECT_NEAR(list[0].z, 0.0, 1e-9);
-  EXPECT_NEAR(area(list[0].polygon_W), 0.01, 0.001);  // hull of nodes 3 mm apart
+  EXPECT_NEAR(list[0].rest.z, 0.0, 1e-9);
+  EXPECT_NEAR(area(list[0].rest.polygon_W), 0.01, 0.001);  // hull of nodes 3 mm apart
   // A second cube on top: centre of mass 0.1 m up, 0.05 m from the rim.
   EXPECT_NEAR(tipping_limit(list, 2.0, {0, 0, 0.15}), 0.5, 0.03);
   // Set 40 mm aside, the pair's centre moves by 20 mm.

@@ -48,7 +48,7 @@ std::vector<Proposal> proposals_with(int threads) {
   which.directions = options.directions;
   const std::vector<LooseStone> loose = {{1, &upper, orientations(which), 0.0, nullptr}};
   long evaluated = 0;
-  auto list = propose(stack, loose, {0, 0}, 6, options, &evaluated);
+  auto list = propose({stack, {}}, loose, {0, 0}, 6, options, &evaluated);
   EXPECT_GT(evaluated, 1000);
   return list;
 }
