@@ -81,22 +81,27 @@ struct Hands {
   [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift) const {
     const WristLoad load = wrist.feel();
     const double expected = kGravity * stone.mass.mass;
-    // Of the arm of the weight only the part across it can be told.
-    Eigen::Vector3d off = load.p_F_pull - p_F(plan.T_O_T.inverse() * stone.mass.p_O_M);
-    off -= off.dot(load.n_F_down) * load.n_F_down;
+    const double off = swing(load);
     if (journal != nullptr)
       journal->record("hold", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected,
-                                     ", \"off\": ", off.norm(), "}"));
+                                     ", \"off\": ", off, "}"));
     if (load.weight < options.least_held * expected) {
       const std::string why =
           concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
       // What still hangs is set down; what lies below already must not be met from above.
       return load.weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
     }
-    if (off.norm() > options.largest_swing)
-      return put_back(lift, concat("turned in the hand: it pulls ", std::lround(1e3 * off.norm()),
-                                   " mm beside where it should"));
+    if (off > options.largest_swing) return put_back(lift, turned(off));
     return {};
+  }
+
+  /// m: how far from where the stone's centre of mass is in the hand, held as planned, it pulls.
+  [[nodiscard]] double swing(const WristLoad& load) const {
+    return beside(load, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M));
+  }
+
+  [[nodiscard]] static std::string turned(double off) {
+    return concat("turned in the hand: it pulls ", std::lround(1e3 * off), " mm beside where it should");
   }
 
   /// Before the hand goes nearer to the tower: a stone that is gone is not set down. `lift` is the step that
@@ -104,29 +109,37 @@ struct Hands {
   [[nodiscard]] ExecutionResult check_carried(const PlanStep* lift, const PlanStep& next) {
     if (lift == nullptr) return {};
     const double expected = kGravity * stone.mass.mass;
-    const CarriedLoad load = feel_carried(wrist, cell, expected, options.least_held);
+    const CarriedLoad carried = feel_carried(wrist, cell, expected, options.least_held);
+    const double off = swing(carried.load);
+    hangs = carried.load.weight;
     if (journal != nullptr)
-      journal->record("carried", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected,
-                                        ", \"held\": ", load.held ? "true" : "false", "}"));
-    hangs = load.weight;
-    if (load.held) return {};
-    const std::string why =
-        concat("lost on the way: ", load.weight, " N hang in the hand, not ", expected, " N");
-    return go_home({lift + 1, &next}, why);
+      journal->record("carried", concat("{\"weight\": ", hangs, ", \"expected\": ", expected,
+                                        ", \"off\": ", off, ", \"doubt\": ", carried.load.doubt,
+                                        ", \"held\": ", carried.held ? "true" : "false", "}"));
+    // What has swung would not come to stand where it is let go of.
+    if (carried.held && off > options.largest_swing + carried.load.doubt) {
+      const ExecutionResult home = go_home({lift + 1, &next});
+      return home.status == Status::kStopped ? home : put_back(*lift, turned(off));
+    }
+    if (carried.held) return {};
+    set_payload(false);
+    const ExecutionResult home = go_home({lift + 1, &next});
+    if (home.status == Status::kStopped) return home;
+    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+    return {Status::kLost, 0.0,
+            concat("lost on the way: ", hangs, " N hang in the hand, not ", expected, " N")};
   }
 
-  /// With the empty hand to where the carry began, the way it came: of all ways that one is known to be free.
-  /// The fingers open there and not over the tower.
-  [[nodiscard]] ExecutionResult go_home(std::span<const PlanStep> carried, const std::string& why) const {
-    set_payload(false);
+  /// To where the carry began, the way it came: of all ways that one is known to be free. An empty hand's
+  /// fingers open there and not over the tower.
+  [[nodiscard]] ExecutionResult go_home(std::span<const PlanStep> carried) const {
     for (auto step = carried.rbegin(); step != carried.rend(); ++step) {
       PlanStep back = *step;
       back.trajectory = reversed(step->trajectory);
       const ExecutionResult moved = follow(back);
       if (moved.status == Status::kStopped) return moved;
     }
-    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
-    return {Status::kLost, 0.0, why};
+    return {};
   }
 
   /// Opens where the hand is.
@@ -144,6 +157,8 @@ struct Hands {
     const MotionResult moved = cell.arm.follow_guarded(down);
     if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
       return {Status::kStopped, moved.force, "putting " + stone.name + " back: " + moved.reason};
+    // Fingers that stand on the table cannot open.
+    if (const ExecutionResult up = go_back(lift, kBackOff); up.status == Status::kStopped) return up;
     set_payload(false);
     return give_up(lift, why);
   }

@@ -10,7 +10,9 @@ namespace {
 constexpr int kReadings = 10;
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kDrift = 2.0;     // N, that the sensor may err by after a carry; ours
-constexpr double kSettle = 1.0;    // s, at most, for fingers that close on
+constexpr double kHandCentre =
+    0.03;                        // m, that its centre of mass is taken to lie elsewhere than it does; ours
+constexpr double kSettle = 1.0;  // s, at most, for fingers that close on
 
 GripperState state_at_rest(Cell& cell) {
   const double start = cell.clock.now();
@@ -48,7 +50,13 @@ WristLoad Wrist::feel() const {
   const Eigen::Vector3d torque = mean.torque - hand_.p_F_hand.cross(f_F_tilt);
   load.weight = hung_at_zero_ + force.dot(load.n_F_down);
   load.p_F_pull = force.cross(torque) / std::max(1e-6, force.squaredNorm());
+  load.doubt = kHandCentre * f_F_tilt.norm() / std::max(1e-3, force.norm());
   return load;
+}
+
+double beside(const WristLoad& load, const Eigen::Vector3d& p_F) {
+  const Eigen::Vector3d off = load.p_F_pull - p_F;
+  return (off - off.dot(load.n_F_down) * load.n_F_down).norm();
 }
 
 double most_in_empty_hand(double weight) {
@@ -56,10 +64,11 @@ double most_in_empty_hand(double weight) {
 }
 
 CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double least_held) {
-  CarriedLoad load{wrist.feel().weight, true};
-  if (load.weight < least_held * expected)
-    load.held = load.weight >= kEmptyHand * expected && state_at_rest(cell).object;
-  return load;
+  CarriedLoad carried{wrist.feel(), true};
+  const double weight = carried.load.weight;
+  if (weight < least_held * expected)
+    carried.held = weight >= kEmptyHand * expected && state_at_rest(cell).object;
+  return carried;
 }
 
 }  // namespace stonestack

@@ -17,7 +17,14 @@ struct WristLoad {
   /// On the line along which that pulls which came after the zero was taken, level with F.
   Eigen::Vector3d p_F_pull = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< as the arm stands
+  /// m, by which that line may be wrong: where the hand's own weight pulls is known to 3 cm, and how it pulls
+  /// changes with the tilt.
+  double doubt = 0.0;
 };
+
+/// m: how far the line along which it pulls passes a point of the flange's frame, level; of the arm of a
+/// weight only that part can be told.
+[[nodiscard]] double beside(const WristLoad& load, const Eigen::Vector3d& p_F);
 
 /// Share of a stone's weight: when less hangs in the hand, the stone does not.
 inline constexpr double kEmptyHand = 0.2;
@@ -50,7 +57,7 @@ class Wrist {
 
 /// What is left in the hand of a stone that was carried.
 struct CarriedLoad {
-  double weight = 0.0;  ///< N
+  WristLoad load;
   bool held = false;
 };
 

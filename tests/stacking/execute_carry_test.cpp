@@ -16,6 +16,7 @@ using Status = MotionResult::Status;
 /// the lift, the carry and the lowering.
 struct Carried : scripted::Bench {
   std::vector<double> hangs;
+  std::vector<double> beside;  ///< m, level, from where it should pull; nothing said: 0
 
   explicit Carried(std::vector<double> felt) : hangs(std::move(felt)) {
     PlanStep lift, carry;
@@ -30,7 +31,10 @@ struct Carried : scripted::Bench {
       const Eigen::Matrix3d R_W_F = (layout.T_W_R * forward(scene.robot, arm.q)).linear();
       const double mass = hangs[std::min(hangs.size(), arm.told.size()) - 1];
       force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
-      force.wrench.torque = layout.T_F_T.translation().cross(force.wrench.force);
+      const std::size_t motions = arm.told.size();
+      const Eigen::Vector3d p_W_beside(motions <= beside.size() ? beside[motions - 1] : 0.0, 0, 0);
+      const Eigen::Vector3d p_F = layout.T_F_T.translation() + R_W_F.transpose() * p_W_beside;
+      force.wrench.torque = p_F.cross(force.wrench.force);
     };
   }
   ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact}); }
@@ -58,6 +62,24 @@ TEST(Execute, AStopOnTheWayBackWithAnEmptyHandEndsIt) {
   cell.arm.stops_after = 2;
   EXPECT_EQ(cell.run().status, ExecutionResult::Status::kStopped);
   EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "follow")) << "nothing after a stop";
+}
+
+TEST(Execute, AStoneThatTurnedInTheHandOnTheWayIsBroughtBack) {
+  Carried cell({1.0, 1.0});
+  cell.beside = {0.0, 0.07, 0.07, 0.07, 0.07, 0.07};
+  const auto done = cell.Bench::run({Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(done.reason, testing::HasSubstr("turned in the hand: it pulls 70 mm beside"));
+  // Lifted, carried, back, down until it touches, a little up so that the fingers can open, and away.
+  EXPECT_THAT(cell.arm.told,
+              testing::ElementsAre("follow", "follow", "follow", "lower", "follow", "open", "follow"));
+}
+
+TEST(Execute, AStoneThatPullsALittleBesideIsSetDown) {
+  Carried cell({1.0});
+  cell.beside = {0.0, 0.015, 0.015};
+  cell.plan.steps.erase(cell.plan.steps.begin() + 4, cell.plan.steps.end());  // what lets go
+  EXPECT_EQ(cell.run().status, ExecutionResult::Status::kReleased);
 }
 
 TEST(Execute, ForLossTheGripperIsAskedWhereTheWristIsInDoubt) {
