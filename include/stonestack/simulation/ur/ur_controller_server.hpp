@@ -49,6 +49,9 @@ struct UrServerOptions {
   /// Programs, separated by commas, that the Dashboard finds: `load hello.urp`. Played, one runs until it is
   /// stopped, and does nothing: what a program on the pendant does that waits for others.
   std::string programs;
+  /// As the installation on the pendant says what the arm carries; SimulatedServers: the hand that is there.
+  double payload = 0.0;                                   ///< kg
+  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< m, from the flange
   ControllerFaults faults;
 };
 [[nodiscard]] FieldList fields(UrServerOptions& options);
