@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "simulation/ur/controller.hpp"
+#include "simulation/ur/script_collector.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -13,7 +14,6 @@ using Kind = ControllerEvent::Kind;
 
 constexpr std::size_t kSecondaries = 8;
 constexpr int kFieldbusLost = 206;  // C-code
-constexpr std::size_t kLongestSource = 4'000'000;
 
 /// Functions that came with some version: PolyScope 3, PolyScope 5.
 struct Gate {
@@ -71,7 +71,9 @@ void UrController::report(const urscript::CompileError& error, const urscript::P
 void UrController::run_script(const std::string& source) {
   if (faults.scripts_never_start) return;
   try {
-    if (source.size() > kLongestSource) throw urscript::CompileError{1, 1, "script too long"};
+    if (source.size() > kLongestScript)
+      throw urscript::CompileError{
+          1, 1, concat("script too long: more than ", kLongestScript, " characters; make it shorter")};
     auto program = urscript::compile(source, [this](const std::string& name) {
       return has_function(name) ? urscript::builtin_index(name) : -1;
     });
