@@ -108,6 +108,7 @@ void UrController::stop_program() {
 
 void UrController::end_program(const char* title) {
   program_.reset();
+  asked_ = false;
   runtime_ = RuntimeState::kStopped;
   watchdog = {};
   sockets.clear();
@@ -119,6 +120,10 @@ void UrController::end_program(const char* title) {
 
 bool UrController::play_loaded() {
   if (loaded_program.empty() || program_running() || !can_move()) return false;
+  if (options_.external_control > 0 && loaded_program == kExternalControl) {
+    ask_for_program();
+    return program_running();
+  }
   std::string name = loaded_program.substr(0, loaded_program.rfind('.'));
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
@@ -171,6 +176,7 @@ void UrController::run_programs() {
     if (machine.state() == Machine::State::kFailed) report(machine.error(), &machine.program());
     secondaries_.erase(secondaries_.begin() + static_cast<std::ptrdiff_t>(i));
   }
+  if (asked_) take_program_asked_for();
   if (!program_ || !program_running() || effort_ <= 0) return;
   const auto state = step(*program_, 0);
   if (state == Machine::State::kRunning) return;
