@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cell_input.hpp"
 #include "commands.hpp"
@@ -148,15 +149,16 @@ Joints parse_start(const std::string& text, const RobotModel& robot) {
 Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
                   const std::vector<NamedPose>& targets) {
   CellLayout layout;
-  std::string robot_name = command.robot;
+  const std::string& robot_name = command.robot;
+  std::optional<RobotModel> cell_robot;
   if (!command.cell.empty()) {
     const CellFile cell = read_cell(command.cell);
     require(robot_name.empty() || robot_name == cell.cell.robot, "--robot ", robot_name,
             " is not the robot of ", command.cell, ", ", cell.cell.robot);
-    robot_name = cell.cell.robot;
     layout = to_layout(cell.cell);
+    cell_robot = read_cell_robot(cell.cell);
   }
-  const RobotModel robot = read_robot(robot_name.empty() ? "ur10" : robot_name);
+  const RobotModel robot = cell_robot ? *cell_robot : read_robot(robot_name.empty() ? "ur10" : robot_name);
   const Joints q_start = command.start.empty() ? home_joints() : parse_start(command.start, robot);
   const SceneFile file = read_scene_file(command.scene);
   Belief belief;

@@ -43,7 +43,7 @@ RunReport build_tower_for(RunCommand& command, const Catalogue& catalogue, const
   require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
           ", ", file.cell.robot);
   if (file.simulate) {
-    const RobotModel robot = read_robot(file.cell.robot);
+    const RobotModel robot = read_cell_robot(file.cell);
     const auto present = draw(to_layout(file.cell), robot);
     return perform(command.run, catalogue, robot, present, folder, nullptr, &file).report;
   }

@@ -77,7 +77,8 @@ void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogu
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
                         const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                         const std::string& folder) {
-  const SimulatedServers servers(world, robot, file.servers);
+  // The controller knows nothing of the limits of the cell: it is the host that keeps them.
+  const SimulatedServers servers(world, read_robot(file.cell.robot), file.servers);
   CellConfig config = file.cell;
   connect_to(servers, config);
   log_info("simulated devices:\n" + servers.text());
@@ -121,7 +122,7 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
 
 RunReport perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
                        const std::string& folder) {
-  const RobotModel robot = read_robot(file.cell.robot);
+  const RobotModel robot = read_cell_robot(file.cell);
   RunReport report = open_report(run, catalogue, robot, {}, folder);
   log_info(concat("cell ", file.path, ": arm at ", file.cell.arm.address, "; record in ", folder));
   HardwareCell hardware(file.cell);

@@ -114,7 +114,8 @@ FieldList fields(CellConfig& c) {
                nest("camera.v4l2", fields(c.v4l2)),
                nest("camera.realsense", fields(c.realsense)),
                nest("camera.recorded", fields(c.recorded)),
-               nest("layout", layout_fields(c))});
+               nest("layout", layout_fields(c)),
+               nest("limits", fields(c.limits))});
 }
 
 CellLayout to_layout(const CellConfig& c) {
@@ -132,6 +133,12 @@ CellLayout to_layout(const CellConfig& c) {
   return layout;
 }
 
+RobotModel read_cell_robot(const CellConfig& config) {
+  const CellLayout layout = to_layout(config);
+  return limit_robot(read_robot(config.robot), config.limits, layout.T_W_R, layout.T_F_T,
+                     config.file.empty() ? "the cell" : config.file);
+}
+
 CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   CellConfig config;
   read_fields(fields(config), path, others);
@@ -142,6 +149,7 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   config.paddings = parse_pair_paddings(config.padding_text, path, "layout.padding", names);
   require_known_words(config, path);
   require_usable_settings(config);
+  static_cast<void>(read_cell_robot(config));
   return config;
 }
 
@@ -172,7 +180,7 @@ struct HardwareCell::Devices {
 
   explicit Devices(const CellConfig& config)
       : layout(to_layout(config)),
-        robot(read_robot(config.robot)),
+        robot(read_cell_robot(config)),
         force_torque(config.force_torque),
         arm(robot, config.arm, layout.T_W_R, layout.T_F_T, &force_torque),
         gripper(config.gripper),

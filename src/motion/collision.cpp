@@ -165,10 +165,20 @@ bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slac
   return false;
 }
 
+/// The tip is a point of link 6.
+bool leaves_room(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+  if (!shapes.robot.room) return false;
+  const ToolRoom& room = *shapes.robot.room;
+  const Eigen::Vector3d p_6 = (shapes.robot.T_6_F * room.T_F_T).translation();
+  const Eigen::Vector3d p_W = room.T_W_R * (placed.pose[6] * p_6);
+  const double away = kRoomMargin + slack.constant + slack.moved[0][6] + slack.turned[0][6] * p_6.norm();
+  return ((p_W - room.box.min()).array() < away).any() || ((room.box.max() - p_W).array() < away).any();
+}
+
 bool collides_within(const CollisionShapes& shapes, const Joints& q, const Slack& slack) {
   const Placed placed(shapes, q);
-  return hits_table(shapes, placed, slack) || hits_objects(shapes, placed, slack) ||
-         hits_itself(shapes, placed, slack);
+  return leaves_room(shapes, placed, slack) || hits_table(shapes, placed, slack) ||
+         hits_objects(shapes, placed, slack) || hits_itself(shapes, placed, slack);
 }
 
 /// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free

@@ -137,7 +137,8 @@ std::string outside_limits(const RobotModel& robot, const Joints& q) {
     if (q[i] < robot.lower[i] - kSlack || q[i] > robot.upper[i] + kSlack)
       return concat("the arm starts outside its limits: joint ", kJoints[i], " at ", q[i], " rad, limits ",
                     robot.lower[i], " to ", robot.upper[i], " rad");
-  return {};
+  const std::string outside = describe_outside_room(robot, q, -kRoomMargin);
+  return outside.empty() ? "" : "the arm starts where it must not be: " + outside;
 }
 
 double total_seconds(const std::vector<PlanStep>& steps) {

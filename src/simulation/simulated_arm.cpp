@@ -113,6 +113,11 @@ std::string SimulatedArm::refusal(const JointTrajectory& trajectory) const {
     if (((trajectory.q[k] - robot_.upper).array() > 1e-6).any() ||
         ((robot_.lower - trajectory.q[k]).array() > 1e-6).any())
       return concat("knot ", k, " lies outside the joint limits: ", trajectory.q[k].transpose());
+  constexpr double kRoomSlack = 1e-4, kLook = 0.008;  // m, s
+  const double duration = robot_.room ? trajectory.duration() : 0.0;
+  for (double t = 0.0; t < duration + kLook; t += kLook)
+    if (auto outside = describe_outside_room(robot_, sample(trajectory, t).q, kRoomSlack); !outside.empty())
+      return concat(outside, ", at ", t, " s");
   const double gap = (trajectory.q.front() - q_).cwiseAbs().maxCoeff();
   if (gap > kStartTolerance)
     return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ", kStartTolerance,

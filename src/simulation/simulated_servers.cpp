@@ -40,7 +40,7 @@ struct SimulatedServers::Parts {
     if (o.devices.camera) serve_camera();
     if (o.devices.arm) {
       arm_plant = make_world_plant(*world, cell.cell().arm.state().q);
-      arm = std::make_unique<UrControllerServer>(o.arm, robot, *arm_plant);
+      arm = std::make_unique<UrControllerServer>(installed(), robot, *arm_plant);
       arm->start();
     } else {
       world->start(o.arm.speed);  // else the arm's controller lets time pass
@@ -54,6 +54,14 @@ struct SimulatedServers::Parts {
   }
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
+
+  // A hand that the installation does not know of would look like a force to whoever asks the controller.
+  [[nodiscard]] UrServerOptions installed() const {
+    UrServerOptions o = options.arm;
+    o.payload = carried_mass(world->lock().world.hand_model().gripper);
+    o.payload_cog = world->mounting().T_F_T * hand_centre();
+    return o;
+  }
 
   void serve_gripper() {
     gripper_plant = make_world_gripper(*world);

@@ -409,5 +409,32 @@ TEST(Collision, AMotionThroughAnObstacleIsNotFree) {
   EXPECT_FALSE(checker.motion_is_free(a, b));
 }
 
+TEST(Collision, TheToolStaysInItsRoomAllAlongAMotion) {
+  PlanningScene scene = empty_scene();
+  const Joints start = tool_down();
+  const Eigen::Vector3d p = (forward(scene.robot, start) * scene.T_F_T).translation();
+  const Eigen::Vector3d half(0.2, 0.2, 0.2);
+  scene.robot.room = ToolRoom{{p - half, p + half}, scene.T_W_R, scene.T_F_T};
+  const CollisionChecker checker(scene);
+  EXPECT_FALSE(checker.collides(start));
+  Joints away = start;
+  away[0] += 0.6;
+  EXPECT_TRUE(checker.collides(away));
+  EXPECT_FALSE(checker.motion_is_free(start, away));
+  Random random = Random::stream(3, "room");
+  int free = 0;
+  for (int i = 0; i < 300; ++i) {
+    Joints a = start, b = start;
+    for (int j = 0; j < 6; ++j) {
+      a[j] += random.uniform(-0.3, 0.3);
+      b[j] += random.uniform(-0.3, 0.3);
+    }
+    if (!checker.motion_is_free(a, b)) continue;
+    ++free;
+    for (int k = 0; k <= 50; ++k) EXPECT_LE(outside_room(scene.robot, a + (b - a) * k / 50.0), -kRoomMargin);
+  }
+  EXPECT_GT(free, 20);
+}
+
 }  // namespace
 }  // namespace stonestack

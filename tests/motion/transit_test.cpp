@@ -62,6 +62,36 @@ void expect_free(const CollisionChecker& checker, const JointPath& path) {
   }
 }
 
+TEST(Transit, StaysInTheRoomOfTheCell) {
+  PlanningScene scene = empty_scene();
+  scene.objects = {box_at("wall", {1.4, 0.05, 0.45}, {0.95, 0.0, 0.225})};
+  const auto highest = [&](const JointPath& path) {
+    double z = -1.0;
+    for (std::size_t i = 1; i < path.size(); ++i)
+      for (int k = 0; k <= 200; ++k) {
+        const Joints q = path[i - 1] + (path[i] - path[i - 1]) * k / 200.0;
+        z = std::max(z, (forward(scene.robot, q) * scene.T_F_T).translation().z());
+      }
+    return z;
+  };
+  const auto find = [&] {
+    const auto goals = solutions_above(scene, {0.7, 0.3, 0.3});
+    return find_path(CollisionChecker(scene), solutions_above(scene, {0.7, -0.3, 0.3}).front(), goals);
+  };
+  const auto free = find();
+  ASSERT_TRUE(free);
+  const double over = highest(*free);
+  ASSERT_GT(over, 0.45) << "the wall is in the way";
+  scene.robot.room =
+      ToolRoom{{Eigen::Vector3d(-2, -2, 0), Eigen::Vector3d(2, 2, over + 0.05)}, scene.T_W_R, scene.T_F_T};
+  const auto low = find();
+  ASSERT_TRUE(low);
+  EXPECT_LT(highest(*low), over + 0.05);
+  scene.robot.room->box.max().z() = 0.40;
+  scene.robot.room->box.min().x() = 0.3;  // nor behind the robot's back
+  EXPECT_FALSE(find()) << "over the wall, and no other way";
+}
+
 TEST(Transit, GoesStraightWhereNothingIsInTheWay) {
   const PlanningScene scene = empty_scene();
   const CollisionChecker checker(scene);

@@ -8,6 +8,7 @@
 #include "stonestack/hardware/camera/stream_camera.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
+#include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/simulation/camera/camera_simulator.hpp"
 #include "stonestack/simulation/robotiq/ft_simulator.hpp"
 #include "stonestack/simulation/robotiq/gripper_simulator.hpp"
@@ -95,6 +96,28 @@ TEST(DevicesInTheWorld, OpenFingersStandAtTheSoftwareLimit) {
   }
   bench.world.stop();
   EXPECT_NEAR(open.opening, opening(bench.world.lock().world.hand()), 0.001);
+}
+
+// A force where nothing touches is a contact to UR's client library (its script asks tool_contact at rest).
+TEST(DevicesInTheWorld, TheArmsInstallationKnowsTheHandOnIt) {
+  const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell cell(stones, {0}, robot, {}, Bench::quiet(false));
+  SimulatedServersOptions served;
+  served.devices = {true, false, false, false};
+  const SimulatedServers servers(cell, robot, served);
+  const auto recipe = [](const UrVersion&) {
+    return RtdeRecipe{{"payload", "payload_cog", "actual_TCP_force"}, {}, {}};
+  };
+  RtdeOptions patient;
+  patient.stale_after = patient.silent_after = 30.0;
+  const RtdeClient client({served.arm.address, servers.arm_ports().rtde}, recipe, patient);
+  const auto sample = client.wait_for_next(Deadline::in(30.0));
+  ASSERT_TRUE(sample);
+  EXPECT_NEAR(sample->get<double>("payload"), 3.35, 1e-9) << "gripper, force sensor and camera";
+  EXPECT_NEAR((sample->get<std::array<double, 3>>("payload_cog")[2]), 0.264 - 0.12, 0.05);
+  for (const double value : sample->get<std::array<double, 6>>("actual_TCP_force"))
+    EXPECT_NEAR(value, 0.0, 0.05);
 }
 
 TEST(DevicesInTheWorld, AGripperAloneMoves) {

@@ -170,6 +170,19 @@ TEST(SimulatedCell, ArmRefusesAndStops) {
   EXPECT_EQ(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kDone);
 }
 
+TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
+  Bench bench({make_pebble("pebble", 1.2)});
+  RobotModel robot = bench.robot;
+  robot.room = ToolRoom{
+      {Eigen::Vector3d(-2, -2, 0.2), Eigen::Vector3d(2, 2, 2)}, bench.layout.T_W_R, bench.layout.T_F_T};
+  SimulatedCell kept(bench.stones, {0}, robot, bench.layout, {});
+  Arm& arm = kept.cell().arm;
+  const auto low = arm.follow(bench.line(tool_down({0.7, 0.1, 0.1}), 0.2));
+  EXPECT_EQ(low.status, Status::kRefused);
+  EXPECT_NE(low.reason.find("leaves the workspace"), std::string::npos) << low.reason;
+  EXPECT_EQ(arm.follow(bench.line(tool_down({0.7, 0.1, 0.4}), 0.2)).status, Status::kDone);
+}
+
 TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
   std::vector<Stone> stones;
   for (int i = 0; i < 5; ++i) stones.push_back(make_pebble("pebble_" + std::to_string(i), 0.5 + 0.3 * i));

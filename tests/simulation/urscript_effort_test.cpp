@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "script_bench.hpp"
+#include "simulation/ur/script_collector.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -95,6 +96,65 @@ TEST(UrScriptEffort, SecondaryProgramsShareTheStep) {
   const auto [together, main_beside] = turns_beside(8);
   EXPECT_LT(together, 2 * alone);
   EXPECT_GT(main_beside, main_alone / 20);
+}
+
+std::string repeated(const std::string& piece, std::size_t times) {
+  std::string text;
+  text.reserve(piece.size() * times);
+  for (std::size_t i = 0; i < times; ++i) text += piece;
+  return text;
+}
+
+/// What the controller says to a script that it cannot compile.
+std::string complaint(const std::string& script) {
+  ScriptBench bench;
+  bench.controller.run_script(script);
+  bench.run(2 * bench.controller.period());
+  return bench.exceptions;
+}
+
+// Each of these took the square of its length: minutes, in which the controller made no step.
+TEST(UrScriptEffort, LongScriptsCompileInTimeThatGrowsWithTheirLength) {
+  EXPECT_EQ(complaint("def lines():\n" + repeated("a=1\n", 120'000) + "end\n"), "");
+  std::string functions = "def many():\n";
+  for (int i = 0; i < 20'000; ++i) functions += concat("def f", i, "():\nend\n");
+  EXPECT_EQ(complaint(functions + repeated("f0()\n", 60'000) + "end\n"), "");
+  EXPECT_EQ(complaint("def both():\ndef f():\n return 1\nend\ndef g():\n def f():\n  return 2\n end\n"
+                      " return f()\nend\nif g() != 2 or f() != 1:\n x = [1][9]\nend\nend\n"),
+            "")
+      << "the nearest function of a name counts";
+}
+
+TEST(UrScriptEffort, WhatIsTooLongOrTooDeepIsSaid) {
+  EXPECT_THAT(complaint("def tokens():\n a = [" + repeated("1,", 300'000) + "1]\nend\n"),
+              HasSubstr("script too long: more than 500000 words, numbers and signs"));
+  EXPECT_THAT(complaint("def longer():\n" + repeated("#\n", 2'100'000) + "end\n"),
+              HasSubstr("script too long: more than 4000000 characters"));
+  for (const char* open : {"(", "[", "f(", "-(", "a["})
+    EXPECT_THAT(complaint("def deep():\n a = " + repeated(open, 100'000) + "\nend\n"),
+                HasSubstr("syntax_error_on_line:2:"));
+  EXPECT_THAT(complaint("def deep():\n" + repeated("if True:\n", 50'000) + "end\n"),
+              HasSubstr("syntax_error"));
+  EXPECT_THAT(complaint(repeated("def deep():\n", 50'000)), HasSubstr("syntax_error"));
+}
+
+TEST(UrScriptEffort, AComplaintQuotesOnlyTheBeginningOfALongLine) {
+  EXPECT_LT(complaint("def wide():\n a = )" + repeated("x", 3'000'000) + "\nend\n").size(), 1000u);
+  EXPECT_LT(complaint("def wide():\n " + repeated("x", 3'000'000) + "()\nend\n").size(), 1000u);
+}
+
+TEST(UrScriptEffort, TheEndOfAProgramThatIsTooLongIsNoProgram) {
+  ScriptCollector collector;
+  std::vector<std::string> whole = collector.feed("def long():\n");
+  const std::string some = repeated(" movej([0,0,0,0,0,0])\n", 1000);
+  for (int i = 0; i < 250; ++i)
+    for (auto& script : collector.feed(some)) whole.push_back(script);
+  EXPECT_TRUE(whole.empty());
+  whole = collector.feed("end\nset speed 0.5\n");
+  ASSERT_EQ(whole.size(), 2u);
+  EXPECT_GT(whole[0].size(), kLongestScript) << "which the controller refuses";
+  EXPECT_LT(whole[0].size(), 2 * kLongestScript);
+  EXPECT_EQ(whole[1], "set speed 0.5");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "stonestack/hardware/camera/stream_camera.hpp"
 #include "stonestack/hardware/camera/v4l2_camera.hpp"
 #include "stonestack/hardware/cell.hpp"
+#include "stonestack/hardware/cell_limits.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 #include "stonestack/hardware/ur/ur_arm.hpp"
@@ -37,15 +38,18 @@ struct CellConfig {
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
   std::string obstacles_text;                                         ///< the list as it stands in the file
   std::vector<Obstacle> obstacles;                                    ///< what `read_cell_file` read there
-  std::string padding_text;                                           ///< as obstacles_text
-  std::vector<PairPadding> paddings;                                  ///< what `read_cell_file` read there
+  CellLimits limits;
+  std::string padding_text;           ///< as obstacles_text
+  std::vector<PairPadding> paddings;  ///< what `read_cell_file` read there
 
   CellConfig();  ///< the layout of CellLayout, no addresses
 };
-/// robot, arm.*, gripper.*, force_torque.*, camera.*, layout.*
+/// robot, arm.*, gripper.*, force_torque.*, camera.*, layout.*, limits.*
 [[nodiscard]] FieldList fields(CellConfig& config);
 /// Throws InvalidArgument for a quaternion that is not one (length off by more than 1e-3).
 [[nodiscard]] CellLayout to_layout(const CellConfig& config);
+/// The cell's robot within the cell's limits. Throws FileError for either.
+[[nodiscard]] RobotModel read_cell_robot(const CellConfig& config);
 /// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value,
 /// also for a word that is none of those that a setting knows.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});

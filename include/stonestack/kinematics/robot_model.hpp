@@ -1,10 +1,12 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/tool_room.hpp"
 
 namespace stonestack {
 
@@ -35,6 +37,7 @@ struct RobotModel {
   bool calibrated = false;
   std::vector<LinkCapsule> capsules;  ///< collision shape
   double payload = 10.0;              ///< kg
+  std::optional<ToolRoom> room;       ///< where a cell lets the tool go; empty: anywhere
 };
 
 /// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. A file NAME.yaml beside it may

@@ -7,6 +7,7 @@ namespace stonestack {
 namespace {
 
 constexpr double kLimitSlack = 1e-6;  // rad, of rounding
+constexpr double kRoomSlack = 1e-4;   // m
 
 std::string find_bad_step(const Joints& before, const Joints& now, double t, double dt,
                           const RobotModel& robot, double margin) {
@@ -19,6 +20,8 @@ std::string find_bad_step(const Joints& before, const Joints& now, double t, dou
       return concat("joint ", j + 1, " at ", speed, " rad/s, limit ", robot.velocity[j], " rad/s, at ", t,
                     " s");
   }
+  if (auto outside = describe_outside_room(robot, now, kRoomSlack); !outside.empty())
+    return concat(outside, ", at ", t, " s");
   return {};
 }
 

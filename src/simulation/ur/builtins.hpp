@@ -12,6 +12,9 @@ void add_io(std::vector<Builtin>& list);
 void add_flow(std::vector<Builtin>& list);
 void add_sockets(std::vector<Builtin>& list);
 
+/// Takes over what has come in, without waiting.
+void receive(ScriptSocket& socket);
+
 /// Shorthands for the tables.
 inline const Value& arg(const BuiltinCall& call, std::size_t i) {
   return call.arguments[i];

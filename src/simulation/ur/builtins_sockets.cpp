@@ -26,16 +26,6 @@ ScriptSocket* find(UrController& host, const std::string& name) {
   return it == host.sockets.end() ? nullptr : &it->second;
 }
 
-void receive(ScriptSocket& socket) {
-  std::array<std::uint8_t, 4096> buffer;
-  while (!socket.closed && socket.received.size() < kMostReceived) {
-    const IoResult result = socket.stream.read_some(buffer, Deadline::in(0));
-    socket.received.append(reinterpret_cast<const char*>(buffer.data()), result.bytes);
-    if (result.status == IoStatus::kClosed) socket.closed = true;
-    if (result.status != IoStatus::kDone) return;
-  }
-}
-
 Outcome open(BuiltinCall& call) {
   const std::string address = text(arg(call, 0)), name = name_of(call, 2);
   const long long port = integer(arg(call, 1));
@@ -144,6 +134,16 @@ Outcome send(BuiltinCall& call, const std::string& bytes) {
 }
 
 }  // namespace
+
+void receive(ScriptSocket& socket) {
+  std::array<std::uint8_t, 4096> buffer;
+  while (!socket.closed && socket.received.size() < kMostReceived) {
+    const IoResult result = socket.stream.read_some(buffer, Deadline::in(0));
+    socket.received.append(reinterpret_cast<const char*>(buffer.data()), result.bytes);
+    if (result.status == IoStatus::kClosed) socket.closed = true;
+    if (result.status != IoStatus::kDone) return;
+  }
+}
 
 void add_sockets(std::vector<Builtin>& list) {
   list.push_back({"socket_open", {"address", "port", "socket_name"}, 2, open});

@@ -25,11 +25,9 @@ struct Symbol {
 
 }  // namespace
 
-Depth::Depth(int& depth, const CompileError& error) : depth_(&depth) {
-  if (++depth > kDeepest) {
-    --depth;
-    throw error;
-  }
+Depth::Depth(Compiler& compiler, const Token& where) : depth_(&compiler.depth_) {
+  if (*depth_ >= kDeepest) compiler.fail(where);
+  ++*depth_;
 }
 
 const Token& Compiler::peek(std::size_t ahead) const {
@@ -110,7 +108,7 @@ Function& Compiler::function() {
 }
 
 void Compiler::expression() {
-  const Depth depth(depth_, syntax_error(source_, peek().line, peek().column));
+  const Depth depth(*this, peek());
   or_expression();
 }
 

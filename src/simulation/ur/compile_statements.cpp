@@ -3,6 +3,11 @@
 #include "simulation/ur/compiler.hpp"
 
 namespace stonestack::urscript {
+namespace {
+
+constexpr std::size_t kLongestName = 256;  // characters of a name in an error
+
+}  // namespace
 
 Compiler::Compiler(std::string_view source) : source_(source), tokens_(cut(source)) {}
 
@@ -29,7 +34,7 @@ void Compiler::program() {
 }
 
 int Compiler::definition() {
-  const Depth depth(depth_, syntax_error(source_, peek().line, peek().column));
+  const Depth depth(*this, peek());
   const Token kind = next();
   const Token name = next();
   if (!is_word(name)) fail(name);
@@ -88,7 +93,7 @@ Value Compiler::literal() {
   if (token.kind != TokenKind::kPose && token.text != "[") fail(token);
   List list;
   while (!is("]")) {
-    const Depth depth(depth_, syntax_error(source_, token.line, token.column));
+    const Depth depth(*this, token);
     list.push_back(literal());
     if (!accept(",") && !is("]")) fail(peek());
   }
@@ -105,7 +110,7 @@ Value Compiler::literal() {
 }
 
 void Compiler::block() {
-  const Depth depth(depth_, syntax_error(source_, peek().line, peek().column));
+  const Depth depth(*this, peek());
   while (!is("end") && !is("elif") && !is("else")) {
     if (peek().kind == TokenKind::kEnd) fail(peek());
     statement();
@@ -259,25 +264,28 @@ void Compiler::element_assignment() {
 void Compiler::check_names() const {
   for (const auto& [id, token] : loads_)
     if (!assigned_[static_cast<std::size_t>(id)])
-      throw CompileError{token.line, token.column, "compile_error_name_not_found:" + token.text + ":"};
+      throw CompileError{token.line, token.column,
+                         "compile_error_name_not_found:" + token.text.substr(0, kLongestName) + ":"};
 }
 
 // The function of that name that is visible from the call: nearest enclosing definition first.
 int Compiler::find_function(const CallSite& site) const {
   for (int scope = site.function;; scope = program_.functions[static_cast<std::size_t>(scope)].parent) {
-    for (std::size_t i = program_.functions.size(); i-- > 0;)
-      if (program_.functions[i].parent == scope && program_.functions[i].name == site.name)
-        return static_cast<int>(i);
+    const auto it = visible_.find({scope, site.name});
+    if (it != visible_.end()) return it->second;
     if (scope < 0) return -1;
   }
 }
 
 void Compiler::resolve(const BuiltinIndex& builtin_index) {
+  for (std::size_t i = 0; i < program_.functions.size(); ++i)
+    visible_[{program_.functions[i].parent, program_.functions[i].name}] = static_cast<int>(i);
   for (auto& site : program_.calls) {
     site.target = find_function(site);
     if (site.target < 0) site.builtin = builtin_index(site.name);
     if (site.target < 0 && site.builtin < 0)
-      throw CompileError{site.line, site.column, "compile_error_name_not_found:" + site.name + ":"};
+      throw CompileError{site.line, site.column,
+                         "compile_error_name_not_found:" + site.name.substr(0, kLongestName) + ":"};
   }
 }
 

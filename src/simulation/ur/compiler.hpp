@@ -13,6 +13,7 @@ class Compiler {
   [[nodiscard]] Program run(const BuiltinIndex& builtin_index);
 
  private:
+  friend class Depth;
   struct Loop {
     std::size_t start = 0;
     std::vector<std::size_t> breaks;
@@ -75,12 +76,14 @@ class Compiler {
   std::vector<bool> assigned_;  // by name id
   std::vector<std::pair<int, Token>> loads_;
   std::vector<Loop> loops_;
+  std::map<std::pair<int, std::string>, int> visible_;  // last function of a name, by enclosing function
 };
 
-/// Counts nested constructs and refuses too many.
+/// Counts nested constructs and refuses too many. (What it would say is put together only then: that means
+/// to look for the line, which for every expression would make a long script take the square of its length.)
 class Depth {
  public:
-  Depth(int& depth, const CompileError& error);
+  Depth(Compiler& compiler, const Token& where);
   ~Depth() { --*depth_; }
   Depth(const Depth&) = delete;
   Depth& operator=(const Depth&) = delete;

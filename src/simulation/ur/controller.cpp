@@ -54,6 +54,7 @@ UrController::UrController(const UrServerOptions& options, const RobotModel& rob
   if (!options.powered) robot_mode = RobotMode::kPowerOff;
   power_goal_ = robot_mode;
   speed_slider = faults.speed_slider;
+  set_payload(options.payload, options.payload_cog);
 }
 
 bool UrController::can_move() const {

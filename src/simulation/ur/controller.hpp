@@ -166,6 +166,8 @@ class UrController {
   void change_power();
   void watch();
   void run_programs();
+  void ask_for_program();
+  void take_program_asked_for();
   void end_program(const char* key);
   void report(const urscript::CompileError& error, const urscript::Program* secondary);
   void move();
@@ -193,6 +195,7 @@ class UrController {
   std::vector<std::unique_ptr<urscript::Machine>> secondaries_;
   int effort_ = 0;  // that programs may still take; below 0: taken beforehand from the next step
   std::string program_name_;
+  bool asked_ = false;  // External Control waits for its program
   RuntimeState runtime_ = RuntimeState::kStopped;
   double program_started_ = 0.0;
   double scaling_ = 1.0;

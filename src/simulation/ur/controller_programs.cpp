@@ -3,6 +3,7 @@
 #include <cctype>
 
 #include "simulation/ur/controller.hpp"
+#include "simulation/ur/script_collector.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -13,7 +14,6 @@ using Kind = ControllerEvent::Kind;
 
 constexpr std::size_t kSecondaries = 8;
 constexpr int kFieldbusLost = 206;  // C-code
-constexpr std::size_t kLongestSource = 4'000'000;
 
 /// Functions that came with some version: PolyScope 3, PolyScope 5.
 struct Gate {
@@ -71,7 +71,9 @@ void UrController::report(const urscript::CompileError& error, const urscript::P
 void UrController::run_script(const std::string& source) {
   if (faults.scripts_never_start) return;
   try {
-    if (source.size() > kLongestSource) throw urscript::CompileError{1, 1, "script too long"};
+    if (source.size() > kLongestScript)
+      throw urscript::CompileError{
+          1, 1, concat("script too long: more than ", kLongestScript, " characters; make it shorter")};
     auto program = urscript::compile(source, [this](const std::string& name) {
       return has_function(name) ? urscript::builtin_index(name) : -1;
     });
@@ -106,6 +108,7 @@ void UrController::stop_program() {
 
 void UrController::end_program(const char* title) {
   program_.reset();
+  asked_ = false;
   runtime_ = RuntimeState::kStopped;
   watchdog = {};
   sockets.clear();
@@ -117,6 +120,10 @@ void UrController::end_program(const char* title) {
 
 bool UrController::play_loaded() {
   if (loaded_program.empty() || program_running() || !can_move()) return false;
+  if (options_.external_control > 0 && loaded_program == kExternalControl) {
+    ask_for_program();
+    return program_running();
+  }
   std::string name = loaded_program.substr(0, loaded_program.rfind('.'));
   for (char& c : name)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
@@ -169,6 +176,7 @@ void UrController::run_programs() {
     if (machine.state() == Machine::State::kFailed) report(machine.error(), &machine.program());
     secondaries_.erase(secondaries_.begin() + static_cast<std::ptrdiff_t>(i));
   }
+  if (asked_) take_program_asked_for();
   if (!program_ || !program_running() || effort_ <= 0) return;
   const auto state = step(*program_, 0);
   if (state == Machine::State::kRunning) return;

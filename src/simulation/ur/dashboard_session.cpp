@@ -87,7 +87,8 @@ std::string administer(UrController& c, const std::string& command) {
 std::string load(UrController& c, const std::string& name) {
   const std::string prefix = "/programs/";
   const std::string file = name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : name;
-  const auto known = split_names(c.options().programs);
+  auto known = split_names(c.options().programs);
+  if (c.options().external_control > 0) known.emplace_back(kExternalControl);
   if (std::find(known.begin(), known.end(), file) == known.end()) return "File not found: " + name;
   c.stop_program();
   c.loaded_program = file;

@@ -8,6 +8,8 @@
 namespace stonestack::urscript {
 namespace {
 
+constexpr std::size_t kLongestQuote = 256;  // characters of a script in an error
+
 bool starts_name(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) || c == '_';
 }
@@ -24,7 +26,7 @@ std::string_view line_of(std::string_view source, int line) {
     if (end == std::string_view::npos) return {};
     source.remove_prefix(end + 1);
   }
-  auto text = source.substr(0, source.find('\n'));
+  auto text = source.substr(0, std::min(source.find('\n'), kLongestQuote));
   while (!text.empty() && text.back() == '\r') text.remove_suffix(1);
   return text;
 }
@@ -80,6 +82,10 @@ class Cutter {
   [[nodiscard]] int column() const { return static_cast<int>(at_ - line_start_) + 1; }
 
   void push(TokenKind kind, std::string text, double number = 0.0) {
+    if (tokens_.size() >= kMostTokens)
+      throw CompileError{line_, column(),
+                         "script too long: more than " + std::to_string(kMostTokens) +
+                             " words, numbers and signs; make it shorter"};
     tokens_.push_back({kind, std::move(text), number, line_, column()});
   }
 

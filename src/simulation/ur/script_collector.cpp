@@ -5,8 +5,6 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kLongestProgram = 4'000'000;
-
 bool is_blank(std::string_view line) {
   const auto start = line.find_first_not_of(" \t\r");
   return start == std::string_view::npos || line[start] == '#';
@@ -17,13 +15,8 @@ bool is_blank(std::string_view line) {
 std::vector<std::string> ScriptCollector::feed(std::string_view bytes) {
   std::vector<std::string> whole;
   for (const char c : bytes) {
-    if (line_.size() + program_.size() > kLongestProgram) {
-      line_.clear();
-      program_.clear();
-      depth_ = 0;
-    }
     if (c != '\n') {
-      line_ += c;
+      if (line_.size() <= kLongestScript) line_ += c;
       continue;
     }
     take_line(std::move(line_), whole);
@@ -41,7 +34,9 @@ void ScriptCollector::take_line(std::string line, std::vector<std::string>& whol
     }
   }
   depth_ += urscript::block_balance(line);
-  program_ += line + "\n";
+  // What is longer than any program goes on to its end and is then refused whole: its last lines must not run
+  // as programs of their own.
+  if (program_.size() <= kLongestScript) program_ += line + "\n";
   if (depth_ > 0) return;
   depth_ = 0;
   whole.push_back(std::move(program_));

@@ -5,6 +5,9 @@
 
 namespace stonestack {
 
+/// Characters of the longest program that runs. A longer one is cut off somewhere behind that.
+inline constexpr std::size_t kLongestScript = 4'000'000;
+
 /// Cuts what a script port receives into programs (`def` to its `end`) and single lines.
 class ScriptCollector {
  public:

@@ -49,9 +49,18 @@ struct UrServerOptions {
   /// Programs, separated by commas, that the Dashboard finds: `load hello.urp`. Played, one runs until it is
   /// stopped, and does nothing: what a program on the pendant does that waits for others.
   std::string programs;
+  /// Port on 127.0.0.1 where the script sender of UR's client library is asked for the program when
+  /// `external_control.urp` is played, as its URCap does; 0: the URCap is not installed.
+  int external_control = 0;
+  /// As the installation on the pendant says what the arm carries; SimulatedServers: the hand that is there.
+  double payload = 0.0;                                   ///< kg
+  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< m, from the flange
   ControllerFaults faults;
 };
 [[nodiscard]] FieldList fields(UrServerOptions& options);
+
+/// The program on the pendant that consists of the URCap External Control.
+inline constexpr const char* kExternalControl = "external_control.urp";
 
 /// Ports in use; 0 where a fault closed one.
 struct UrPorts {

@@ -1,0 +1,94 @@
+#include "stonestack/hardware/cell_limits.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <numbers>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+
+namespace stonestack {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+class CellLimitsFile : public testing::Test {
+ protected:
+  [[nodiscard]] RobotModel read(const std::string& limits) const {
+    write_file(path_,
+               "robot: ur10\nlayout: {T_W_R: {x: 0.1, y: 0, z: 0, qx: 0, qy: 0, qz: 0, qw: 1}}\n" + limits);
+    return read_cell_robot(read_cell_file(path_));
+  }
+  [[nodiscard]] std::string problem_of(const std::string& limits) const {
+    try {
+      static_cast<void>(read(limits));
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  void TearDown() override { std::filesystem::remove(path_); }
+
+  std::string path_ = testing::TempDir() + "cell_limits_" +
+                      testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
+};
+
+TEST_F(CellLimitsFile, NarrowWhatTheRobotCan) {
+  const RobotModel whole = read_robot("ur10");
+  const RobotModel robot = read(
+      "limits:\n"
+      "  joints: [[-90, 90], [-180, 0], [-150, 150], [-360, 360], [-180, 180], [-270, 270.5]]   # degrees\n"
+      "  joint_speed: 0.5\n"
+      "  joint_acceleration: 0.25\n"
+      "  workspace: {x: [0.2, 1.0], z: [0, 1.1]}\n");
+  EXPECT_NEAR(robot.lower[0], -90 * kDegree, 1e-9);
+  EXPECT_NEAR(robot.upper[1], 0.0, 1e-9);
+  EXPECT_NEAR(robot.upper[5], 270.5 * kDegree, 1e-9);
+  EXPECT_EQ(robot.lower[3], whole.lower[3]) << "a whole turn is what the robot has";
+  EXPECT_TRUE(robot.velocity.isApprox(0.5 * whole.velocity));
+  EXPECT_TRUE(robot.acceleration.isApprox(0.25 * whole.acceleration));
+  ASSERT_TRUE(robot.room);
+  EXPECT_EQ(robot.room->box.min().x(), 0.2);
+  EXPECT_EQ(robot.room->box.max().z(), 1.1);
+  EXPECT_LT(robot.room->box.min().y(), -5.0) << "no end that way";
+  EXPECT_EQ(robot.room->T_W_R.translation().x(), 0.1);
+}
+
+TEST_F(CellLimitsFile, LeaveTheRobotWhereNothingIsWritten) {
+  const RobotModel whole = read_robot("ur10"), robot = read("");
+  EXPECT_EQ(robot.lower, whole.lower);
+  EXPECT_EQ(robot.velocity, whole.velocity);
+  EXPECT_FALSE(robot.room);
+}
+
+TEST_F(CellLimitsFile, AreRefusedWhereTheyMakeNoSense) {
+  const auto joints = [&](const std::string& first) {
+    return problem_of("limits: {joints: [" + first + ", [-9, 9], [-9, 9], [-9, 9], [-9, 9], [-9, 9]]}\n");
+  };
+  EXPECT_EQ(joints("[-9, 9]"), "");
+  EXPECT_THAT(joints("[90, -90]"), AllOf(HasSubstr(path_), HasSubstr("limits.joints[0] is [90, -90]")));
+  EXPECT_THAT(joints("[5, 5]"), HasSubstr("leaves nothing"));
+  EXPECT_THAT(joints("[-400, 90]"), HasSubstr("wider than the robot's own, -360 to 360 deg"));
+  EXPECT_THAT(joints("[-.inf, 90]"), HasSubstr("limits.joints[0][0] is not a finite number"));
+  EXPECT_THAT(joints("[-9, .nan]"), HasSubstr("limits.joints[0][1] is not a finite number"));
+  EXPECT_THAT(joints("[-9, nine]"), HasSubstr("not a finite number"));
+  EXPECT_THAT(joints("[-9]"), HasSubstr("not a pair of numbers"));
+  EXPECT_THAT(joints("-9"), HasSubstr("not a pair of numbers"));
+  EXPECT_THAT(problem_of("limits: {joints: [[-9, 9]]}\n"), HasSubstr("six"));
+  EXPECT_THAT(problem_of("limits: {joints: 90}\n"), HasSubstr("six"));
+  EXPECT_THAT(problem_of("limits: {workspace: {z: [1, 0]}}\n"), HasSubstr("limits.workspace.z is [1, 0]"));
+  EXPECT_THAT(problem_of("limits: {workspace: {z: [0, 1100]}}\n"), HasSubstr("metres"));
+  EXPECT_THAT(problem_of("limits: {workspace: {y: 1}}\n"), HasSubstr("not a pair"));
+  EXPECT_THAT(problem_of("limits: {workspace: {w: [0, 1]}}\n"), HasSubstr("limits.workspace.w"));
+  EXPECT_THAT(problem_of("limits: {joint_speed: 1.5}\n"), HasSubstr("joint_speed"));
+  EXPECT_THAT(problem_of("limits: {joint_speed: 0}\n"), HasSubstr("joint_speed"));
+  EXPECT_THAT(problem_of("limits: {joint_acceleration: .nan}\n"), HasSubstr("joint_acceleration"));
+}
+
+}  // namespace
+}  // namespace stonestack
