@@ -38,8 +38,8 @@ struct Clearance {
 
 /// Arm, gripper and what it holds against table, objects and itself: capsules, boxes and convex pieces,
 /// exact distances (Bullet's GJK behind tests of segments against spheres and boxes). Built once for a scene;
-/// then asked from any number of threads, without allocation. The base and shoulder do not see the table,
-/// and neighbouring links do not see each other.
+/// then asked from any number of threads; `collides` does not allocate. The base and shoulder do not see the
+/// table, and neighbouring links do not see each other.
 class CollisionChecker {
  public:
   /// Throws InvalidArgument for a piece without vertices or with numbers that are not finite.
