@@ -12,6 +12,9 @@
 namespace stonestack {
 namespace {
 
+// m that the hand moves by, about, while a joint turns by one rad.
+const Joints kSwing = (Joints() << 1.0, 1.0, 0.7, 0.45, 0.4, 0.2).finished();
+
 /// Where everything is at one configuration.
 struct Placed {
   std::array<Pose, 7> pose;                                ///< T_R_link
@@ -147,7 +150,7 @@ bool collides_within(const CollisionShapes& shapes, const Joints& q, double extr
 /// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
 /// are known at once.
 bool samples_miss(const CollisionShapes& shapes, const Joints& a, const Joints& b, double spacing) {
-  const double turn = (b - a).cwiseAbs().maxCoeff();
+  const double turn = (b - a).cwiseAbs().cwiseProduct(kSwing).maxCoeff();
   for (double pieces = 1.0; turn / pieces > spacing; pieces *= 2.0)
     for (double k = 0.5; k < pieces; k += 1.0)
       if (collides_within(shapes, a + (b - a) * (k / pieces), 0.0)) return false;
