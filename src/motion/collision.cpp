@@ -63,7 +63,8 @@ bool hits_table(const CollisionShapes& shapes, const Placed& placed, double extr
 }
 
 /// The exact distance only where capsule against sphere and against box leave a doubt.
-bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacle& obstacle, double away) {
+bool hits(const Placed& placed, const Mover& mover, std::size_t i, const ObstaclePiece& obstacle,
+          double away) {
   const double bound = mover.core.reach + away;
   if (apart(placed.boxes[i], obstacle.box, bound)) return false;
   const double ball = bound + obstacle.sphere;
