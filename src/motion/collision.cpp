@@ -5,11 +5,15 @@
 #include <cmath>
 
 #include "motion/collision_shapes.hpp"
+#include "motion/proof.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
 namespace stonestack {
 namespace {
+
+// m that the hand moves by, about, while a joint turns by one rad.
+const Joints kSwing = (Joints() << 1.0, 1.0, 0.7, 0.45, 0.4, 0.2).finished();
 
 /// Where everything is at one configuration.
 struct Placed {
@@ -33,32 +37,6 @@ struct Placed {
   [[nodiscard]] btTransform T_R(const Mover& mover) const { return to_bullet(pose[mover.link]); }
 };
 
-/// Distance that is kept besides the padding. While each joint turns by at most `turn`, a point at distance r
-/// from the origin of link k moves by at most moved[j][k] + r * turned[j][k], seen from link j.
-struct Slack {
-  double constant = 0.0;
-  std::array<std::array<double, 7>, 7> moved{};
-  std::array<std::array<double, 7>, 7> turned{};
-
-  Slack() = default;
-  Slack(const RobotModel& robot, const Joints& turn) {
-    for (std::size_t j = 0; j < 7; ++j) {
-      for (std::size_t k = j + 1; k < 7; ++k) {
-        moved[j][k] = moved[j][k - 1] + turned[j][k - 1] * robot.T_parent_joint[k - 1].translation().norm();
-        turned[j][k] = turned[j][k - 1] + turn[static_cast<Eigen::Index>(k - 1)];
-      }
-    }
-  }
-  [[nodiscard]] double of(const Mover& mover) const { return seen_from(0, mover); }
-  [[nodiscard]] double seen_from(std::size_t link, const Mover& mover) const {
-    return constant + moved[link][mover.link] + turned[link][mover.link] * mover.span;
-  }
-  /// Of everything in the hand.
-  [[nodiscard]] double of_hand(std::size_t link, const CollisionShapes& shapes) const {
-    return constant + moved[link][6] + turned[link][6] * shapes.hand_span;
-  }
-};
-
 double height(const CollisionShapes& shapes, const Mover& mover, const Placed& placed) {
   const Pose& T = placed.pose[mover.link];
   const Eigen::Vector3d n = T.linear().transpose() * shapes.n_R_table;
@@ -67,18 +45,17 @@ double height(const CollisionShapes& shapes, const Mover& mover, const Placed& p
   return lowest + shapes.n_R_table.dot(T.translation()) + shapes.table_offset - mover.core.radius;
 }
 
-bool hits_table(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+bool hits_table(const CollisionShapes& shapes, const Placed& placed, double extra) {
   const auto axis_height = [&](const Segment& axis) {
     return std::min(shapes.n_R_table.dot(axis.a), shapes.n_R_table.dot(axis.b)) + shapes.table_offset;
   };
-  const bool hand_is_high =
-      shapes.first_hand < shapes.movers.size() &&
-      axis_height(placed.hand) > shapes.hand.reach + shapes.hand_table_padding + slack.of_hand(0, shapes);
+  const bool hand_is_high = shapes.first_hand < shapes.movers.size() &&
+                            axis_height(placed.hand) > shapes.hand.reach + shapes.hand_table_padding + extra;
   const std::size_t last = hand_is_high ? shapes.first_hand : shapes.movers.size();
   for (std::size_t i = 0; i < last; ++i) {
     const auto& mover = shapes.movers[i];
     if (!mover.sees_table) continue;
-    const double away = mover.table_padding + slack.of(mover);
+    const double away = mover.table_padding + extra;
     if (axis_height(placed.axes[i]) - mover.core.reach < away && height(shapes, mover, placed) < away)
       return true;
   }
@@ -86,7 +63,8 @@ bool hits_table(const CollisionShapes& shapes, const Placed& placed, const Slack
 }
 
 /// The exact distance only where capsule against sphere and against box leave a doubt.
-bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacle& obstacle, double away) {
+bool hits(const Placed& placed, const Mover& mover, std::size_t i, const ObstaclePiece& obstacle,
+          double away) {
   const double bound = mover.core.reach + away;
   if (apart(placed.boxes[i], obstacle.box, bound)) return false;
   const double ball = bound + obstacle.sphere;
@@ -98,8 +76,8 @@ bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacl
          mover.core.radius + away;
 }
 
-bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
-  const double hand_reach = shapes.hand.reach + slack.of_hand(0, shapes);
+bool hits_objects(const CollisionShapes& shapes, const Placed& placed, double extra) {
+  const double hand_reach = shapes.hand.reach + extra;
   for (const auto& group : shapes.groups) {
     const double hand_ball = hand_reach + group.hand_padding;
     const double ball_of_hand = hand_ball + group.sphere;
@@ -110,7 +88,7 @@ bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Sla
     for (std::size_t i = 0; i < last; ++i) {
       if (group.sees[i] == 0) continue;
       const auto& mover = shapes.movers[i];
-      const double away = group.padding[i] + slack.of(mover);
+      const double away = group.padding[i] + extra;
       if (apart(placed.boxes[i], group.box, mover.core.reach + away)) continue;
       for (std::size_t k = group.first; k < group.last; ++k)
         if (hits(placed, mover, i, shapes.obstacles[k], away)) return true;
@@ -119,10 +97,10 @@ bool hits_objects(const CollisionShapes& shapes, const Placed& placed, const Sla
   return false;
 }
 
-bool arm_hits_arm(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
+bool arm_hits_arm(const CollisionShapes& shapes, const Placed& placed, double extra) {
   for (const auto& [i, j] : shapes.arm_pairs) {
     const auto &a = shapes.movers[i], &b = shapes.movers[j];
-    const double bound = a.core.reach + b.core.reach + shapes.rules.self_padding + slack.seen_from(a.link, b);
+    const double bound = a.core.reach + b.core.reach + shapes.rules.self_padding + extra;
     if (apart(placed.boxes[i], placed.boxes[j], bound)) continue;
     // Between capsules the bound is the distance.
     if (squared_distance(placed.axes[i], placed.axes[j]) <= bound * bound) return true;
@@ -131,14 +109,14 @@ bool arm_hits_arm(const CollisionShapes& shapes, const Placed& placed, const Sla
 }
 
 /// One capsule of the arm against gripper and held stone.
-bool hits_hand(const CollisionShapes& shapes, const Placed& placed, const Slack& slack, std::size_t i) {
+bool hits_hand(const CollisionShapes& shapes, const Placed& placed, double extra, std::size_t i) {
   const Mover& a = shapes.movers[i];
   const Segment& axis = placed.axes[i];
   const Pose T_T_R = (placed.pose[6] * shapes.T_6_T).inverse();
   const Segment axis_T{T_T_R * axis.a, T_T_R * axis.b};
   for (std::size_t j = shapes.first_hand; j < shapes.movers.size(); ++j) {
     const Mover& b = shapes.movers[j];
-    const double away = shapes.rules.self_padding + slack.seen_from(a.link, b);
+    const double away = shapes.rules.self_padding + extra;
     const double bound = a.core.reach + b.core.reach + away;
     if (apart(placed.boxes[i], placed.boxes[j], bound)) continue;
     if (squared_distance(axis, placed.axes[j]) > bound * bound) continue;
@@ -152,51 +130,32 @@ bool hits_hand(const CollisionShapes& shapes, const Placed& placed, const Slack&
   return false;
 }
 
-bool hits_itself(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
-  if (arm_hits_arm(shapes, placed, slack)) return true;
+bool hits_itself(const CollisionShapes& shapes, const Placed& placed, double extra) {
+  if (arm_hits_arm(shapes, placed, extra)) return true;
   for (const std::size_t i : shapes.sees_hand) {
     const Mover& a = shapes.movers[i];
-    const double bound =
-        a.core.reach + shapes.hand.reach + shapes.rules.self_padding + slack.of_hand(a.link, shapes);
+    const double bound = a.core.reach + shapes.hand.reach + shapes.rules.self_padding + extra;
     if (apart(placed.boxes[i], placed.hand_box, bound)) continue;
-    if (squared_distance(placed.axes[i], placed.hand) <= bound * bound && hits_hand(shapes, placed, slack, i))
+    if (squared_distance(placed.axes[i], placed.hand) <= bound * bound && hits_hand(shapes, placed, extra, i))
       return true;
   }
   return false;
 }
 
-/// The tip is a point of link 6.
-bool leaves_room(const CollisionShapes& shapes, const Placed& placed, const Slack& slack) {
-  if (!shapes.robot.room) return false;
-  const ToolRoom& room = *shapes.robot.room;
-  const Eigen::Vector3d p_6 = (shapes.robot.T_6_F * room.T_F_T).translation();
-  const Eigen::Vector3d p_W = room.T_W_R * (placed.pose[6] * p_6);
-  const double away = kRoomMargin + slack.constant + slack.moved[0][6] + slack.turned[0][6] * p_6.norm();
-  return ((p_W - room.box.min()).array() < away).any() || ((room.box.max() - p_W).array() < away).any();
-}
-
-bool collides_within(const CollisionShapes& shapes, const Joints& q, const Slack& slack) {
+bool collides_within(const CollisionShapes& shapes, const Joints& q, double extra) {
   const Placed placed(shapes, q);
-  return leaves_room(shapes, placed, slack) || hits_table(shapes, placed, slack) ||
-         hits_objects(shapes, placed, slack) || hits_itself(shapes, placed, slack);
+  return room_left(shapes, placed.pose) <= kRoomMargin + extra || hits_table(shapes, placed, extra) ||
+         hits_objects(shapes, placed, extra) || hits_itself(shapes, placed, extra);
 }
 
 /// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
 /// are known at once.
 bool samples_miss(const CollisionShapes& shapes, const Joints& a, const Joints& b, double spacing) {
-  const double turn = (b - a).cwiseAbs().maxCoeff();
+  const double turn = (b - a).cwiseAbs().cwiseProduct(kSwing).maxCoeff();
   for (double pieces = 1.0; turn / pieces > spacing; pieces *= 2.0)
     for (double k = 0.5; k < pieces; k += 1.0)
-      if (collides_within(shapes, a + (b - a) * (k / pieces), Slack())) return false;
+      if (collides_within(shapes, a + (b - a) * (k / pieces), 0.0)) return false;
   return true;
-}
-
-bool is_free(const CollisionShapes& shapes, const Joints& a, const Joints& b, double resolution) {
-  const Joints middle = 0.5 * (a + b);
-  const Joints half = (0.5 * (b - a)).cwiseAbs();
-  if (!collides_within(shapes, middle, Slack(shapes.robot, half))) return true;
-  if (2.0 * half.maxCoeff() <= resolution) return false;
-  return is_free(shapes, a, middle, resolution) && is_free(shapes, middle, b, resolution);
 }
 
 }  // namespace
@@ -211,23 +170,14 @@ CollisionChecker::CollisionChecker(CollisionChecker&&) noexcept = default;
 CollisionChecker& CollisionChecker::operator=(CollisionChecker&&) noexcept = default;
 
 bool CollisionChecker::collides(const Joints& q, double extra) const {
-  Slack slack;
-  slack.constant = extra;
-  return collides_within(*shapes_, q, slack);
+  return collides_within(*shapes_, q, extra);
 }
 
 bool CollisionChecker::motion_is_free(const Joints& a, const Joints& b, double resolution) const {
   require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
   require(resolution > 0.0, "the resolution must be positive, got ", resolution, " rad");
   constexpr double kFirstLook = 0.05;  // rad
-  if (!samples_miss(*shapes_, a, b, kFirstLook)) return false;
-  constexpr double kPiece = 0.1;  // rad: within longer ones something could nearly always reach an obstacle
-  const double pieces = std::max(1.0, std::ceil((b - a).cwiseAbs().maxCoeff() / kPiece));
-  for (double k = 0.0; k < pieces; k += 1.0) {
-    const Joints from = a + (b - a) * (k / pieces), to = a + (b - a) * ((k + 1.0) / pieces);
-    if (!is_free(*shapes_, from, to, resolution)) return false;
-  }
-  return true;
+  return samples_miss(*shapes_, a, b, kFirstLook) && is_proven_free(*shapes_, a, b, resolution);
 }
 
 bool CollisionChecker::samples_are_free(const Joints& a, const Joints& b, double spacing) const {

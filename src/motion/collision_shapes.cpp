@@ -97,8 +97,8 @@ void add_movers(const PlanningScene& scene, const HeldObject* held, CollisionSha
   }
 }
 
-Obstacle make_obstacle(std::vector<Eigen::Vector3d> points) {
-  Obstacle obstacle{make_core(std::move(points), 0.0), {}, 0.0, {}};
+ObstaclePiece make_obstacle(std::vector<Eigen::Vector3d> points) {
+  ObstaclePiece obstacle{make_core(std::move(points), 0.0), {}, 0.0, {}};
   Eigen::AlignedBox3d box;
   for (const auto& p : obstacle.core.points) box.extend(p);
   obstacle.box = {box.min(), box.max()};

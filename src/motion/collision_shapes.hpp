@@ -23,7 +23,7 @@ struct Mover {
 };
 
 /// A convex piece of an object.
-struct Obstacle {
+struct ObstaclePiece {
   ConvexCore core;
   Eigen::Vector3d centre;
   double sphere = 0.0;  ///< m, around `centre`
@@ -53,7 +53,7 @@ struct CollisionShapes {
   RobotModel robot;
   CollisionRules rules;
   std::vector<Mover> movers;
-  std::vector<Obstacle> obstacles;
+  std::vector<ObstaclePiece> obstacles;
   std::vector<ObstacleGroup> groups;
   std::vector<MoverPair> pairs;  ///< all that could touch
   // Gripper and held stone are on one link: a capsule around both spares most of their tests.

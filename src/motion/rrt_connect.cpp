@@ -19,8 +19,11 @@ namespace ob = ompl::base;
 using Space = ob::RealVectorStateSpace;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kStep = 0.5;  // scaled rad, how far a tree grows at once
-constexpr int kDraws = 20;     // of a sample that lies on no path that is short enough; then any sample does
+constexpr double kStep = 0.5;         // scaled rad, how far a tree grows at once
+constexpr double kWithin = 0.9;       // of the samples, once a length is given
+constexpr double kNearLine = 0.7;     // of the others
+constexpr double kArmAnywhere = 0.2;  // of the others
+constexpr int kDraws = 20;  // of a sample that lies on no path that is short enough; then any sample does
 // How far a joint's turn moves the hand, against the base's: distances in the planner are about those of the
 // hand.
 const Joints kWeight = (Joints() << 1.0, 1.0, 0.7, 0.4, 0.3, 0.2).finished();
@@ -33,8 +36,9 @@ void set_state(const Joints& q, ob::State* state) {
   Eigen::Map<Joints>(state->as<Space::StateType>()->values) = q.cwiseProduct(kWeight);
 }
 
-/// Half of the samples are uniform; the others lie about the straight lines from start to the goals, where a
-/// way around a small obstacle passes.
+/// Most samples lie about the straight lines from start to the goals, where a way around a small obstacle
+/// passes; some have the arm anywhere and the wrist nearly on such a line; the rest is uniform. Once a length
+/// is given, most are drawn from all that a path of this length can reach (Gammell et al. 2014).
 class Sampler : public ob::StateSampler {
  public:
   Sampler(const ob::StateSpace* space, const Joints& low, const Joints& high, const Joints& start,
@@ -48,6 +52,10 @@ class Sampler : public ob::StateSampler {
         random_(random) {}
 
   void sampleUniform(ob::State* state) override {
+    if (longest_ > 0.0 && random_.uniform() < kWithin) {
+      set_state(draw_within(), state);
+      return;
+    }
     Joints q = draw();
     for (int k = 1; k < kDraws && !is_promising(q); ++k) q = draw();
     set_state(q, state);
@@ -65,15 +73,33 @@ class Sampler : public ob::StateSampler {
            });
   }
   Joints draw() {
+    const double which = random_.uniform();
     Joints q;
-    if (random_.uniform() < 0.5) {
+    if (which < kNearLine + kArmAnywhere) {
       const Joints& goal = goals_[random_.index(goals_.size())];
       q = start_ + random_.uniform() * (goal - start_);
       for (auto& angle : q) angle += random_.normal(0.0, 0.5);
-      return q.cwiseMax(low_).cwiseMin(high_);
     }
-    for (Eigen::Index i = 0; i < 6; ++i) q[i] = random_.uniform(low_[i], high_[i]);
-    return q;
+    const Eigen::Index free = which < kNearLine ? 0 : which < kNearLine + kArmAnywhere ? 3 : 6;
+    for (Eigen::Index i = 0; i < free; ++i) q[i] = random_.uniform(low_[i], high_[i]);
+    return q.cwiseMax(low_).cwiseMin(high_);
+  }
+  /// Uniform in the ellipsoid whose points a path of the given length from start to some goal can pass.
+  Joints draw_within() {
+    const Joints& goal = goals_[random_.index(goals_.size())];
+    const Joints along = goal - start_;
+    const double straight = along.norm();
+    if (straight <= 0.0 || straight >= longest_) return draw();
+    Joints q;
+    for (auto& x : q) x = random_.normal(0.0, 1.0);
+    q *= std::pow(random_.uniform(), 1.0 / 6.0) / q.norm();
+    q[0] *= 0.5 * longest_;
+    q.tail<5>() *= 0.5 * std::sqrt(longest_ * longest_ - straight * straight);
+    // The mirror that takes the first axis to the line from start to goal.
+    const Joints normal = Joints::Unit(0) - along / straight;
+    const double square = normal.squaredNorm();
+    if (square > 1e-12) q -= 2.0 / square * normal.dot(q) * normal;
+    return (0.5 * (start_ + goal) + q).cwiseMax(low_).cwiseMin(high_);
   }
 
   Joints low_, high_, start_;

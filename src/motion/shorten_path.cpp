@@ -11,6 +11,8 @@ namespace {
 constexpr double kRepeat = 1e-9;       // rad: way points nearer than that are one
 constexpr double kLeastGain = 1e-6;    // rad
 constexpr double kPartialGain = 0.01;  // rad: a partial shortcut adds way points, so it has to be worth it
+constexpr double kLeastPull = 0.2;     // of the way to the line
+constexpr double kPullNoise = 0.3;     // of that way, one sigma a joint
 constexpr int kMendTries = 12;
 constexpr int kMendDepth = 2;  // a piece is halved so often
 constexpr double kMendShare =
@@ -77,6 +79,29 @@ void attempt(JointPath& path, const MotionTest& is_free, bool partial, Random& r
   if (all_free(stretch, is_free)) path = spliced(path, a, b, stretch);
 }
 
+/// Moves one way point towards the straight line between its neighbours: some joints only, or all with some
+/// noise, so that it slides along what stands in the way.
+void pull(JointPath& path, const MotionTest& is_free, Random& random) {
+  const std::size_t i = 1 + random.index(path.size() - 2);
+  const Joints &a = path[i - 1], &b = path[i + 1];
+  const Joints along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((path[i] - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  const Joints way = a + t * along - path[i];
+  const double share = random.uniform(kLeastPull, 1.0), noise = kPullNoise * way.norm();
+  const bool some = random.uniform() < 0.5;
+  Joints moved = path[i];
+  for (Eigen::Index j = 0; j < 6; ++j) {
+    if (!some)
+      moved[j] += share * way[j] + random.normal(0.0, noise);
+    else if (random.uniform() < 0.5)
+      moved[j] += share * way[j];
+  }
+  const double before = (path[i] - a).norm() + (b - path[i]).norm();
+  if ((moved - a).norm() + (b - moved).norm() > before - kLeastGain) return;
+  if (is_free(a, moved) && is_free(moved, b)) path[i] = moved;
+}
+
 /// Appends a free way from `a` to `b`, without `a`.
 bool mend(const Joints& a, const Joints& b, const MotionTest& is_free, int depth, Random& random,
           JointPath& out) {
@@ -114,6 +139,7 @@ JointPath shortcut(JointPath path, const MotionTest& is_free, int attempts, Rand
   for (int k = 0; k < attempts && path.size() > 2; ++k) {
     throw_if_interrupted();
     attempt(path, is_free, k % 2 == 1, random);
+    if (path.size() > 2) pull(path, is_free, random);
   }
   return path;
 }

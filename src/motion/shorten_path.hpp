@@ -15,7 +15,8 @@ using MotionTest = std::function<bool(const Joints&, const Joints&)>;
 
 /// Tries `attempts` times to replace a random stretch of the path. Every second attempt goes straight in one
 /// joint only, the others staying as they are (Geraerts and Overmars 2007, "partial shortcut"): wrists wander
-/// where arm and shoulder cannot be straightened. What is replaced has passed `is_free`. Throws Interrupted.
+/// where arm and shoulder cannot be straightened. After each attempt one way point is pulled towards the line
+/// between its neighbours. What is replaced has passed `is_free`. Throws Interrupted.
 [[nodiscard]] JointPath shortcut(JointPath path, const MotionTest& is_free, int attempts, Random& random);
 
 /// The path with way points moved in beside pieces that are not free; empty where a few tries do not help.

@@ -25,15 +25,19 @@ constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_seco
 // Effort is counted in motion checks of trees. Where the path is hardly longer than the straight way to the
 // nearest goal there is little to gain; measured (bench motion), effort in proportion to the excess shortens
 // the long paths at half the time that equal effort takes.
-constexpr long kMostPerTree = 4000;        // then another tree: some start badly
-constexpr long kEffort = 3000;             // after it no further tree is grown once a path is known
-constexpr double kStalePerExcess = 900.0;  // checks since the last gain, by the relative excess ...
-constexpr double kStaleLeast = 100.0, kStaleMost = 1000.0;  // ... and their bounds
-constexpr double kGain = 0.97;       // a shorter path than that much of the shortest is a gain
-constexpr long kLeastMotions = 20;   // of a tree, so that it can begin at all
-constexpr int kTries = 40;           // trees, most
-constexpr int kRoughShortcuts = 20;  // each tree's path, before the shortest is chosen
-constexpr int kShortcuts = 100;      // the chosen path
+constexpr long kMostPerTree = 4000;  // then another tree: some start badly
+constexpr long kEffort = 4000;       // after it no further tree is grown once a path is known
+// Checks since the last gain, by the relative excess: more than in proportion, for the long ones have most to
+// gain and are few.
+constexpr double kStalePerExcess = 1500.0, kStalePerSquare = 4500.0;
+constexpr double kStaleLeast = 150.0, kStaleMost = 2000.0;
+constexpr double kGain = 0.97;      // a shorter path than that much of the shortest is a gain
+constexpr long kLeastMotions = 20;  // of a tree, so that it can begin at all
+constexpr int kTries = 40;          // trees, most
+// Shortcuts by length. Where only samples are looked at, many of them press a path into what samples miss.
+constexpr double kRoughShortcuts = 6.0;  // a rad of each tree's path, before the shortest is chosen
+constexpr double kShortcuts = 20.0;      // a rad of the chosen path
+constexpr double kNear = 0.005;  // rad, of the chosen path's shortcuts: nearer to things they cost more
 
 bool is_inside(const RobotModel& robot, const Joints& q) {
   return (q.array() >= robot.lower.array() - 1e-9).all() && (q.array() <= robot.upper.array() + 1e-9).all();
@@ -61,7 +65,7 @@ class PathSearch {
     for (const JointPath& rough : found_) {
       Random random = Random::stream(seed_, kTries);
       const JointPath path = mended(rough, certified_, random);
-      if (!path.empty()) return shortcut(path, certified_, kShortcuts, random);
+      if (!path.empty()) return shortened(path, shortcut_, kShortcuts, random);
     }
     return std::isfinite(known) ? std::nullopt : grow_certified();
   }
@@ -87,16 +91,23 @@ class PathSearch {
       used_ += tree.motions;
       if (tree.path.empty()) continue;
       Random random = Random::stream(seed_, kTries + 1 + k);
-      found_.push_back(shortcut(without_detours(tree.path, sampled_), sampled_, kRoughShortcuts, random));
+      found_.push_back(shortened(without_detours(tree.path, sampled_), sampled_, kRoughShortcuts, random));
       if (length(found_.back()) < kGain * best) gained = used_;
       best = std::min(best, length(found_.back()));
     }
   }
 
+  static JointPath shortened(const JointPath& path, const MotionTest& is_free, double per_rad,
+                             Random& random) {
+    return shortcut(path, is_free, static_cast<int>(std::lround(per_rad * length(path))), random);
+  }
+
   /// Checks without a gain after which a path of length `best` is believed to be short.
   [[nodiscard]] long patience(double best) const {
     const double nearest = (goals_.front() - start_).norm();
-    return std::lround(std::clamp(kStalePerExcess * (best / nearest - 1.0), kStaleLeast, kStaleMost));
+    const double excess = best / nearest - 1.0;
+    return std::lround(
+        std::clamp((kStalePerExcess + kStalePerSquare * excess) * excess, kStaleLeast, kStaleMost));
   }
 
   /// Where samples do not do: every edge is certified.
@@ -105,7 +116,7 @@ class PathSearch {
     const Tree tree = rrt_connect(checker_, start_, goals_, limits, Random::stream(seed_, "certified tree"));
     if (tree.path.empty()) return std::nullopt;
     Random random = Random::stream(seed_, "certified path");
-    return shortcut(without_detours(tree.path, certified_), certified_, kShortcuts, random);
+    return shortened(without_detours(tree.path, certified_), shortcut_, kShortcuts, random);
   }
 
   /// The goals, nearest first, that a path shorter than `longest` can reach.
@@ -113,6 +124,12 @@ class PathSearch {
     const auto end = std::find_if(goals_.begin() + 1, goals_.end(),
                                   [&](const Joints& goal) { return (goal - start_).norm() >= longest; });
     return {goals_.begin(), end};
+  }
+
+  MotionTest certified(double resolution) {
+    return [this, resolution](const Joints& a, const Joints& b) {
+      return is_inside(checker_.robot(), b) && checker_.motion_is_free(a, b, resolution);
+    };
   }
 
   const CollisionChecker& checker_;
@@ -124,9 +141,7 @@ class PathSearch {
   long used_ = 0;
   std::vector<JointPath> found_;
   MotionTest sampled_ = [this](const Joints& a, const Joints& b) { return checker_.samples_are_free(a, b); };
-  MotionTest certified_ = [this](const Joints& a, const Joints& b) {
-    return is_inside(checker_.robot(), b) && checker_.motion_is_free(a, b, kResolution);
-  };
+  MotionTest certified_ = certified(kResolution), shortcut_ = certified(kNear);
 };
 
 /// Goals within limits that do not collide, nearest first.

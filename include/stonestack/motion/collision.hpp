@@ -38,8 +38,8 @@ struct Clearance {
 
 /// Arm, gripper and what it holds against table, objects and itself: capsules, boxes and convex pieces,
 /// exact distances (Bullet's GJK behind tests of segments against spheres and boxes). Built once for a scene;
-/// then asked from any number of threads, without allocation. The base and shoulder do not see the table,
-/// and neighbouring links do not see each other.
+/// then asked from any number of threads; `collides` does not allocate. The base and shoulder do not see the
+/// table, and neighbouring links do not see each other.
 class CollisionChecker {
  public:
   /// Throws InvalidArgument for a piece without vertices or with numbers that are not finite.
@@ -55,8 +55,9 @@ class CollisionChecker {
   /// are halved until nothing can reach an obstacle within a piece. A piece below `resolution` (rad, largest
   /// joint) that is still undecided counts as a collision.
   [[nodiscard]] bool motion_is_free(const Joints& a, const Joints& b, double resolution = 0.0005) const;
-  /// True if samples of the straight joint motion, at most `spacing` (rad, largest joint) apart, are free: a
-  /// quick answer for searching, not a proof. The ends are not looked at.
+  /// True if samples of the straight joint motion are free, between which base and shoulder turn by at most
+  /// `spacing` (rad), the wrist by more, since that moves the hand less: a quick answer for searching, not a
+  /// proof. The ends are not looked at.
   [[nodiscard]] bool samples_are_free(const Joints& a, const Joints& b, double spacing = 0.05) const;
   /// The smallest distance among all pairs that are checked, padding not regarded.
   [[nodiscard]] Clearance clearance(const Joints& q) const;
