@@ -174,17 +174,22 @@ void measure(const BenchOptions& options) {
     const SearchRow paper{pool.name, "paper", options.stones, s.least_margin, options.ode, options.in_ode};
     std::vector<SearchOutcome> of_default, of_paper;
     for (int k = 0; k < options.draws; ++k) {
-      of_default.push_back(run_default(options, pool, k));
-      bench::tell_draw(of_search, k, of_default.back());
+      const SearchOutcome found = run_default(options, pool, k);
+      if (interrupt_noted()) break;  // what was found till then is no draw
+      of_default.push_back(found);
+      bench::tell_draw(of_search, k, found);
       if (!options.paper) continue;
-      of_paper.push_back(run_paper(options, pool, k, of_default.back().cpu));
-      bench::tell_draw(paper, k, of_paper.back());
+      const SearchOutcome found_by_paper = run_paper(options, pool, k, found.cpu);
+      if (interrupt_noted()) break;
+      of_paper.push_back(found_by_paper);
+      bench::tell_draw(paper, k, found_by_paper);
     }
-    bench::print_search_row(of_search, of_default);
-    if (!options.paper) continue;
+    if (!of_default.empty()) bench::print_search_row(of_search, of_default);
+    if (!options.paper || of_paper.empty()) continue;
     bench::print_search_row(paper, of_paper);
     bench::print_paper_time(pool.name, of_paper);
   }
+  throw_if_interrupted();  // the rows are of what was done
   for (const StonePool& pool : pools) print_speed(options, pool);
 }
 
