@@ -88,21 +88,22 @@ double between_ups(const PickAndPlaceTask& task) {
   return std::acos(std::clamp(c, -1.0, 1.0));
 }
 
-void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, Tally& tally) {
+void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
+              Tally& tally) {
   AngleTally& angle =
       tally.angles[std::min(kAngles - 1, static_cast<std::size_t>(6.0 * between_ups(task) / M_PI))];
   ++tally.tasks;
   ++angle.tasks;
-  angle.hand += hand_can_grasp(scene, task) ? 1 : 0;
+  angle.hand += hand_can_grasp(scene, task, options) ? 1 : 0;
   const double check = processor_ms();
-  const bool graspable = can_grasp(scene, task);
+  const bool graspable = can_grasp(scene, task, options);
   tally.check_ms.push_back(processor_ms() - check);
   tally.graspable += graspable ? 1 : 0;
-  const GraspCheck all = check_grasps(scene, task);
+  const GraspCheck all = check_grasps(scene, task, options);
   tally.grasps += all.total;
   for (std::size_t k = 0; k < kGraspFaults; ++k) tally.refused[k] += all.refused[k];
   const double plan_time = processor_ms();
-  const PickAndPlacePlan plan = plan_pick_and_place(scene, task);
+  const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options);
   tally.plan_ms.push_back(processor_ms() - plan_time);
   if (plan.status == PickAndPlacePlan::Status::kPlanned) {
     ++tally.planned;
@@ -113,7 +114,7 @@ void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, Tally& t
     return;
   }
   const double regrasp_time = processor_ms();
-  const RegraspPlan regrasp = plan_regrasp(scene, task);
+  const RegraspPlan regrasp = plan_regrasp(scene, task, options);
   tally.regrasp_ms.push_back(processor_ms() - regrasp_time);
   if (!regrasp.planned) {
     ++tally.reasons[regrasp.reason];
@@ -140,7 +141,7 @@ void sample_grasps(const std::vector<Stone>& stones) {
               1e-3 * (processor_ms() - sampling));
 }
 
-void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
+void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed, const MotionOptions& options) {
   sample_grasps(stones);
   Tally turned, tipped;
   for (std::uint64_t n = 0; turned.tasks < tasks; ++n) {
@@ -160,9 +161,9 @@ void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed) {
       const Eigen::Quaterniond yaw(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
       const Eigen::Quaterniond lying(task.T_W_O_pick.linear());
       task.T_W_O_place = bench::standing_at(stone, yaw * lying, site, bench::top(tower));
-      run_task(problem.scene, task, turned);
+      run_task(problem.scene, task, options, turned);
       task.T_W_O_place = bench::standing_at(stone, bench::rest(stone, random), site, bench::top(tower));
-      run_task(problem.scene, task, tipped);
+      run_task(problem.scene, task, options, tipped);
     }
   }
   print("turned", turned);
@@ -177,6 +178,7 @@ void add_bench_grasp(CLI::App& bench) {
     CommonOptions common;
     int tasks = 40;
     int generated = 0;
+    MotionOptions motion;
   };
   auto command = std::make_shared<Command>();
   CLI::App* sub =
@@ -192,14 +194,16 @@ void add_bench_grasp(CLI::App& bench) {
       "Examples:\n  stonestack bench grasp --generated 12 --tasks 200\n"
       "  stonestack bench grasp --catalogue rocks --tasks 200");
   sub->callback([command] {
+    command->common.settings.apply(nest("motion", fields(command->motion)));
     const auto seed = static_cast<std::uint64_t>(command->common.seed);
     std::printf("%d tasks a kind, seed %d\n", command->tasks, command->common.seed);
-    if (command->generated == 0) return measure(command->common.read().stones, command->tasks, seed);
+    if (command->generated == 0)
+      return measure(command->common.read().stones, command->tasks, seed, command->motion);
     std::vector<Stone> stones;
     for (int k = 0; k < command->generated; ++k)
       stones.push_back(bench::random_stone(100 * seed + static_cast<std::uint64_t>(k),
                                            concat("limestone ", k), kSmallest, kLargest));
-    measure(stones, command->tasks, seed);
+    measure(stones, command->tasks, seed, command->motion);
   });
 }
 
