@@ -8,11 +8,10 @@
 namespace stonestack {
 namespace {
 
-constexpr std::size_t kRefined = 24;        ///< a stone (measured)
-constexpr double kDistinctAngle = 0.14;     ///< rad
-constexpr double kDistinctShift = 0.010;    ///< m
-constexpr double kSideCell = 0.005;         ///< m
-constexpr double kInterfaceTouch = 0.0008;  ///< m
+constexpr std::size_t kRefined = 24;      ///< a stone (measured)
+constexpr double kDistinctAngle = 0.14;   ///< rad
+constexpr double kDistinctShift = 0.010;  ///< m
+constexpr double kSideCell = 0.005;       ///< m
 
 }  // namespace
 
@@ -73,8 +72,7 @@ StackField stack_field(const StackBodies& stack, std::span<const LooseStone> sto
   grid.centre = stack.bodies.empty() ? site : Eigen::Vector2d(stack.bodies.back().p_W_M.head<2>());
   grid.cell = cell;
   grid.half = static_cast<int>(std::ceil((radius + kOffsetReach + 0.03) / cell));
-  return {top_surface(stack.bodies, grid, options.clean_height), interfaces(stack, kInterfaceTouch),
-          options.friction};
+  return {top_surface(stack.bodies, grid, options.clean_height), interfaces(stack), options.friction};
 }
 
 std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,

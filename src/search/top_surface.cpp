@@ -17,7 +17,7 @@ void raise_by(HeightRaster& raster, const BodyPose& body) {
 }
 
 constexpr double kInterfaceCell = 0.003;  ///< m
-constexpr double kTouchGap = 0.0008;      ///< m
+constexpr double kRestGap = 0.0008;       ///< m, between a stone and what it is taken to rest on
 
 Rest rest_on(const std::vector<Eigen::Vector3d>& points_W) {
   Rest rest;
@@ -31,7 +31,7 @@ Rest rest_on(const std::vector<Eigen::Vector3d>& points_W) {
 }
 
 /// Contacts of a stone with the one below (or the table) at the poses that they have.
-Rest estimated_rest(const BodyPose* below, const BodyPose& above, double tolerance) {
+Rest estimated_rest(const BodyPose* below, const BodyPose& above) {
   const int half = static_cast<int>(std::ceil(above.stone->radius / kInterfaceCell)) + kRun;
   const SurfaceGrid grid{above.p_W_M.head<2>(), kInterfaceCell, half};
   TopSurface surface = top_surface({}, grid, 0.0);
@@ -46,10 +46,10 @@ Rest estimated_rest(const BodyPose* below, const BodyPose& above, double toleran
   const Underside underside =
       make_underside(above.stone->vertices_M, above.stone->faces, above.R_W_O, options);
   GapField field;
-  lay(surface, underside, 0, 0, tolerance, &field);
+  lay(surface, underside, 0, 0, kRestGap, &field);
   std::vector<Eigen::Vector3d> points;
   for (std::size_t k = 0; k < field.d.size(); ++k) {
-    if (field.d[k] < field.highest - static_cast<float>(tolerance)) continue;
+    if (field.d[k] < field.highest - static_cast<float>(kRestGap)) continue;
     const int node = field.node(k);
     const auto z = static_cast<double>(surface.heights.z[static_cast<std::size_t>(node)]);
     if (z <= static_cast<double>(kNoSurface) + 1.0) continue;
@@ -109,7 +109,7 @@ TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid,
 
 std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack) {
   std::vector<std::vector<Eigen::Vector3d>> points(stack.stones.size());
-  for (const Contact& contact : geometric_contacts(shapes, stack, kTouchGap))
+  for (const Contact& contact : geometric_contacts(shapes, stack, kRestGap))
     if (contact.below == contact.above - 1 || (contact.below == kTable && contact.above == 0))
       points[static_cast<std::size_t>(contact.above)].push_back(contact.p_W);
   std::vector<Rest> rests;
@@ -117,13 +117,12 @@ std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack) {
   return rests;
 }
 
-std::vector<Interface> interfaces(const StackBodies& stack, double tolerance) {
+std::vector<Interface> interfaces(const StackBodies& stack) {
   const std::vector<BodyPose>& bodies = stack.bodies;
   std::vector<Interface> list(bodies.size());
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    list[k].rest = k < stack.rests.size()
-                       ? stack.rests[k]
-                       : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k], tolerance);
+    list[k].rest = k < stack.rests.size() ? stack.rests[k]
+                                          : estimated_rest(k == 0 ? nullptr : &bodies[k - 1], bodies[k]);
     for (std::size_t m = k; m < bodies.size(); ++m) {
       list[k].mass_above += bodies[m].stone->mass;
       list[k].moment_above += bodies[m].stone->mass * bodies[m].p_W_M;

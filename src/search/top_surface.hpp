@@ -58,8 +58,8 @@ struct StackBodies {
 /// Where each stone of a stack at rest touches what is below it, by the scans themselves. A raster passes
 /// over sharp corners: a stone on three of them seems to rest on one or two.
 [[nodiscard]] std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack);
-/// One for each stone of the stack; estimated: what is within `tolerance` of the nearest, seen every 3 mm.
-[[nodiscard]] std::vector<Interface> interfaces(const StackBodies& stack, double tolerance);
+/// One for each stone of the stack; estimated: what is within 0.8 mm of the nearest, seen every 3 mm.
+[[nodiscard]] std::vector<Interface> interfaces(const StackBodies& stack);
 /// Horizontal acceleration (g) at which the stack tips over one of its interfaces once a mass is put on top.
 [[nodiscard]] double tipping_limit(std::span<const Interface> interfaces, double mass,
                                    const Eigen::Vector3d& p_W_M);

@@ -10,7 +10,7 @@ namespace {
 constexpr double kCell = 0.004;
 
 StackField field_of(const std::vector<BodyPose>& stack, double clean_height = 0.006) {
-  return {top_surface(stack, {{0, 0}, kCell, 70}, clean_height), interfaces({stack, {}}, 0.0008), 0.1};
+  return {top_surface(stack, {{0, 0}, kCell, 70}, clean_height), interfaces({stack, {}}), 0.1};
 }
 
 LandingGrid land_box(const StackField& field, const Mesh& box, int i, int j) {
@@ -25,7 +25,7 @@ LandingGrid land_box(const StackField& field, const Mesh& box, int i, int j) {
 TEST(Interfaces, CubeOnTheTableTipsAtHalfWidthOverHeight) {
   const StoneGeometry cube = geometry_of(make_box({0.1, 0.1, 0.1}), 2.0);
   const std::vector<BodyPose> stack = {at(cube, 0, 0, 0.05)};
-  const std::vector<Interface> list = interfaces({stack, {}}, 0.0008);
+  const std::vector<Interface> list = interfaces({stack, {}});
   ASSERT_EQ(list.size(), 1U);
   EXPECT_NEAR(list[0].rest.z, 0.0, 1e-9);
   EXPECT_NEAR(area(list[0].rest.polygon_W), 0.01, 0.001);  // hull of nodes 3 mm apart

@@ -72,5 +72,17 @@ TEST(Rests, ABaseOnThreeSharpFeetBearsAnother) {
   EXPECT_FALSE(found.best.empty()) << found.reason;
 }
 
+TEST(Rests, ABaseMeasuredTooHighOrTooLowBearsAnother) {
+  const ShapeList shapes = tripod_and_box();
+  for (const double z : {0.0009, -0.0009}) {
+    SearchProblem problem;
+    problem.shapes = &shapes;
+    problem.stack.stones = {{0, at(0, 0, z)}};
+    problem.available = {{1, at(0.4, 0, 0.02)}};
+    const SearchResult found = find_next_pose(problem, quick());
+    EXPECT_FALSE(found.best.empty()) << z << ": " << found.reason;
+  }
+}
+
 }  // namespace
 }  // namespace stonestack
