@@ -6,7 +6,8 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-/// urdfdom 3.0 keeps some of what it has read when it then refuses the file; LeakSanitizer asks for this.
+/// Links that form a loop hold one another by shared_ptr inside urdfdom 3.0, and stay when it then refuses
+/// the file: LeakSanitizer asks for this.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:liburdfdom_model";
 }

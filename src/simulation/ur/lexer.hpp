@@ -39,8 +39,7 @@ struct CompileError {
 [[nodiscard]] CompileError syntax_error(std::string_view source, int line, int column);
 
 /// Cuts a script into tokens. Comments (#) and PolyScope's node marks (lines starting with $) are left out.
-/// Throws CompileError,
-/// also for more than kMostTokens.
+/// Throws CompileError, also for more than kMostTokens.
 [[nodiscard]] std::vector<Token> cut(std::string_view source);
 
 /// How much deeper nested the blocks are after this line than before (def, sec, thread, if, while: +1; end:
