@@ -31,11 +31,13 @@ struct DepthSequenceInput {
 };
 
 /// Reads what a folder holds:
-///   BOP     scene_camera.json (cam_K, depth_scale in mm a count, cam_R_w2c and cam_t_w2c) and
-///   depth/NNNNNN.png Open3D  camera_intrinsic.json (width, height, intrinsic_matrix by columns, depth_scale
-///   in counts a metre)
-///           and depth/*.png
+///
+///   BOP     scene_camera.json (cam_K, depth_scale in mm a count, cam_R_w2c and cam_t_w2c)
+///           and depth/NNNNNN.png
+///   Open3D  camera_intrinsic.json (width, height, intrinsic_matrix by columns, depth_scale
+///           in counts a metre) and depth/*.png
 ///   TUM     depth.txt (time, file) and groundtruth.txt (time, T_W_C), matched within 20 ms
+///
 /// Images are not opened but for their size. Throws FileError naming file, key and value, also when unit or
 /// intrinsics are missing, or given twice and different (a depth scale off by 5 or 1000 is the usual
 /// mistake), or when the intrinsics are of images of another size or Open3D's matrix stands by rows.

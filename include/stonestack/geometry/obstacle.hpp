@@ -16,8 +16,8 @@ struct Obstacle {
 
 /// Reads a YAML list of obstacles; each has a name, one shape and a pose, metres:
 ///
-///   - {name: wall, box: {x: 0.02, y: 2.0, z: 1.5}, T_W_O: {x: -0.3, y: 0, z: 0.75, qx: 0, qy: 0, qz: 0, qw:
-///   1}}
+///   - {name: wall, box: {x: 0.02, y: 2.0, z: 1.5},
+///      T_W_O: {x: -0.3, y: 0, z: 0.75, qx: 0, qy: 0, qz: 0, qw: 1}}
 ///   - {name: post, cylinder: {radius: 0.03, length: 1.2}, T_W_O: {...}}     # about z, middle at the origin
 ///   - {name: lamp, sphere: {radius: 0.1}, T_W_O: {...}}
 ///   - {name: stand, mesh: stand.stl, T_W_O: {...}}                          # beside the file `path`

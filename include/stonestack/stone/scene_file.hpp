@@ -18,10 +18,12 @@ struct NamedPose {
 /// A scene in a file: what stands, what lies loose, and how it was seen. YAML, schema "stonestack.scene/1":
 ///
 ///   schema: stonestack.scene/1
-///   camera: {width: 640, height: 480, fx: 475, fy: 475, cx: 319.5, cy: 239.5, distortion: none, k: [0, 0, 0,
-///   0, 0]} T_W_C: {x: 0.7, y: -0.18, z: 0.7, qx: 1, qy: 0, qz: 0, qw: 0} depth: {file: depth.png, unit:
-///   0.000125}     # metres a count; files are beside the scene file cloud: cloud.ply # organised, camera
-///   frame stack:                                       # from the table up
+///   camera: {width: 640, height: 480, fx: 475, fy: 475, cx: 319.5, cy: 239.5,
+///            distortion: none, k: [0, 0, 0, 0, 0]}
+///   T_W_C: {x: 0.7, y: -0.18, z: 0.7, qx: 1, qy: 0, qz: 0, qw: 0}
+///   depth: {file: depth.png, unit: 0.000125}     # metres a count; files are beside the scene file
+///   cloud: cloud.ply                             # organised, camera frame
+///   stack:                                       # from the table up
 ///     - {stone: limestone_1, T_W_O: {x: 0.7, y: 0.28, z: 0.05, qx: 0, qy: 0, qz: 0, qw: 1}}
 ///   stones:                                      # loose
 ///     - {stone: limestone_2, T_W_O: {...}}

@@ -11,9 +11,13 @@
 /// frames without end; the server answers with frames. A frame is a header of 128 bytes and Z16 pixels, all
 /// little-endian:
 ///
-///   0 "SSD1"   4 u32 header size 128   8 u32 width   12 u32 height   16 u32 distortion (0 none, 1
-///   Brown-Conrady, 2 inverse Brown-Conrady)   20 u32 0   24 f64 fx fy cx cy   56 f64 k1 k2 p1 p2 k3   96 f64
-///   metres a count 104 f64 device time, s   112 u64 frame number   120 u32 pixel bytes = 2 x width x height
+///   0   "SSD1"              4   u32 header size 128
+///   8   u32 width           12  u32 height
+///   16  u32 distortion (0 none, 1 Brown-Conrady, 2 inverse Brown-Conrady)
+///   20  u32 0
+///   24  f64 fx fy cx cy     56  f64 k1 k2 p1 p2 k3
+///   96  f64 metres a count  104 f64 device time, s
+///   112 u64 frame number    120 u32 pixel bytes = 2 x width x height
 ///   124 u32 CRC-32 (IEEE 802.3) of the pixel bytes
 namespace stonestack {
 
