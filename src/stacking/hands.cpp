@@ -1,0 +1,210 @@
+#include "stacking/hands.hpp"
+
+#include <cmath>
+
+#include "stacking/way_back.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/timing.hpp"
+
+namespace stonestack {
+namespace {
+
+constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the stone
+constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
+constexpr double kFingerForce = 60.0;   // N, when the plan names none
+constexpr double kGravity = 9.81;       // m/s^2
+// A stone slips towards the finger tips by up to 2 mm while it is carried, so the hand ends lower than
+// planned: this near the table it goes back a little, with the stone loose, before fingers open into the
+// table.
+constexpr double kNearTable = 0.010;  // m, of the tool's tip
+constexpr double kBackOff = 0.004;    // m
+
+using Status = ExecutionResult::Status;
+
+}  // namespace
+
+void Hands::intend(const PlanStep& step) const {
+  if (journal != nullptr) journal->record("step", concat("{\"name\": \"", step.name, "\"}"));
+}
+
+void Hands::set_payload(bool holding) const {
+  const HandMass hand = carried_hand(scene.gripper, cell.layout);
+  const HandMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
+  stonestack::set_payload(cell.arm, holding ? together(hand, held) : hand);
+}
+
+ExecutionResult Hands::follow(const PlanStep& step) const {
+  const MotionResult moved = cell.arm.follow(step.trajectory);
+  if (moved.status == MotionResult::Status::kDone) return {};
+  return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult Hands::grasp(const PlanStep& step) const {
+  const double speed = step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed;
+  try {
+    const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
+    if (!held.object) return give_up(step, "the fingers closed on nothing");
+    set_payload(true);
+  } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
+    return give_up(step, problem.what());
+  }
+  return {};
+}
+
+ExecutionResult Hands::give_up(const PlanStep& step, const std::string& why) const {
+  cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+  const ExecutionResult back = go_back(step, options.approach);
+  if (back.status == Status::kStopped) return back;
+  return {Status::kNotPicked, 0.0, why};
+}
+
+ExecutionResult Hands::check_hold(const PlanStep& lift) const {
+  const WristLoad load = wrist.feel();
+  const double expected = kGravity * stone.mass.mass;
+  const double off = swing(load);
+  if (journal != nullptr)
+    journal->record(
+        "hold", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected, ", \"off\": ", off, "}"));
+  if (load.weight < options.least_held * expected) {
+    const std::string why =
+        concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
+    // What still hangs is set down; what lies below already must not be met from above.
+    return load.weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
+  }
+  if (off > options.largest_swing) return put_back(lift, turned(off));
+  return {};
+}
+
+double Hands::swing(const WristLoad& load) const {
+  return beside(load, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M));
+}
+
+std::string Hands::turned(double off) {
+  return concat("turned in the hand: it pulls ", std::lround(1e3 * off), " mm beside where it should");
+}
+
+ExecutionResult Hands::check_carried(const PlanStep* lift, const PlanStep& next) {
+  if (lift == nullptr) return {};
+  const double expected = kGravity * stone.mass.mass;
+  const CarriedLoad carried = feel_carried(wrist, cell, expected, options.least_held);
+  const double off = swing(carried.load);
+  hangs = carried.load.weight;
+  if (journal != nullptr)
+    journal->record("carried", concat("{\"weight\": ", hangs, ", \"expected\": ", expected,
+                                      ", \"off\": ", off, ", \"doubt\": ", carried.load.doubt,
+                                      ", \"held\": ", carried.held ? "true" : "false", "}"));
+  // What has swung would not come to stand where it is let go of.
+  if (carried.held && off > options.largest_swing + carried.load.doubt) {
+    const ExecutionResult home = go_home({lift + 1, &next});
+    return home.status == Status::kStopped ? home : put_back(*lift, turned(off));
+  }
+  if (carried.held) return {};
+  set_payload(false);
+  const ExecutionResult home = go_home({lift + 1, &next});
+  if (home.status == Status::kStopped) return home;
+  cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+  return {Status::kLost, 0.0,
+          concat("lost on the way: ", hangs, " N hang in the hand, not ", expected, " N")};
+}
+
+ExecutionResult Hands::go_home(std::span<const PlanStep> carried) const {
+  for (auto step = carried.rbegin(); step != carried.rend(); ++step) {
+    PlanStep back = *step;
+    back.trajectory = reversed(step->trajectory);
+    const ExecutionResult moved = follow(back);
+    if (moved.status == Status::kStopped) return moved;
+  }
+  return {};
+}
+
+ExecutionResult Hands::let_go(const std::string& why) const {
+  cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+  set_payload(false);
+  return {Status::kNotPicked, 0.0, why};
+}
+
+ExecutionResult Hands::put_back(const PlanStep& lift, const std::string& why) const {
+  GuardedMotion down;
+  down.trajectory = reversed(lift.trajectory);
+  down.threshold = options.early_threshold;
+  const MotionResult moved = cell.arm.follow_guarded(down);
+  if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
+    return {Status::kStopped, moved.force, "putting " + stone.name + " back: " + moved.reason};
+  // Fingers that stand on the table cannot open.
+  if (const ExecutionResult up = go_back(lift, kBackOff); up.status == Status::kStopped) return up;
+  set_payload(false);
+  return give_up(lift, why);
+}
+
+double Hands::above_end(const PlanStep& step) const {
+  if (step.trajectory.q.empty()) return 0.0;
+  const auto p_W = [&](const Joints& q) -> Eigen::Vector3d {
+    return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+  };
+  return (p_W(cell.arm.state().q) - p_W(step.trajectory.q.back())).z();
+}
+
+ExecutionResult Hands::feel_down(const PlanStep& step, bool* touched) const {
+  GuardedMotion motion;
+  motion.trajectory = step.trajectory;
+  motion.threshold = step.threshold;
+  const MotionResult moved = cell.arm.follow_guarded(motion);
+  *touched = moved.status == MotionResult::Status::kContact;
+  if (journal != nullptr)
+    journal->record("touch", concat("{\"touched\": ", *touched ? "true" : "false", ", \"force\": ",
+                                    moved.force, ", \"above_end_m\": ", above_end(step), "}"));
+  if (*touched || moved.status == MotionResult::Status::kNoContact)
+    return {Status::kReleased, moved.force, ""};
+  return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+void Hands::open(const PlanStep& step) const {
+  cell.gripper.move(step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed, kFingerForce);
+}
+
+ExecutionResult Hands::retreat(const PlanStep& step) const {
+  const JointPath& way = step.trajectory.q;
+  if (way.empty()) return go_back(step, options.approach);
+  const Pose T_R_T_from = forward(scene.robot, way.front()) * scene.T_F_T;
+  const Pose T_R_T_to = forward(scene.robot, way.back()) * scene.T_F_T;
+  return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
+}
+
+ExecutionResult Hands::check_empty(const PlanStep& step, bool may_open) const {
+  const double most = most_in_empty_hand(kGravity * stone.mass.mass);
+  double left = wrist.feel().weight;
+  const auto empty = [&] { return left <= most && !cell.gripper.state().object; };
+  if (!empty() && may_open) {
+    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+    left = wrist.feel().weight;
+  }
+  if (journal != nullptr) journal->record("released", concat("{\"left\": ", left, ", \"most\": ", most, "}"));
+  if (empty()) return {};
+  set_payload(true);
+  return {Status::kStopped, 0.0,
+          concat(step.name, ": the hand is not empty after release, ", left, " N hang in it; take ",
+                 stone.name, " out of the fingers")};
+}
+
+ExecutionResult Hands::clear_table(const PlanStep& step) const {
+  const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
+  if ((cell.layout.T_W_R * T_R_T).translation().z() > kNearTable) return {};
+  return go_back(step, kBackOff);
+}
+
+ExecutionResult Hands::go_back(const PlanStep& step, double distance) const {
+  const Joints q = cell.arm.state().q;
+  const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
+  const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -distance);
+  const auto path = straight_path(scene.robot, scene.T_F_T, q, T_R_T_goal);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight way back"};
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = kRetreatSpeed;
+  PlanStep actual = step;
+  actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  return follow(actual);
+}
+
+}  // namespace stonestack
