@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "geometry/byte_order.hpp"
+#include "geometry/mesh_import.hpp"
 #include "geometry/mesh_parse.hpp"
 #include "geometry/obj.hpp"
 #include "geometry/ply.hpp"
@@ -126,7 +127,8 @@ Mesh parse_mesh(const std::string& path, const std::string& extension, std::stri
   } else if (extension == "obj") {
     mesh = parse_obj(path, content);
   } else {
-    throw FileError(path, concat("has the extension '", extension, "'"), "convert it to PLY, OBJ or STL");
+    throw FileError(path, concat("has the extension '", extension, "'"),
+                    "convert it to PLY, OBJ or STL (glTF, Collada, 3DS, OFF and FBX are read, too)");
   }
   require_plausible(path, mesh);
   Mesh result = welded(mesh);
@@ -137,7 +139,9 @@ Mesh parse_mesh(const std::string& path, const std::string& extension, std::stri
 Mesh read_mesh(const std::string& path) {
   const std::string content = read_file(path, kLargestFile);
   if (content.empty()) throw FileError(path, "is empty", "make it again");
-  return parse_mesh(path, lower_case_extension(path), content);
+  const std::string extension = lower_case_extension(path);
+  if (is_imported(extension)) return parse_mesh(path, "ply", import_as_ply(path, extension, content));
+  return parse_mesh(path, extension, content);
 }
 
 void write_mesh(const std::string& path, const Mesh& mesh) {

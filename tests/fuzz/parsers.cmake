@@ -12,7 +12,7 @@ endmacro()
 
 # What reads foreign bytes: instrumented.
 stonestack_files(parsers core file options yaml)
-stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequence lzf mesh_file obj obstacle pair_padding pcd
+stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequence lzf mesh_file mesh_import obj obstacle pair_padding pcd
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file stone_yaml)
 stonestack_files(parsers kinematics calibration dh hand_eye_file robot_model urdf urdf_shapes xml_guard)
@@ -40,7 +40,8 @@ stonestack_files(others simulation ur/arm_geometry ur/ideal_plant ur/motion ur/m
 function(stonestack_part target)
   add_library(${target} STATIC ${ARGN})
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF)
-  target_compile_definitions(${target} PRIVATE STONESTACK_DATA_DIR="${PROJECT_SOURCE_DIR}/data")
+  target_compile_definitions(${target} PRIVATE STONESTACK_DATA_DIR="${PROJECT_SOURCE_DIR}/data"
+    STONESTACK_IMPORT_BUILT="" STONESTACK_IMPORT_INSTALLED="")
   target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
   target_include_directories(${target} SYSTEM PRIVATE ${BULLET_INCLUDE_DIRS})
   target_link_libraries(${target} PUBLIC stonestack_settings Eigen3::Eigen PRIVATE spdlog::spdlog yaml-cpp
