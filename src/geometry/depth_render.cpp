@@ -118,6 +118,24 @@ RayHit RayScene::cast(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& di
   return {hit.t, hit.instance, hit.normal};
 }
 
+bool RayScene::is_blocked(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& direction_W,
+                          double farthest) const {
+  require(scene_->committed, "commit a ray scene before casting rays");
+  RTCRay ray{};
+  ray.org_x = static_cast<float>(p_W_from.x());
+  ray.org_y = static_cast<float>(p_W_from.y());
+  ray.org_z = static_cast<float>(p_W_from.z());
+  ray.dir_x = static_cast<float>(direction_W.x());
+  ray.dir_y = static_cast<float>(direction_W.y());
+  ray.dir_z = static_cast<float>(direction_W.z());
+  ray.tfar = static_cast<float>(farthest);
+  ray.mask = ~0U;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene_->scene, &context, &ray);
+  return ray.tfar < 0.0F;  // Embree's sign for a hit
+}
+
 RenderedView render(const RayScene& scene, const CameraIntrinsics& camera, const Pose& T_W_C) {
   RenderedView view;
   view.depth = make_empty_image(camera);

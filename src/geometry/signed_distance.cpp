@@ -129,7 +129,7 @@ int SignedDistance::Grid::fill(const SurfaceTree& tree, const Eigen::Array3i& at
   return likely_face;
 }
 
-SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) : grid_(std::make_unique<Grid>()) {
+SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) {
   require(cell > 0.0 && std::isfinite(cell), "a distance grid needs a positive cell, got ", cell, " m");
   require(band >= cell && std::isfinite(band), "the band must be at least one cell of ", cell, " m, got ",
           band, " m");
@@ -141,19 +141,17 @@ SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) : gri
   const double nodes = bricks.prod() * kBrickCells * kBrickCells * kBrickCells;
   require(nodes <= kMostNodes, "a cell of ", cell, " m and a mesh of ", around.sizes().transpose(),
           " m make ", nodes, " nodes, more than ", kMostNodes);
-  grid_->cell = cell;
-  grid_->cells_per_metre = 1.0 / cell;
-  grid_->band = static_cast<double>(static_cast<float>(band));  // what the nodes hold
-  grid_->bricks = bricks.cast<int>();
-  grid_->cells = grid_->bricks * kBrickCells;
-  const Eigen::Vector3d half = (0.5 * cell * grid_->cells.cast<double>()).matrix();
-  grid_->box = {around.center() - half, around.center() + half};
-  grid_->build(SurfaceTree(mesh));
+  const auto grid = std::make_shared<Grid>();
+  grid->cell = cell;
+  grid->cells_per_metre = 1.0 / cell;
+  grid->band = static_cast<double>(static_cast<float>(band));  // what the nodes hold
+  grid->bricks = bricks.cast<int>();
+  grid->cells = grid->bricks * kBrickCells;
+  const Eigen::Vector3d half = (0.5 * cell * grid->cells.cast<double>()).matrix();
+  grid->box = {around.center() - half, around.center() + half};
+  grid->build(SurfaceTree(mesh));
+  grid_ = grid;
 }
-
-SignedDistance::~SignedDistance() = default;
-SignedDistance::SignedDistance(SignedDistance&&) noexcept = default;
-SignedDistance& SignedDistance::operator=(SignedDistance&&) noexcept = default;
 
 double SignedDistance::band() const {
   return grid_->band;

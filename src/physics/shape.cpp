@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "physics/features.hpp"
+#include "physics/shape_store.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -15,9 +15,9 @@ std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan, const M
   require(problem.empty(), "stone ", name, ": ", problem);
   double radius = 0.0;
   for (const auto& v : scan.vertices) radius = std::max(radius, (v - mass.p_O_M).norm());
-  return std::make_shared<const ContactShape>(ContactShape{
-      name, SignedDistance(scan, options.cell, options.band), sample_surface(scan, options.spacing), mass,
-      radius, scan, std::make_shared<const SurfaceFeatures>(surface_features(scan))});
+  const auto geometry = shape_geometry(scan, options);
+  return std::make_shared<const ContactShape>(
+      ContactShape{name, geometry->distance, geometry->samples, mass, radius, scan, geometry->features});
 }
 
 std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(const std::vector<Stone>& stones,

@@ -15,9 +15,12 @@
 namespace stonestack {
 namespace {
 
-constexpr double kTableHalf = 1.6;    // m
-constexpr int kSkyRays = 24;          // ambient occlusion rays a pixel sample
-constexpr int kSamplesPerSide = 2;    // 2 x 2 rays a pixel
+constexpr double kTableHalf = 1.6;  // m
+constexpr int kSkyRays = 32;        // ambient occlusion rays a pixel
+constexpr double kSkyReach = 0.5;   // m: what is further away hides no sky
+constexpr int kSamplesPerSide = 2;  // 2 x 2 rays a pixel, each with its share of the sky
+constexpr int kSamples = kSamplesPerSide * kSamplesPerSide;
+constexpr double kSunReach = 10.0;    // m
 constexpr double kShadowBias = 2e-4;  // m
 const Eigen::Vector3d kTableColour(0.58, 0.60, 0.62);
 const Eigen::Vector3d kSky(0.86, 0.90, 0.96);
@@ -55,7 +58,7 @@ struct Painter {
     scene.commit();
   }
 
-  [[nodiscard]] Eigen::Vector3d colour(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray,
+  [[nodiscard]] Eigen::Vector3d colour(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray, int sample,
                                        double turn) const {
     const RayHit hit = scene.cast(eye, ray);
     if (hit.instance < 0) return kSky;
@@ -64,23 +67,21 @@ struct Painter {
     const Eigen::Vector3d base =
         hit.instance == 0 ? kTableColour : meshes[static_cast<std::size_t>(hit.instance - 1)].colour;
     const double facing = std::max(0.0, normal.dot(kSun));
-    const double sun = facing > 0 && scene.cast(point, kSun).instance < 0 ? facing : 0.0;
+    const double sun = facing > 0 && !scene.is_blocked(point, kSun, kSunReach) ? facing : 0.0;
     const Eigen::Vector3d light =
-        0.62 * sun * Eigen::Vector3d(1.0, 0.96, 0.88) + 0.52 * openness(point, normal, turn) * kSky;
+        0.62 * sun * Eigen::Vector3d(1.0, 0.96, 0.88) + 0.52 * openness(point, normal, sample, turn) * kSky;
     return base.cwiseProduct(light);
   }
 
-  /// Share of the sky that a point sees.
-  [[nodiscard]] double openness(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+  /// Share of the sky that a point sees, by every fourth of its directions.
+  [[nodiscard]] double openness(const Eigen::Vector3d& point, const Eigen::Vector3d& normal, int sample,
                                 double turn) const {
     const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
     const Eigen::Quaterniond about(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
     int open = 0;
-    for (const auto& direction : sky) {
-      const RayHit hit = scene.cast(point, tilt * (about * direction));
-      if (hit.instance < 0 || hit.distance > 0.5) ++open;
-    }
-    return static_cast<double>(open) / kSkyRays;
+    for (int i = sample; i < kSkyRays; i += kSamples)
+      if (!scene.is_blocked(point, tilt * (about * sky[static_cast<std::size_t>(i)]), kSkyReach)) ++open;
+    return static_cast<double>(open) * kSamples / kSkyRays;
   }
 };
 
@@ -123,15 +124,15 @@ Picture draw(const std::vector<DrawnMesh>& meshes, const View& view) {
     for (int column = 0; column < view.width; ++column) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       Random random = Random::stream(static_cast<std::uint64_t>(row), static_cast<std::uint64_t>(column));
-      for (int s = 0; s < kSamplesPerSide * kSamplesPerSide; ++s) {
+      const double turn = random.uniform(0.0, 6.283185307);
+      for (int s = 0; s < kSamples; ++s) {
         const double x = (column + (s % kSamplesPerSide + 0.5) / kSamplesPerSide) / view.width;
         const double y = (row + (s / kSamplesPerSide + 0.5) / kSamplesPerSide) / view.height;
-        sum += painter.colour(view.p_W_eye, lens.ray(2 * x - 1, 1 - 2 * y), random.uniform(0.0, 6.283185307));
+        sum += painter.colour(view.p_W_eye, lens.ray(2 * x - 1, 1 - 2 * y), s, turn);
       }
       const auto at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(view.width) +
                            static_cast<std::size_t>(column));
-      for (int c = 0; c < 3; ++c)
-        picture.rgb[at + static_cast<std::size_t>(c)] = encode(sum[c] / (kSamplesPerSide * kSamplesPerSide));
+      for (int c = 0; c < 3; ++c) picture.rgb[at + static_cast<std::size_t>(c)] = encode(sum[c] / kSamples);
     }
   });
   return picture;

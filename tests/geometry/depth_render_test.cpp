@@ -98,6 +98,26 @@ TEST(Render, PointsLieOnTheStoneAndNormalsFaceTheCamera) {
   EXPECT_GT(hits, 300);
 }
 
+TEST(RayScene, IsBlockedWhereARayHitsNearEnough) {
+  RayScene scene;
+  scene.add(make_rough_stone(4), make_pose({0.02, -0.01, 0.05}));
+  scene.add(make_box({1, 1, 0.1}), make_pose({0, 0, -0.05}));
+  scene.commit();
+  Random random = Random::stream(4, "rays");
+  int blocked = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Eigen::Vector3d from = 0.3 * random.unit_vector() + Eigen::Vector3d(0, 0, 0.31);
+    const Eigen::Vector3d direction = random.unit_vector();
+    const RayHit hit = scene.cast(from, direction);
+    const double farthest = random.uniform(0.05, 0.6);
+    if (hit.instance >= 0 && std::abs(hit.distance - farthest) < 1e-5) continue;
+    EXPECT_EQ(scene.is_blocked(from, direction, farthest), hit.instance >= 0 && hit.distance < farthest);
+    blocked += scene.is_blocked(from, direction, farthest) ? 1 : 0;
+  }
+  EXPECT_GT(blocked, 200);
+  EXPECT_LT(blocked, 1800);
+}
+
 TEST(Render, IsTheSameForOneAndForTwoThreads) {
   RayScene scene;
   scene.add(make_rough_stone(2), make_pose({0, 0, 0.05}));

@@ -28,6 +28,10 @@ class RayScene {
   void commit();
   /// First hit of the ray; instance -1 if none. `direction` need not be unit length.
   [[nodiscard]] RayHit cast(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& direction_W) const;
+  /// True if anything lies on the ray within `farthest` metres: cheaper than the first hit. `direction_W` is
+  /// unit.
+  [[nodiscard]] bool is_blocked(const Eigen::Vector3d& p_W_from, const Eigen::Vector3d& direction_W,
+                                double farthest) const;
 
  private:
   struct Scene;
