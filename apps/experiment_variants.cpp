@@ -19,7 +19,7 @@ std::vector<Variant> cell_variants() {
           only("no error at all", {}),
           only("sensor noise only", {"simulation.sensor_noise=true"}),
           only("hand-eye error only",
-               {"simulation.hand_eye_translation=0.001", "simulation.hand_eye_rotation=0.0052"}),
+               {"simulation.hand_eye_translation=0.001", "simulation.hand_eye_rotation=0.005236"}),
           only("arm error only", {"simulation.arm_repeatability=0.0001", "simulation.arm_residual=0.001"}),
           only("mass and centre only", {"simulation.mass_error=0.02", "simulation.com_error=0.002"}),
           only("friction 0.35 to 0.65 only", {"simulation.friction_spread=0.15"}),

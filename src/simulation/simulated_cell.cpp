@@ -71,7 +71,7 @@ struct SimulatedCell::Parts {
         const CellLayout& layout, const SimulationOptions& options)
       : stones(all),
         believed(layout),
-        mounting(draw_mounting(layout, options)),
+        mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
         world(stones, present, with_camera_at(make_robotiq_3f(), layout.T_T_C), options),
         clock(world),
         force_torque(world, mounting, options),
