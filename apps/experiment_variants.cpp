@@ -6,10 +6,12 @@
 namespace stonestack::apps {
 
 std::vector<Variant> cell_variants() {
-  const std::vector<std::string> easy{
-      "simulation.sensor_noise=false",  "simulation.hand_eye_translation=0", "simulation.hand_eye_rotation=0",
-      "simulation.arm_repeatability=0", "simulation.arm_residual=0",         "simulation.mass_error=0",
-      "simulation.com_error=0",         "simulation.friction=0.5",           "simulation.friction_spread=0"};
+  const std::vector<std::string> easy{"simulation.sensor_noise=false",  "simulation.hand_eye_translation=0",
+                                      "simulation.hand_eye_rotation=0", "simulation.arm_repeatability=0",
+                                      "simulation.arm_residual=0",      "simulation.mass_error=0",
+                                      "simulation.com_error=0",         "simulation.friction=0.5",
+                                      "simulation.friction_spread=0",   "simulation.force_delay=0",
+                                      "simulation.scan_error=0",        "simulation.pad_friction_spread=0"};
   const auto only = [&](const std::string& name, const std::vector<std::string>& hard) {
     Variant variant{name, easy};
     variant.assignments.insert(variant.assignments.end(), hard.begin(), hard.end());
@@ -24,6 +26,11 @@ std::vector<Variant> cell_variants() {
           only("mass and centre only", {"simulation.mass_error=0.02", "simulation.com_error=0.002"}),
           only("friction 0.35 to 0.65 only", {"simulation.friction_spread=0.15"}),
           only("fingers locked only", {"simulation.regrip=false"}),
+          only("pads grip with 0.4 only", {"simulation.pad_friction=0.4"}),
+          only("pads half as stiff only", {"simulation.pad_stiffness=7.5e7"}),
+          only("force 20 ms late only", {"simulation.force_delay=0.02"}),
+          only("stones 5 mm apart only", {"simulation.clearance=0.005"}),
+          only("scans 0.3 mm off only", {"simulation.scan_error=0.0003"}),
           only("friction 0.2 only", {"simulation.friction=0.2"}),
           only("friction 0.1 only", {"simulation.friction=0.1"})};
 }

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "pebble.hpp"
+#include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
+#include "simulation/true_shape.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
@@ -80,6 +82,34 @@ TEST(StatedErrors, TheArmComesBackToATenthOfAMillimetre) {
     squares += off.squaredNorm() / kVisits;
   }
   EXPECT_NEAR(std::sqrt(squares), 0.0001, 0.00001);
+}
+
+TEST(StatedErrors, SurfacesLieBesideTheirScansAsFarAsIsSaid) {
+  const std::vector<Stone> scanned{make_pebble("a", 1.0), make_pebble("b", 1.0)};
+  SimulationOptions options;
+  const std::vector<Stone> same = as_they_are(scanned, options);
+  EXPECT_EQ(same[0].scan.vertices, scanned[0].scan.vertices);
+  options.scan_error = 0.0003;
+  const std::vector<Stone> real = as_they_are(scanned, options);
+  const auto off = [&](std::size_t stone, int vertex) {
+    const auto i = static_cast<std::size_t>(vertex);
+    const Eigen::Vector3d d = real[stone].scan.vertices[i] - scanned[stone].scan.vertices[i];
+    return std::copysign(d.norm(), d.dot(scanned[stone].scan.vertices[i]));
+  };
+  double squares = 0.0, steps = 0.0;
+  for (const auto& face : scanned[0].scan.faces) {
+    squares += off(0, face[0]) * off(0, face[0]);
+    steps += std::pow(off(0, face[0]) - off(0, face[1]), 2);
+  }
+  const auto faces = static_cast<double>(scanned[0].scan.faces.size());
+  EXPECT_NEAR(std::sqrt(squares / faces), 0.0003, 0.00003);
+  EXPECT_LT(std::sqrt(steps / faces), 0.00015) << "neighbours err alike";
+  EXPECT_NE(off(0, 0), off(1, 0)) << "each stone in its own way";
+  EXPECT_TRUE(is_closed(real[0].scan));
+
+  SimulatedCell cell(scanned, {0, 1}, ur10(), {}, options);  // and the cell has them, not the scans
+  EXPECT_EQ(cell.shared().stones()[0].scan.vertices, real[0].scan.vertices);
+  EXPECT_EQ(cell.shared().lock().world.shapes()[1]->scan.vertices, real[1].scan.vertices);
 }
 
 }  // namespace

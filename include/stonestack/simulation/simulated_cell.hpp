@@ -26,6 +26,10 @@ struct SimulationOptions {
   double force_delay = 0.0;             ///< s, from the wrist's force to the arm that guards a motion by it
   double mass_error = 0.02;             ///< share, one sigma
   double com_error = 0.002;             ///< m, at most
+  double scan_error = 0.0;              ///< m, root of the mean square: true surfaces beside their scans
+  double pad_friction = 0.5;            ///< true, rubber on stone: mean over stones
+  double pad_friction_spread = 0.0;     ///< half width of the uniform draw per stone
+  double pad_stiffness = 1.5e8;         ///< N/m^3, of the fingers' rubber; a third of it sideways
   bool regrip = true;                   ///< fingers close on when what they hold gives way (rGTO stays set)
   double step = 0.001;                  ///< s; finer while the fingers touch a stone
   double clearance = 0.045;             ///< m between loose stones, so that the fingers find room
