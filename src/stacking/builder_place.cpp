@@ -21,8 +21,9 @@ bool Builder::place(const Target& target) {
   result_.seconds.motion += cell_.clock.now() - start;
 
   aimed_off_.push_back(placing_bias());
-  PlacementRecord entry{name(placement.stone), placement, std::nullopt, PlacementRecord::Outcome::kPlaced,
-                        done.reason};
+  PlacementRecord entry{name(placement.stone), placement,
+                        std::nullopt,          PlacementRecord::Outcome::kPlaced,
+                        done.reason,           static_cast<int>(last_below_) + 1};
   if (done.status == ExecutionResult::Status::kStopped) {
     entry.outcome = PlacementRecord::Outcome::kLost;
     result_.placements.push_back(entry);

@@ -61,6 +61,7 @@ struct PlacementRecord {
   std::optional<Pose> T_W_O_measured;
   Outcome outcome = Outcome::kPlaced;
   std::string note;
+  int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (taken off, turned over)
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the hand, on the way), "lost" (let go of, not
 /// seen afterwards), "taken off", "turned over".
