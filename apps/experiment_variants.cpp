@@ -1,6 +1,7 @@
 #include "experiment_variants.hpp"
 
 #include "scene_input.hpp"
+#include "settings.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::apps {
@@ -56,6 +57,27 @@ Variant parse_variant(const std::string& text) {
     if (!assignment.empty()) variant.assignments.push_back(assignment);
   }
   return variant;
+}
+
+namespace {
+
+void check_seeds(const SimulatedRun& run, int seed) {
+  for (const int set :
+       {run.build.search.seed, run.build.detection.seed, run.build.motion.seed, run.simulation.seed})
+    require(set == seed,
+            "run k of an experiment with --seed S has 1000 S + k for its seed, the planner's and ",
+            "the cell's; ", set, " for a part of it would have no effect (`stonestack run` takes one)");
+}
+
+}  // namespace
+
+void check_variants(const std::vector<Variant>& variants, const SimulatedRun& run, int seed) {
+  check_seeds(run, seed);
+  for (const Variant& variant : variants) {
+    SimulatedRun changed = run;
+    set_fields(fields(changed), variant.assignments);
+    check_seeds(changed, seed);
+  }
 }
 
 }  // namespace stonestack::apps
