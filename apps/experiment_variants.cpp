@@ -39,6 +39,10 @@ std::vector<Variant> cell_variants() {
 std::vector<Variant> design_variants() {
   return {{"as it is", {}},
           {"paper's search", {"search.method=paper"}},
+          {"no look-ahead", {"search.horizon=1"}},
+          {"let go without feeling",
+           {"motion.descent_past=0", "motion.least_threshold=100", "motion.early_threshold=100"}},
+          {"placed stone not measured", {"run.measure_placed=false"}},
           {"first failure ends the run", {"run.most_failures=1"}},
           {"no stone taken off again", {"run.most_taken_off=0"}},
           {"no stone turned over", {"run.most_turned_over=0"}},

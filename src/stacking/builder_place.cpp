@@ -66,6 +66,13 @@ bool Builder::place(const Target& target) {
   return false;
 }
 
+void Builder::believe_the_plan(std::vector<PlacedStone>& stack,
+                               const std::vector<PlacedStone>& expected) const {
+  for (std::size_t i = 0; i < std::min(stack.size(), expected.size()); ++i)
+    if (same_place(shapes_, stack[i], expected[i], options_.placed_shift, options_.placed_turn))
+      stack[i].T_W_O = expected[i].T_W_O;
+}
+
 /// Compares what was seen with what was planned.
 void Builder::judge(PlacementRecord& entry, const Placement& planned, ExecutionResult::Status done) {
   using Outcome = PlacementRecord::Outcome;
