@@ -2,6 +2,7 @@
 #include <ctime>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <sstream>
 
@@ -133,7 +134,7 @@ Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& set
                        const Catalogue& catalogue, const RobotModel& robot, const std::string& folder) {
   Performed performed;
   Experiment& experiment = performed.experiment;
-  experiment.per_run = std::min(command.per_run, static_cast<int>(catalogue.stones.size()));
+  experiment.per_run = command.per_run;
   experiment.title = concat(command.runs, " runs of ", experiment.per_run, " of ", catalogue.stones.size(),
                             " stones, ", robot.name, ", seed ", command.common.seed);
   const SurvivalOptions survival;
@@ -180,10 +181,12 @@ std::string comparison_row(const Variant& variant, const Experiment& experiment)
   const auto n = static_cast<double>(experiment.runs.size());
   const Rate whole = reached(experiment, experiment.per_run);
   char row[256];
-  std::snprintf(row, sizeof row, "%-28s %5zu   %5.2f   %3d of %-3d (%3.0f to %3.0f %%)   %6.1f\n",
-                variant.name.c_str(), experiment.runs.size(), height / n, whole.hits, whole.trials,
-                100 * whole.low(), 100 * whole.high(), seconds / n);
-  return row;
+  std::snprintf(row, sizeof row, " %5zu   %5.2f   %3d of %-3d (%3.0f to %3.0f %%)   %6.1f\n",
+                experiment.runs.size(), height / n, whole.hits, whole.trials, 100 * whole.low(),
+                100 * whole.high(), seconds / n);
+  std::string name = variant.name;
+  name.resize(std::max<std::size_t>(name.size(), 28), ' ');
+  return name + row;
 }
 
 std::vector<Variant> variants_of(const ExperimentCommand& command) {
@@ -192,6 +195,19 @@ std::vector<Variant> variants_of(const ExperimentCommand& command) {
   if (command.compare == "design") list = design_variants();
   for (const auto& text : command.variants) list.push_back(parse_variant(text));
   return list;
+}
+
+/// Before anything is built: what could end the experiment hours later.
+void check_command(const ExperimentCommand& command, const Catalogue& catalogue,
+                   const std::vector<Variant>& variants) {
+  constexpr int kLargest = std::numeric_limits<int>::max();
+  require(command.common.seed <= (kLargest - command.runs) / 1000,
+          "run k of seed S has the seed 1000 S + k, ", "which is too large for --seed ", command.common.seed,
+          "; at most ", (kLargest - command.runs) / 1000);
+  const auto count = static_cast<int>(catalogue.stones.size());
+  require(command.per_run <= count, "--per-run ", command.per_run, " of ", count,
+          " stones: ask for more with --stones, of a catalogue that has them");
+  check_variants(variants, command.run, command.common.seed);
 }
 
 /// A table with a row for each variant.
@@ -221,6 +237,7 @@ void experiment(ExperimentCommand& command) {
   const Catalogue catalogue =
       choose_stones(command.common.read(), command.stones, command.common.seed, robot);
   const auto variants = variants_of(command);
+  check_command(command, catalogue, variants);
   const std::string folder = out_folder(command);
   require(!command.go_on || !command.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
   require(command.go_on || !std::filesystem::exists(folder), folder,
@@ -264,6 +281,8 @@ void add_experiment(CLI::App& app) {
   command->common.register_on(*sub);
   sub->footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"
+      "How hard the cell is: --set simulation.NAME=VALUE (names: `stonestack config show | grep "
+      "simulation`).\n"
       "Examples:\n"
       "  stonestack experiment --runs 11 --stones 6 --per-run 4 --seed 1\n"
       "  stonestack experiment --runs 200 --catalogue rocks --stones 16 --out long --continue\n"

@@ -2,6 +2,8 @@
 #include <string>
 #include <vector>
 
+#include "simulated_run.hpp"
+
 /// The rows of a comparison of experiments.
 namespace stonestack::apps {
 
@@ -17,5 +19,10 @@ struct Variant {
 [[nodiscard]] std::vector<Variant> design_variants();
 /// "name: option=value, option=value". Throws InvalidArgument.
 [[nodiscard]] Variant parse_variant(const std::string& text);
+
+/// Throws InvalidArgument, before anything is built, for an option of a variant that there is not, and for a
+/// seed that the runs of an experiment would not have: `run` are the settings of all, `seed` the
+/// experiment's.
+void check_variants(const std::vector<Variant>& variants, const SimulatedRun& run, int seed);
 
 }  // namespace stonestack::apps

@@ -1,5 +1,7 @@
 # cmake -DROOT=... -P check_layers.cmake
 # A room includes itself and lower floors only; a public header names no third-party library but Eigen.
+# stacking/ stands above simulation/ but drives devices: it must not know the true state. And a planner that
+# looks at a clock gives other plans on a busy machine.
 set(FLOOR_core 0)
 set(FLOOR_geometry 1)
 set(FLOOR_stone 2)
@@ -12,6 +14,8 @@ set(FLOOR_search 4)
 set(FLOOR_simulation 4)
 set(FLOOR_stacking 5)
 set(FLOOR_report 6)
+
+set(TIMELESS "^(geometry|stone|kinematics|physics|detection|motion)$")
 
 set(violations "")
 file(GLOB_RECURSE files RELATIVE "${ROOT}" "${ROOT}/include/stonestack/*.hpp" "${ROOT}/src/*.hpp" "${ROOT}/src/*.cpp")
@@ -33,6 +37,12 @@ foreach(file IN LISTS files)
         string(APPEND violations "${file}: ${line}: '${other}' is not a room\n")
       elseif(NOT other STREQUAL room AND NOT FLOOR_${other} LESS FLOOR_${room})
         string(APPEND violations "${file} (${room}, floor ${FLOOR_${room}}): ${line} (floor ${FLOOR_${other}})\n")
+      endif()
+      if(room STREQUAL "stacking" AND other STREQUAL "simulation")
+        string(APPEND violations "${file}: ${line}: the planner must not see the simulated cell's truth\n")
+      endif()
+      if(room MATCHES "${TIMELESS}" AND line MATCHES "core/clock.hpp")
+        string(APPEND violations "${file}: ${line}: plans must not depend on a clock\n")
       endif()
     elseif(file MATCHES "^include/" AND line MATCHES "<[A-Za-z0-9_]+[/.]" AND NOT line MATCHES "<Eigen/")
       string(APPEND violations "${file}: ${line}: public headers use std and Eigen only\n")

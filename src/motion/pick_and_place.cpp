@@ -7,7 +7,6 @@
 
 #include "motion/pick_attempt.hpp"
 #include "motion/pick_candidates.hpp"
-#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
@@ -147,11 +146,19 @@ double total_seconds(const std::vector<PlanStep>& steps) {
   return seconds;
 }
 
+/// s, a rough guess of what that attempt took: it is what planning_seconds counts, so that a busy machine
+/// plans as an idle one does.
+double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) {
+  constexpr double kStraight = 0.002, kFound = 0.03, kLittle = 0.1, kMuch = 0.5;
+  if (result.fault == WayFault::kNone) return kFound;
+  const bool transit = result.fault == WayFault::kTransit || result.fault == WayFault::kCarry;
+  return !transit ? kStraight : effort == PickAttempt::Effort::kMuch ? kMuch : kLittle;
+}
+
 /// Tries candidates in order until enough have a free way; the quickest wins. Those whose transit is hard to
 /// find give way to the others, and get much effort where none of these led anywhere, or many were as hard.
 PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& task,
                            const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
-  const Stopwatch watch;
   FaultCounts faults;
   PickFaults pick_faults;
   PickAndPlacePlan best = refused(Status::kNoTransit, "");
@@ -159,10 +166,10 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
   std::vector<PickCandidate> hard;
   std::size_t again = 0;  // of these, tried with much effort
   bool in_time = true;
-  double best_cost = 0.0;  // s
+  double best_cost = 0.0, spent = 0.0;  // s
   while (found < options.alternatives) {
     throw_if_interrupted();
-    in_time = watch.seconds() <= options.planning_seconds;
+    in_time = spent <= options.planning_seconds;
     if (!in_time) break;
     const bool enough_hard = found == 0 && hard.size() - again >= kMostHard;
     auto candidate = enough_hard ? std::nullopt : candidates.next();
@@ -177,6 +184,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(candidate->grasp)];
     const PickAttempt attempt(scene, task, options, grasp);
     const PickAttempt::Result result = attempt.try_joints(candidate->q_pick, candidate->q_place, effort);
+    spent += effort_of(result, effort);
     if (first) {
       faults.add(result.fault);
       pick_faults.add(candidate->grasp, result.fault);

@@ -74,6 +74,7 @@ PlacementRecord placement_of(const json& map, const std::string& path) {
   record.planned.predicted_success = number_of(map, "predicted_success", 0.0, 1.0, path);
   record.outcome = outcome_of(text_of(map, "outcome", path), path);
   record.note = text_of(map, "note", path);
+  if (map.contains("level")) record.level = count_of(map, "level", path);  // older records have none
   return record;
 }
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "report/csv.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -186,7 +187,8 @@ std::vector<CalibrationBin> calibration(const Experiment& experiment, int bins) 
 }
 
 std::string experiment_table(const Experiment& experiment) {
-  std::string text = experiment.title + "\n\n" + histogram(experiment) + "\n";
+  std::string text = experiment.title + format(" (%zu done)", experiment.runs.size()) + "\n\n" +
+                     histogram(experiment) + "\n";
   double sum = 0.0;
   for (const auto& run : experiment.runs) sum += judged_height(run);
   text += format("mean height %.2f (paper 2.91)\n",
@@ -259,10 +261,10 @@ std::string runs_csv(const Experiment& experiment) {
     std::string stones;
     for (const auto& name : run.report.present) stones += (stones.empty() ? "" : " ") + name;
     const auto& r = run.report.result;
-    text +=
-        format("%d,%d,%s,%d,%d,\"%s\",%.1f,%.2f,%.2f,%.2f,%.2f\n", ++number, run.report.seed, stones.c_str(),
-               judged_height(run), r.height, r.ended.substr(0, 200).c_str(), r.seconds.motion,
-               r.seconds.detection, r.seconds.search, r.seconds.planning, r.seconds.beside_motion);
+    text += format("%d,%d,", ++number, run.report.seed) + csv_field(stones) +
+            format(",%d,%d,", judged_height(run), r.height) + csv_field(r.ended) +
+            format(",%.1f,%.2f,%.2f,%.2f,%.2f\n", r.seconds.motion, r.seconds.detection, r.seconds.search,
+                   r.seconds.planning, r.seconds.beside_motion);
   }
   return text;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/csv.hpp"
 #include "report/svg.hpp"
 #include "stonestack/report/experiment_report.hpp"
 
@@ -17,15 +18,21 @@ struct Point {
   std::string stone;
 };
 
-/// The level a stone was meant for is one above what then stood; an attempt after a fall starts lower again.
+/// The level a stone was meant for is one above what then stood; an attempt after a fall, or after stones
+/// were taken off, starts lower again. Older records do not tell it: there, a stone that is handled again had
+/// come off, with all above it.
 std::vector<Point> points(const ExperimentRun& run) {
+  using Outcome = PlacementRecord::Outcome;
   std::vector<Point> list;
-  int level = 1;
+  std::vector<std::string> standing;
   for (const auto& record : run.report.result.placements) {
+    if (record.outcome == Outcome::kNotPicked) continue;
+    standing.erase(std::find(standing.begin(), standing.end(), record.stone), standing.end());
     if (!was_tried(record)) continue;
-    const bool held = record.outcome == PlacementRecord::Outcome::kPlaced;
-    list.push_back({level, record.planned.cost, held, record.stone});
-    if (held) ++level;
+    const int level = record.level > 0 ? record.level : static_cast<int>(standing.size()) + 1;
+    list.push_back({level, record.planned.cost, record.outcome == Outcome::kPlaced, record.stone});
+    if (record.outcome == Outcome::kPlaced || record.outcome == Outcome::kMoved)
+      standing.push_back(record.stone);
   }
   return list;
 }
@@ -108,8 +115,8 @@ std::string figure5_csv(const Experiment& experiment) {
   for (const auto& run : experiment.runs) {
     ++number;
     for (const auto& point : points(run))
-      text += format("%d,%d,%d,%s,%.6g,%d\n", number, run.report.seed, point.level, point.stone.c_str(),
-                     point.cost, point.held ? 1 : 0);
+      text += format("%d,%d,%d,", number, run.report.seed, point.level) + csv_field(point.stone) +
+              format(",%.6g,%d\n", point.cost, point.held ? 1 : 0);
   }
   return text;
 }
@@ -119,7 +126,10 @@ std::string figure5_svg(const Experiment& experiment) {
   scale.levels = experiment.per_run;
   scale.cost = 0.1;
   for (const auto& run : experiment.runs)
-    for (const auto& point : points(run)) scale.cost = std::max(scale.cost, 1.05 * point.cost);
+    for (const auto& point : points(run)) {
+      scale.cost = std::max(scale.cost, 1.05 * point.cost);
+      scale.levels = std::max(scale.levels, static_cast<double>(point.level));
+    }
   std::string text = format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' "
       "font-size='12' fill='#333'>\n<rect width='100%%' height='100%%' fill='white'/>\n",

@@ -25,6 +25,7 @@ json placement_entry(const PlacementRecord& record) {
           {"terms", record.planned.terms},
           {"predicted_success", record.planned.predicted_success},
           {"outcome", to_text(record.outcome)},
+          {"level", record.level},
           {"note", record.note}};
 }
 

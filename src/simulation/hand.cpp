@@ -23,7 +23,6 @@ HandModel make_hand(const GripperModel& gripper) {
   HandModel model{gripper, {}, {}};
   model.pad.width = gripper.finger_width;
   model.pad.length = gripper.pad_length;
-  model.pad.friction = gripper.friction;
   for (const auto& box : gripper.boxes) {
     HandBox part{box.size, box.p_T_centre, -1, box.spread, box.finger_side, box.camera};
     if (box.finger_side != 0.0) {

@@ -40,6 +40,7 @@ struct HandModel {
   PadOptions pad;
   std::vector<HandBox> boxes;
 };
+/// The rubber is not the one that plans count on (GripperModel): its own values are in `pad`.
 [[nodiscard]] HandModel make_hand(const GripperModel& gripper);
 
 [[nodiscard]] Pose box_pose(const HandBox& box, const HandPose& hand);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "simulation/scatter.hpp"
+#include "simulation/true_shape.hpp"
 #include "simulation/true_view.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
@@ -36,7 +37,8 @@ FieldList fields(SceneOptions& o) {
 SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<int>& present,
                             const CellLayout& layout, const SceneOptions& options) {
   const auto seed = static_cast<std::uint64_t>(options.simulation.seed);
-  TrueWorld world(stones, present, make_robotiq_3f(), options.simulation);
+  const std::vector<Stone> real = as_they_are(stones, options.simulation);
+  TrueWorld world(real, present, make_robotiq_3f(), options.simulation);
   HandPose away;
   away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
   world.set_hand(away);
@@ -48,7 +50,7 @@ SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<
   SimulatedScene scene;
   scene.T_W_C = look_at(layout.field_centre, options.distance, options.tilt,
                         options.azimuth < 0 ? drawn : options.azimuth);
-  scene.depth = true_view(what_is_seen(world), stones, scene.T_W_C, sensor, random);
+  scene.depth = true_view(what_is_seen(world), real, scene.T_W_C, sensor, random);
   scene.depth_unit = sensor.unit;
   for (const int i : world.present()) scene.stones.push_back({i, world.pose(i)});
   return scene;

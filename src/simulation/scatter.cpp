@@ -1,9 +1,11 @@
 #include "simulation/scatter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack {
@@ -13,7 +15,9 @@ constexpr double kDropHeight = 0.010;  // m under the lowest point
 constexpr double kLongestFall = 5.0;   // s until a stone must rest
 constexpr int kDraws = 400;            // places tried for one stone
 constexpr int kDrops = 40;             // of them simulated
-constexpr int kFields = 8;             // begun anew before the field is said to be too small
+constexpr int kFields = 8;             // begun anew before stones may lie closer together
+constexpr std::array kTighter{1.0, 0.6, 0.3,
+                              0.1};    // of the clearance, before the field is said to be too small
 constexpr std::size_t kOutline = 300;  // surface points that stand for an outline
 
 using Outline = std::vector<Eigen::Vector2d>;
@@ -59,8 +63,9 @@ class Scatter {
     return false;
   }
 
-  /// Takes every stone out again.
-  void clear() {
+  /// Takes every stone out again; from now on they lie that far apart.
+  void clear(double clearance) {
+    field_.clearance = clearance;
     for (const int stone : world_->present()) world_->put_away(stone);
     outlines_.clear();
   }
@@ -111,18 +116,26 @@ void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t see
   });
   int homeless = -1;
   // The first stones may lie so that the last finds no room, though there is enough in all.
-  for (int k = 0; k < kFields; ++k) {
-    scatter.clear();
+  constexpr int kMost = kFields * static_cast<int>(kTighter.size());
+  for (int k = 0; k < kMost; ++k) {
+    const double clearance = kTighter[static_cast<std::size_t>(k / kFields)] * field.clearance;
+    scatter.clear(clearance);
     const std::string stream = k == 0 ? "scatter " : concat("scatter anew ", k, " ");
     const auto left_over = std::find_if(order.begin(), order.end(), [&](int stone) {
       return !scatter.drop(stone, Random::stream(seed, stream + name(stone)));
     });
-    if (left_over == order.end()) return;
+    if (left_over == order.end()) {
+      if (k >= kFields)
+        log_info(concat("the field has no room for the stones ", 1e3 * field.clearance,
+                        " mm apart: they lie ", 1e3 * clearance, " mm apart"));
+      return;
+    }
     homeless = *left_over;
   }
   throw InvalidArgument(concat("no room for stone ", name(homeless), " in a field of ", field.size.x(), " x ",
-                               field.size.y(), " m with ", field.clearance, " m between stones, scattered ",
-                               kFields, " times; use fewer stones or a larger field"));
+                               field.size.y(), " m with ", kTighter.back() * field.clearance,
+                               " m between stones, scattered ", kMost,
+                               " times; use fewer stones or a larger field"));
 }
 
 }  // namespace stonestack

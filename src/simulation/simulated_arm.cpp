@@ -6,13 +6,13 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/jacobian.hpp"
 
 namespace stonestack {
 namespace {
 
 constexpr double kTick = 0.010;           // s, control and force samples
 constexpr double kStartTolerance = 0.01;  // rad, hardware/arm.hpp
-constexpr double kReach = 1.0;            // m, turns an error of the tool into one of the joints
 constexpr int kFirstLink = 2;             // links below the upper arm stand on the table
 constexpr int kTicksPerLook = 5;          // links are compared with table and stones every 50 ms
 constexpr int kStartSamples = 10;         // whose mean is a guarded motion's start value
@@ -30,7 +30,19 @@ double smooth(double s) {
 
 }  // namespace
 
-TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options) {
+double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T, const Joints& q) {
+  const Eigen::Vector3d p_R_FT = forward(robot, q).linear() * T_F_T.translation();
+  const Jacobian J = jacobian(robot, q);
+  double squares = 0.0;
+  for (Eigen::Index j = 0; j < 6; ++j) {
+    const Eigen::Vector3d v = J.col(j).head<3>(), w = J.col(j).tail<3>();
+    squares += (v + w.cross(p_R_FT)).squaredNorm();
+  }
+  return tip_error / std::sqrt(squares);
+}
+
+TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options,
+                           const RobotModel& robot, const Joints& q) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
   Random hand_eye = Random::stream(seed, "hand-eye error");
   TrueMounting mounting{believed.T_W_R, believed.T_F_T, believed.T_T_C, Joints::Zero()};
@@ -39,8 +51,8 @@ TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& 
   error.linear() = Eigen::AngleAxisd(options.hand_eye_rotation, hand_eye.unit_vector()).toRotationMatrix();
   mounting.T_T_C = believed.T_T_C * error;
   Random arm = Random::stream(seed, "arm residual");
-  for (auto& joint : mounting.joint_error)
-    joint = arm.normal(0.0, options.arm_residual / kReach / std::sqrt(3.0));
+  const double sigma = joint_sigma(options.arm_residual, robot, believed.T_F_T, q);
+  for (auto& joint : mounting.joint_error) joint = arm.normal(0.0, sigma);
   return mounting;
 }
 
@@ -71,7 +83,7 @@ SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const True
       mounting_(mounting),
       force_torque_(&force_torque),
       random_(Random::stream(static_cast<std::uint64_t>(options.seed), "arm repeatability")),
-      repeatability_(options.arm_repeatability),
+      jitter_sigma_(joint_sigma(options.arm_repeatability, robot, mounting.T_F_T, q)),
       force_delay_(options.force_delay),
       q_(q) {}
 
@@ -147,7 +159,7 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     for (int i = 0; i < kStartSamples; ++i) start_force += resistance(*guard) / kStartSamples;
   const Joints start_gap = q_ - trajectory.q.front(), old_jitter = jitter_;
   Joints new_jitter;
-  for (auto& joint : new_jitter) joint = random_.normal(0.0, repeatability_ / kReach / std::sqrt(3.0));
+  for (auto& joint : new_jitter) joint = random_.normal(0.0, jitter_sigma_);
   const double duration = trajectory.duration();
   const auto reported = [&](double t) -> Joints {
     const double fade = duration > 0 ? smooth(std::min(1.0, t / std::min(duration, 0.5))) : 1.0;

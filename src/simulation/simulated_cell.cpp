@@ -4,6 +4,7 @@
 #include "simulation/scatter.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
+#include "simulation/true_shape.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
@@ -45,6 +46,10 @@ FieldList fields(SimulationOptions& o) {
       field("force_delay", o.force_delay, {0.0, 0.1}, "s", "ours"),
       field("mass_error", o.mass_error, {0.0, 0.5}, "", "ours: share, one sigma"),
       field("com_error", o.com_error, {0.0, 0.02}, "m", "ours"),
+      field("scan_error", o.scan_error, {0.0, 0.002}, "m", "ours: 0, stones are as they were scanned"),
+      field("pad_friction", o.pad_friction, {0.05, 2.0}, "", "ours: rubber on stone"),
+      field("pad_friction_spread", o.pad_friction_spread, {0.0, 1.0}, "", "ours"),
+      field("pad_stiffness", o.pad_stiffness, {1e6, 1e10}, "N/m^3", "ours: 5 mm of soft rubber"),
       field("regrip", o.regrip, "Robotiq 3-finger manual 2014: rGTO, rFRA"),
       field("step", o.step, {0.0005, 0.01}, "s", "measured: docs/measurements.md, Contact"),
       field("clearance", o.clearance, {0.0, 0.3}, "m", "width of a finger and a half"),
@@ -69,9 +74,9 @@ struct SimulatedCell::Parts {
 
   Parts(const std::vector<Stone>& all, const std::vector<int>& present, const RobotModel& robot,
         const CellLayout& layout, const SimulationOptions& options)
-      : stones(all),
+      : stones(as_they_are(all, options)),
         believed(layout),
-        mounting(draw_mounting(layout, options)),
+        mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
         world(stones, present, with_camera_at(make_robotiq_3f(), layout.T_T_C), options),
         clock(world),
         force_torque(world, mounting, options),

@@ -16,8 +16,12 @@ struct TrueMounting {
   Pose T_T_C = Pose::Identity();
   Joints joint_error = Joints::Zero();  ///< rad, what calibration left over: true q = reported q + this
 };
-/// Draws the errors that the options ask for.
-[[nodiscard]] TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options);
+/// Draws the errors that the options ask for; the arm's as large as they ask where it stands at `q`.
+[[nodiscard]] TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options,
+                                         const RobotModel& robot, const Joints& q);
+/// rad, of each joint, that moves the tool's tip by `tip_error` (m, root of the mean square) at `q`.
+[[nodiscard]] double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
+                                 const Joints& q);
 
 /// Where the hand's own mass hangs, m in T.
 [[nodiscard]] Eigen::Vector3d hand_centre();
@@ -85,7 +89,7 @@ class SimulatedArm final : public Arm {
   TrueMounting mounting_;
   SimulatedForceTorque* force_torque_;
   Random random_;
-  double repeatability_;
+  double jitter_sigma_;  // rad
   double force_delay_;
   Joints q_;
   Joints jitter_ = Joints::Zero();  // rad, of the motion that ended last

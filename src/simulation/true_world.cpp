@@ -30,6 +30,16 @@ MassProperties true_mass(const MassProperties& believed, const SimulationOptions
   return mass;
 }
 
+// The rubber that grips it: what plans count on (GripperModel) is another matter.
+PadOptions true_pad(const PadOptions& shape, const SimulationOptions& options, Random random) {
+  PadOptions pad = shape;
+  pad.stiffness = options.pad_stiffness;
+  pad.shear = options.pad_stiffness / 3.0;
+  const double spread = options.pad_friction_spread;
+  pad.friction = std::max(0.05, options.pad_friction + random.uniform(-spread, spread));
+  return pad;
+}
+
 /// Where the k-th stone waits while it is not there.
 Pose away_pose(int k) {
   return make_pose(Eigen::Vector3d(kAside + static_cast<double>(k), kAside, 1.0));
@@ -58,7 +68,9 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
     auto& it = states_[at(present_[k])];
     shapes_[at(present_[k])] = shapes[k];
     it.T_W_O = away_pose(static_cast<int>(k));
-    for (int f = 0; f < kFingers; ++f) it.pads.emplace_back(*shapes[k], model_.pad);
+    const PadOptions pad =
+        true_pad(model_.pad, options, Random::stream(seed, "true pad friction " + real[k].name));
+    for (int f = 0; f < kFingers; ++f) it.pads.emplace_back(*shapes[k], pad);
   }
   Random random = Random::stream(seed, "true friction");
   friction_.resize(count * (count + 1));

@@ -137,6 +137,8 @@ class Builder {
   [[nodiscard]] std::vector<PlacedStone> standing(const std::vector<Sighting>& sightings) const;
   /// Tells, once a stone, of stones of which detection is not sure which they are or how they lie.
   void report_doubtful(const std::vector<Sighting>& sightings);
+  /// Stones near where they were expected are taken to be there (`run.measure_placed` off).
+  void believe_the_plan(std::vector<PlacedStone>& stack, const std::vector<PlacedStone>& expected) const;
   /// Tells of stones of the stack that are no longer where they were.
   void report_moved(const std::vector<PlacedStone>& expected) const;
   /// What the arm must stay clear of on its way to a look, hand empty.

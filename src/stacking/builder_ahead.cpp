@@ -29,6 +29,7 @@ void Builder::search_on_tower(const Look& of_site) {
   const Belief tower{belief_.stack, {}};
   const auto sightings = find_in_looks({of_site}, models_, {}, {}, tower, options_.detection);
   seen.stack = believe(shapes_, cell_.layout, belief_.stack, sightings).stack;
+  if (!options_.measure_placed) believe_the_plan(seen.stack, belief_.stack);
   seen.stack = steadied(shapes_, Stack{seen.stack}, options_.most_friction).stones;
   result_.seconds.detection += watch.seconds();
   // Where the new stone went astray or one leans on the tower, something else comes first.

@@ -21,8 +21,9 @@ bool Builder::place(const Target& target) {
   result_.seconds.motion += cell_.clock.now() - start;
 
   aimed_off_.push_back(placing_bias());
-  PlacementRecord entry{name(placement.stone), placement, std::nullopt, PlacementRecord::Outcome::kPlaced,
-                        done.reason};
+  PlacementRecord entry{name(placement.stone), placement,
+                        std::nullopt,          PlacementRecord::Outcome::kPlaced,
+                        done.reason,           static_cast<int>(last_below_) + 1};
   if (done.status == ExecutionResult::Status::kStopped) {
     entry.outcome = PlacementRecord::Outcome::kLost;
     result_.placements.push_back(entry);
@@ -63,6 +64,13 @@ bool Builder::place(const Target& target) {
   result_.ended = concat("placing ", entry.stone, " failed: ", to_text(entry.outcome),
                          entry.note.empty() ? "" : ", " + entry.note);
   return false;
+}
+
+void Builder::believe_the_plan(std::vector<PlacedStone>& stack,
+                               const std::vector<PlacedStone>& expected) const {
+  for (std::size_t i = 0; i < std::min(stack.size(), expected.size()); ++i)
+    if (same_place(shapes_, stack[i], expected[i], options_.placed_shift, options_.placed_turn))
+      stack[i].T_W_O = expected[i].T_W_O;
 }
 
 /// Compares what was seen with what was planned.

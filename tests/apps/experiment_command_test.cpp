@@ -72,6 +72,18 @@ TEST_F(Commands, AVariantWithThePapersDetectionHasAllOfIt) {
     EXPECT_THAT(options, HasSubstr(value));
 }
 
+/// What cannot be done is said before anything is built, not after the rows before it.
+TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
+  const std::string arguments = "experiment --runs 1 --per-run 1 --survival false --out record ";
+  expect_refusal(arguments + "--variant 'as it is:' --variant 'odd: search.no_such_thing=3'", 2,
+                 {"search.no_such_thing"});
+  expect_refusal(arguments + "--set simulation.seed=7", 2, {"1000 S + k", "7"});
+  expect_refusal(arguments + "--variant 'odd: search.seed=9'", 2, {"1000 S + k", "9"});
+  expect_refusal(arguments + "--seed 2147483647", 2, {"2147483647", "2147483"});
+  expect_refusal(arguments + "--per-run 7", 2, {"--per-run 7 of 6 stones", "--stones"});
+  EXPECT_FALSE(fs::exists(folder_ + "/record"));
+}
+
 TEST_F(Commands, ExperimentGoesOnOnlyWithAFolderThatItCanRead) {
   expect_refusal("experiment --continue", 2, {"--continue", "--out"});
   write("record/experiment.json", "{\"schema\": \"stonestack.experiment/1\", \"title\": 7}");

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,9 +16,9 @@ namespace {
 using ::testing::HasSubstr;
 using Outcome = PlacementRecord::Outcome;
 
-PlacementRecord placement(double cost, double predicted, Outcome outcome) {
+PlacementRecord placement(double cost, double predicted, Outcome outcome, const char* stone = "stone") {
   PlacementRecord record;
-  record.stone = "stone";
+  record.stone = stone;
   record.planned.cost = cost;
   record.planned.predicted_success = predicted;
   record.outcome = outcome;
@@ -39,10 +40,10 @@ ExperimentRun run_of(int reported, int true_height, std::vector<PlacementRecord>
 Experiment sample() {
   Experiment experiment;
   experiment.title = "a test";
-  experiment.runs.push_back(
-      run_of(2, 2,
-             {placement(0.2, 0.95, Outcome::kPlaced), placement(0.5, 0.9, Outcome::kPlaced),
-              placement(0.9, 0.3, Outcome::kFallen)}));
+  experiment.runs.push_back(run_of(
+      2, 2,
+      {placement(0.2, 0.95, Outcome::kPlaced, "first"), placement(0.5, 0.9, Outcome::kPlaced, "second"),
+       placement(0.9, 0.3, Outcome::kFallen, "third")}));
   experiment.runs.push_back(
       run_of(3, 1, {placement(0.1, 1.0, Outcome::kPlaced), placement(0.1, 1.0, Outcome::kNotPicked)}));
   return experiment;
@@ -52,6 +53,7 @@ TEST(ExperimentReport, CountsTheHeightThatTheTrueWorldHolds) {
   EXPECT_THAT(heights(sample()), testing::ElementsAre(0, 1, 1, 0, 0));
   EXPECT_EQ(reached(sample(), 2).hits, 1);
   EXPECT_THAT(experiment_table(sample()), HasSubstr("reported 3!"));
+  EXPECT_THAT(experiment_table(sample()), testing::StartsWith("a test (2 done)\n"));
 }
 
 TEST(ExperimentReport, WhatWasNotTriedHasNoRate) {
@@ -145,13 +147,53 @@ TEST(ExperimentReport, FigureHasAMarkForEachSelectedPose) {
   const std::string csv = figure5_csv(sample());
   EXPECT_EQ(csv,
             "run,seed,level,stone,cost,held\n"
-            "1,1001,1,stone,0.2,1\n1,1001,2,stone,0.5,1\n1,1001,3,stone,0.9,0\n2,1001,1,stone,0.1,1\n");
+            "1,1001,1,first,0.2,1\n1,1001,2,second,0.5,1\n1,1001,3,third,0.9,0\n2,1001,1,stone,0.1,1\n");
   const std::string svg = figure5_svg(sample());
   EXPECT_THAT(svg, testing::StartsWith("<svg"));
   std::size_t rings = 0;
   for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1))
     ++rings;
   EXPECT_EQ(rings, 3u + 1u);  // and one in the legend
+}
+
+/// a, b and c stand; c is taken off and put back, d falls and takes c with it, then c and d go up again.
+Experiment with_a_way_back() {
+  Experiment experiment;
+  experiment.runs.push_back(
+      run_of(4, 4,
+             {placement(0.1, 0.9, Outcome::kPlaced, "a"), placement(0.1, 0.9, Outcome::kPlaced, "b"),
+              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.0, 0.0, Outcome::kTakenOff, "c"),
+              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.1, 0.9, Outcome::kFallen, "d"),
+              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.1, 0.9, Outcome::kPlaced, "d")}));
+  return experiment;
+}
+
+TEST(ExperimentReport, FigureShowsTheLevelThatAStoneWasMeantFor) {
+  Experiment experiment = with_a_way_back();
+  const std::string csv = figure5_csv(experiment);
+  EXPECT_EQ(csv,
+            "run,seed,level,stone,cost,held\n1,1001,1,a,0.1,1\n1,1001,2,b,0.1,1\n1,1001,3,c,0.1,1\n"
+            "1,1001,3,c,0.1,1\n1,1001,4,d,0.1,0\n1,1001,3,c,0.1,1\n1,1001,4,d,0.1,1\n");
+  auto& placements = experiment.runs[0].report.result.placements;
+  const int levels[] = {1, 2, 3, 0, 3, 4, 3, 4};
+  for (std::size_t i = 0; i < placements.size(); ++i) placements[i].level = levels[i];
+  EXPECT_EQ(figure5_csv(experiment), csv);
+  const auto json = nlohmann::json::parse(experiment_json(experiment));
+  EXPECT_EQ(json["runs"][0]["placements"][4]["level"], 3);
+  placements[5].level = 5;  // whatever is told is drawn within the axes
+  EXPECT_THAT(figure5_svg(experiment), HasSubstr("'middle'>5</text>"));
+}
+
+TEST(ExperimentReport, TablesForOthersHoldAnyName) {
+  Experiment experiment = sample();
+  ExperimentRun& run = experiment.runs.front();
+  run.report.result.placements.front().stone = "grey, \"flat\"";
+  run.report.result.ended = std::string(600, 'x') + " \"so\"";
+  run.report.present.assign(60, "a stone of a long name");
+  const std::string csv = runs_csv(experiment);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
+  EXPECT_THAT(csv, HasSubstr("x \"\"so\"\"\","));
+  EXPECT_THAT(figure5_csv(experiment), HasSubstr("1,1001,1,\"grey, \"\"flat\"\"\",0.2,1\n"));
 }
 
 TEST(ExperimentReport, JsonHoldsEveryRun) {

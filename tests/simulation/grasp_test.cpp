@@ -148,5 +148,15 @@ TEST(Grasp, ClosesOnNothing) {
   EXPECT_NEAR(closed.opening, 0.0, 1e-6);
 }
 
+/// How rubber grips is the world's own, not what plans count on.
+TEST(Grasp, OnSlipperyPadsAStoneStaysOnTheTable) {
+  SimulationOptions options;
+  options.pad_friction = 0.05;
+  Bench bench(1.2, options);
+  (void)bench.grip();
+  (void)bench.carry(tool_down({0, 0, 0.25}), 2.0);
+  EXPECT_LT(bench.world.centre_of_mass(0).z(), 0.1);
+}
+
 }  // namespace
 }  // namespace stonestack

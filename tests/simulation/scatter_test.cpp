@@ -58,6 +58,22 @@ TEST(Scatter, BeginsAnewWhereTheLastFindsNoRoom) {
   }
 }
 
+/// The same field, too full for stones 6 cm apart, as that of the cell is for eight rocks: they lie closer
+/// together rather than not at all.
+TEST(Scatter, InAFullFieldStonesLieCloserTogether) {
+  const StoneField field{{0.4, -0.2}, {0.19, 0.17}, 0.06};
+  TrueWorld world = world_of(3);
+  ASSERT_NO_THROW(scatter_stones(world, field, 5));
+  double nearest = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(world.rests(i));
+    for (int j = 0; j < i; ++j)
+      nearest = std::min(nearest, gap(seen_from_above(world, i), seen_from_above(world, j)));
+  }
+  EXPECT_GT(nearest, 0.004);
+  EXPECT_LT(nearest, 0.05);
+}
+
 /// The six stones that come along in the cell's field, with seeds whose first field has no room for the last:
 /// what lay there then must not be in the way of what is dropped anew.
 TEST(Scatter, WhatLayThereIsGoneWhenItBeginsAnew) {

@@ -77,5 +77,27 @@ TEST(SharedWorld, PlantFeelsTheHandsWeightAndTheTable) {
   EXPECT_LT((state.q - q).norm(), 1e-12);
 }
 
+/// The arm behind its protocols does not come back to a place more exactly than the one in process.
+TEST(SharedWorld, PlantComesBackToATenthOfAMillimetre) {
+  Bench bench;
+  const auto plant = make_world_plant(bench.world, bench.q);
+  Joints away = bench.q;
+  away[0] += 0.02;
+  const auto go = [&](const Joints& from, const Joints& to) {
+    for (int k = 1; k <= 60; ++k) (void)plant->step(from + std::min(1.0, k / 50.0) * (to - from), 0.02);
+  };
+  constexpr int kVisits = 100;
+  const Joints q_true = bench.q + bench.world.mounting().joint_error;
+  const Pose T_W_T = bench.layout.T_W_R * forward(bench.robot, q_true) * bench.layout.T_F_T;
+  double squares = 0.0;
+  for (int k = 0; k < kVisits; ++k) {
+    go(bench.q, away);
+    go(away, bench.q);
+    const Pose& there = bench.world.lock().world.hand().T_W_T;
+    squares += (there.translation() - T_W_T.translation()).squaredNorm() / kVisits;
+  }
+  EXPECT_NEAR(std::sqrt(squares), 0.0001, 0.000015);
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -34,6 +34,30 @@ TEST(BuildTower, TwoFirstLooksCorrectTheCamera) {
   EXPECT_GT(error_of_base(false), 0.0020);  // the cell's hand-eye error: 1 mm and 0.3 deg
 }
 
+TEST(BuildTower, WithoutMeasuringAStoneIsBelievedWhereItWasPlanned) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  for (const bool measure : {true, false}) {
+    SimulationOptions world_options;
+    world_options.seed = 7;
+    SimulatedCell world(catalogue.stones, {1, 2, 3}, robot, CellLayout{}, world_options);
+    BuildOptions options;
+    options.most_stones = 1;
+    options.search.horizon = 1;
+    options.measure_placed = measure;
+    Cell cell = world.cell();
+    const RunResult result = build_tower(cell, catalogue, robot, options);
+    ASSERT_EQ(result.belief.stack.size(), 1U) << result.ended;
+    const PlacementRecord& placed = result.placements.front();
+    EXPECT_EQ(placed.level, 1);
+    const double off = difference(result.belief.stack.front().T_W_O, placed.planned.T_W_O).translation;
+    if (measure)
+      EXPECT_GT(off, 1e-5) << "no stone comes to lie exactly as planned";
+    else
+      EXPECT_LT(off, 1e-9);
+  }
+}
+
 TEST(BuildTower, AStoneThatTheHandCannotCarryIsLeftOutAndNamed) {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   catalogue.stones[1].mass.I_M *= 3.0 / catalogue.stones[1].mass.mass;

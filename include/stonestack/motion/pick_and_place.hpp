@@ -39,7 +39,7 @@ struct MotionOptions {
   double force_noise = 0.15;     ///< N, one sigma of the force sensor; the threshold is at least six
   bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
   int alternatives = 3;          ///< complete plans to choose the quickest from
-  double planning_seconds = 5.0;  ///< a whole plan, at most; the only limit that depends on the machine
+  double planning_seconds = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(MotionOptions& options);

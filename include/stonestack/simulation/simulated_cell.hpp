@@ -20,15 +20,19 @@ struct SimulationOptions {
   std::string sensor = "sr300";         ///< depth camera: sr300, d435 or ideal
   bool sensor_noise = true;             ///< of the camera's model and of the force sensor
   double hand_eye_translation = 0.001;  ///< m, error of T_T_C
-  double hand_eye_rotation = 0.0052;    ///< rad (0.3 deg)
-  double arm_repeatability = 0.0001;    ///< m
-  double arm_residual = 0.001;          ///< m, calibration residual of the arm
+  double hand_eye_rotation = 0.005236;  ///< rad (0.3 deg)
+  double arm_repeatability = 0.0001;    ///< m, of the tool's tip, root of the mean square
+  double arm_residual = 0.001;          ///< m, calibration residual of the arm, likewise
   double force_delay = 0.0;             ///< s, from the wrist's force to the arm that guards a motion by it
   double mass_error = 0.02;             ///< share, one sigma
   double com_error = 0.002;             ///< m, at most
+  double scan_error = 0.0;              ///< m, root of the mean square: true surfaces beside their scans
+  double pad_friction = 0.5;            ///< true, rubber on stone: mean over stones
+  double pad_friction_spread = 0.0;     ///< half width of the uniform draw per stone
+  double pad_stiffness = 1.5e8;         ///< N/m^3, of the fingers' rubber; a third of it sideways
   bool regrip = true;                   ///< fingers close on when what they hold gives way (rGTO stays set)
   double step = 0.001;                  ///< s; finer while the fingers touch a stone
-  double clearance = 0.045;             ///< m between loose stones, so that the fingers find room
+  double clearance = 0.045;             ///< m between loose stones, for the fingers; less in a full field
 };
 [[nodiscard]] FieldList fields(SimulationOptions& options);
 

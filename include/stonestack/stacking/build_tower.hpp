@@ -46,6 +46,9 @@ struct BuildOptions {
   int most_failures = 3;  ///< placements that may fail before the run ends; the paper ends at the first
   bool refine_camera =
       true;  ///< two first looks, half a turn and 10 cm apart, tell where the camera really sits
+  /// false: what is seen near where it was planned is believed to lie as planned; for telling what measuring
+  /// is worth
+  bool measure_placed = true;
   bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
   int most_taken_off = 3;    ///< stones put back into the field to try another way; the paper never does
   int most_turned_over = 3;  ///< stones laid down another way because no grasp served both ends
@@ -61,6 +64,7 @@ struct PlacementRecord {
   std::optional<Pose> T_W_O_measured;
   Outcome outcome = Outcome::kPlaced;
   std::string note;
+  int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (taken off, turned over)
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the hand, on the way), "lost" (let go of, not
 /// seen afterwards), "taken off", "turned over".
