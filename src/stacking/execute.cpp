@@ -23,6 +23,7 @@ constexpr double kGravity = 9.81;       // m/s^2
 // table.
 constexpr double kNearTable = 0.010;  // m, of the tool's tip
 constexpr double kBackOff = 0.004;    // m
+constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
 
 using Status = ExecutionResult::Status;
 
@@ -163,13 +164,33 @@ struct Hands {
     return give_up(lift, why);
   }
 
+  /// m, W.
+  [[nodiscard]] Eigen::Vector3d tip(const Joints& q) const {
+    return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+  }
+
   /// m, that the tool stands above where the step would have ended.
   [[nodiscard]] double above_end(const PlanStep& step) const {
     if (step.trajectory.q.empty()) return 0.0;
-    const auto p_W = [&](const Joints& q) -> Eigen::Vector3d {
-      return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
-    };
-    return (p_W(cell.arm.state().q) - p_W(step.trajectory.q.back())).z();
+    return (tip(cell.arm.state().q) - tip(step.trajectory.q.back())).z();
+  }
+
+  /// To a grasp that brings the finger tips nearer to the table than the arm is exact: slowly, and what is
+  /// met ends it. Fingers that stand on the table cannot close, so they are lifted a little then.
+  [[nodiscard]] ExecutionResult feel_table(const PlanStep& step) const {
+    GuardedMotion motion;
+    motion.trajectory = step.trajectory;
+    motion.threshold = step.threshold;
+    const JointPath& way = step.trajectory.q;
+    if (way.size() > 1) motion.n_W_direction = (tip(way.back()) - tip(way.front())).normalized();
+    const MotionResult moved = cell.arm.follow_guarded(motion);
+    if (moved.status == MotionResult::Status::kNoContact) return {};
+    if (moved.status != MotionResult::Status::kContact)
+      return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+    if (journal != nullptr)
+      journal->record("touch", concat("{\"touched\": true, \"force\": ", moved.force,
+                                      ", \"above_end_m\": ", above_end(step), "}"));
+    return go_back(step, kOffTable);
   }
 
   /// Down until the wrist feels something (paper §4.1: impact on the force-torque sensor). `touched` tells
@@ -240,6 +261,12 @@ struct Hands {
   }
 };
 
+/// The hand is still empty.
+bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
+  return std::any_of(plan.steps.data() + (&step - plan.steps.data()), plan.steps.data() + plan.steps.size(),
+                     [](const PlanStep& later) { return later.kind == PlanStep::Kind::kGrasp; });
+}
+
 }  // namespace
 
 ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
@@ -287,6 +314,10 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
       case PlanStep::Kind::kApproach:
         if (step.threshold <= 0) {
           now = hands.follow(step);
+          break;
+        }
+        if (leads_to_grasp(plan, step)) {
+          now = hands.feel_table(step);
           break;
         }
         now = hands.check_carried(lift, step);
