@@ -223,6 +223,8 @@ class Builder {
   [[nodiscard]] std::optional<SearchResult> rest_that_holds(const SearchProblem& problem, Ways ways,
                                                             double levels);
   [[nodiscard]] std::optional<Target> plan(const Placement& placement, std::string* refusal);
+  /// The approach to the grasp ends at what it meets.
+  void feel_to_grasp(PickAndPlacePlan& plan, int stone) const;
   /// By how much placed stones were seen beside their targets so far, level: hand-eye and arm calibration err
   /// the same way each time, and the camera tells by how much.
   [[nodiscard]] Eigen::Vector3d placing_bias() const;

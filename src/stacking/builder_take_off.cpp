@@ -274,13 +274,15 @@ bool Builder::turn_over(const std::vector<Placement>& found) {
     auto task = make_task(catalogue_, belief_, placement.stone, placement.T_W_O, cell_.arm.state().q);
     name_useless_grasps(&task, placement.stone);
     const Stopwatch watch;
-    const RegraspPlan plan = plan_regrasp(scene, task, options_.motion, regrasp_options(placement.stone));
+    RegraspPlan plan = plan_regrasp(scene, task, reach_in(belief_)->options_for(placement.stone),
+                                    regrasp_options(placement.stone));
     result_.seconds.planning += watch.seconds();
     if (!plan.planned) {
       refusals += concat(refusals.empty() ? "" : "; ", plan.reason);
       continue;
     }
     report(concat("no grasp brings ", name(placement.stone), " there in one go: laying it down another way"));
+    if (reach_in(belief_)->is_low(placement.stone)) feel_to_grasp(plan.plans.front(), placement.stone);
     ++turned_over_;
     last_ = placement;  // to be gone on with when it lies there
     last_below_ = belief_.stack.size();

@@ -259,14 +259,25 @@ std::optional<Target> Builder::plan(const Placement& placement, std::string* ref
   const Pose T_W_O_aim = Eigen::Translation3d(-placing_bias()) * placement.T_W_O;
   auto task = make_task(catalogue_, belief_, placement.stone, T_W_O_aim, cell_.arm.state().q);
   name_useless_grasps(&task, placement.stone);
-  target.plan = plan_pick_and_place(target.scene, task, options_.motion);
+  target.plan = plan_pick_and_place(target.scene, task, reach_in(belief_)->options_for(placement.stone));
   result_.seconds.planning += watch.seconds();
-  if (target.plan.status == PickAndPlacePlan::Status::kPlanned) return target;
+  if (target.plan.status == PickAndPlacePlan::Status::kPlanned) {
+    if (reach_in(belief_)->is_low(placement.stone)) feel_to_grasp(target.plan, placement.stone);
+    return target;
+  }
   *refusal = target.plan.reason;
   auto& no_pick = no_pick_[placement.stone];
   no_pick.insert(no_pick.end(), target.plan.no_pick.begin(), target.plan.no_pick.end());
   if (!target.plan.no_pick.empty()) reach_.reset();  // it may count on these
   return std::nullopt;
+}
+
+void Builder::feel_to_grasp(PickAndPlacePlan& plan, int stone) const {
+  report(concat(name(stone), " is held only with finger tips near the table: the hand feels its way down"));
+  const auto approach = std::find_if(plan.steps.begin(), plan.steps.end(), [](const PlanStep& step) {
+    return step.kind == PlanStep::Kind::kApproach;
+  });
+  if (approach != plan.steps.end()) approach->threshold = options_.motion.early_threshold;
 }
 
 Eigen::Vector3d Builder::placing_bias() const {

@@ -1,9 +1,20 @@
 #include "stonestack/stacking/execute.hpp"
 
+#include <algorithm>
+
 #include "stacking/hands.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
+namespace {
+
+/// The hand is still empty.
+bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
+  return std::any_of(plan.steps.data() + (&step - plan.steps.data()), plan.steps.data() + plan.steps.size(),
+                     [](const PlanStep& later) { return later.kind == PlanStep::Kind::kGrasp; });
+}
+
+}  // namespace
 
 ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
                         Cell& cell, const MotionOptions& options, Journal* journal) {
@@ -51,6 +62,10 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
       case PlanStep::Kind::kApproach:
         if (step.threshold <= 0) {
           now = hands.follow(step);
+          break;
+        }
+        if (leads_to_grasp(plan, step)) {
+          now = hands.feel_table(step);
           break;
         }
         now = hands.check_carried(lift, step);

@@ -20,6 +20,7 @@ constexpr double kGravity = 9.81;       // m/s^2
 // table.
 constexpr double kNearTable = 0.010;  // m, of the tool's tip
 constexpr double kBackOff = 0.004;    // m
+constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
 
 using Status = ExecutionResult::Status;
 
@@ -138,12 +139,29 @@ ExecutionResult Hands::put_back(const PlanStep& lift, const std::string& why) co
   return give_up(lift, why);
 }
 
+Eigen::Vector3d Hands::tip(const Joints& q) const {
+  return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+}
+
 double Hands::above_end(const PlanStep& step) const {
   if (step.trajectory.q.empty()) return 0.0;
-  const auto p_W = [&](const Joints& q) -> Eigen::Vector3d {
-    return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
-  };
-  return (p_W(cell.arm.state().q) - p_W(step.trajectory.q.back())).z();
+  return (tip(cell.arm.state().q) - tip(step.trajectory.q.back())).z();
+}
+
+ExecutionResult Hands::feel_table(const PlanStep& step) const {
+  GuardedMotion motion;
+  motion.trajectory = step.trajectory;
+  motion.threshold = step.threshold;
+  const JointPath& way = step.trajectory.q;
+  if (way.size() > 1) motion.n_W_direction = (tip(way.back()) - tip(way.front())).normalized();
+  const MotionResult moved = cell.arm.follow_guarded(motion);
+  if (moved.status == MotionResult::Status::kNoContact) return {};
+  if (moved.status != MotionResult::Status::kContact)
+    return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+  if (journal != nullptr)
+    journal->record("touch", concat("{\"touched\": true, \"force\": ", moved.force,
+                                    ", \"above_end_m\": ", above_end(step), "}"));
+  return go_back(step, kOffTable);
 }
 
 ExecutionResult Hands::feel_down(const PlanStep& step, bool* touched) const {

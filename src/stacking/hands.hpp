@@ -43,8 +43,13 @@ struct Hands {
   [[nodiscard]] ExecutionResult let_go(const std::string& why) const;
   /// Down again the way it was lifted, until it touches; then lets go.
   [[nodiscard]] ExecutionResult put_back(const PlanStep& lift, const std::string& why) const;
+  /// m, W.
+  [[nodiscard]] Eigen::Vector3d tip(const Joints& q) const;
   /// m, that the tool stands above where the step would have ended.
   [[nodiscard]] double above_end(const PlanStep& step) const;
+  /// To a grasp that brings the finger tips nearer to the table than the arm is exact: slowly, and what is
+  /// met ends it. Fingers that stand on the table cannot close, so they are lifted a little then.
+  [[nodiscard]] ExecutionResult feel_table(const PlanStep& step) const;
   /// Down until the wrist feels something (paper §4.1: impact on the force-torque sensor). `touched` tells
   /// whether it did: above the guarded descent that means a stone that hangs otherwise than planned.
   [[nodiscard]] ExecutionResult feel_down(const PlanStep& step, bool* touched) const;

@@ -4,9 +4,25 @@
 #include <utility>
 
 namespace stonestack {
+namespace {
+
+constexpr double kNearer = 0.5;   // share of the usual padding
+constexpr double kSlowly = 0.02;  // m/s: guarded, 0.4 mm past what is met
+
+MotionOptions near_table(MotionOptions options) {
+  options.approach_padding *= kNearer;
+  options.approach_speed = std::min(options.approach_speed, kSlowly);
+  return options;
+}
+
+}  // namespace
 
 Reach::Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
-    : belief_(std::move(belief)), scene_(std::move(scene)), catalogue_(catalogue), options_(options) {}
+    : belief_(std::move(belief)),
+      scene_(std::move(scene)),
+      catalogue_(catalogue),
+      options_(options),
+      near_table_(near_table(options)) {}
 
 bool Reach::in_one_go(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
   const GraspFinder& finder = direct(stone);
@@ -21,7 +37,7 @@ bool Reach::by_turning(int stone, const Pose& T_W_O, const Stack& below, const s
   auto at = turning_.find(stone);
   if (at == turning_.end()) {
     const auto task = lying(stone);
-    RegraspFinder made(scene_, *task.stone, task.object, task.T_W_O_pick, avoid, options_, regrasp);
+    RegraspFinder made(scene_, *task.stone, task.object, task.T_W_O_pick, avoid, options_for(stone), regrasp);
     at = turning_.emplace(stone, std::move(made)).first;
   }
   return at->second.serves(T_W_O, planned(below));
@@ -31,8 +47,16 @@ const GraspFinder& Reach::direct(int stone) {
   auto at = direct_.find(stone);
   if (at == direct_.end()) {
     const auto task = lying(stone);
-    at = direct_.emplace(stone, GraspFinder(scene_, *task.stone, task.object, task.T_W_O_pick, options_))
-             .first;
+    const auto with = [&](const MotionOptions& options) {
+      return GraspFinder(scene_, *task.stone, task.object, task.T_W_O_pick, options);
+    };
+    GraspFinder usual = with(options_);
+    if (!usual.at_pick().can_be_held())
+      if (GraspFinder low = with(near_table_); low.at_pick().can_be_held()) {
+        low_.insert(stone);
+        usual = std::move(low);
+      }
+    at = direct_.emplace(stone, std::move(usual)).first;
   }
   return at->second;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <set>
 #include <vector>
 
 #include "stonestack/motion/grasp_check.hpp"
@@ -20,6 +21,14 @@ class Reach {
   /// How grasps of the stone fare where it lies.
   [[nodiscard]] const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
 
+  /// How a plan with the stone is to be made: as the options say or, where no grasp holds it as it lies but
+  /// some do with finger tips nearer to the table, as these ask for.
+  [[nodiscard]] const MotionOptions& options_for(int stone) {
+    (void)direct(stone);
+    return low_.contains(stone) ? near_table_ : options_;
+  }
+  [[nodiscard]] bool is_low(int stone) { return &options_for(stone) == &near_table_; }
+
   /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
   [[nodiscard]] bool in_one_go(int stone, const Pose& T_W_O, const Stack& below,
                                const std::vector<Pose>& avoid = {});
@@ -38,6 +47,8 @@ class Reach {
   PlanningScene scene_;
   const Catalogue& catalogue_;
   const MotionOptions& options_;
+  MotionOptions near_table_;
+  std::set<int> low_;  ///< stones that only such grasps hold
   std::map<int, GraspFinder> direct_;
   std::map<int, RegraspFinder> turning_;
 };

@@ -80,7 +80,7 @@ TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   expect_refusal(arguments + "--set simulation.seed=7", 2, {"1000 S + k", "7"});
   expect_refusal(arguments + "--variant 'odd: search.seed=9'", 2, {"1000 S + k", "9"});
   expect_refusal(arguments + "--seed 2147483647", 2, {"2147483647", "2147483"});
-  expect_refusal(arguments + "--per-run 7", 2, {"--per-run 7 of 6 stones", "--stones"});
+  expect_refusal("experiment --runs 1 --per-run 7 --out record", 2, {"--per-run 7 of 6 stones", "--stones"});
   EXPECT_FALSE(fs::exists(folder_ + "/record"));
 }
 

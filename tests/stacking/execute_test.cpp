@@ -44,6 +44,24 @@ TEST(Execute, WritesWhereItTouched) {
   EXPECT_THAT(text, testing::HasSubstr(R"({"touched": true, "force": 7, "above_end_m": 0.015)"));
 }
 
+/// Finger tips that come nearer to the table than the arm is exact stop at what they meet, and close a little
+/// above it.
+TEST(Execute, FeelsItsWayToAGraspNearTheTable) {
+  Bench bench;
+  PlanStep approach, grasp;
+  approach.kind = Kind::kApproach;
+  approach.threshold = 20.0;
+  grasp.kind = Kind::kGrasp;
+  bench.plan.steps = {approach, grasp};
+  bench.gripper.object = true;
+  EXPECT_EQ(bench.run({Status::kContact}).status, ExecutionResult::Status::kReleased);
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("lower", "follow", "open"));
+  EXPECT_EQ(bench.run({Status::kNoContact}).status, ExecutionResult::Status::kReleased);
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("lower", "open"));
+  EXPECT_EQ(bench.run({Status::kStopped}).status, ExecutionResult::Status::kStopped);
+  EXPECT_THAT(bench.arm.told, testing::ElementsAre("lower"));
+}
+
 TEST(Execute, FingersAreSpacedBeforeTheHandOpens) {
   Bench bench;
   PlanStep open;

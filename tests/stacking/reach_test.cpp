@@ -1,0 +1,59 @@
+#include "stacking/reach.hpp"
+
+#include <gtest/gtest.h>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+
+namespace stonestack {
+namespace {
+
+/// One stone in the middle of the field, in its firmest pose of rest.
+struct Bench {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  CellLayout layout;
+  RobotModel robot = read_robot("ur10");
+  Belief belief;
+
+  Bench() {
+    const Stone& stone = catalogue.stones[1];
+    Pose T_W_O = make_pose(Eigen::Vector3d::Zero(), rest_poses(stone).front().R_W_O);
+    double lowest = 0.0;
+    for (const auto& p : stone.scan.vertices) lowest = std::min(lowest, (T_W_O * p).z());
+    T_W_O.translation() << layout.field_centre, -lowest;
+    belief.loose.push_back({1, T_W_O});
+  }
+  [[nodiscard]] Reach reach(const MotionOptions& options) const {
+    return {belief, make_planning_scene(layout, robot, catalogue, belief), catalogue, options};
+  }
+  [[nodiscard]] bool held_with(double padding) const {
+    MotionOptions options;
+    options.approach_padding = padding;
+    const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
+    return GraspFinder(scene, catalogue.stones[1], 0, belief.loose[0].T_W_O, options).at_pick().can_be_held();
+  }
+};
+
+/// The last millimetre decides whether a hand gets hold of a flat stone: where none does with the usual room
+/// under the finger tips, some may with less.
+TEST(Reach, WhatNoHandHoldsIsHeldNearerToTheTable) {
+  const Bench bench;
+  double padding = 0.002;
+  while (bench.held_with(padding) && padding < 0.2) padding *= 1.9;
+  ASSERT_TRUE(bench.held_with(0.5 * padding)) << padding;
+  MotionOptions options;
+  options.approach_padding = padding;
+  Reach reach = bench.reach(options);
+  EXPECT_TRUE(reach.is_low(1));
+  EXPECT_TRUE(reach.at_pick(1).can_be_held());
+  EXPECT_DOUBLE_EQ(reach.options_for(1).approach_padding, 0.5 * padding);
+  EXPECT_LT(reach.options_for(1).approach_speed, options.approach_speed) << "it feels its way";
+
+  const MotionOptions usual;
+  Reach near = bench.reach(usual);
+  EXPECT_FALSE(near.is_low(1));
+  EXPECT_DOUBLE_EQ(near.options_for(1).approach_padding, usual.approach_padding);
+}
+
+}  // namespace
+}  // namespace stonestack
