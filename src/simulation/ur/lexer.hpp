@@ -38,9 +38,9 @@ struct CompileError {
 /// "syntax_error_on_line:4:<that line>:", as the primary port reports it; of a long line its beginning.
 [[nodiscard]] CompileError syntax_error(std::string_view source, int line, int column);
 
-/// Cuts a script into tokens. Comments (#) and PolyScope's node marks (lines starting with $) are left out.
-/// Throws CompileError,
-/// also for more than kMostTokens.
+/// Cuts a script into tokens.
+/// Comments (#) and PolyScope's node marks (lines starting with $) are left out.
+/// Throws CompileError, also for more than kMostTokens.
 [[nodiscard]] std::vector<Token> cut(std::string_view source);
 
 /// How much deeper nested the blocks are after this line than before (def, sec, thread, if, while: +1; end:
