@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "cell_input.hpp"
 #include "commands.hpp"
@@ -25,6 +26,7 @@ constexpr double kHello = 2.0;   // s until a controller has said who it is; it 
 struct DoctorCommand {
   CommonOptions common;
   std::string cell;
+  int frames = 2;
 };
 
 /// What a step found: `to_do` is nothing wrong, but something to know or to do before a run.
@@ -157,29 +159,46 @@ std::string read_force(const CellConfig& cell) {
                 " readings/s");
 }
 
-/// Two frames, so that a camera whose stream or image stands still is found; of a recording the first only.
-std::string look_twice(const CellConfig& cell) {
+/// Two frames or more, so that a camera whose stream or image stands still is found; of a recording the first
+/// only.
+std::string look(const CellConfig& cell, int frames) {
   const auto describe = [](const DepthFrame& frame) {
     return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
   };
   const auto camera = make_camera(cell);
   const DepthFrame first = camera->capture();
   if (cell.camera == "recorded") return describe(first);
-  const DepthFrame second = camera->capture();
-  return concat(describe(second), ", ", second.device_time - first.device_time, " s after the one before");
+  DepthFrame last = first;
+  for (int k = 1; k < frames; ++k) last = camera->capture();
+  std::string text =
+      concat(describe(last), ", ", last.device_time - first.device_time, " s after the one before");
+  if (frames > 2)
+    text = concat(describe(last), ", ", frames, " within ", last.device_time - first.device_time, " s");
+  if (cell.camera == "v4l2" && !cell.v4l2.record.empty()) text += ", kept in " + cell.v4l2.record;
+  return text;
 }
 
-/// The camera sits behind the finger tips and looks where the hand points; the inverse transform does
-/// neither.
-std::string check_hand_eye(const CellConfig& cell) {
-  const CellLayout layout = to_layout(cell);
-  const Eigen::Vector3d p = layout.T_T_C.translation(), view = layout.T_T_C.linear().col(2);
-  if (p.z() > 0.02 || view.z() < 0.5)
-    refuse("hand-eye calibration",
-           concat("layout.T_T_C puts the camera ", p.z(),
-                  " m in front of the finger tips, looking along z by ", view.z()),
-           "it looks like T_C_T, the inverse: see `stonestack calibrate`");
-  return concat("camera ", -p.z(), " m behind the finger tips, ", std::hypot(p.x(), p.y()), " m aside");
+/// The camera sits behind the finger tips and looks where the hand points. The inverse transform puts it
+/// before them; how steeply it looks is the same in either.
+Look check_hand_eye(const CellConfig& cell) {
+  constexpr double kBefore = 0.02, kSteep = 0.5;  // m; cosine, to where the hand points
+  const std::string name = "hand-eye calibration", remedy = "see `stonestack calibrate`";
+  const Pose T_T_C = to_layout(cell).T_T_C;
+  const Eigen::Vector3d p = T_T_C.translation();
+  const double view = T_T_C.linear()(2, 2);
+  if (p.z() > kBefore)
+    refuse(name, concat("layout.T_T_C puts the camera ", p.z(), " m in front of the finger tips"),
+           T_T_C.inverse().translation().z() <= kBefore
+               ? "it looks like T_C_T, the inverse: " + remedy
+               : "neither it nor its inverse can be right: " + remedy);
+  if (view <= 0)
+    refuse(name, concat("layout.T_T_C has the camera look back at the arm (z by ", view, ")"), remedy);
+  const std::string place =
+      concat("camera ", -p.z(), " m behind the finger tips, ", std::hypot(p.x(), p.y()), " m aside");
+  if (view >= kSteep) return place;
+  return {concat(place, ", looking ", std::acos(view) * 180 / std::numbers::pi,
+                 " deg away from where the hand points; if it is not mounted so, ", remedy),
+          true};
 }
 
 /// RTDE first: its version tells what else there may be. PolyScope X has no Dashboard, and must not be asked
@@ -199,12 +218,12 @@ void examine_arm(const CellConfig& cell, Examination& examination) {
   examination.step("arm", "script port", [&] { return hear_primary(cell); });
 }
 
-void examine(const CellConfig& cell, Examination& examination) {
+void examine(const CellConfig& cell, int frames, Examination& examination) {
   examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell); });
   examine_arm(cell, examination);
   examination.step("gripper", "status", [&] { return ask_gripper(cell); });
   examination.step("force sensor", "reading", [&] { return read_force(cell); });
-  examination.step("camera", "frames", [&] { return look_twice(cell); });
+  examination.step("camera", "frames", [&] { return look(cell, frames); });
 }
 
 /// Does `stonestack simulate` serve the cell's standard ports already, in another process?
@@ -224,8 +243,8 @@ bool is_served(const CellFile& file) {
 
 void doctor(DoctorCommand& command) {
   command.common.begin();
-  const CellFile file =
-      read_cell(command.cell.empty() ? data_path("cells/loopback-ur10.yaml") : command.cell);
+  CellFile file = read_cell(command.cell.empty() ? data_path("cells/loopback-ur10.yaml") : command.cell);
+  command.common.settings.apply(join({fields(file.cell), cell_fields(file)}));
   CellConfig cell = file.cell;
   std::unique_ptr<SimulatedCell> world;
   std::unique_ptr<SimulatedServers> servers;
@@ -241,7 +260,7 @@ void doctor(DoctorCommand& command) {
     log_info("the devices of " + file.path + " are simulated here");
   }
   Examination examination;
-  examine(cell, examination);
+  examine(cell, command.frames, examination);
   int bad = 0;
   nlohmann::json list = nlohmann::json::array();
   for (const auto& finding : examination.findings()) {
@@ -267,13 +286,19 @@ void add_doctor(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("doctor", "Check every device of a cell, step by step; moves nothing");
   sub->add_option("--cell", command->cell, "Cell file (default: the loopback cell, simulated here)")
       ->type_name("FILE");
+  sub->add_option("--frames", command->frames, "So many depth frames are looked at")
+      ->check(CLI::Range(2, 100000))
+      ->capture_default_str();
   command->common.register_on(*sub);
   sub->footer(
       "Says for each device what is wrong and what to do. Exit code 0 when all is well, 6 otherwise.\n"
+      "--set takes what the cell file may hold, and beats it: `stonestack config cell` lists it.\n"
       "Of a simulated cell on the standard ports it examines what `stonestack simulate` serves, if it runs.\n"
       "Examples:\n"
       "  stonestack doctor --cell my_lab.yaml\n"
+      "  stonestack doctor --cell my_lab.yaml --frames 300 --set camera.v4l2.record=raw_frames\n"
       "  stonestack doctor --cell simulated-ur10\n"
+      "  stonestack doctor --set simulators.gripper.wire_faults.exceptions=-1\n"
       "  stonestack doctor --json");
   sub->callback([command] { doctor(*command); });
 }

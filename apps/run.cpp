@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "cell_input.hpp"
 #include "commands.hpp"
@@ -21,6 +22,7 @@ struct RunCommand {
   bool execute = false;
   int per_run = 4;
   SimulatedRun run;
+  std::optional<CellFile> file;  ///< of --cell
 };
 
 /// A real arm moves only when somebody who knows says so.
@@ -39,7 +41,7 @@ RunReport build_tower_for(RunCommand& command, const Catalogue& catalogue, const
     const RobotModel robot = read_robot(command.robot);
     return perform(command.run, catalogue, robot, draw(CellLayout{}, robot), folder).report;
   }
-  const CellFile file = read_cell(command.cell);
+  const CellFile& file = *command.file;
   require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
           ", ", file.cell.robot);
   if (file.simulate) {
@@ -87,7 +89,11 @@ void run(RunCommand& command) {
   command.common.begin();
   command.run.seed = command.common.seed;
   spread_seed(command.run);
-  command.common.settings.apply(fields(command.run));
+  FieldList list = fields(command.run);
+  if (!command.cell.empty()) command.file = read_cell(command.cell);
+  if (command.file && command.file->simulate)
+    list = join({list, nest("simulators", fields(command.file->servers))});
+  command.common.settings.apply(list);
   if (command.cell.empty()) static_cast<void>(read_robot(command.robot));  // a wrong name before all else
   const Catalogue catalogue = command.common.read();
   const std::string folder = run_folder(command);

@@ -38,8 +38,9 @@ ServedDevices served(const std::vector<std::string>& only) {
 void simulate(SimulateCommand& command) {
   command.common.begin();
   command.simulation.seed = command.common.seed;
-  command.common.settings.apply(nest("simulation", fields(command.simulation)));
   CellFile file = read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
+  command.common.settings.apply(
+      join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers))}));
   file.servers.devices = served(command.only);
   const RobotModel robot = read_robot(file.cell.robot);
   const Catalogue catalogue = command.common.read();
@@ -80,12 +81,14 @@ void add_simulate(CLI::App& app) {
   command->common.register_on(*sub);
   sub->footer(
       "The protocols are the real ones, for other people's clients, too; docs/clients.md says which were\n"
-      "tried, and how. Everything listens on loopback. Faults are switches of the cell file, e.g.\n"
-      "simulators.arm.faults.protective_stop_at: 10.\n"
+      "tried, and how. Everything listens on loopback. What devices are like and what goes wrong with them\n"
+      "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell` lists\n"
+      "them, docs/failure-modes.md explains the faults.\n"
       "Examples:\n"
       "  stonestack simulate --cell simulated-ur10\n"
       "  stonestack simulate --cell loopback-ur10 --seed 3 --seconds 60\n"
-      "  stonestack simulate --only gripper,ft");
+      "  stonestack simulate --only gripper,ft\n"
+      "  stonestack simulate --set simulators.arm.faults.protective_stop_at=10");
   sub->callback([command] { simulate(*command); });
 }
 

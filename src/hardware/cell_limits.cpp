@@ -77,8 +77,7 @@ FieldList fields(CellLimits& l) {
   FieldList list{
       field("joints", l.joints, "six of [least, most], degrees, base to wrist 3; within the robot's own"),
       field("joint_speed", l.joint_speed, kShare, "", "share of the robot's own"),
-      field("joint_acceleration", l.joint_acceleration, kShare, "",
-            "share of the robot's own, when planning"),
+      field("joint_acceleration", l.joint_acceleration, kShare, "", "share of the robot's own"),
   };
   for (std::size_t i = 0; i < 3; ++i)
     list.push_back(field(concat("workspace.", kAxes[i]), l.workspace[i],

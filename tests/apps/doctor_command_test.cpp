@@ -69,6 +69,25 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
   EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
 }
 
+// Turned is not inverted: how steeply a camera looks is the same either way.
+TEST_F(DoctorCommand, AnInverseIsToldFromATiltedCamera) {
+  const auto hand_eye = [&](const std::string& T_T_C) {
+    write("eye.yaml", "simulate: true\nlayout: {T_T_C: {" + T_T_C + "}}\n");
+    const std::string err = run("doctor --cell eye.yaml").err;
+    return err.substr(0, err.find("arm, RTDE"));
+  };
+  // As lab-ur10.yaml has it, and its inverse.
+  EXPECT_THAT(hand_eye("x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947"),
+              HasSubstr("ok    cell file, hand-eye"));
+  EXPECT_THAT(hand_eye("x: 0.0, y: -0.0788, z: 0.1865, qx: -0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947"),
+              ContainsRegex("FAIL  cell file, hand-eye: .*the inverse"));
+  // 65 deg aside; backwards.
+  EXPECT_THAT(hand_eye("x: 0.0, y: 0.11, z: -0.17, qx: 0.5373, qy: 0.0, qz: 0.0, qw: 0.8434"),
+              AllOf(HasSubstr("note  cell file, hand-eye"), Not(HasSubstr("inverse"))));
+  EXPECT_THAT(hand_eye("x: 0.0, y: 0.11, z: -0.17, qx: 1, qy: 0.0, qz: 0.0, qw: 0"),
+              AllOf(HasSubstr("FAIL  cell file, hand-eye"), Not(HasSubstr("inverse"))));
+}
+
 TEST_F(DoctorCommand, RefusesPolyScopeX) {
   write("x.yaml",
         "simulate: true\nsimulators:\n  arm: {version: 10.7.0.0, standard_ports: false}\n"

@@ -28,6 +28,23 @@ TEST_F(SimulateCommand, ServesEachDeviceAlone) {
   expect_refusal("simulate --cell cell.yaml --only hand", 2, {"--only", "hand", "arm", "camera"});
 }
 
+// Every fault can be reached without writing a file.
+TEST_F(SimulateCommand, SwitchesCanBeSetOnTheCommandLine) {
+  write("cell.yaml", kFreePorts + "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n");
+  const Outcome closed =
+      run("simulate --cell cell.yaml --seconds 0.1 --only arm --set simulators.arm.faults.no_dashboard=true");
+  EXPECT_EQ(closed.code, 0) << closed.err;
+  EXPECT_THAT(closed.out, HasSubstr("Dashboard 0\n"));
+  expect_refusal("simulate --cell cell.yaml --set simulators.arm.faults.no_such=1", 2, {"no_such"});
+  const Outcome ill = run("doctor --cell cell.yaml --set simulators.gripper.faults.fault=14");
+  EXPECT_EQ(ill.code, 6);
+  EXPECT_THAT(ill.err, HasSubstr("FAIL  gripper, status"));
+  expect_refusal("doctor --cell cell.yaml --set simulators.gripper.faults.fulat=14", 2, {"fulat"});
+  const Outcome stopped =
+      run("run --cell cell.yaml --out stopped --per-run 1 --set simulators.arm.faults.protective_stop_at=0");
+  EXPECT_EQ(stopped.code, 7) << stopped.err;
+}
+
 TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
   const std::string serial =
       kFreePorts + "  gripper: {tcp: false, rtu: true}\n  force_torque: {cap: false, serial: true}\n";

@@ -1,9 +1,9 @@
 // Raw Z16 of any size, padding and camera: refused or decoded, never read beyond the bytes. The list of a TUM
-// recording goes the same way.
+// recording goes the same way, and so does that of a V4L2 recording.
 #include <cmath>
 #include <cstdlib>
 
-#include "hardware/camera/recording.hpp"
+#include "hardware/camera/v4l2_recording.hpp"
 #include "hardware/camera/z16.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -27,10 +27,23 @@ void try_list(const std::string& text) {
   }
 }
 
+void try_v4l2_list(const std::string& text) {
+  CameraIntrinsics camera;
+  camera.width = camera.height = 2;
+  try {
+    constexpr std::size_t kRaw = 100;
+    for (const auto& frame : parse_v4l2_list(text, "/recording", camera, kRaw))
+      check(std::isfinite(frame.time) && frame.offset + z16_bytes(camera, frame.bytes_per_line) <= kRaw);
+  } catch (const FileError&) {
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try_list(std::string(reinterpret_cast<const char*>(data), size));
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  try_list(text);
+  try_v4l2_list(text);
   if (size < 4) return 0;
   CameraIntrinsics camera;
   camera.width = data[0];

@@ -13,6 +13,7 @@
 namespace stonestack {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -173,12 +174,31 @@ TEST(ScriptGate, KeepsTheLimitsOfTheCell) {
   EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context), HasSubstr("limits"));
 }
 
+// small_move begins with 1.2 rad/s^2; a cell may allow less. Nor may it begin or end on the way.
+TEST(ScriptGate, KeepsTheAccelerations) {
+  const ScriptContext context = context_of(kCb3);
+  RobotModel robot = ur10();
+  robot.acceleration.setConstant(1.25);
+  EXPECT_EQ(find_fault(small_move(), Joints::Zero(), robot, context), "");
+  robot.acceleration[3] = 1.15;
+  EXPECT_THAT(find_fault(small_move(), Joints::Zero(), robot, context),
+              AllOf(HasSubstr("joint 4 changes its speed by 1."), HasSubstr("limit 1.15 rad/s^2")));
+  robot.acceleration.setConstant(1.25);
+  for (const std::size_t end : {0U, 2U}) {
+    JointTrajectory jump = small_move();
+    jump.qd[end][2] = 0.05;
+    EXPECT_THAT(find_fault(jump, Joints::Zero(), robot, context), HasSubstr("joint 3 changes its speed"));
+  }
+}
+
 TEST(ScriptGate, RefusesWithTheJointAndTheValue) {
   const ScriptContext context = context_of(kCb3);
+  RobotModel robot = ur10();
+  robot.acceleration.setConstant(1e6);  // not what this is about
   const auto fault = [&](auto change) {
     JointTrajectory move = small_move();
     change(move);
-    return find_fault(move, Joints::Zero(), ur10(), context);
+    return find_fault(move, Joints::Zero(), robot, context);
   };
   EXPECT_THAT(fault([](auto& m) { m.q[1][2] = NAN; }), HasSubstr("knot 1"));
   EXPECT_THAT(fault([](auto& m) { m.time[2] = 0.5; }), HasSubstr("times must"));
@@ -190,7 +210,7 @@ TEST(ScriptGate, RefusesWithTheJointAndTheValue) {
   JointTrajectory far = small_move();
   for (double& t : far.time) t *= 100;
   far.q[2][1] = 7.0;
-  EXPECT_THAT(find_fault(far, Joints::Zero(), ur10(), context), HasSubstr("limits"));
+  EXPECT_THAT(find_fault(far, Joints::Zero(), robot, context), HasSubstr("limits"));
   EXPECT_THAT(find_fault(small_move(), Joints::Constant(NAN), ur10(), context), HasSubstr("from where"));
 }
 

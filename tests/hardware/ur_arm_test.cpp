@@ -23,7 +23,7 @@ const RobotModel& ur10() {
 JointTrajectory small_move() {
   JointTrajectory move;
   move.time = {0.0, 0.5};
-  move.q = {Joints::Zero(), Joints::Constant(0.1)};
+  move.q = {Joints::Zero(), Joints::Constant(0.05)};  // 1.2 rad/s^2
   move.qd = {Joints::Zero(), Joints::Zero()};
   return move;
 }

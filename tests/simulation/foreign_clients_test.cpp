@@ -5,7 +5,7 @@
 
 #include "script_bench.hpp"
 #include "simulation/ur/dashboard_session.hpp"
-#include "simulation/ur/rtde_access.hpp"
+#include "simulation/ur/rtde_session.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack {
@@ -249,6 +249,32 @@ TEST(UrForeignClients, DashboardRolesAndModesAreAnsweredAsUrsLibraryWantsThem) {
   EXPECT_THAT(ask(recent, "clear operational mode"),
               MatchesRegex("No longer controlling the operational mode.*"));
   EXPECT_EQ(ask(recent, "get operational mode"), "NONE");
+}
+
+std::string packet(char type, const std::string& payload) {
+  const auto size = payload.size() + 3;
+  return {std::string{static_cast<char>(size >> 8), static_cast<char>(size & 0xFF), type} + payload};
+}
+
+// A mask says what this package sets. It does not set it again with every later package of anybody.
+TEST(UrForeignClients, AMaskHoldsForItsOwnPackage) {
+  ScriptBench bench;
+  InputOwners owners;
+  RtdeSession session(1, bench.controller, owners);
+  const auto send = [&](const std::string& bytes) { return session.feed(bytes); };
+  (void)send(packet('V', std::string("\0\2", 2)));
+  (void)send(packet('I', "standard_digital_output_mask,standard_digital_output"));
+  (void)send(packet('I', "speed_slider_mask,speed_slider_fraction"));
+  (void)send(packet('I', "standard_analog_output_mask,standard_analog_output_0"));
+  (void)send(packet('U', std::string("\1\1\1", 3)));
+  EXPECT_EQ(bench.controller.io.digital_out, 1U);
+  bench.say("def a():\n  set_standard_digital_out(0, False)\nend\n");
+  (void)send(packet('U', std::string("\2\0\0\0\1\x3F\xE0\0\0\0\0\0\0", 13)));  // slider at 0.5
+  EXPECT_EQ(bench.controller.speed_slider, 0.5);
+  EXPECT_EQ(bench.controller.io.digital_out, 0U) << "the program's word is the last";
+  (void)send(packet('U', std::string("\3\1\x3F\xE0\0\0\0\0\0\0", 10)));
+  (void)send(packet('U', std::string("\3\1\x7F\xF8\0\0\0\0\0\0", 10)));  // not a number
+  EXPECT_EQ(bench.controller.io.analog_out[0], 0.5);
 }
 
 }  // namespace

@@ -20,6 +20,11 @@ TEST(UrScript, Expressions) {
   EXPECT_EQ(bench.value("0x10"), "16");
   EXPECT_EQ(bench.value("1e-3 * 2"), "0.002");
   EXPECT_EQ(bench.value("2147483647 + 1"), "-2147483648") << "integers have 32 bits";
+  EXPECT_EQ(bench.value("-(-2147483647 - 1)"), "-2147483648");
+  EXPECT_EQ(bench.say("def a():\n def f(x=4294967295):\n  return x\n end\n textmsg(f())\nend\n"), "-1")
+      << "wherever they are written";
+  EXPECT_EQ(bench.value("0x"), "");
+  EXPECT_THAT(bench.exceptions, HasSubstr("syntax_error_on_line:2"));
   EXPECT_EQ(bench.value("1 < 2 and not 2 == 3"), "True");
   EXPECT_EQ(bench.value("False or 3 >= 3"), "True");
   EXPECT_EQ(bench.value("True xor True"), "False");

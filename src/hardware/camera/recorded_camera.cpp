@@ -12,7 +12,7 @@ namespace stonestack {
 FieldList fields(RecordedCameraOptions& o) {
   FieldList own = {
       field("path", o.path, "a folder, a cloud, or a file of raw frames"),
-      field("format", o.format, "auto, tum, open3d, clouds or z16"),
+      field("format", o.format, "auto, tum, open3d, clouds, z16 or v4l2"),
       field("rate", o.rate, {0.01, 1000.0}, "1/s", "ours: for recordings without times"),
       field("loop", o.loop, "ours"),
   };
@@ -47,14 +47,14 @@ struct RecordedCamera::Recording {
 
   [[nodiscard]] DepthImage read(const RecordedFrame& frame) const {
     if (format == RecordingFormat::kClouds) return to_depth_image(read_cloud(frame.path), camera);
-    if (format != RecordingFormat::kZ16) return read_depth_png(frame.path, camera, unit);
-    std::vector<std::uint8_t> bytes(2U * static_cast<std::size_t>(camera.width) *
-                                    static_cast<std::size_t>(camera.height));
+    if (format != RecordingFormat::kZ16 && format != RecordingFormat::kV4l2)
+      return read_depth_png(frame.path, camera, unit);
+    std::vector<std::uint8_t> bytes(z16_bytes(camera, frame.bytes_per_line));
     std::ifstream in(frame.path, std::ios::binary);
     in.seekg(static_cast<std::streamoff>(frame.offset));
     if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
       throw FileError(frame.path, concat("no whole frame at byte ", frame.offset), "record it again");
-    return decode_z16(bytes, 0, camera, unit);
+    return decode_z16(bytes, frame.bytes_per_line, camera, unit);
   }
 };
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "hardware/camera/v4l2_recording.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -55,7 +56,7 @@ void read_open3d_intrinsics(const std::string& path, CameraSettings& camera) {
 
 std::vector<RecordedFrame> number_frames(const std::vector<std::string>& names, double rate) {
   std::vector<RecordedFrame> frames;
-  for (const auto& name : names) frames.push_back({static_cast<double>(frames.size()) / rate, name, 0});
+  for (const auto& name : names) frames.push_back({static_cast<double>(frames.size()) / rate, name});
   return frames;
 }
 
@@ -72,7 +73,7 @@ std::vector<RecordedFrame> list_raw(const std::string& path, const CameraIntrins
                     "check width and height");
   std::vector<RecordedFrame> frames;
   for (std::size_t i = 0; i < size / bytes; ++i)
-    frames.push_back({static_cast<double>(i) / rate, path, i * bytes});
+    frames.push_back({static_cast<double>(i) / rate, path, i * bytes, 0});
   return frames;
 }
 
@@ -85,15 +86,17 @@ RecordingFormat find_recording_format(const RecordedCameraOptions& options) {
   if (options.format == "open3d") return RecordingFormat::kOpen3d;
   if (options.format == "clouds") return RecordingFormat::kClouds;
   if (options.format == "z16") return RecordingFormat::kZ16;
-  require(options.format == "auto", "a recording's format is auto, tum, open3d, clouds or z16, not '",
+  if (options.format == "v4l2") return RecordingFormat::kV4l2;
+  require(options.format == "auto", "a recording's format is auto, tum, open3d, clouds, z16 or v4l2, not '",
           options.format, "'");
   if (fs::is_regular_file(path, ignored))
     return is_cloud(path) ? RecordingFormat::kClouds : RecordingFormat::kZ16;
+  if (fs::exists(path / "v4l2.txt", ignored)) return RecordingFormat::kV4l2;
   if (fs::exists(path / "depth.txt", ignored)) return RecordingFormat::kTum;
   if (fs::exists(path / "camera_intrinsic.json", ignored)) return RecordingFormat::kOpen3d;
   if (fs::is_directory(path, ignored) && !files_in(path, {".pcd", ".ply"}).empty())
     return RecordingFormat::kClouds;
-  throw FileError(options.path, "no recording (depth.txt, camera_intrinsic.json, PCD or PLY files)",
+  throw FileError(options.path, "no recording (depth.txt, camera_intrinsic.json, v4l2.txt, PCD or PLY files)",
                   "give a TUM or Open3D folder, clouds, or a file of raw Z16 frames");
 }
 
@@ -133,7 +136,7 @@ std::vector<RecordedFrame> parse_tum_list(const std::string& text, const std::st
     const bool outside = name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end();
     if (outside) fail("a file outside the folder: " + name.string());
     if (frames.size() == kMostFrames) fail("more than a million frames");
-    frames.push_back({time, (fs::path(folder) / name).string(), 0});
+    frames.push_back({time, (fs::path(folder) / name).string()});
   }
   return frames;
 }
@@ -148,6 +151,11 @@ std::vector<RecordedFrame> list_frames(RecordingFormat format, const RecordedCam
     frames = parse_tum_list(read_file(list, kLargestText), options.path, list);
   } else if (format == RecordingFormat::kOpen3d) {
     frames = number_frames(files_in(path / "depth", {".png"}), options.rate);
+  } else if (format == RecordingFormat::kV4l2) {
+    const auto bytes = fs::file_size(path / "v4l2.raw", ignored);
+    if (ignored) throw FileError((path / "v4l2.raw").string(), ignored.message(), "record it again");
+    frames =
+        parse_v4l2_list(read_file((path / "v4l2.txt").string(), kLargestText), options.path, camera, bytes);
   } else if (format == RecordingFormat::kZ16) {
     frames = list_raw(options.path, camera, options.rate);
   } else if (fs::is_directory(path, ignored)) {

@@ -10,10 +10,11 @@ namespace stonestack {
 struct RecordedFrame {
   double time = 0.0;  ///< s
   std::string path;
-  std::size_t offset = 0;  ///< bytes, of raw frames
+  std::size_t offset = 0;          ///< bytes, of raw frames
+  std::size_t bytes_per_line = 0;  ///< of raw frames; 0: no padding
 };
 
-enum class RecordingFormat { kTum, kOpen3d, kClouds, kZ16 };
+enum class RecordingFormat { kTum, kOpen3d, kClouds, kZ16, kV4l2 };
 /// The format asked for, or the one that the path looks like. Throws FileError when it looks like none.
 [[nodiscard]] RecordingFormat find_recording_format(const RecordedCameraOptions& options);
 /// Camera settings: options, over them camera.yaml, over them what the recording tells itself.

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "hardware/camera/v4l2_recording.hpp"
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/hardware/camera/v4l2_camera.hpp"
 
@@ -42,9 +44,12 @@ class V4l2Stream {
     void* start = nullptr;
     std::size_t length = 0;
   };
+  void open();
+  void release() noexcept;
   void set_format();
   void map_buffers();
   void queue(unsigned index);
+  void check_time(double time) const;
   [[noreturn]] void fail(const std::string& problem, const std::string& remedy) const;
 
   std::unique_ptr<V4l2Calls> calls_;
@@ -54,6 +59,7 @@ class V4l2Stream {
   FrameCheck check_;
   std::size_t bytes_per_line_ = 0;
   std::vector<Buffer> buffers_;
+  std::optional<V4l2Recorder> recorder_;
 };
 
 }  // namespace stonestack

@@ -37,6 +37,7 @@ FieldList fields(V4l2CameraOptions& o) {
       field("device", o.device, "the depth node, see `v4l2-ctl --list-devices`"),
       field("buffers", o.buffers, {2, 32}, "", "ours"),
       field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "ours"),
+      field("record", o.record, "folder that keeps what the driver gives, to be played as `recorded`"),
   };
   return join({own, fields(o.camera), fields(o.check)});
 }
@@ -47,6 +48,15 @@ V4l2Stream::V4l2Stream(std::unique_ptr<V4l2Calls> calls, const V4l2CameraOptions
       camera_(to_intrinsics(options.camera)),
       unit_(depth_unit(options.camera)),
       check_("depth camera " + options.device, options.check) {
+  try {
+    open();
+  } catch (...) {
+    release();  // buffers that stay mapped keep the device busy for whoever tries again
+    throw;
+  }
+}
+
+void V4l2Stream::open() {
   v4l2_capability capability{};
   if (calls_->control(VIDIOC_QUERYCAP, &capability) < 0)
     fail("is no video device: " + std::string(std::strerror(errno)), "give the depth node of the camera");
@@ -62,9 +72,14 @@ V4l2Stream::V4l2Stream(std::unique_ptr<V4l2Calls> calls, const V4l2CameraOptions
 }
 
 V4l2Stream::~V4l2Stream() {
+  release();
+}
+
+void V4l2Stream::release() noexcept {
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   calls_->control(VIDIOC_STREAMOFF, &type);
   for (const auto& buffer : buffers_) calls_->unmap(buffer.start, buffer.length);
+  buffers_.clear();
 }
 
 void V4l2Stream::fail(const std::string& problem, const std::string& remedy) const {
@@ -91,6 +106,12 @@ void V4l2Stream::set_format() {
         concat("gives ", got.width, " x ", got.height, " pixels, not ", camera_.width, " x ", camera_.height),
         "ask for a size that it has, and give the intrinsics of that size");
   bytes_per_line_ = got.bytesperline;
+  if (z16_bytes(camera_, bytes_per_line_) == 0)
+    fail(concat("gives lines of ", bytes_per_line_, " bytes for ", camera_.width, " pixels"),
+         "update the kernel: its driver is broken");
+  if (!options_.record.empty())
+    recorder_.emplace(options_.record, options_.camera,
+                      V4l2Format{camera_.width, camera_.height, bytes_per_line_});
 }
 
 void V4l2Stream::map_buffers() {
@@ -117,6 +138,14 @@ void V4l2Stream::queue(unsigned index) {
     fail("does not take a buffer back: " + std::string(std::strerror(errno)), "plug the camera in again");
 }
 
+// Of another clock, frames that waited in the queue could not be told from new ones.
+void V4l2Stream::check_time(double time) const {
+  constexpr double kAhead = 1.0;  // s
+  if (time > calls_->now() + kAhead)
+    fail(concat("its time stamps are ", time - calls_->now(), " s ahead of the monotonic clock"),
+         "load its driver with that clock: modprobe uvcvideo clock=CLOCK_MONOTONIC");
+}
+
 DepthFrame V4l2Stream::capture() {
   const double asked = calls_->now();
   const Deadline deadline = Deadline::in(options_.frame_timeout).or_interrupt();
@@ -131,21 +160,21 @@ DepthFrame V4l2Stream::capture() {
     }
     if (buffer.index >= buffers_.size())
       fail("gives a buffer that does not exist", "plug the camera in again");
-    const double time =
-        static_cast<double>(buffer.timestamp.tv_sec) + 1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
     const auto& place = buffers_[buffer.index];
-    const std::size_t used = std::min<std::size_t>(buffer.bytesused, place.length);
+    const V4l2Note note{buffer.sequence, buffer.timestamp.tv_sec, buffer.timestamp.tv_usec,
+                        (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0,
+                        std::min<std::size_t>(buffer.bytesused, place.length)};
+    const std::span bytes(static_cast<const std::uint8_t*>(place.start), note.bytes);
+    if (recorder_) recorder_->add(note, bytes);
     DepthFrame frame;
-    const bool whole =
-        (buffer.flags & V4L2_BUF_FLAG_ERROR) == 0 &&
-        used >= 2U * static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
-    if (time >= asked && whole) {
-      frame.image =
-          decode_z16({static_cast<const std::uint8_t*>(place.start), used}, bytes_per_line_, camera_, unit_);
-      frame.number = static_cast<long>(buffer.sequence) + 1;
-      frame.device_time = time;
+    const bool whole = !note.error && note.bytes >= z16_bytes(camera_, bytes_per_line_);
+    if (note.time() >= asked && whole) {
+      frame.image = decode_z16(bytes, bytes_per_line_, camera_, unit_);
+      frame.number = static_cast<long>(note.sequence) + 1;
+      frame.device_time = note.time();
     }
     queue(buffer.index);
+    check_time(note.time());
     if (frame.number > 0) return check_.pass(std::move(frame));
     if (!whole) ++damaged;
   }

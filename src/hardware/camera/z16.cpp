@@ -10,14 +10,20 @@ namespace {
 constexpr double kMostCounts = 65535.0;
 }
 
+std::size_t z16_bytes(const CameraIntrinsics& camera, std::size_t bytes_per_line) {
+  const auto width = static_cast<std::size_t>(camera.width), height = static_cast<std::size_t>(camera.height);
+  const std::size_t line = bytes_per_line == 0 ? 2 * width : bytes_per_line;
+  return line < 2 * width ? 0 : (height - 1) * line + 2 * width;
+}
+
 DepthImage decode_z16(std::span<const std::uint8_t> bytes, std::size_t bytes_per_line,
                       const CameraIntrinsics& camera, double unit) {
   require(std::isfinite(unit) && unit > 0, "the depth unit must be positive, got ", unit, " m");
   DepthImage image = make_empty_image(camera);
   const auto width = static_cast<std::size_t>(camera.width), height = static_cast<std::size_t>(camera.height);
   const std::size_t line = bytes_per_line == 0 ? 2 * width : bytes_per_line;
-  require(line >= 2 * width, "lines of ", line, " bytes are too short for ", width, " pixels of Z16");
-  const std::size_t needed = (height - 1) * line + 2 * width;
+  const std::size_t needed = z16_bytes(camera, bytes_per_line);
+  require(needed > 0, "lines of ", line, " bytes are too short for ", width, " pixels of Z16");
   require(bytes.size() >= needed, "a Z16 frame of ", width, " x ", height, " needs ", needed, " bytes, got ",
           bytes.size());
   for (std::size_t v = 0; v < height; ++v)

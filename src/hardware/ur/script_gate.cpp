@@ -8,19 +8,24 @@ namespace {
 
 constexpr double kLimitSlack = 1e-6;  // rad, of rounding
 constexpr double kRoomSlack = 1e-4;   // m
+constexpr double kHarder = 1.01;      // times the joint acceleration limit, of rounding
 
-std::string find_bad_step(const Joints& before, const Joints& now, double t, double dt,
+std::string find_bad_step(const JointState& before, const JointState& now, double t, double dt,
                           const RobotModel& robot, double margin) {
   for (int j = 0; j < 6; ++j) {
-    if (now[j] > robot.upper[j] + kLimitSlack || now[j] < robot.lower[j] - kLimitSlack)
-      return concat("joint ", j + 1, " at ", now[j], " rad, limits ", robot.lower[j], " to ", robot.upper[j],
-                    " rad, at ", t, " s");
-    const double speed = std::abs(now[j] - before[j]) / dt;
+    if (now.q[j] > robot.upper[j] + kLimitSlack || now.q[j] < robot.lower[j] - kLimitSlack)
+      return concat("joint ", j + 1, " at ", now.q[j], " rad, limits ", robot.lower[j], " to ",
+                    robot.upper[j], " rad, at ", t, " s");
+    const double speed = std::abs(now.q[j] - before.q[j]) / dt;
     if (speed > margin * robot.velocity[j])
       return concat("joint ", j + 1, " at ", speed, " rad/s, limit ", robot.velocity[j], " rad/s, at ", t,
                     " s");
+    const double change = std::abs(now.qd[j] - before.qd[j]) / dt;
+    if (change > kHarder * robot.acceleration[j])
+      return concat("joint ", j + 1, " changes its speed by ", change, " rad/s^2, limit ",
+                    robot.acceleration[j], " rad/s^2, at ", t, " s");
   }
-  if (auto outside = describe_outside_room(robot, now, kRoomSlack); !outside.empty())
+  if (auto outside = describe_outside_room(robot, now.q, kRoomSlack); !outside.empty())
     return concat(outside, ", at ", t, " s");
   return {};
 }
@@ -35,11 +40,12 @@ std::string find_fault(const JointTrajectory& trajectory, const Joints& q, const
     return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ",
                   context.options.start_tolerance, ")");
   const double dt = 1.0 / context.version.control_rate();
-  Joints before = trajectory.q.front();
+  JointState before{trajectory.q.front(), Joints::Zero()};  // at rest, and after the last step again
   const auto steps = static_cast<long>(std::ceil(trajectory.duration() / dt));
-  for (long i = 0; i <= steps; ++i) {
+  for (long i = 0; i <= steps + 1; ++i) {
     const double t = static_cast<double>(i) * dt;
-    const Joints now = sample(trajectory, t).q;
+    JointState now = sample(trajectory, t);
+    if (i > steps) now.qd.setZero();
     auto fault = find_bad_step(before, now, t, dt, robot, context.options.speed_margin);
     if (!fault.empty()) return fault;
     before = now;

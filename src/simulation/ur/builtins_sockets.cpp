@@ -1,6 +1,12 @@
 // Connections that a program opens itself; UR's own client library lets the robot call back this way. The
 // simulated robot calls loopback addresses only.
+#include <arpa/inet.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 
@@ -16,6 +22,40 @@ constexpr std::size_t kMostSockets = 16;
 constexpr std::size_t kMostReceived = 1 << 20;
 constexpr long long kMostNumbers = 30;  // a read asks for, as on the controller
 constexpr double kDefaultTimeout = 2.0;
+
+/// A connection that is being made. Nobody is waited for: whoever does not answer would hold up the control
+/// steps, and with them every other client.
+class CallOut {
+ public:
+  enum class State { kUnderWay, kThere, kRefused };
+  CallOut(const std::string& address, int port)
+      : name_(concat(address, ':', port)),
+        socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+    sockaddr_in peer{};
+    peer.sin_family = AF_INET;
+    peer.sin_port = htons(static_cast<std::uint16_t>(port));
+    ::inet_pton(AF_INET, address == "localhost" ? "127.0.0.1" : address.c_str(), &peer.sin_addr);
+    const int one = 1;
+    ::setsockopt(socket_.number(), IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+    refused_ = ::connect(socket_.number(), reinterpret_cast<const sockaddr*>(&peer), sizeof peer) < 0 &&
+               errno != EINPROGRESS;
+  }
+  [[nodiscard]] State look() const {
+    if (refused_) return State::kRefused;
+    pollfd watched{socket_.number(), POLLOUT, 0};
+    if (::poll(&watched, 1, 0) <= 0) return State::kUnderWay;
+    int code = 0;
+    socklen_t size = sizeof code;
+    ::getsockopt(socket_.number(), SOL_SOCKET, SO_ERROR, &code, &size);
+    return code == 0 ? State::kThere : State::kRefused;
+  }
+  [[nodiscard]] TcpStream take() { return {std::move(socket_), name_}; }
+
+ private:
+  std::string name_;
+  Descriptor socket_;
+  bool refused_ = false;
+};
 
 std::string name_of(const BuiltinCall& call, std::size_t i) {
   return call.has(i) ? text(arg(call, i)) : "socket_0";
@@ -33,12 +73,21 @@ Outcome open(BuiltinCall& call) {
   if (port < 1 || port > 65535 || call.host.sockets.size() >= kMostSockets) return Value(false);
   try {
     if (!is_loopback(address)) return Value(false);
-    auto stream = TcpStream::connect({address, static_cast<int>(port)}, Deadline::in(kConnectSeconds));
-    call.host.sockets.emplace(name, ScriptSocket{std::move(stream), "", false});
-    return Value(true);
   } catch (const Error&) {
     return Value(false);
   }
+  const auto call_out = std::make_shared<CallOut>(address, static_cast<int>(port));
+  auto look = [&host = call.host, name, call_out,
+               until = call.host.uptime() + kConnectSeconds]() -> std::optional<Value> {
+    const auto state = call_out->look();
+    if (state == CallOut::State::kUnderWay && host.uptime() < until) return std::nullopt;
+    if (state != CallOut::State::kThere) return Value(false);
+    host.sockets.erase(name);
+    host.sockets.emplace(name, ScriptSocket{call_out->take(), "", false});
+    return Value(true);
+  };
+  if (auto at_once = look()) return *at_once;
+  return Wait(look);
 }
 
 Outcome close(BuiltinCall& call) {

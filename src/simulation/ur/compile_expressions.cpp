@@ -212,8 +212,7 @@ void Compiler::postfix() {
 void Compiler::primary() {
   const Token token = next();
   if (token.kind == TokenKind::kInteger) {
-    emit(Op::kConstant, constant(static_cast<long long>(static_cast<std::int32_t>(
-                            static_cast<std::uint32_t>(static_cast<unsigned long long>(token.number))))));
+    emit(Op::kConstant, constant(whole_number(token.number)));
   } else if (token.kind == TokenKind::kFloat) {
     emit(Op::kConstant, constant(token.number));
   } else if (token.kind == TokenKind::kString) {

@@ -84,7 +84,7 @@ void Compiler::parameters(Function& made) {
 Value Compiler::literal() {
   const bool minus = accept("-");
   const Token token = next();
-  if (token.kind == TokenKind::kInteger) return static_cast<long long>(minus ? -token.number : token.number);
+  if (token.kind == TokenKind::kInteger) return whole_number(minus ? -token.number : token.number);
   if (token.kind == TokenKind::kFloat) return minus ? -token.number : token.number;
   if (minus) fail(token);
   if (token.kind == TokenKind::kString) return token.text;

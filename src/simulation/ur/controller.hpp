@@ -61,6 +61,12 @@ struct ControllerEvent {
   bool warning = false, error = false, blocking = false;
 };
 
+/// A script as the controller understands it, or why it does not.
+struct CompiledScript {
+  std::optional<urscript::Program> program;
+  urscript::CompileError error;
+};
+
 /// rtde_set_watchdog.
 struct Watchdog {
   std::string variable;
@@ -93,6 +99,9 @@ class UrController {
   /// One program or statement as a script port takes it. The running program goes on when it cannot be
   /// compiled.
   void run_script(const std::string& source);
+  /// The two halves of it. Compiling changes nothing and may be done in another thread, beside the steps.
+  [[nodiscard]] CompiledScript compile(const std::string& source) const;
+  void run(CompiledScript script);
   void stop_program();
   /// The Dashboard's loaded program: runs until it is stopped. False when there is none or it may not run.
   bool play_loaded();

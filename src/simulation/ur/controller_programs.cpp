@@ -69,37 +69,51 @@ void UrController::report(const urscript::CompileError& error, const urscript::P
 }
 
 void UrController::run_script(const std::string& source) {
-  if (faults.scripts_never_start) return;
+  if (!faults.scripts_never_start) run(compile(source));
+}
+
+CompiledScript UrController::compile(const std::string& source) const {
   try {
     if (source.size() > kLongestScript)
       throw urscript::CompileError{
           1, 1, concat("script too long: more than ", kLongestScript, " characters; make it shorter")};
-    auto program = urscript::compile(source, [this](const std::string& name) {
-      return has_function(name) ? urscript::builtin_index(name) : -1;
-    });
-    if (program.secondary) {
-      if (secondaries_.size() < kSecondaries)
-        secondaries_.push_back(std::make_unique<Machine>(std::move(program), *this));
-      return;
-    }
-    if (program_) end_program("PROGRAM_XXX_STOPPED");
-    program_name_ = program.name.empty() ? "unnamed" : program.name;
-    say(make_event(Kind::kKey, "PROGRAM_XXX_STARTED", program_name_));
-    if (!can_move()) {  // a robot that may not move ends every program at once
-      say(make_event(Kind::kKey, "PROGRAM_XXX_STOPPED", program_name_));
-      return;
-    }
-    program_ = std::make_unique<Machine>(std::move(program), *this);
-    program_started_ = uptime();
-    motion_owner_ = 0;
-    runtime_ = RuntimeState::kPlaying;
-    if (faults.fieldbus_stops_programs)
-      protective_stop(kFieldbusLost, "Fieldbus connection lost: fault switch");
+    return {urscript::compile(source,
+                              [this](const std::string& name) {
+                                return has_function(name) ? urscript::builtin_index(name) : -1;
+                              }),
+            {}};
   } catch (const urscript::CompileError& error) {
-    report(error, nullptr);
+    return {std::nullopt, error};
   } catch (const urscript::ScriptError& error) {
-    report({1, 1, error.text}, nullptr);
+    return {std::nullopt, {1, 1, error.text}};
+  } catch (const std::exception& error) {
+    return {std::nullopt, {1, 1, concat("Internal error: ", error.what())}};
   }
+}
+
+void UrController::run(CompiledScript script) {
+  if (faults.scripts_never_start) return;
+  if (!script.program) return report(script.error, nullptr);
+  urscript::Program& program = *script.program;
+  if (program.secondary) {
+    if (secondaries_.size() >= kSecondaries)
+      return report({1, 1, concat("more than ", kSecondaries, " secondary programs at once")}, &program);
+    secondaries_.push_back(std::make_unique<Machine>(std::move(program), *this));
+    return;
+  }
+  if (program_) end_program("PROGRAM_XXX_STOPPED");
+  program_name_ = program.name.empty() ? "unnamed" : program.name;
+  say(make_event(Kind::kKey, "PROGRAM_XXX_STARTED", program_name_));
+  if (!can_move()) {  // a robot that may not move ends every program at once
+    say(make_event(Kind::kKey, "PROGRAM_XXX_STOPPED", program_name_));
+    return;
+  }
+  program_ = std::make_unique<Machine>(std::move(program), *this);
+  program_started_ = uptime();
+  motion_owner_ = 0;
+  runtime_ = RuntimeState::kPlaying;
+  if (faults.fieldbus_stops_programs)
+    protective_stop(kFieldbusLost, "Fieldbus connection lost: fault switch");
 }
 
 void UrController::stop_program() {

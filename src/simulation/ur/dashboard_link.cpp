@@ -14,17 +14,23 @@ DashboardLink::DashboardLink(TcpStream stream, UrController& controller)
 }
 
 void DashboardLink::receive(std::string_view bytes) {
+  std::string answers;
+  bool closes = false;
   for (const char c : bytes) {
     if (c != '\n') {
-      if (line_.size() >= kLongestLine) return close();
+      closes = line_.size() >= kLongestLine;
+      if (closes) break;
       if (c != '\r') line_ += c;
       continue;
     }
     const DashboardAnswer answer = answer_dashboard(controller(), line_);
     line_.clear();
-    send(answer.line + "\n");
-    if (answer.closes) return close();
+    answers += answer.line + "\n";
+    closes = answer.closes;
+    if (closes) break;
   }
+  send(answers);
+  if (closes) close();
 }
 
 }  // namespace stonestack

@@ -145,6 +145,7 @@ class Cutter {
     if (peek() == '0' && (peek(1) == 'x' || peek(1) == 'X')) {
       length = 2;
       while (std::isxdigit(static_cast<unsigned char>(peek(length)))) ++length;
+      if (length == 2) throw syntax_error(source_, line_, column());
     } else {
       while (is_digit(peek(length))) ++length;
       if (peek(length) == '.') {

@@ -57,6 +57,8 @@ class Motion {
   /// The current command's function may return.
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool moving() const;
+  /// Moves under way: of a way with blends two or three, however long it is.
+  [[nodiscard]] std::size_t moves_under_way() const { return moves_.size(); }
 
   /// Goes on by `seconds` of the motion's own time, which speed scaling stretches. `wrench_B` is what presses
   /// on the tool at P, base axes. Returns why that cannot be, leaving the target where it was; else empty.
@@ -83,6 +85,7 @@ class Motion {
   [[nodiscard]] Six corner() const;
   void begin_speed(bool line, const Six& target, double acceleration, double seconds);
   [[nodiscard]] bool next_moves(double seconds, Joints& q);
+  void leave_finished_moves();
   [[nodiscard]] bool next_servo(double seconds, Joints& q);
   [[nodiscard]] bool next_speed(double seconds, Joints& q);
   [[nodiscard]] bool press(double seconds, const Six& wrench_B, Joints& q);

@@ -34,7 +34,19 @@ Six Motion::Move::way_at(double share) const {
   return part;
 }
 
+// The way goes on from their ends. (A program may blend moves for hours; each step looks at all there are.)
+void Motion::leave_finished_moves() {
+  std::size_t over = 0;
+  while (over + 1 < moves_.size() && moves_[over].t >= moves_[over].profile.duration()) {
+    q_start_ += moves_[over].way;
+    T_B_start_ = compose(T_B_start_, moves_[over].way_at(1.0));
+    ++over;
+  }
+  moves_.erase(moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(over));
+}
+
 bool Motion::next_moves(double seconds, Joints& q) {
+  leave_finished_moves();
   Six sum = Six::Zero();
   Pose pose = T_B_start_;
   bool all_over = true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <unordered_map>
 
 #include "stonestack/kinematics/forward.hpp"
@@ -198,29 +199,34 @@ RtdeWriter rtde_writer(const RtdeField& field) {
   return [name](UrController& c, const RtdeValue& v) { c.masked_inputs[name] = v; };
 }
 
-void apply_masked_inputs(UrController& controller) {
+void apply_masked_inputs(UrController& controller, const std::vector<std::string>& names) {
   auto& inputs = controller.masked_inputs;
   const auto byte = [&](const char* name) -> unsigned {
     const auto it = inputs.find(name);
     return it == inputs.end() ? 0U : std::get<std::uint8_t>(it->second);
   };
+  const auto mask = [&](const char* name) {
+    return std::find(names.begin(), names.end(), name) == names.end() ? 0U : byte(name);
+  };
   auto& io = controller.io;
-  set_masked(io.digital_out, byte("standard_digital_output_mask"), byte("standard_digital_output"), 0, 0xFF);
-  set_masked(io.digital_out, byte("configurable_digital_output_mask"), byte("configurable_digital_output"), 8,
+  set_masked(io.digital_out, mask("standard_digital_output_mask"), byte("standard_digital_output"), 0, 0xFF);
+  set_masked(io.digital_out, mask("configurable_digital_output_mask"), byte("configurable_digital_output"), 8,
              0xFF);
-  set_masked(io.digital_out, byte("tool_digital_output_mask"), byte("tool_digital_output"), 16, 0x3);
-  const unsigned analog = byte("standard_analog_output_mask"), types = byte("standard_analog_output_type");
+  set_masked(io.digital_out, mask("tool_digital_output_mask"), byte("tool_digital_output"), 16, 0x3);
+  const unsigned analog = mask("standard_analog_output_mask"), types = byte("standard_analog_output_type");
   for (unsigned i = 0; i < 2; ++i) {
     if (!(analog >> i & 1U)) continue;
     io.analog_out_types = (io.analog_out_types & ~(1U << i)) | (types & (1U << i));
     const auto it = inputs.find("standard_analog_output_" + std::to_string(i));
-    if (it != inputs.end()) io.analog_out[i] = std::clamp(std::get<double>(it->second), 0.0, 1.0);
+    const double wanted = it == inputs.end() ? NAN : std::get<double>(it->second);
+    if (!std::isnan(wanted)) io.analog_out[i] = std::clamp(wanted, 0.0, 1.0);
   }
-  const auto mask = inputs.find("speed_slider_mask"), fraction = inputs.find("speed_slider_fraction");
-  if (mask != inputs.end() && fraction != inputs.end() && std::get<std::uint32_t>(mask->second) == 1U) {
-    const double wanted = std::get<double>(fraction->second);
-    if (wanted >= 0.0 && wanted <= 1.0) controller.speed_slider = wanted;
-  }
+  const auto slider = inputs.find("speed_slider_mask"), fraction = inputs.find("speed_slider_fraction");
+  if (slider == inputs.end() || fraction == inputs.end()) return;
+  if (std::find(names.begin(), names.end(), "speed_slider_mask") == names.end()) return;
+  const double wanted = std::get<double>(fraction->second);
+  if (std::get<std::uint32_t>(slider->second) == 1U && wanted >= 0.0 && wanted <= 1.0)
+    controller.speed_slider = wanted;
 }
 
 }  // namespace stonestack

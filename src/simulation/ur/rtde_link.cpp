@@ -11,7 +11,9 @@ RtdeLink::RtdeLink(TcpStream stream, UrController& controller, InputOwners& owne
     : ServerLink(std::move(stream), controller), session_(number, controller, owners) {}
 
 void RtdeLink::receive(std::string_view bytes) {
-  for (const auto& reply : session_.feed(bytes)) send(reply);
+  std::string replies;
+  for (const auto& reply : session_.feed(bytes)) replies += reply;
+  send(replies);
   if (session_.broken()) close();
 }
 

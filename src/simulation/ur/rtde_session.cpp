@@ -162,10 +162,7 @@ void RtdeSession::take_data(const RtdePacket& packet) {
     recipe.writers[i](*controller_, data->values[i]);
     controller_->input_written(recipe.names[i]);
   }
-  const bool masked = std::any_of(recipe.names.begin(), recipe.names.end(), [](const std::string& name) {
-    return name.find("_mask") != std::string::npos;
-  });
-  if (masked) apply_masked_inputs(*controller_);
+  apply_masked_inputs(*controller_, recipe.names);
 }
 
 std::optional<std::string> RtdeSession::sample() {

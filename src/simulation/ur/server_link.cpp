@@ -15,19 +15,18 @@ constexpr double kMostBehind = 10.0;           // s without progress until a cli
 constexpr int kSendBuffer = 32768;             // bytes in the kernel: a slow reader is noticed soon
 constexpr std::size_t kMostPending = 1 << 20;  // bytes
 constexpr std::size_t kMostLinks = 32;
-constexpr int kReadsAStep = 16;
 
 }  // namespace
 
-ServerLink::ServerLink(TcpStream stream, UrController& controller, Unread unread)
-    : stream_(std::move(stream)), controller_(&controller), unread_(unread) {
+ServerLink::ServerLink(TcpStream stream, UrController& controller, Unread unread, int reads_a_step)
+    : stream_(std::move(stream)), controller_(&controller), unread_(unread), reads_a_step_(reads_a_step) {
   ::setsockopt(stream_.descriptor(), SOL_SOCKET, SO_SNDBUF, &kSendBuffer, sizeof(kSendBuffer));
 }
 
 void ServerLink::pump() {
   if (dead_) return;
   std::array<std::uint8_t, 8192> buffer;
-  for (int k = 0; k < kReadsAStep && !dead_; ++k) {
+  for (int k = 0; k < reads_a_step_ && !dead_ && !has_enough(); ++k) {
     const IoResult result = stream_.read_some(buffer, Deadline::in(0));
     if (result.bytes > 0 && !mute_) receive({reinterpret_cast<const char*>(buffer.data()), result.bytes});
     if (result.status == IoStatus::kClosed) dead_ = true;
@@ -93,9 +92,16 @@ void ServerPort::shut() {
 
 void ServerPort::accept() {
   while (listener_) {
-    auto stream = listener_->accept(Deadline::in(0));
-    if (!stream) return;
-    if (links_.size() < kMostLinks) links_.push_back(make_(std::move(*stream)));
+    try {
+      auto stream = listener_->accept(Deadline::in(0));
+      if (!stream) return;
+      if (links_.size() < kMostLinks) links_.push_back(make_(std::move(*stream)));
+    } catch (const DeviceError& problem) {  // out of sockets: those who are there go on
+      if (!cannot_accept_) log_warning(concat("simulated UR controller: ", problem.what()));
+      cannot_accept_ = true;
+      return;
+    }
+    cannot_accept_ = false;
   }
 }
 

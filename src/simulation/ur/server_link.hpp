@@ -13,7 +13,10 @@ class ServerLink {
  public:
   /// What becomes of a client that does not read.
   enum class Unread { kDisconnected, kSkipped };
-  ServerLink(TcpStream stream, UrController& controller, Unread unread = Unread::kDisconnected);
+  /// Of what the client sends at most so many times 8192 bytes are taken a step: the rest waits, so that no
+  /// client keeps the step from the others.
+  ServerLink(TcpStream stream, UrController& controller, Unread unread = Unread::kDisconnected,
+             int reads_a_step = 1);
   virtual ~ServerLink() = default;
 
   /// Reads what has come, and writes what is still to go.
@@ -30,6 +33,8 @@ class ServerLink {
 
  protected:
   virtual void receive(std::string_view bytes) = 0;
+  /// Nothing more is read in this step.
+  [[nodiscard]] virtual bool has_enough() const { return false; }
   /// Sends all of it, sooner or later; what finds no room is skipped, or ends the link.
   void send(std::string_view bytes);
   /// Sends it now or, if the client is behind, not at all.
@@ -42,6 +47,7 @@ class ServerLink {
   TcpStream stream_;
   UrController* controller_;
   Unread unread_;
+  int reads_a_step_;
   std::string pending_;
   double behind_since_ = -1.0;  // s, controller time
   bool dead_ = false, mute_ = false;
@@ -70,6 +76,7 @@ class ServerPort {
   MakeLink make_;
   std::unique_ptr<TcpListener> listener_;
   std::vector<std::unique_ptr<ServerLink>> links_;
+  bool cannot_accept_ = false;  // and has said so
 };
 
 }  // namespace stonestack

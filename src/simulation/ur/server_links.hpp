@@ -1,6 +1,7 @@
 #pragma once
 #include "simulation/ur/rtde_session.hpp"
 #include "simulation/ur/script_collector.hpp"
+#include "simulation/ur/script_queue.hpp"
 #include "simulation/ur/server_link.hpp"
 
 namespace stonestack {
@@ -23,18 +24,22 @@ class RtdeLink final : public ServerLink {
 class ScriptLink final : public ServerLink {
  public:
   enum class Kind { kPrimary, kSecondary, kRealtime };
-  ScriptLink(TcpStream stream, UrController& controller, Kind kind, bool read_only);
+  /// What it receives goes into the queue, under its number.
+  ScriptLink(TcpStream stream, UrController& controller, ScriptQueue& queue, int number, Kind kind,
+             bool read_only);
   void after_step() override;
   /// Messages go to primary clients only.
   void tell(const ControllerEvent& event);
 
  protected:
   void receive(std::string_view bytes) override;
+  [[nodiscard]] bool has_enough() const override { return queue_->is_full(number_); }
 
  private:
   void take(const std::string& script);
-  bool take_command(const std::string& line);
 
+  ScriptQueue* queue_;
+  int number_;
   Kind kind_;
   bool read_only_;
   ScriptCollector collector_;

@@ -30,6 +30,8 @@ bool due(double& at, double now) {
 struct UrControllerServer::Parts {
   UrServerOptions options;
   UrController controller;
+  ScriptQueue queue;
+  int next_link = 1;
   InputOwners owners;
   int next_session = 1;
   int script_links = 0;
@@ -44,7 +46,7 @@ struct UrControllerServer::Parts {
   std::vector<std::function<void()>> calls;  // from other threads
 
   Parts(const UrServerOptions& all, const RobotModel& robot, Plant& plant)
-      : options(all), controller(all, robot, plant) {}
+      : options(all), controller(all, robot, plant), queue(controller) {}
 
   [[nodiscard]] std::unique_ptr<ServerPort> open(int standard, ServerPort::MakeLink make) const;
   void open_all();
@@ -85,7 +87,7 @@ void UrControllerServer::Parts::open_all() {
     const bool read_only = k >= 3;
     scripts.push_back(open(30001 + k % 3 + (read_only ? 10 : 0), [this, kind, read_only](TcpStream stream) {
       const bool reads = read_only || ++script_links <= controller.faults.read_only_links;
-      return std::make_unique<ScriptLink>(std::move(stream), controller, kind, reads);
+      return std::make_unique<ScriptLink>(std::move(stream), controller, queue, next_link++, kind, reads);
     }));
     *numbers[k] = scripts.back()->port();
   }
@@ -126,6 +128,7 @@ void UrControllerServer::Parts::turn(bool accept) {
   };
   if (accept) each([](ServerPort& port) { port.accept(); });
   each([](ServerPort& port) { port.pump(); });
+  queue.turn();
   controller.step();
   trigger_faults();
   each([](ServerPort& port) { port.after_step(); });

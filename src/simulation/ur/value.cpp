@@ -251,8 +251,12 @@ Value apply(Operator op, const Value& a, const Value& b) {
   return arithmetic(op, a, b);
 }
 
+long long whole_number(double number) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(static_cast<long long>(number)));
+}
+
 Value negate(const Value& value) {
-  if (const auto* it = std::get_if<long long>(&value.is)) return -*it;
+  if (const auto* it = std::get_if<long long>(&value.is)) return whole_number(-static_cast<double>(*it));
   if (std::holds_alternative<List>(value.is)) return elementwise(Operator::kMultiply, Value(-1), value);
   return -number(value);
 }

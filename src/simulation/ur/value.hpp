@@ -111,6 +111,8 @@ enum class Operator {
 };
 [[nodiscard]] Value apply(Operator op, const Value& a, const Value& b);
 [[nodiscard]] Value negate(const Value& value);
+/// An integer as the controller has it, of 32 bits: what is beyond goes round. For |number| below 2^53.
+[[nodiscard]] long long whole_number(double number);
 /// value[index]; a list, pose or string.
 [[nodiscard]] Value element(const Value& value, long long index);
 /// value[index] = element, in place.

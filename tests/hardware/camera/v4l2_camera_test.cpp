@@ -7,10 +7,12 @@
 #include <array>
 #include <cerrno>
 #include <deque>
+#include <filesystem>
 
 #include "hardware/camera/v4l2_calls.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/hardware/camera/recorded_camera.hpp"
 
 namespace stonestack {
 namespace {
@@ -35,6 +37,7 @@ struct Script {
   double clock = 100.0;
   bool streaming = false;
   int queued = 0, mapped = 0;
+  std::string asked;  // S format, R buffers, Q a buffer in, + on, D a buffer out, - off
 };
 
 class FakeKernel final : public V4l2Calls {
@@ -47,6 +50,7 @@ class FakeKernel final : public V4l2Calls {
         static_cast<v4l2_capability*>(argument)->capabilities = script_->capabilities;
         return 0;
       case VIDIOC_S_FMT: {
+        script_->asked += 'S';
         auto& pix = static_cast<v4l2_format*>(argument)->fmt.pix;
         EXPECT_EQ(pix.pixelformat, V4L2_PIX_FMT_Z16);
         pix.pixelformat = script_->format;
@@ -56,6 +60,7 @@ class FakeKernel final : public V4l2Calls {
         return 0;
       }
       case VIDIOC_REQBUFS:
+        script_->asked += 'R';
         static_cast<v4l2_requestbuffers*>(argument)->count = 3;
         return 0;
       case VIDIOC_QUERYBUF:
@@ -63,16 +68,20 @@ class FakeKernel final : public V4l2Calls {
         buffer->m.offset = 4096 * buffer->index;
         return 0;
       case VIDIOC_QBUF:
+        script_->asked += 'Q';
         ++script_->queued;
         return 0;
       case VIDIOC_STREAMON:
+        script_->asked += '+';
         errno = script_->fail_at;
         script_->streaming = script_->fail_at == 0;
         return script_->fail_at == 0 ? 0 : -1;
       case VIDIOC_STREAMOFF:
+        script_->asked += '-';
         script_->streaming = false;
         return 0;
       case VIDIOC_DQBUF:
+        script_->asked += 'D';
         return dequeue(*buffer);
       default:
         errno = ENOTTY;
@@ -155,6 +164,94 @@ TEST(V4l2Camera, FramesExposedBeforeTheCallAndDamagedOnesAreDropped) {
   EXPECT_EQ(bench.script.queued, 3);
 }
 
+// Lines of 6 bytes: the last one's padding may be missing, its pixels may not. 9 bytes would do without
+// padding.
+TEST(V4l2Camera, ShortFramesOfPaddedLinesAreDamaged) {
+  Bench bench;
+  bench.script.frames = {{100.1, 0, 9, kOther}, {100.2, 0, 10, kRaw}};
+  V4l2Stream stream = bench.open();
+  EXPECT_EQ(stream.capture().number, 2);
+  EXPECT_EQ(bench.script.queued, 3);
+}
+
+TEST(V4l2Camera, AsksInTheOrderThatTheKernelWants) {
+  Bench bench;
+  bench.script.frames = {{100.1, 0, 12, kRaw}};
+  {
+    V4l2Stream stream = bench.open();
+    (void)stream.capture();
+  }
+  EXPECT_EQ(bench.script.asked, "SRQQQ+DQ-");
+}
+
+TEST(V4l2Camera, WhatDoesNotStartLeavesNothingMapped) {
+  Bench bench;
+  bench.script.fail_at = ENOSPC;
+  EXPECT_THROW((void)bench.open(), DeviceError);
+  EXPECT_EQ(bench.script.mapped, 0);
+}
+
+TEST(V4l2Camera, TimeStampsOfAnotherClockAreRefused) {
+  Bench bench;
+  bench.script.frames = {{1.7e9, 0, 12, kRaw}};  // since 1970
+  V4l2Stream stream = bench.open();
+  EXPECT_THAT([&] { (void)stream.capture(); }, ThrowsMessage<DeviceError>(HasSubstr("monotonic clock")));
+  EXPECT_EQ(bench.script.queued, 3);
+}
+
+// As they came: padding, a damaged one, a short one, one from before the call. The recording gives what the
+// device gave, and the one from before, for nobody waits any more.
+TEST(V4l2Camera, WhatItRecordsPlaysThroughTheSameDecoder) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "v4l2_recording";
+  std::filesystem::remove_all(folder);
+  Bench bench;
+  bench.options.record = folder.string();
+  bench.options.camera.cx = 0.25;
+  bench.script.frames = {{99.5, 0, 12, kOther},
+                         {100.1, V4L2_BUF_FLAG_ERROR, 12, kOther},
+                         {100.2, 0, 9, kOther},
+                         {100.25, 0, 10, kRaw},
+                         {100.5, 0, 12, kOther}};
+  std::vector<DepthFrame> live;
+  {
+    V4l2Stream stream = bench.open();
+    live.push_back(stream.capture());
+    live.push_back(stream.capture());
+  }
+  RecordedCameraOptions options;
+  options.path = folder.string();
+  RecordedCamera played(options);
+  ASSERT_EQ(played.frames(), 3U);
+  EXPECT_EQ(played.intrinsics().cx, 0.25);
+  EXPECT_NEAR(played.capture().device_time, 99.5, 1e-5);
+  for (const DepthFrame& frame : live) {
+    const DepthFrame again = played.capture();
+    EXPECT_EQ(again.image.z, frame.image.z);
+    EXPECT_EQ(again.device_time, frame.device_time);
+  }
+  EXPECT_EQ(std::filesystem::file_size(folder / "v4l2.raw"), 12U + 12 + 9 + 10 + 12);
+  EXPECT_THAT([&] { (void)bench.open(); }, ThrowsMessage<FileError>(HasSubstr("holds a recording already")));
+}
+
+TEST(V4l2Camera, RecordingsThatLieAreNamed) {
+  CameraIntrinsics camera;
+  camera.width = camera.height = 2;
+  const auto refused = [&](const std::string& text, const char* problem) {
+    EXPECT_THAT([&] { (void)parse_v4l2_list(text, "/r", camera, 24); },
+                ThrowsMessage<FileError>(HasSubstr(problem)))
+        << text;
+  };
+  const std::string head = "stonestack v4l2 1\nZ16 2 2 6\n";
+  EXPECT_EQ(parse_v4l2_list(head + "0 5 0 0 12\n1 6 0 0 12\n", "/r", camera, 24).at(1).offset, 12U);
+  refused("", "does not begin");
+  refused("stonestack v4l2 1\nYUYV 2 2 6\n", "line 2");
+  refused("stonestack v4l2 1\nZ16 4 2 8\n", "frames of 4 x 2");
+  refused("stonestack v4l2 1\nZ16 2 2 3\n", "lines of 3 bytes");
+  refused(head + "0 5 0 0 25\n", "no more than 24");
+  refused(head + "0 5 0 0 12\n1 5 0 0 12\n", "line 4: a time that does not rise");
+  refused(head + "0 5 0 0\n", "line 3");
+}
+
 TEST(V4l2Camera, OldFramesWithoutEndEndAtTheDeadline) {
   Bench bench;
   bench.script.endless = true;  // all exposed before the call: a clock that stands
@@ -190,6 +287,7 @@ TEST(V4l2Camera, SaysWhatIsWrongWithTheNode) {
             "give the depth node");
   open_with([](Bench& b) { b.script.format = V4L2_PIX_FMT_YUYV; }, "gives 'YUYV', not 'Z16 '");
   open_with([](Bench& b) { b.script.width = 640; }, "gives 640 x 2 pixels, not 2 x 2");
+  open_with([](Bench& b) { b.script.line = 3; }, "gives lines of 3 bytes for 2 pixels");
   open_with([](Bench& b) { b.script.fail_at = ENOSPC; }, "does not start: No space left");
   EXPECT_THAT(
       [] {

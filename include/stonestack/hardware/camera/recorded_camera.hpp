@@ -8,7 +8,7 @@ namespace stonestack {
 
 struct RecordedCameraOptions {
   std::string path;             ///< a folder, or one PCD or PLY cloud, or a file of raw Z16 frames
-  std::string format = "auto";  ///< auto, tum, open3d, clouds or z16
+  std::string format = "auto";  ///< auto, tum, open3d, clouds, z16 or v4l2
   CameraSettings camera;        ///< what the recording does not tell
   double rate = 30.0;           ///< frames/s, of recordings without times
   bool loop = false;            ///< start again after the last frame; times and numbers go on
@@ -20,7 +20,8 @@ struct RecordedCameraOptions {
 ///   tum     folder with depth.txt ("time file" a line) and 16-bit PNGs
 ///   open3d  folder with depth/*.png and camera_intrinsic.json (width, height, intrinsic_matrix by columns)
 ///   clouds  folder of PCD and PLY files in the camera's frame and metres, or one such file
-///   z16     raw frames of 16 bits little-endian, one behind the other (what V4L2 gives)
+///   z16     raw frames of 16 bits little-endian, one behind the other
+///   v4l2    what V4l2Camera has recorded, driver's padding and damaged frames included
 /// A file camera.yaml in the folder may hold the fields of CameraSettings; the options fill what neither it
 /// nor the recording says. A depth scale that nobody gives is an error, except for clouds.
 class RecordedCamera final : public DepthCamera {

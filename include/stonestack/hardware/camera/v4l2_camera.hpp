@@ -11,6 +11,7 @@ struct V4l2CameraOptions {
   CameraSettings camera;               ///< V4L2 carries neither scale nor intrinsics
   int buffers = 4;
   double frame_timeout = 2.0;  ///< s
+  std::string record;  ///< folder that keeps what the driver gives, as it came; empty: nothing is kept
   FrameCheckOptions check;
 };
 [[nodiscard]] FieldList fields(V4l2CameraOptions& options);
@@ -20,12 +21,13 @@ struct V4l2CameraOptions {
 class V4l2Camera final : public DepthCamera {
  public:
   /// Opens and starts streaming. Throws DeviceError when the node is missing, is no capture device or does
-  /// not give Z16 of the size asked for; InvalidArgument when scale or focal lengths are not given.
+  /// not give Z16 of the size asked for; InvalidArgument when scale or focal lengths are not given;
+  /// FileError when the folder to record to holds a recording already.
   explicit V4l2Camera(const V4l2CameraOptions& options);
   ~V4l2Camera() override;
   /// A frame whose time stamp lies after the call; frames that waited in the queue are dropped. `device_time`
   /// is the kernel's monotonic time, `number` the driver's sequence. Throws DeviceError when none comes in
-  /// time, and what FrameCheck refuses.
+  /// time, when the time stamps are of another clock, and what FrameCheck refuses.
   [[nodiscard]] DepthFrame capture() override;
 
  private:

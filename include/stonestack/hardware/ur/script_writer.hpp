@@ -74,7 +74,7 @@ struct ScriptGuard {
 
 /// The last gate before the wire. Empty if the trajectory may be sent, else what is wrong with it: sizes,
 /// numbers that are not finite, times that do not rise from 0, a start far from `q`, and, at every control
-/// step, joint limits, joint speeds and the tool's room.
+/// step, joint limits, speeds, accelerations and the tool's room.
 [[nodiscard]] std::string find_fault(const JointTrajectory& trajectory, const Joints& q,
                                      const RobotModel& robot, const ScriptContext& context);
 
