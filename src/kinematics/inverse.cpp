@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
 constexpr double kRounding = 1e-5;  // m: what rounding may make of a reachable pose where singularities meet
-constexpr double kLimitSlack = 1e-9;  // rad: an angle this far outside its limit is set onto it
+constexpr double kLimitSlack = 2e-10;  // rad: an angle this far outside its limit is set onto it
 
 /// The values of angle + 2 pi k within the limits; at most four, for limits within a turn either way.
 struct Equivalents {
