@@ -195,6 +195,20 @@ TEST(Inverse, RefusesWhatIsNoPose) {
   EXPECT_THROW((void)inverse(robot, Pose::Identity(), Joints::Constant(std::nan(""))), InvalidArgument);
 }
 
+TEST(Inverse, HasNoBranchForASeedThatIsNoAngle) {
+  const RobotModel robot = read_robot("ur10");
+  Joints q;
+  q << 0.1, -1.0, 1.0, -1.0, -1.0, 0.3;
+  const Pose T_R_F = forward(robot, q);
+  for (const double bad : {std::nan(""), HUGE_VAL, 1e300}) {
+    Joints seed = q;
+    seed[2] = bad;
+    EXPECT_EQ(inverse_branches(robot, T_R_F, seed).count, 0) << bad;
+    EXPECT_FALSE(inverse_on_branch(robot, T_R_F, seed, branch_of(robot, q)).found) << bad;
+    EXPECT_THROW((void)inverse(robot, T_R_F, seed), InvalidArgument) << bad;
+  }
+}
+
 TEST(Inverse, FollowsOneBranchAlongALine) {
   const RobotModel robot = read_robot("ur5e");
   Joints q;
