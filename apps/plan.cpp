@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
@@ -117,6 +118,11 @@ nlohmann::json step_json(const PlanStep& step) {
 
 /// All motions one after the other, sampled at the control period.
 std::string csv_text(const PickAndPlacePlan& plan) {
+  const auto number = [](double value) {  // so many digits that accelerations can be told from differences
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), ",%.12g", value);
+    return std::string(digits.data());
+  };
   std::string text = "step,kind,t,q0,q1,q2,q3,q4,q5,qd0,qd1,qd2,qd3,qd4,qd5\n";
   for (std::size_t s = 0; s < plan.steps.size(); ++s) {
     const auto& trajectory = plan.steps[s].trajectory;
@@ -125,9 +131,9 @@ std::string csv_text(const PickAndPlacePlan& plan) {
     for (long i = 0; i <= samples; ++i) {
       const double t = std::min(trajectory.duration(), static_cast<double>(i) * kSamplePeriod);
       const JointState state = sample(trajectory, t);
-      text += concat(s, ',', kind_text(plan.steps[s].kind), ',', t);
-      for (const double q : state.q) text += concat(',', q);
-      for (const double qd : state.qd) text += concat(',', qd);
+      text += concat(s, ',', kind_text(plan.steps[s].kind)) + number(t);
+      for (const double q : state.q) text += number(q);
+      for (const double qd : state.qd) text += number(qd);
       text += '\n';
     }
   }
@@ -179,7 +185,8 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
     Planned planned{scene, make_task(catalogue, belief, stone, target.T_W_O, q_start), {}};
     planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
     if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
-    refusals += concat(refusals.empty() ? "" : "; ", target.stone, ": ", planned.plan.reason);
+    const std::string refusal = concat(target.stone, ": ", planned.plan.reason);
+    if (refusals.find(refusal) == std::string::npos) refusals += (refusals.empty() ? "" : "; ") + refusal;
   }
   throw Error(concat("no plan: ", refusals,
                      command.search.empty()

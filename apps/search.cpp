@@ -17,6 +17,7 @@
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stacking/build_tower.hpp"
@@ -146,6 +147,21 @@ void write_outputs(const SearchCommand& command, const Catalogue& catalogue,
   log_info("wrote " + command.picture);
 }
 
+/// Stones that hand and arm cannot carry are left where they lie; fails where that leaves none.
+void leave_what_is_too_heavy(const PlanningScene& scene, const Catalogue& catalogue, SearchProblem& problem) {
+  std::string heavy;
+  std::erase_if(problem.available, [&](const auto& item) {
+    const Stone& stone = catalogue.stones[static_cast<std::size_t>(item.stone)];
+    const std::string who = overload(stone.mass.mass, scene.gripper, scene.robot);
+    if (!who.empty())
+      heavy += concat(heavy.empty() ? "" : ", ", stone.name, " (", stone.mass.mass, " kg, ", who, ")");
+    return !who.empty();
+  });
+  if (problem.available.empty() && !heavy.empty())
+    throw Error("no stone of the scene can be carried: " + heavy, ExitCode::kExecutionFailed);
+  if (!heavy.empty()) log_info("left where they lie, too heavy: " + heavy);
+}
+
 /// With --robot only poses are wanted to which that arm can bring the stones from where they lie, in one go.
 void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, SearchProblem* problem) {
   if (command.robot.empty()) return;
@@ -158,8 +174,9 @@ void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, Searc
     layout.obstacles = file.obstacles;
     layout.paddings = file.paddings;
   }
-  const auto reach = std::make_shared<Reach>(belief, make_planning_scene(layout, robot, catalogue, belief),
-                                             catalogue, command.motion);
+  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
+  leave_what_is_too_heavy(scene, catalogue, *problem);
+  const auto reach = std::make_shared<Reach>(belief, scene, catalogue, command.motion);
   problem->reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {
     return reach->in_one_go(stone, T_W_O, below);
   };

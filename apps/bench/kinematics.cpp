@@ -49,21 +49,23 @@ double over_base(const RobotModel& robot, const Joints& t) {
   return std::atan2(-c, s);
 }
 
-/// Every combination of wrist in line, elbow stretched or folded and wrist over the base, exactly and beside
-/// it by 1e-12 to 1e-3 rad. What is singular is asked for in DH angles.
+/// Every combination of wrist in line, elbow stretched or folded and wrist over the base, each exactly or
+/// beside it by 1e-12 to 1e-3 rad of its own. What is singular is asked for in DH angles.
 std::vector<Problem> singular_problems(const RobotModel& robot, std::size_t count, std::uint64_t seed) {
-  constexpr std::array kBeside{0.0, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-3};
+  constexpr std::array kBeside{0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-4, 1e-3};
   constexpr double kPi = 3.14159265358979323846;
   Random random = Random::stream(seed, robot.name + " singular");
   std::vector<Problem> problems(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t kind = 1 + i % 7;
-    const auto beside = [&] { return (random.uniform() < 0.5 ? -1 : 1) * kBeside[i / 7 % kBeside.size()]; };
+    const auto beside = [&] {
+      return (random.uniform() < 0.5 ? -1 : 1) * kBeside[random.index(kBeside.size())];
+    };
     Joints t;
     for (auto& angle : t) angle = random.uniform(-kPi, kPi);
     if ((kind & 1) != 0) t[4] = kPi * static_cast<double>(random.index(2)) + beside();
     if ((kind & 2) != 0) t[2] = kPi * static_cast<double>(random.index(2)) + beside();
-    if ((kind & 4) != 0) t[1] = over_base(robot, t) + beside();
+    if ((kind & 4) != 0) t[1] = over_base(robot, t) + kPi * static_cast<double>(random.index(2)) + beside();
     problems[i].q = t - robot.dh_offset;
     problems[i].T_R_F = forward(robot, problems[i].q);
   }

@@ -99,7 +99,7 @@ void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist) {
   const double one = std::remainder(heading + half - now, kTurn);
   const double other = std::remainder(heading - half - now, kTurn);
   const double turn = std::abs(one) <= std::abs(other) ? one : other;
-  if (wrist.sine * std::abs(turn) > kClamp) return;
+  if (wrist.sine * std::abs(turn) > kGuess) return;
   set_hand(robot, t, turn_by(wrist.q6 + (wrist.q5.c > 0.0 ? -turn : turn)), wrist);
 }
 

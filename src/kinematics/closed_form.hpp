@@ -7,6 +7,9 @@
 namespace stonestack {
 
 inline constexpr double kClamp = 5e-10;  ///< m: how far outside the reach a pose may lie and still be met
+/// m that a solution may be off before it is polished: where the wrist is over the base, rounding leaves 1e-8
+/// rad of the base's angle, and with wrist 2 in line to within that no more is left of wrist 3 than a guess.
+inline constexpr double kGuess = 1e-6;
 
 /// Pose of the last DH frame, and the wrist's centre, in the DH base.
 struct Target {
@@ -44,7 +47,7 @@ struct Wrist {
 void set_hand(const RobotModel& robot, const Target& t, const Turn& q6, Wrist& wrist);
 /// With wrist 2 in line, wrist 3 is free or nearly so, and its value (the seed's, or what rounding left of
 /// it) may put wrist 1 out of reach although another one does not. Turns it to the nearest that reaches, if
-/// that moves the flange by less than kClamp.
+/// that moves the flange by less than kGuess.
 void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist);
 
 /// Elbow angle in [0, pi], and by how much (m) the target was out of its reach.

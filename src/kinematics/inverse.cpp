@@ -14,7 +14,13 @@ namespace {
 
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
 constexpr double kRounding = 1e-5;  // m: what rounding may make of a reachable pose where singularities meet
-constexpr double kLimitSlack = 1e-9;  // rad: an angle this far outside its limit is set onto it
+constexpr double kLimitSlack = 2e-10;  // rad: an angle this far outside its limit is set onto it
+
+constexpr double kFarthest = 1e6;  // rad: of a seed; further away rounding eats the angle
+
+bool is_seed(const Joints& seed) {
+  return (seed.array().abs() <= kFarthest).all();  // false for NaN
+}
 
 /// The values of angle + 2 pi k within the limits; at most four, for limits within a turn either way.
 struct Equivalents {
@@ -65,6 +71,7 @@ double residual(const RobotModel& robot, const Pose& T_R_F, const Joints& q) {
 
 /// The closed form; `wanted` is one branch, or -1 for all.
 IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed, int wanted) {
+  if (!is_seed(seed)) return {};
   if (robot.calibrated) return calibrated_branches(robot, T_R_F, seed, wanted);
   IkBranches branches;
   const Target t = target_of(robot, T_R_F);
@@ -98,7 +105,8 @@ IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed,
 
 void require_valid(const Pose& T_R_F, const Joints& seed) {
   require(is_valid(T_R_F), "inverse kinematics needs a rigid transform, got ", to_text(T_R_F));
-  require(seed.allFinite(), "inverse kinematics needs a finite seed, got ", seed.transpose());
+  require(is_seed(seed), "inverse kinematics needs a seed of finite angles, at most ", kFarthest,
+          " rad, got ", seed.transpose());
 }
 
 }  // namespace

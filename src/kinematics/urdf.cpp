@@ -28,9 +28,14 @@ class Complaints : public console_bridge::OutputHandler {
   Complaints& operator=(const Complaints&) = delete;
   ~Complaints() override { console_bridge::restorePreviousOutputHandler(); }
   void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first.empty()) first = text;
+    if (level < console_bridge::CONSOLE_BRIDGE_LOG_ERROR) return;
+    const std::string line = text.substr(0, text.find('\n'));
+    if (first.empty())
+      first = line;
+    else if (where.empty() && line.find('[') != std::string::npos && line != first)
+      where = line;  // a value's complaint is followed by one that names its joint or link
   }
-  std::string first;
+  std::string first, where;
 };
 
 urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& path) {
@@ -47,9 +52,10 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
     throw FileError(path, "has no root link: its joints form a loop",
                     "open the loop; 'base_link' is no joint's child");
   if (!complaints.first.empty() || !model) {
-    const auto line = complaints.first.substr(0, complaints.first.find('\n'));
-    throw FileError(path, line.empty() ? "is not a URDF" : "is not a valid URDF: " + line,
-                    "give a URDF of a UR robot");
+    const std::string where = complaints.where.empty() ? "" : " (" + complaints.where + ")";
+    throw FileError(
+        path, complaints.first.empty() ? "is not a URDF" : "is not a valid URDF: " + complaints.first + where,
+        "give a URDF of a UR robot");
   }
   return model;
 }
@@ -160,10 +166,14 @@ class Chain {
     if (in_chain != 6 || in_file != 6)
       refuse(concat("has ", in_file, " movable joints, ", in_chain, " of them between base_link and tool0"),
              "a UR arm has six; describe the gripper elsewhere");
-    for (const auto* joint : joints_)
+    for (const auto* joint : joints_) {
+      if (joint->mimic)
+        refuse(concat("joint '", joint->name, "' mimics joint '", joint->mimic->joint_name, "'"),
+               "an arm's joints turn on their own: drop its <mimic>");
       if (movable(*joint) && joint->type != urdf::Joint::REVOLUTE)
         refuse(concat("joint '", joint->name, "' is not of type revolute"),
                "make it revolute, with limits (a joint without end: one turn either way)");
+    }
   }
 
   [[nodiscard]] Pose pose(const urdf::Pose& from, const std::string& where) const {

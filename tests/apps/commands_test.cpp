@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <sstream>
+#include <utility>
 
 #include "stonestack/geometry/mesh_file.hpp"
 
@@ -168,6 +169,33 @@ constexpr const char* kLying =
     "qx: 0.3275739, qy: 0.9444004, qz: -0.017231, qw: 0.0225038}\n";
 constexpr const char* kTurned = "0.3275739,0.9444004,-0.017231,0.0225038";
 
+/// Accelerations as a reader of the CSV works them out, from second differences of the angles, keep 1.4
+/// rad/s^2.
+void expect_smooth_samples(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  double largest = 0.0, before[2][8] = {};
+  int step_of[2] = {-1, -1};
+  while (std::getline(lines, line)) {
+    int step = 0;
+    double now[8] = {};
+    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%*[a-z],%lf,%lf,%lf,%lf,%lf,%lf,%lf", &step, now, now + 1,
+                          now + 2, now + 3, now + 4, now + 5, now + 6),
+              8)
+        << line;
+    const bool even = std::abs(now[0] - 2 * before[1][0] + before[0][0]) < 1e-9;  // not the last sample
+    if (step_of[0] == step && step_of[1] == step && even)
+      for (int j = 1; j <= 6; ++j)
+        largest = std::max(largest, std::abs(now[j] - 2 * before[1][j] + before[0][j]) / (0.008 * 0.008));
+    std::copy(before[1], before[1] + 8, before[0]);
+    std::copy(now, now + 8, before[1]);
+    step_of[0] = std::exchange(step_of[1], step);
+  }
+  EXPECT_GT(largest, 1.0);
+  EXPECT_LE(largest, 1.4 * 1.0001);
+}
+
 TEST_F(Commands, PlanDrawsWhatItWillDo) {
   write("lying.yaml", kLying);
   const Outcome planned =
@@ -181,7 +209,23 @@ TEST_F(Commands, PlanDrawsWhatItWillDo) {
   EXPECT_EQ(pictures, static_cast<long>(motions) + 1);
   EXPECT_TRUE(fs::exists(folder_ + "/frames/03_lift.png"));
   EXPECT_THAT(read_file(folder_ + "/motion.svg", 1 << 22), HasSubstr("lift limestone_3"));
-  EXPECT_THAT(read_file(folder_ + "/motion.csv", 1 << 22), HasSubstr(",descent,"));
+  const std::string csv = read_file(folder_ + "/motion.csv", 1 << 22);
+  EXPECT_THAT(csv, HasSubstr(",descent,"));
+  expect_smooth_samples(csv);
+}
+
+TEST_F(Commands, AnArmThatTheHandIsTooHeavyForIsRefusedAtOnce) {
+  write("lying.yaml", kLying);
+  expect_refusal("search lying.yaml --robot ur3", 6,
+                 {"no stone of the scene can be carried", "ur3 carries 3 kg"});
+  const std::string there =
+      R"({"stone": "limestone_3", "T_W_O": {"x": 0.7, "y": 0.28, "z": 0.043, "qx": 0, "qy": 0, "qz": 0, "qw": 1}})";
+  write("next.json", concat("{\"placements\": [", there, "], \"alternatives\": [", there, "]}"));
+  const Outcome planned = run("plan lying.yaml --robot ur3 --search next.json");
+  EXPECT_EQ(planned.code, 6);
+  const std::size_t once = planned.err.find("ur3 carries 3 kg");
+  ASSERT_NE(once, std::string::npos) << planned.err;
+  EXPECT_EQ(planned.err.find("ur3 carries 3 kg", once + 1), std::string::npos) << planned.err;
 }
 
 TEST_F(Commands, PlanStaysClearOfTheObstaclesOfTheScene) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -134,6 +135,38 @@ TEST(Inverse, MeetsSingularPosesWithoutNan) {
   }
 }
 
+/// Wrist in line, elbow nearly stretched and wrist over the base, each beside it by another amount: what
+/// rounding leaves of the base's angle makes wrist 3 a guess, which may put wrist 1 out of reach.
+TEST(Inverse, MeetsPosesNearThreeSingularitiesAtOnce) {
+  constexpr std::array kBeside{0.0, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3};
+  for (const auto& name : robot_names()) {
+    const RobotModel robot = read_robot(name);
+    Random random = Random::stream(14, name);
+    const auto beside = [&] {
+      return (random.uniform() < 0.5 ? -1 : 1) * kBeside[random.index(kBeside.size())];
+    };
+    double worst = 0.0;
+    int empty = 0;
+    for (int k = 0; k < 6000; ++k) {
+      Joints q = random_joints(robot, random);
+      q[4] = (random.uniform() < 0.5 ? 0.0 : kPi) + beside();
+      q[2] = beside();
+      const double c = robot.a2 + robot.a3 * std::cos(q[2]) + robot.d5 * std::sin(q[2] + q[3]);
+      const double s = -robot.a3 * std::sin(q[2]) + robot.d5 * std::cos(q[2] + q[3]);
+      q[1] = std::atan2(-c, s) + (random.uniform() < 0.5 ? 0.0 : kPi) + beside();  // down or up
+      const Pose T_R_F = forward(robot, q);
+      const auto found = inverse_branches(robot, T_R_F, random_joints(robot, random));
+      empty += found.count == 0 ? 1 : 0;
+      for (int i = 0; i < found.count; ++i) {
+        const Joints& solution = found.solutions[static_cast<std::size_t>(i)].q;
+        worst = std::max(worst, solution.allFinite() ? residual(robot, solution, T_R_F) : 1e9);
+      }
+    }
+    EXPECT_EQ(empty, 0) << name;
+    EXPECT_LE(worst, 1e-9) << name;
+  }
+}
+
 TEST(Inverse, TakesTheFreeWristAngleFromTheSeed) {
   const RobotModel robot = read_robot("ur10");
   Joints q;
@@ -160,6 +193,20 @@ TEST(Inverse, RefusesWhatIsNoPose) {
   bad.translation().x() = std::nan("");
   EXPECT_THROW((void)inverse(robot, bad, Joints::Zero()), InvalidArgument);
   EXPECT_THROW((void)inverse(robot, Pose::Identity(), Joints::Constant(std::nan(""))), InvalidArgument);
+}
+
+TEST(Inverse, HasNoBranchForASeedThatIsNoAngle) {
+  const RobotModel robot = read_robot("ur10");
+  Joints q;
+  q << 0.1, -1.0, 1.0, -1.0, -1.0, 0.3;
+  const Pose T_R_F = forward(robot, q);
+  for (const double bad : {std::nan(""), HUGE_VAL, 1e300}) {
+    Joints seed = q;
+    seed[2] = bad;
+    EXPECT_EQ(inverse_branches(robot, T_R_F, seed).count, 0) << bad;
+    EXPECT_FALSE(inverse_on_branch(robot, T_R_F, seed, branch_of(robot, q)).found) << bad;
+    EXPECT_THROW((void)inverse(robot, T_R_F, seed), InvalidArgument) << bad;
+  }
 }
 
 TEST(Inverse, FollowsOneBranchAlongALine) {

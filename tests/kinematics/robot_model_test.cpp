@@ -177,6 +177,15 @@ TEST(RobotModel, RefusesBadNumbers) {
                              HasSubstr("data/robots/ur10.urdf")));
 }
 
+TEST(RobotModel, NamesTheJointOfABadNumber) {
+  const auto text = ur10_text();
+  const std::string elbow = "lower=\"-3.141592653589793\"";
+  EXPECT_THAT(answer(replaced(text, elbow, "lower=\"nan\"")),
+              testing::AllOf(HasSubstr("nan"), HasSubstr("elbow_joint")));
+  EXPECT_THAT(answer(replaced(text, "<limit " + elbow, "<mimic joint=\"wrist_1_joint\"/><limit " + elbow)),
+              HasSubstr("joint 'elbow_joint' mimics joint 'wrist_1_joint'"));
+}
+
 TEST(RobotModel, RefusesAJointThatHardlyMoves) {
   const auto said = answer(replaced(ur10_text(), "velocity=\"2.0943951023931953\"", "velocity=\"1e-300\""));
   EXPECT_THAT(said, testing::AllOf(HasSubstr("shoulder_pan_joint"), HasSubstr("1e-300 rad/s")));

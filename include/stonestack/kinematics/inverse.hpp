@@ -27,7 +27,7 @@ struct IkBranches {
 };
 
 /// The core of `inverse`, without allocation: each branch once, its angles at the 2 pi equivalent nearest to
-/// `seed`, joint limits not regarded.
+/// `seed`, joint limits not regarded. None for a pose or seed that is not finite.
 [[nodiscard]] IkBranches inverse_branches(const RobotModel& robot, const Pose& T_R_F, const Joints& seed);
 
 /// The solution of one branch that is nearest to `seed` within the limits; false in `found` when the branch
