@@ -17,7 +17,8 @@ constexpr int kSeatTries = 12;         // the measured pose, then displaced ones
 constexpr double kFloats = 0.05;       // m above the table: higher, nothing loose can lie
 constexpr double kWithin = 0.006;      // m
 constexpr double kTouches = 0.003;     // m: a loose stone that near to the stack touches it
-constexpr double kBaseAtSite = 0.12;   // m: the first stone lies no further from the site
+constexpr double kApart = 0.006;  // m: planned as far from loose stones, for poses err by as much as kTouches
+constexpr double kBaseAtSite = 0.12;  // m: the first stone lies no further from the site
 
 const ContactShape& shape_of(const ShapeList& shapes, int stone) {
   return *shapes[static_cast<std::size_t>(stone)];
@@ -148,17 +149,34 @@ Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
   return belief;
 }
 
-std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Belief& belief) {
-  const auto near = [&](const PlacedStone& a, const PlacedStone& b) {
-    const ContactShape &A = shape_of(shapes, a.stone), &B = shape_of(shapes, b.stone);
-    const Pose T_B_A = b.T_W_O.inverse() * a.T_W_O;
-    return std::any_of(A.samples.begin(), A.samples.end(), [&](const SurfaceSample& s) {
-      return B.distance.distance(T_B_A * s.point) < kTouches;
+bool lie_within(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double gap) {
+  const ContactShape &A = shape_of(shapes, a.stone), &B = shape_of(shapes, b.stone);
+  if ((a.T_W_O * A.mass.p_O_M - b.T_W_O * B.mass.p_O_M).norm() > A.radius + B.radius + gap) return false;
+  const auto reaches = [gap](const ContactShape& from, const ContactShape& to, const Pose& T_to_from) {
+    return std::any_of(from.samples.begin(), from.samples.end(), [&](const SurfaceSample& s) {
+      return to.distance.distance(T_to_from * s.point) < gap;
     });
   };
+  const Pose T_B_A = b.T_W_O.inverse() * a.T_W_O;
+  return reaches(A, B, T_B_A) || reaches(B, A, T_B_A.inverse());
+}
+
+bool leans_on_loose(const ShapeList& shapes, const std::vector<PlacedStone>& loose, const PlacedStone& placed,
+                    const std::vector<PlacedStone>& below) {
+  const auto is_placed = [&](int stone) {
+    return stone == placed.stone || std::any_of(below.begin(), below.end(), [&](const PlacedStone& lower) {
+             return lower.stone == stone;
+           });
+  };
+  return std::any_of(loose.begin(), loose.end(), [&](const PlacedStone& other) {
+    return !is_placed(other.stone) && lie_within(shapes, other, placed, kApart);
+  });
+}
+
+std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Belief& belief) {
   for (std::size_t level = 0; level < belief.stack.size(); ++level)
     for (const PlacedStone& loose : belief.loose)
-      if (near(loose, belief.stack[level]) || near(belief.stack[level], loose)) return Stray{level, loose};
+      if (lie_within(shapes, loose, belief.stack[level], kTouches)) return Stray{level, loose};
   return std::nullopt;
 }
 

@@ -38,6 +38,15 @@ enum class SiteView { kUnseen, kFree, kTaken };
 /// Highest point of the stones, m in W; 0 for none.
 [[nodiscard]] double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones);
 
+/// Is any of one stone's surface within `gap` (m, at most 10 mm) of the other's?
+[[nodiscard]] bool lie_within(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b,
+                              double gap);
+
+/// Would a stone that is placed on those `below` come to lean on one of the loose ones that stays where it
+/// is? What leans on a tower makes it none: such a stone is only taken off again.
+[[nodiscard]] bool leans_on_loose(const ShapeList& shapes, const std::vector<PlacedStone>& loose,
+                                  const PlacedStone& placed, const std::vector<PlacedStone>& below);
+
 /// The lowest level of the stack that a loose stone touches (or nearly: measured poses err by a millimetre),
 /// and that stone: such a stack is not clean from there on. Nothing if none does.
 struct Stray {

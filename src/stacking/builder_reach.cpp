@@ -31,8 +31,10 @@ SearchProblem Builder::make_problem(const Belief& belief, Ways ways) const {
   for (const PlacedStone& loose : belief.loose)
     if (fits_hand(loose.stone) && reach->at_pick(loose.stone).can_be_held())
       problem.available.push_back(loose);
-  problem.reachable = [this, reach, ways](int stone, const Pose& T_W_O, const Stack& below) {
-    if (was_given_up(stone, T_W_O)) return false;
+  problem.reachable = [this, reach, ways, loose = belief.loose](int stone, const Pose& T_W_O,
+                                                                const Stack& below) {
+    if (was_given_up(stone, T_W_O) || leans_on_loose(shapes_, loose, {stone, T_W_O}, below.stones))
+      return false;
     const std::vector<Pose> avoid = useless_grasps(stone);
     return reach->in_one_go(stone, T_W_O, below, avoid) ||
            (ways == Ways::kTurningToo &&

@@ -91,10 +91,9 @@ std::optional<Belief> Builder::without_top(std::size_t count) const {
 }
 
 bool Builder::take_off() {
-  constexpr std::size_t kDeepest = 2;
   throw_if_interrupted();
   if (!belief_.stack.empty()) given_up_.push_back(belief_.stack.back());
-  for (std::size_t count = 1; count <= std::min(kDeepest, belief_.stack.size()); ++count) {
+  for (std::size_t count = 1; count <= belief_.stack.size(); ++count) {
     if (taken_off_ + static_cast<int>(count) > options_.most_taken_off) return false;
     const Stopwatch watch;
     const auto lower = without_top(count);

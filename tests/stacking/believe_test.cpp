@@ -85,5 +85,18 @@ TEST(StrayAtStack, NamesTheLowestLevelThatALooseStoneTouches) {
   EXPECT_EQ(stray->stone.stone, 2);
 }
 
+TEST(LeansOnLoose, CountsWhatStaysWhereItIs) {
+  const PlacedStone placed{1, on_site(0.075)};
+  const std::vector<PlacedStone> below{{0, on_site(0.025)}};
+  const auto leans = [&](int stone, double beside) {
+    return leans_on_loose(slabs(), {{stone, on_site(0.080, beside)}}, placed, below);
+  };
+  EXPECT_TRUE(leans(3, 0.0945)) << "4.5 mm: poses err by more than what is left";
+  EXPECT_FALSE(leans(3, 0.100)) << "10 mm";
+  EXPECT_FALSE(leans(1, 0.0945)) << "it is the one that is placed";
+  EXPECT_FALSE(leans(0, 0.0945)) << "it is placed before";
+  EXPECT_FALSE(leans_on_loose(slabs(), {{3, on_site(0.025, 0.5)}}, placed, below));
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -50,7 +50,7 @@ struct BuildOptions {
   /// is worth
   bool measure_placed = true;
   bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
-  int most_taken_off = 3;    ///< stones put back into the field to try another way; the paper never does
+  int most_taken_off = 6;    ///< stones put back into the field to try another way; the paper never does
   int most_turned_over = 3;  ///< stones laid down another way because no grasp served both ends
   int pick_attempts = 3;     ///< of one stone that the gripper misses or drops
 };
