@@ -181,7 +181,8 @@ void scan(const ScanCommand& command) {
 }
 
 void add_input(CLI::App& sub, ScanCommand& command) {
-  sub.add_option("FILE", command.files, "Scanned meshes (PLY, OBJ, STL, glTF, Collada, 3DS, OFF, FBX), closed or with holes");
+  sub.add_option("FILE", command.files,
+                 "Scanned meshes (PLY, OBJ, STL, glTF, Collada, 3DS, OFF, FBX), closed or with holes");
   sub.add_option("--catalogue", command.catalogue, "Folder to store the stones in; made if missing")
       ->required()
       ->type_name("DIR");

@@ -17,6 +17,11 @@ using ::testing::Not;
 
 using DoctorCommand = Commands;
 
+/// Of tests that run beside the one that has the standard ports.
+constexpr const char* kFreePorts =
+    "simulators:\n  arm: {standard_ports: false}\n  gripper: {port: 0}\n"
+    "  force_torque: {port: 0, command_port: 0}\n  camera: {port: 0}\n";
+
 TEST_F(DoctorCommand, NamesWhatIsWrong) {
   const Outcome well = run("doctor --json");
   EXPECT_EQ(well.code, 0) << well.err;
@@ -72,7 +77,7 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
 // Turned is not inverted: how steeply a camera looks is the same either way.
 TEST_F(DoctorCommand, AnInverseIsToldFromATiltedCamera) {
   const auto hand_eye = [&](const std::string& T_T_C) {
-    write("eye.yaml", "simulate: true\nlayout: {T_T_C: {" + T_T_C + "}}\n");
+    write("eye.yaml", "simulate: true\nlayout: {T_T_C: {" + T_T_C + "}}\n" + kFreePorts);
     const std::string err = run("doctor --cell eye.yaml").err;
     return err.substr(0, err.find("arm, RTDE"));
   };
