@@ -241,7 +241,7 @@ class Builder {
   /// `n_W_lift` first (unit), out of what leans on it.
   [[nodiscard]] bool set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift = std::nullopt);
   [[nodiscard]] bool set_down(const PlacedStone& top, const Pose& T_W_O_down,
-                              const std::optional<Eigen::Vector3d>& n_W_lift);
+                              const std::optional<Eigen::Vector3d>& n_W_lift, std::string* refusal);
   /// Takes a stone that fell against the tower back into the field: a tower on which a stone leans is not
   /// clean, and fingers have no room between the two. False if there is none, or nothing could be done.
   [[nodiscard]] bool clear_the_foot();

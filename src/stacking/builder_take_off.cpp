@@ -2,71 +2,16 @@
 #include <cmath>
 
 #include "stacking/builder.hpp"
+#include "stacking/field_places.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/regrasp.hpp"
-#include "stonestack/physics/settle.hpp"
 #include "stonestack/stacking/execute.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr double kRaster = 0.05;  // m between places that are looked at
-constexpr double kSeen = 0.6;     // of the field, about its middle: what the camera sees of it for sure
-constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
-constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
-constexpr std::size_t kMostPlaces = 8;
 constexpr int kMostCleared = 4;   // tries to take stones away from the foot of the tower
 constexpr double kStillUp = 0.9;  // cosine (26 deg) between the ups of a stone as laid down and as seen
-
-double radius(const ShapeList& shapes, int stone) {
-  return kExtent * shapes[static_cast<std::size_t>(stone)]->radius;
-}
-
-/// How the stone would come to rest on the table from the way it is held: rotation, and height of O.
-Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
-  const ContactShape& shape = *shapes[static_cast<std::size_t>(held.stone)];
-  SettleOptions options;
-  options.world.friction = 0.5;   // it shall roll to rest, not slide about
-  options.largest_travel = 0.20;  // m
-  options.seconds = 2.0;
-  const Pose lifted = Eigen::Translation3d(0, 0, 0.002 - lowest(shape, held.T_W_O)) * held.T_W_O;
-  return settle(shapes, Stack{}, held.stone, lifted, options).T_W_O;
-}
-
-/// Poses in the field where the stone would lie free of the others, the roomiest first; all of them turned as
-/// the stone is held, then by a quarter, and so on.
-std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Belief& belief,
-                              const PlacedStone& top) {
-  const Pose rest = rest_on_table(shapes, top);
-  const Eigen::Vector3d com = rest * shapes[static_cast<std::size_t>(top.stone)]->mass.p_O_M;
-  std::vector<std::pair<double, Pose>> places;
-  const Eigen::Vector2d half = 0.5 * kSeen * layout.field_size;
-  for (double x = -half.x(); x <= half.x(); x += kRaster)
-    for (double y = -half.y(); y <= half.y(); y += kRaster) {
-      const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
-      double room = 1.0;
-      for (const auto& other : belief.loose) {
-        const auto& shape = *shapes[static_cast<std::size_t>(other.stone)];
-        const double distance = ((other.T_W_O * shape.mass.p_O_M).head<2>() - at).norm();
-        room = std::min(room, distance - radius(shapes, other.stone) - radius(shapes, top.stone));
-      }
-      if (room < kRoom) continue;
-      const Eigen::Vector2d shift = at - com.head<2>();
-      places.emplace_back(room, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * rest);
-    }
-  std::stable_sort(places.begin(), places.end(),
-                   [](const auto& a, const auto& b) { return a.first > b.first; });
-  places.resize(std::min(kMostPlaces, places.size()));
-  std::vector<Pose> poses;
-  for (int quarter = 0; quarter < 4; ++quarter)
-    for (const auto& [room, T_W_O] : places) {
-      const Eigen::Vector3d p_W_M = T_W_O * shapes[static_cast<std::size_t>(top.stone)]->mass.p_O_M;
-      poses.push_back(Eigen::Translation3d(p_W_M) *
-                      Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) *
-                      Eigen::Translation3d(-p_W_M) * T_W_O);
-    }
-  return poses;
-}
 
 /// Up and away from what a stone leans on, by as much.
 Eigen::Vector3d out_of_the_lean(const Eigen::Vector3d& p_W_leaning, const Eigen::Vector3d& p_W_other) {
@@ -116,12 +61,13 @@ bool Builder::take_off() {
 bool Builder::set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift) {
   const PlacedStone top = belief_.stack.back();
   const auto places = free_places(shapes_, cell_.layout, belief_, top);
+  std::string refusal = "the field has no room";
   const auto lifted = [&](const std::optional<Eigen::Vector3d>& n_W) {
     return std::any_of(places.begin(), places.end(),
-                       [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down, n_W); });
+                       [&](const Pose& T_W_O_down) { return set_down(top, T_W_O_down, n_W, &refusal); });
   };
   const bool done = lifted(std::nullopt) || (n_W_lift && lifted(n_W_lift));
-  if (!done) report("no motion takes " + name(top.stone) + " off");
+  if (!done) report("no motion takes " + name(top.stone) + " off: " + refusal);
   return done;
 }
 
@@ -193,7 +139,7 @@ bool Builder::can_grow_higher(const Belief& without_top) const {
 
 /// False when no motion was found; a motion that went wrong is seen by the next look.
 bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down,
-                       const std::optional<Eigen::Vector3d>& n_W_lift) {
+                       const std::optional<Eigen::Vector3d>& n_W_lift, std::string* refusal) {
   const PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
   const Stone& stone = catalogue_.stones[static_cast<std::size_t>(top.stone)];
   PickAndPlaceTask task;
@@ -210,8 +156,8 @@ bool Builder::set_down(const PlacedStone& top, const Pose& T_W_O_down,
   const Stopwatch watch;
   const PickAndPlacePlan plan = plan_pick_and_place(scene, task, options_.motion);
   result_.seconds.planning += watch.seconds();
+  *refusal = plan.reason;
   if (plan.status != PickAndPlacePlan::Status::kPlanned) return false;
-
   lay_down(plan, scene, top.stone, T_W_O_down, PlacementRecord::Outcome::kTakenOff);
   return true;
 }
