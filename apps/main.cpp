@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
+#include "version.hpp"
 
 namespace {
 
@@ -33,7 +34,7 @@ void install_signal_handlers() {
 int run(int argc, char** argv) {
   CLI::App app("stonestack: finds scanned stones, plans stable towers, builds them with a robot arm.",
                "stonestack");
-  app.set_version_flag("--version", STONESTACK_VERSION);
+  app.set_version_flag("--version", stonestack::program_version());
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"

@@ -7,6 +7,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "version.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -56,6 +57,7 @@ RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const
   require(!std::filesystem::exists(folder + "/journal.jsonl"), folder,
           " holds a run already; name another folder with --out, or remove it");
   RunReport report;
+  report.version = program_version();
   report.robot = robot.name;
   report.catalogue = catalogue.path;
   report.seed = run.seed;

@@ -110,6 +110,7 @@ RunReport report_of(const json& map, const std::string& path) {
   result.seconds.motion = seconds_of(seconds, "motion", path);
   result.seconds.beside_motion = seconds_of(seconds, "beside_motion", path);
   if (map.contains("truth")) report.truth = truth_of(map.at("truth"), path);
+  if (map.contains("version")) report.version = text_of(map, "version", path);
   if (map.contains("picture")) report.picture = text_of(map, "picture", path);
   return report;
 }

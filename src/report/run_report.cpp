@@ -140,6 +140,7 @@ std::string run_json(const RunReport& report) {
     out["truth"] = {{"height", report.truth->height},   {"stands", report.truth->stands},
                     {"seconds", report.truth->seconds}, {"shift_m", report.truth->shift},
                     {"turn_rad", report.truth->turn},   {"note", report.truth->note}};
+  if (!report.version.empty()) out["version"] = report.version;
   if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();
   return out.dump(2) + "\n";
 }
@@ -166,8 +167,8 @@ std::string run_html(const RunReport& report) {
       "1rem;color:#222}"
       "img{width:100%;border-radius:6px}pre{background:#f4f3f0;padding:1rem;overflow-x:auto;border-radius:"
       "6px}</style>";
-  text += format("<h1>Tower of %d</h1><p>robot %s, seed %d</p>", report.result.height,
-                 escape(report.robot).c_str(), report.seed);
+  text += format("<h1>Tower of %d</h1><p>robot %s, seed %d, stonestack %s</p>", report.result.height,
+                 escape(report.robot).c_str(), report.seed, escape(report.version).c_str());
   if (!report.picture.empty())
     text += "<img alt=\"the tower\" src=\"data:image/png;base64," +
             base64(read_file(report.picture, std::size_t{1} << 26)) + "\">";

@@ -329,6 +329,7 @@ TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
   ASSERT_TRUE(first.code == 0 || first.code == 6) << first.err;
   json result = first.data();
   EXPECT_EQ(result["schema"], "stonestack.run/1");
+  EXPECT_EQ(result["version"].get<std::string>() + "\n", run("--version").out);
   EXPECT_GE(result["height"], 1);
   EXPECT_GE(result["truth"]["height"], result["height"]) << "the run reports a tower that does not stand";
   for (const char* file : {"tower.png", "report.html", "result.json", "options.yaml", "journal.jsonl"})

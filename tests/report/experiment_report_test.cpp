@@ -102,6 +102,7 @@ TEST(ExperimentReport, WhatIsWrittenIsReadAgain) {
   experiment.runs[1].report.result.end = RunResult::End::kPlacementFailed;
   experiment.runs[1].report.result.seconds = {1.0, 2.0, 3.0, 4.0, 5.0};
   experiment.runs[1].report.robot = "ur10";
+  experiment.runs[1].report.version = "0.1.0 (767bf62a1)";  // an experiment may go on with another program
   const std::string path = testing::TempDir() + "experiment_to_read.json", text = experiment_json(experiment);
   write_file(path, text);
   const Experiment same = read_experiment(path);
@@ -109,6 +110,8 @@ TEST(ExperimentReport, WhatIsWrittenIsReadAgain) {
             to_nine_digits(nlohmann::json::parse(text)));
   EXPECT_EQ(experiment_table(same), experiment_table(experiment));
   EXPECT_EQ(runs_csv(same), runs_csv(experiment));
+  EXPECT_EQ(same.runs[0].report.version, "");
+  EXPECT_EQ(same.runs[1].report.version, "0.1.0 (767bf62a1)");
 }
 
 TEST(ExperimentReport, ARecordThatIsBrokenIsRefused) {

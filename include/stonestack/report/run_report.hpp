@@ -21,6 +21,7 @@ struct TruthReport {
 /// Everything that is told of a run.
 struct RunReport {
   RunResult result;
+  std::string version;  ///< of the program that made it; empty: unknown
   std::string robot;
   std::string catalogue;
   int seed = 0;
