@@ -22,7 +22,8 @@ struct RunCommand {
   bool execute = false;
   int per_run = 4;
   SimulatedRun run;
-  std::optional<CellFile> file;  ///< of --cell
+  std::optional<CellFile> file;     ///< of --cell
+  std::optional<RobotModel> model;  ///< of --robot, without --cell
 };
 
 /// A real arm moves only when somebody who knows says so.
@@ -38,7 +39,7 @@ RunReport build_tower_for(RunCommand& command, const Catalogue& catalogue, const
     return draw_stones(catalogue, command.per_run, command.common.seed, hand_of(layout), robot);
   };
   if (command.cell.empty()) {
-    const RobotModel robot = read_robot(command.robot);
+    const RobotModel& robot = *command.model;
     return perform(command.run, catalogue, robot, draw(CellLayout{}, robot), folder).report;
   }
   const CellFile& file = *command.file;
@@ -94,7 +95,7 @@ void run(RunCommand& command) {
   if (command.file && command.file->simulate)
     list = join({list, nest("simulators", fields(command.file->servers))});
   command.common.settings.apply(list);
-  if (command.cell.empty()) static_cast<void>(read_robot(command.robot));  // a wrong name before all else
+  if (command.cell.empty()) command.model = read_robot(command.robot);  // a wrong name before all else
   const Catalogue catalogue = command.common.read();
   const std::string folder = run_folder(command);
   const RunReport report = build_tower_for(command, catalogue, folder);

@@ -227,12 +227,9 @@ class Chain {
     const auto link = model_.getLink(name);
     for (const auto& collision : link->collision_array) {
       if (!collision || !collision->geometry) continue;
-      auto capsule = covering(*collision->geometry, name, path_);
       const Pose T = T_link_frame * pose(collision->origin, name);
-      capsule.link = index;
-      capsule.a = T * capsule.a;
-      capsule.b = T * capsule.b;
-      robot.capsules.push_back(capsule);
+      for (const LinkCapsule& shape : covering(*collision->geometry, name, path_))
+        robot.capsules.push_back({index, T * shape.a, T * shape.b, shape.radius});
     }
     for (const auto& joint : link->child_joints)
       if (std::find(joints_.begin(), joints_.end(), joint.get()) == joints_.end())

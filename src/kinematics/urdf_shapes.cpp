@@ -4,13 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
+#include "geometry/capsule_cover.hpp"
+#include "kinematics/mesh_uri.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/surface_tree.hpp"
 
 namespace stonestack {
 namespace {
 
-constexpr double kLongest = 10.0;          // m
+constexpr double kLongest = 10.0;        // m
+constexpr double kSmallestMesh = 0.005;  // m
+constexpr std::size_t kMostOfAMesh = 6;
 constexpr std::size_t kMostCapsules = 48;  // 64 movers of a collision check, less hand and held stone
 
 void check_size(double size, const std::string& link, const std::string& path) {
@@ -19,16 +27,47 @@ void check_size(double size, const std::string& link, const std::string& path) {
                     concat("sizes are from 0 to ", kLongest, " m"));
 }
 
-[[noreturn]] void refuse_mesh(const urdf::Geometry& geometry, const std::string& link,
-                              const std::string& path) {
-  const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry);
-  throw FileError(
-      path,
-      concat("link '", link, "' has a mesh as collision shape",
-             mesh != nullptr ? ": '" + mesh->filename + "'" : std::string()),
-      concat("meshes are not read: replace it by the <collision> cylinders and spheres that '", link,
-             "' has in data/robots/ur10.urdf or that of your model; visual meshes may stay. "
-             "For a calibrated UR, a YAML with `robot: ur10` and its DH table does without a URDF"));
+LinkCapsule on_link(const Capsule& capsule) {
+  return {0, capsule.a, capsule.b, capsule.radius};
+}
+
+/// How far the capsules reach beyond the mesh, by points of their surfaces: what planning loses by them.
+double reach_beyond(const std::vector<Capsule>& capsules, const Mesh& mesh) {
+  const SurfaceTree surface(mesh);
+  const Mesh ball = make_sphere(1.0, 2);
+  double most = 0.0;
+  for (const Capsule& capsule : capsules)
+    for (const auto& n : ball.vertices)
+      for (const double along : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+        const Eigen::Vector3d p = capsule.a + along * (capsule.b - capsule.a) + capsule.radius * n;
+        const auto within = [&](const Capsule& other) { return distance(other, p) < -1e-9; };
+        if (std::none_of(capsules.begin(), capsules.end(), within))
+          most = std::max(most, std::abs(surface.nearest(p).distance));
+      }
+  return most;
+}
+
+std::vector<LinkCapsule> around_mesh(const urdf::Mesh& shape, const std::string& link,
+                                     const std::string& path) {
+  const std::string file = find_mesh(shape.filename, link, path);
+  Mesh mesh = read_mesh(file);
+  const Eigen::Vector3d scale(shape.scale.x, shape.scale.y, shape.scale.z);
+  if (!scale.allFinite() || scale.cwiseAbs().minCoeff() <= 0.0)
+    throw FileError(path, concat("link '", link, "' scales its mesh by (", scale.transpose(), ")"),
+                    "give three numbers that are not zero");
+  for (auto& v : mesh.vertices) v = scale.cwiseProduct(v);
+  const double size = mesh.faces.empty() ? 0.0 : bounds(mesh).diagonal().norm();
+  if (!(size >= kSmallestMesh && size <= kLongest))
+    throw FileError(file, concat("is a collision mesh ", size, " m across, of link '", link, "' in ", path),
+                    concat("it must be ", kSmallestMesh, " to ", kLongest,
+                           " m across; scale=\"0.001 0.001 0.001\" where it is in millimetres"));
+  const std::vector<Capsule> capsules = cover_by_capsules(mesh, kMostOfAMesh);
+  log_info(concat(link, ": ", std::filesystem::path(file).filename().string(), " is covered by ",
+                  capsules.size(), " capsules, at most ", std::lround(1000 * reach_beyond(capsules, mesh)),
+                  " mm beyond it"));
+  std::vector<LinkCapsule> list;
+  for (const Capsule& capsule : capsules) list.push_back(on_link(capsule));
+  return list;
 }
 
 /// Drops capsules that lie in another one of the same link: the spheres at a cylinder's ends.
@@ -53,7 +92,9 @@ void drop_contained(std::vector<LinkCapsule>& capsules) {
 
 }  // namespace
 
-LinkCapsule covering(const urdf::Geometry& geometry, const std::string& link, const std::string& path) {
+std::vector<LinkCapsule> covering(const urdf::Geometry& geometry, const std::string& link,
+                                  const std::string& path) {
+  if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) return around_mesh(*mesh, link, path);
   LinkCapsule capsule;
   capsule.a = capsule.b = Eigen::Vector3d::Zero();
   if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
@@ -73,9 +114,10 @@ LinkCapsule covering(const urdf::Geometry& geometry, const std::string& link, co
     half[longest] = 0.0;
     capsule.radius = half.norm();
   } else {
-    refuse_mesh(geometry, link, path);
+    throw FileError(path, concat("link '", link, "' has a collision shape of unknown kind"),
+                    "give a cylinder, sphere, box or mesh");
   }
-  return capsule;
+  return {capsule};
 }
 
 void tidy_shapes(std::vector<LinkCapsule>& capsules, const std::vector<std::string>& moving_links,
@@ -88,7 +130,7 @@ void tidy_shapes(std::vector<LinkCapsule>& capsules, const std::vector<std::stri
       bare += concat(bare.empty() ? "" : ", ", moving_links[i]);
   if (!bare.empty())
     throw FileError(path, "has no collision shape on " + bare,
-                    "give each moving link <collision> cylinders or spheres, as in data/robots/ur10.urdf: "
+                    "give each moving link <collision> shapes, as in data/robots/ur10.urdf: "
                     "what has none may run into anything");
   if (capsules.size() > kMostCapsules)
     throw FileError(path, concat("has ", capsules.size(), " collision shapes"),

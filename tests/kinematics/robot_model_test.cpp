@@ -173,8 +173,7 @@ TEST(RobotModel, RefusesBadNumbers) {
   EXPECT_NE(answer(replaced(text, "cylinder radius=\"0.092\"", "cylinder radius=\"-1\"")), "read");
   EXPECT_THAT(answer(replaced(text, "<cylinder radius=\"0.092\" length=\"0.0353\"/>",
                               "<mesh filename=\"package://../../etc/passwd\"/>")),
-              testing::AllOf(HasSubstr("'package://../../etc/passwd'"), HasSubstr("base_link_inertia"),
-                             HasSubstr("data/robots/ur10.urdf")));
+              testing::AllOf(HasSubstr("'package://../../etc/passwd'"), HasSubstr("base_link_inertia")));
 }
 
 TEST(RobotModel, NamesTheJointOfABadNumber) {
