@@ -15,7 +15,7 @@ stonestack_files(parsers core file options yaml)
 stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequence lzf mesh_file mesh_import obj obstacle pair_padding pcd
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file stone_yaml)
-stonestack_files(parsers kinematics calibration dh hand_eye_file robot_model urdf urdf_shapes xml_guard)
+stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
 stonestack_files(parsers hardware cell_file cell_limits camera/camera_settings camera/frame_stream camera/recording camera/v4l2_recording camera/z16
   robotiq/ft_frames robotiq/gripper_words robotiq/modbus_frame ur/dashboard_text ur/primary_wire ur/rtde_wire)
 stonestack_files(parsers motion problem_file)
@@ -27,7 +27,7 @@ stonestack_files(parsers simulation robotiq/gripper_plant robotiq/gripper_regist
 
 # What these stand on: no foreign byte is read there, so it is built as fast as can be.
 stonestack_files(others core byte_stream clock data error log random serial socket)
-stonestack_files(others geometry cloud convex_hull convex_pieces enclosing_shapes mesh mesh_edges mesh_shapes pose)
+stonestack_files(others geometry capsule capsule_cover cloud convex_hull convex_pieces enclosing_shapes mesh mesh_edges mesh_shapes pose surface_tree)
 stonestack_files(others kinematics calibrated_inverse closed_form forward hand_eye hand_eye_methods inverse jacobian joints polish tool_room)
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
   camera/stream_camera camera/v4l2_camera camera/v4l2_kernel robotiq/ft_link robotiq/ft_sensor robotiq/modbus
