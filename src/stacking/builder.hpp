@@ -215,6 +215,8 @@ class Builder {
   /// Stones that are expected to stand by a found placement and what is to follow it, over all possible
   /// frictions; `level` of them was assumed by the search that found it.
   [[nodiscard]] double outlook(const SearchProblem& problem, const Placement& found, std::size_t level) const;
+  /// The mean over the frictions at which the stack can stand, by how likely each is.
+  [[nodiscard]] double weighed(const std::vector<double>& expected) const;
   /// How the tower was meant to go on, moved with where its top really came to lie; the same as before if the
   /// stone was not picked; empty if something else happened.
   [[nodiscard]] std::vector<PlacedStone> rest_of_plan() const;
@@ -231,12 +233,14 @@ class Builder {
   /// False when the run is over.
   [[nodiscard]] bool place(const Target& target);
   void judge(PlacementRecord& record, const Placement& planned, ExecutionResult::Status done);
-  /// When nothing fits on the stack: puts its top stone, or its top two, back into the field, if the search
-  /// then promises a higher tower another way. False when that is not so, or the arm cannot do it.
+  /// When nothing fits on the stack: puts as many stones back into the field as leave the most to expect, if
+  /// the search then finds a higher tower another way. False when it does not, or the arm cannot do it.
   [[nodiscard]] bool take_off();
   /// The belief when the top `count` stones lie in the field; empty when there is no room for them.
   [[nodiscard]] std::optional<Belief> without_top(std::size_t count) const;
-  [[nodiscard]] bool can_grow_higher(const Belief& without_top) const;
+  /// How many stones are expected to stand in the end if the tower goes on from `lower`; 0 where the search
+  /// finds none higher than what stands.
+  [[nodiscard]] double expected_another_way(const Belief& lower) const;
   /// Puts the top stone into the field, wherever the arm can: lifted straight up or, if that is given, along
   /// `n_W_lift` first (unit), out of what leans on it.
   [[nodiscard]] bool set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift = std::nullopt);

@@ -3,6 +3,7 @@
 
 #include "stacking/builder.hpp"
 #include "stacking/field_places.hpp"
+#include "stacking/take_off_depth.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/execute.hpp"
@@ -38,24 +39,30 @@ std::optional<Belief> Builder::without_top(std::size_t count) const {
 bool Builder::take_off() {
   throw_if_interrupted();
   if (!belief_.stack.empty()) given_up_.push_back(belief_.stack.back());
-  for (std::size_t count = 1; count <= belief_.stack.size(); ++count) {
-    if (taken_off_ + static_cast<int>(count) > options_.most_taken_off) return false;
-    const Stopwatch watch;
-    const auto lower = without_top(count);
-    const bool more = lower && can_grow_higher(*lower);
-    result_.seconds.search += watch.seconds();
-    if (!more) continue;
-    report(concat("nothing fits on ", name(belief_.stack.back().stone), ": another way promises more, so ",
-                  count, count == 1 ? " stone is taken off" : " stones are taken off"));
-    bool any = false;
-    for (std::size_t k = 0; k < count && !belief_.stack.empty(); ++k) {
-      if (!set_down_top()) return any;
-      any = true;
-      ++taken_off_;
-    }
-    return any;
+  const std::size_t allowed = static_cast<std::size_t>(std::max(0, options_.most_taken_off - taken_off_));
+  const Stopwatch watch;
+  const double all = static_cast<double>(belief_.stack.size() + belief_.loose.size());
+  std::vector<double> expected;
+  while (expected.size() < std::min(allowed, belief_.stack.size())) {
+    auto at_best = expected;
+    at_best.push_back(all);
+    if (take_off_depth(at_best) <= expected.size()) break;  // one deeper cannot pay
+    const auto lower = without_top(expected.size() + 1);
+    expected.push_back(lower ? expected_another_way(*lower) : 0.0);
   }
-  return false;
+  const std::size_t count = take_off_depth(expected);
+  result_.seconds.search += watch.seconds();
+  if (count == 0) return false;
+  report(concat("nothing fits on ", name(belief_.stack.back().stone), ": another way promises ",
+                std::round(10 * expected[count - 1]) / 10, " stones in all, so ", count,
+                count == 1 ? " stone is taken off" : " stones are taken off"));
+  bool any = false;
+  for (std::size_t k = 0; k < count && !belief_.stack.empty(); ++k) {
+    if (!set_down_top()) return any;
+    any = true;
+    ++taken_off_;
+  }
+  return any;
 }
 
 bool Builder::set_down_top(const std::optional<Eigen::Vector3d>& n_W_lift) {
@@ -121,20 +128,25 @@ bool Builder::take_off_down_to(const Stray& stray) {
   return any;
 }
 
-bool Builder::can_grow_higher(const Belief& without_top) const {
+double Builder::expected_another_way(const Belief& lower) const {
   const Ways ways = may_turn_over() ? Ways::kTurningToo : Ways::kInOneGo;
-  SearchProblem problem = make_problem(without_top, ways);
-  if (problem.available.empty()) return false;
+  SearchProblem problem = make_problem(lower, ways);
+  if (problem.available.empty()) return 0.0;
   const auto levels = static_cast<int>(problem.available.size());
   const std::size_t count = friction_.frictions().size();
-  for (std::size_t level = first_level(); level < count; ++level) {
+  double most = 0.0;
+  bool higher = false;
+  for (std::size_t level = first_level(); level < count && most < options_.sure_success * levels; ++level) {
     std::string reason;
     const auto tower = plan_tower(problem, levels, search_at(level, ways), &reason);
-    if (without_top.stack.size() + tower.size() > belief_.stack.size()) return true;
     problem.way_up.clear();
     for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
+    if (lower.stack.size() + tower.size() <= belief_.stack.size()) continue;
+    higher = true;
+    most = std::max(most, weighed(expected_by_friction(problem, problem.way_up, possible())));
+    if (tower.size() == problem.available.size()) problem.way_up.clear();  // whole, but doubtful
   }
-  return false;
+  return higher ? static_cast<double>(lower.stack.size()) + most : 0.0;
 }
 
 /// False when no motion was found; a motion that went wrong is seen by the next look.

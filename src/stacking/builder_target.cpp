@@ -135,6 +135,11 @@ double Builder::outlook(const SearchProblem& problem, const Placement& found, st
   asked[level] = false;
   std::vector<double> expected = expected_by_friction(problem, plan_of(found), asked);
   expected[level] = found.expected_height;
+  return weighed(expected);
+}
+
+double Builder::weighed(const std::vector<double>& expected) const {
+  const std::vector<bool>& levels = possible();
   double sum = 0.0, weights = 0.0;
   for (std::size_t k = 0; k < expected.size(); ++k) {
     if (!levels[k]) continue;
