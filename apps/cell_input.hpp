@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "rooms.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/simulation/simulated_servers.hpp"

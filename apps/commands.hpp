@@ -1,6 +1,8 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
+#include "rooms.hpp"
+
 /// One function a subcommand, each in a file of its own: it registers options, an example footer and a
 /// callback that parses, calls the library and prints. Callbacks throw stonestack::Error; main turns it into
 /// a line and an exit code.

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "settings.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stone/catalogue.hpp"

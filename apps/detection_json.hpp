@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "rooms.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/stone/catalogue.hpp"
 

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "simulated_run.hpp"
 
 /// The rows of a comparison of experiments.

@@ -10,7 +10,7 @@
 
 namespace {
 
-using stonestack::ExitCode;
+using stonestack::core::ExitCode;
 
 /// An unknown command gets its own answer: CLI11 would only say that one is missing.
 void check_command(const CLI::App& app, int argc, char** argv) {
@@ -20,13 +20,13 @@ void check_command(const CLI::App& app, int argc, char** argv) {
     if (command->get_name() == argv[1]) return;
     known += (known.empty() ? "" : ", ") + command->get_name();
   }
-  throw stonestack::InvalidArgument("unknown command '" + std::string(argv[1]) + "'; commands: " + known);
+  throw stonestack::core::InvalidArgument("unknown command '" + std::string(argv[1]) + "'; commands: " + known);
 }
 
 /// First signal: finish what must be finished. Second: the default action, at once.
 void install_signal_handlers() {
   struct sigaction action {};
-  action.sa_handler = [](int) { stonestack::note_interrupt(); };
+  action.sa_handler = [](int) { stonestack::core::note_interrupt(); };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
@@ -34,7 +34,7 @@ void install_signal_handlers() {
 int run(int argc, char** argv) {
   CLI::App app("stonestack: finds scanned stones, plans stable towers, builds them with a robot arm.",
                "stonestack");
-  app.set_version_flag("--version", stonestack::program_version());
+  app.set_version_flag("--version", stonestack::apps::program_version());
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"
@@ -67,11 +67,11 @@ int main(int argc, char** argv) {
   install_signal_handlers();
   try {
     return run(argc, argv);
-  } catch (const stonestack::Error& error) {
-    stonestack::log_error(error.what());
+  } catch (const stonestack::core::Error& error) {
+    stonestack::core::log_error(error.what());
     return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
-    stonestack::log_error(std::string("internal error: ") + error.what() +
+    stonestack::core::log_error(std::string("internal error: ") + error.what() +
                           "; please report it with the command line");
     return static_cast<int>(ExitCode::kInternal);
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/stone/scene_file.hpp"

@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "rooms.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/catalogue.hpp"
 

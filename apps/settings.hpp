@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/detection/track_stones.hpp"
 #include "stonestack/kinematics/hand_eye_stations.hpp"

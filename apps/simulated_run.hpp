@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/catalogue.hpp"

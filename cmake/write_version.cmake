@@ -8,4 +8,4 @@ if(commit)
   string(APPEND text " (${commit})")
 endif()
 file(CONFIGURE OUTPUT "${FILE}" CONTENT
-  "#include \"version.hpp\"\n\nnamespace stonestack {\n\nconst char* program_version() {\n  return \"@text@\";\n}\n\n}  // namespace stonestack\n" @ONLY)
+  "#include \"version.hpp\"\n\nnamespace stonestack::apps {\n\nconst char* program_version() {\n  return \"@text@\";\n}\n\n}  // namespace stonestack::apps\n" @ONLY)

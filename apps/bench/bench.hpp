@@ -1,6 +1,8 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
+#include "rooms.hpp"
+
 /// `stonestack bench NAME`: one function a benchmark, each in a file of its own. Every benchmark prints its
 /// seed and settings and compares in one run.
 namespace stonestack::apps {

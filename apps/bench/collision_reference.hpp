@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/motion/collision.hpp"
 
 namespace stonestack::bench {

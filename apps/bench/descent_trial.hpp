@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"

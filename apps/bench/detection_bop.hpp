@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "rooms.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::bench {

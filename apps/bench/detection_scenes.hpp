@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/depth_render.hpp"

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "detection_scenes.hpp"
 
 /// Counts of `bench detection`.

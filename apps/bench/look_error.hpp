@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <numbers>
 
+#include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/pose.hpp"
 

@@ -1,4 +1,5 @@
 #pragma once
+#include "rooms.hpp"
 #include "stonestack/physics/stack.hpp"
 
 namespace stonestack::bench {

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 
+#include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 

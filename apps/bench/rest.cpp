@@ -86,7 +86,7 @@ class Trial {
 
   /// False if the stone was lost on the way.
   bool execute() {
-    if (stonestack::execute(plan_, stones_[0], scene_, cell_, options_, nullptr).status !=
+    if (stacking::execute(plan_, stones_[0], scene_, cell_, options_, nullptr).status !=
         ExecutionResult::Status::kReleased)
       return false;
     simulated_.wait(kLater);

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "ode_witness.hpp"
 
 namespace stonestack::bench {

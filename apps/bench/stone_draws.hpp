@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/stone.hpp"
 

@@ -16,7 +16,7 @@
 #include "core/system_error.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 constexpr double kLongest = 1e9;                  // s, what a deadline may be away: 30 years
@@ -207,4 +207,4 @@ bool ByteStream::is_shut() const {
   return ::poll(&watched, 1, 0) > 0;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

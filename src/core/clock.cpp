@@ -3,7 +3,7 @@
 #include <chrono>
 #include <ctime>
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 double steady_seconds() {
@@ -38,4 +38,4 @@ double Stopwatch::seconds() const {
   return steady_seconds() - start_;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 
 std::string data_path(const std::string& name) {
   namespace fs = std::filesystem;
@@ -25,4 +25,4 @@ std::string data_path(const std::string& name) {
                   "set STONESTACK_DATA to the data folder");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

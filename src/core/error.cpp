@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 volatile std::sig_atomic_t interrupt_flag = 0;
 }
@@ -19,4 +19,4 @@ void throw_if_interrupted() {
   if (interrupt_noted()) throw Interrupted();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

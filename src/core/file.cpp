@@ -10,7 +10,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 /// A file descriptor that closes itself.
@@ -72,4 +72,4 @@ void write_file(const std::string& path, std::string_view content) {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <mutex>
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 std::atomic<bool> progress_open{false};
@@ -63,4 +63,4 @@ void log_progress(std::string_view line) {
   progress_open = true;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

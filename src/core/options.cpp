@@ -9,7 +9,7 @@
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 std::string number_text(double value) {
@@ -139,4 +139,4 @@ std::string write_fields(const FieldList& list) {
   return text;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 
 double quantile(std::vector<double> values, double share) {
   require(share >= 0.0 && share <= 1.0, "a share must be in [0, 1], got ", share);
@@ -16,4 +16,4 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 std::uint64_t splitmix(std::uint64_t& state) {
@@ -85,4 +85,4 @@ Eigen::Quaterniond Random::rotation() {
   return {c * std::cos(b), s * std::sin(a), s * std::cos(a), c * std::sin(b)};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -13,7 +13,7 @@
 #include "core/system_error.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,4 +104,4 @@ void PseudoTerminal::discard_output() {
   ::tcflush(client_end_.number(), TCIFLUSH);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

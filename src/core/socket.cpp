@@ -13,7 +13,7 @@
 #include "core/system_error.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 // Keep-alive: first probe after 15 s of silence, then every 5 s, dead after 3 without an answer.
@@ -147,4 +147,4 @@ bool TcpListener::is_closed() const {
   return ::poll(&watched, 1, 0) > 0;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

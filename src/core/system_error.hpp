@@ -3,11 +3,13 @@
 #include <string>
 #include <system_error>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::core {
 
 /// Text of an errno value.
 [[nodiscard]] inline std::string system_text(int code) {
   return std::generic_category().message(code);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::core

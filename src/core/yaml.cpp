@@ -6,7 +6,7 @@
 
 #include "stonestack/core/file.hpp"
 
-namespace stonestack::yaml {
+namespace stonestack::core::yaml {
 namespace {
 
 constexpr std::size_t kLargestFile = 1 << 20;
@@ -65,7 +65,7 @@ YAML::Node parse(const std::string& text, const std::string& path) {
 }
 
 YAML::Node read_file(const std::string& path) {
-  return parse(stonestack::read_file(path, kLargestFile), path);
+  return parse(core::read_file(path, kLargestFile), path);
 }
 
 void for_each_scalar(const YAML::Node& node,
@@ -129,4 +129,4 @@ void Map::fail(const std::string& key, const std::string& problem, const std::st
   throw FileError(path_, concat(where_.empty() ? "" : where_ + ".", key, " ", problem), remedy);
 }
 
-}  // namespace stonestack::yaml
+}  // namespace stonestack::core::yaml

@@ -8,7 +8,7 @@
 
 /// Private to the library: strict reading of YAML files. A file is read whole, is at most 1 MiB, and every
 /// error names the file, the place and the remedy.
-namespace stonestack::yaml {
+namespace stonestack::core::yaml {
 
 /// Reads and parses. Throws FileError, also for a key that a map has twice (named, with its line).
 [[nodiscard]] YAML::Node read_file(const std::string& path);
@@ -43,4 +43,4 @@ class Map {
   std::vector<std::string> asked_;
 };
 
-}  // namespace stonestack::yaml
+}  // namespace stonestack::core::yaml

@@ -5,7 +5,7 @@
 #include <map>
 #include <numeric>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kLeastVisible = 0.04;    // of the whole surface: less is no evidence
@@ -110,4 +110,4 @@ std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candida
   return taken;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

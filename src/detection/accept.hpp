@@ -3,7 +3,7 @@
 
 #include "detection/candidates.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Enough for a detection: the score and some surface, or the paper's inlier ratio. However much is seen, the
 /// score must reach `least`.
@@ -24,4 +24,4 @@ namespace stonestack {
                                                      const DetectionScene& scene,
                                                      const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kTableSigma = 0.0003;  // m, of a table's height at a corner: its smooth error averages out
@@ -82,4 +82,4 @@ std::optional<Plane> seen_table(const DetectionScene& scene) {
   return scene.table_C;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -3,7 +3,7 @@
 
 #include "detection/preprocess.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// What is known of the error of a view's pose before any stone is: half a squared sum x'Hx / 2 + g'x over a
 /// small motion x of the view (translation m, rotation rad, in V), around where it is taken to be now.
@@ -24,4 +24,4 @@ struct ViewConstraint {
 /// The table, if the first view shows it: what further views can be held to.
 [[nodiscard]] std::optional<Plane> seen_table(const DetectionScene& scene);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kCoarsePoints = 200;  // per pose: enough to fall into the basin
@@ -109,4 +109,4 @@ std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
   return candidates;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

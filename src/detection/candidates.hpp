@@ -8,7 +8,7 @@
 #include "detection/refine.hpp"
 #include "detection/verify.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// A refined pose of one model that the image does not refute.
 struct Candidate {
@@ -34,4 +34,4 @@ struct Candidate {
                                                   const DetectionScene& scene,
                                                   const DetectionOptions& options, double hidden_weight);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 /// Points and normals of one correspondence, gathered for speed.
@@ -73,4 +73,4 @@ std::vector<Hypothesis> consistent_groups(std::span<const Correspondence> matche
   return found;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 
 #include "detection/matching.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// A pose that may be right, and how much speaks for it.
 struct Hypothesis {
@@ -28,4 +28,4 @@ struct ConsistencyOptions {
                                                         const Features& scene, const Features& model,
                                                         const ConsistencyOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

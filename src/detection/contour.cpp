@@ -6,7 +6,7 @@
 
 #include "detection/seen_normal.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kBeside = 6;              // px to each side of the outline: 500 faces are a pixel or two off
@@ -62,4 +62,4 @@ ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn) {
   return tally;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

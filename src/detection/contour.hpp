@@ -2,7 +2,7 @@
 #include "detection/draw_model.hpp"
 #include "detection/preprocess.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// What the image shows along the outline of a drawn model.
 struct ContourTally {
@@ -15,4 +15,4 @@ struct ContourTally {
 /// contradicts.
 [[nodiscard]] ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -7,7 +7,7 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kClear = 4;              // px: so far around a pixel of bare table, there is table
@@ -132,4 +132,4 @@ DepthError measure_depth_error(const DepthImage& depth, const Plane& table_V,
   return error;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

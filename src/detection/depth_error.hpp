@@ -4,7 +4,7 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/plane.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 struct DetectionOptions;
 
@@ -33,4 +33,4 @@ struct DepthError {
 [[nodiscard]] DepthError measure_depth_error(const DepthImage& depth, const Plane& table_V,
                                              const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

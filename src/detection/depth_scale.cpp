@@ -8,7 +8,7 @@
 
 #include "detection/refine.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kIterations = 12;
@@ -107,4 +107,4 @@ DepthScale fit_depth_scale(const std::vector<Detection>& found, const DetectionM
   return {factor, factor / std::sqrt(weights)};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

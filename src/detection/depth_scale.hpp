@@ -3,7 +3,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// By how much seen depths are too large for the stones' sizes.
 struct DepthScale {
@@ -17,4 +17,4 @@ struct DepthScale {
 [[nodiscard]] DepthScale fit_depth_scale(const std::vector<Detection>& found,
                                          const DetectionModels::Data& data, const DetectionScene& scene);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

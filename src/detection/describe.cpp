@@ -5,7 +5,7 @@
 #include "detection/triangulate.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 std::vector<int> choose_keypoints(const SurfacePoints& surface, const DetectionOptions& options) {
@@ -72,4 +72,4 @@ void require_usable(const DetectionOptions& options) {
           options.nearest, " and ", options.farthest, " m");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -1,7 +1,7 @@
 #pragma once
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Keypoints and descriptors that the options name, of what a scene shows. Throws InvalidArgument for an
 /// unknown name.
@@ -14,4 +14,4 @@ namespace stonestack {
 /// Throws InvalidArgument for a method or matching that is none, or an empty depth range.
 void require_usable(const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -1,6 +1,6 @@
 #include "detection/descriptors.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 Features finite_features(const SurfacePoints& surface, std::span<const int> keypoints,
                          const Eigen::MatrixXf& rows) {
@@ -16,4 +16,4 @@ Features finite_features(const SurfacePoints& surface, std::span<const int> keyp
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

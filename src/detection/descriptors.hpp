@@ -4,7 +4,7 @@
 #include "detection/models.hpp"
 #include "detection/triangulate.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 // Each describes the surface around keypoints (indices into it) and drops keypoints whose description is not
 // finite. Same result for any number of threads.
@@ -31,4 +31,4 @@ namespace stonestack {
 [[nodiscard]] Features finite_features(const SurfacePoints& surface, std::span<const int> keypoints,
                                        const Eigen::MatrixXf& rows);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

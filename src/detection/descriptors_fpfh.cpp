@@ -6,7 +6,7 @@
 #include "detection/descriptors.hpp"
 #include "detection/pcl_clouds.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr std::size_t kChunk = 128;  // keypoints a task; neighbouring ones share their simplified histograms
@@ -38,4 +38,4 @@ Features fpfh_features(const SurfacePoints& surface, std::span<const int> keypoi
   return finite_features(surface, keypoints, rows);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

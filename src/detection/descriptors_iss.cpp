@@ -7,7 +7,7 @@
 #include "detection/descriptors.hpp"
 #include "detection/point_grid.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kShells = 5;           // radial bins
@@ -86,4 +86,4 @@ Features iss_features(const SurfacePoints& surface, std::span<const int> keypoin
   return finite_features(surface, keypoints, rows);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -7,7 +7,7 @@
 #include "detection/pcl_clouds.hpp"
 #include "detection/triangulate.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr std::size_t kChunk = 128;  // keypoints a task; every estimator indexes all triangles anew
@@ -48,4 +48,4 @@ Features rops_features(const TriangulatedSurface& mesh, std::span<const int> key
   return finite_features(mesh.surface, keypoints, rows);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

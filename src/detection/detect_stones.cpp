@@ -14,7 +14,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/trace.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kDoubtfulScale = 0.02;  // of depth: SR300 scenes come out within 0.01 (bench)
@@ -118,4 +118,4 @@ DetectionResult detect_stones(std::span<const DepthView> views, const DetectionM
   return find_in(preprocess(views, known.table_C, true, options), data, std::move(missing), options, known);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kNearest = 0.02;  // m: a mesh nearer than this cannot be drawn
@@ -69,4 +69,4 @@ DrawnModel draw_model(const Mesh& mesh_O, const std::vector<Eigen::Vector3d>& no
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

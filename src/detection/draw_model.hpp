@@ -4,7 +4,7 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// What a camera would see of one mesh, on every `step`-th pixel of the rectangle that holds it.
 struct DrawnModel {
@@ -21,4 +21,4 @@ struct DrawnModel {
 [[nodiscard]] DrawnModel draw_model(const Mesh& mesh_O, const std::vector<Eigen::Vector3d>& normals_O,
                                     const Pose& T_C_O, const CameraIntrinsics& camera, int step);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

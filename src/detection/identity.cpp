@@ -10,7 +10,7 @@
 #include "detection/likeness.hpp"
 #include "detection/sweep.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kLikeExtents =
@@ -147,4 +147,4 @@ std::vector<Detection> among_its_likes(std::vector<Detection> found, const Detec
   return found;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

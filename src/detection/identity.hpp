@@ -4,7 +4,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Of each model the others that are about as long, as wide and as thick.
 [[nodiscard]] std::vector<std::vector<int>> models_of_like_shape(std::span<const DetectionModel> models);
@@ -19,4 +19,4 @@ namespace stonestack {
                                                      const DetectionOptions& options,
                                                      std::span<const KnownStone> known);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -10,7 +10,7 @@
 #include "detection/refine.hpp"
 #include "detection/stone_system.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kIterations = 5;
@@ -189,4 +189,4 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
   return found;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -3,7 +3,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Refines found stones together, the last step of a detection. Unknown are the poses, the small error of the
 /// reported pose of every further view (prior: `view_shift`, `view_turn`; the table that views share), and
@@ -15,4 +15,4 @@ namespace stonestack {
                                                       const DetectionScene& scene,
                                                       const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

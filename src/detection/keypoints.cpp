@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace stonestack {
+namespace stonestack::detection {
 
 std::vector<int> voxel_keypoints(const SurfacePoints& surface, float spacing) {
   const auto key = [&](const Eigen::Vector3f& p) {
@@ -36,4 +36,4 @@ std::vector<int> voxel_keypoints(const SurfacePoints& surface, float spacing) {
   return chosen;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -3,7 +3,7 @@
 
 #include "detection/preprocess.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// One point a cube of `spacing`: the one nearest to the mean of the cube's points. Indices, ascending.
 [[nodiscard]] std::vector<int> voxel_keypoints(const SurfacePoints& surface, float spacing);
@@ -22,4 +22,4 @@ struct IssOptions {
 /// Indices, ascending.
 [[nodiscard]] std::vector<int> iss_keypoints(const SurfacePoints& surface, const IssOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

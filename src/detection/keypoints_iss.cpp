@@ -7,7 +7,7 @@
 #include "detection/keypoints.hpp"
 #include "detection/pcl_clouds.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 std::vector<int> iss_keypoints(const SurfacePoints& surface, const IssOptions& options) {
   if (surface.points.empty()) return {};
@@ -29,4 +29,4 @@ std::vector<int> iss_keypoints(const SurfacePoints& surface, const IssOptions& o
   return indices;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

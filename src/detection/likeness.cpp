@@ -10,7 +10,7 @@
 #include "detection/refine.hpp"
 #include "detection/sweep.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kDirections = 60, kTurns = 12;  // 26 to 30 deg apart: within the basin of a registration
@@ -140,4 +140,4 @@ void widen_by_likes(Detection& d) {
   d.covariance += spread / own;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -3,7 +3,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Turns of a stone that bring it nearly onto itself, as a cube's 23 or some of a ball's: T_O_S such that the
 /// model at T_C_O * T_O_S looks much like the model at T_C_O. Best first, none of less than 0.3 rad, any two
@@ -18,4 +18,4 @@ namespace stonestack {
 /// The covariance of the mixture: of the pose itself, and of the poses that the same stone may as well have.
 void widen_by_likes(Detection& detection);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace stonestack {
+namespace stonestack::detection {
 
 std::vector<Correspondence> match_features(const Features& scene, const Features& model, int neighbours) {
   std::vector<Correspondence> matches;
@@ -33,4 +33,4 @@ void nearest_first(std::vector<Correspondence>& matches) {
   });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

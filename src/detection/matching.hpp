@@ -3,7 +3,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// A keypoint of the scene that may be a keypoint of the model.
 struct Correspondence {
@@ -24,4 +24,4 @@ struct Correspondence {
 /// Sorts by distance, then by keypoint.
 void nearest_first(std::vector<Correspondence>& matches);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

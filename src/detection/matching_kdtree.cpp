@@ -3,7 +3,7 @@
 
 #include "detection/matching.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 /// PCL's trees take points of a type; ours are rows of a matrix: the point is only the row's number.
@@ -50,4 +50,4 @@ std::vector<Correspondence> match_features_kdtree(const Features& scene, const F
   return matches;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

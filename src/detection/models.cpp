@@ -10,7 +10,7 @@
 #include "detection/sweep.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr float kFieldCell = 0.003F;  // m
@@ -143,4 +143,4 @@ DetectionModels::~DetectionModels() = default;
 DetectionModels::DetectionModels(DetectionModels&&) noexcept = default;
 DetectionModels& DetectionModels::operator=(DetectionModels&&) noexcept = default;
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -7,7 +7,7 @@
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Descriptors of keypoints: one row each, and where they are.
 struct Features {
@@ -58,4 +58,4 @@ struct DetectionModels::Data {
                                             std::span<const KnownStone> stones,
                                             const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -1,7 +1,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/method.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 FieldList fields(DetectionOptions& o) {
   return {
@@ -59,4 +59,4 @@ DetectionOptions options_of(const std::string& method) {
   return options;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -6,7 +6,9 @@
 
 #include <Eigen/Core>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::detection {
 
 /// Our points as PCL wants them.
 inline pcl::PointCloud<pcl::PointXYZ>::Ptr to_pcl(std::span<const Eigen::Vector3f> points) {
@@ -23,4 +25,4 @@ inline pcl::PointCloud<pcl::Normal>::Ptr to_pcl_normals(std::span<const Eigen::V
   return cloud;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

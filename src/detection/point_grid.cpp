@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 PointGrid::PointGrid(std::span<const Eigen::Vector3f> points, float cell) : points_(points), cell_(cell) {
   require(cell > 0.001F * 0.1F, "cell must be above 0.1 mm, got ", cell, " m");
@@ -36,4 +36,4 @@ std::size_t PointGrid::first_not_below(std::uint64_t wanted) const {
   return static_cast<std::size_t>(std::lower_bound(keys_.begin(), keys_.end(), wanted) - keys_.begin());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::detection {
 
 /// Points sorted into cubic cells, for queries "all points within a radius". Keeps a reference to the points.
 class PointGrid {
@@ -38,4 +40,4 @@ class PointGrid {
   std::vector<int> order_;           ///< point of each key
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

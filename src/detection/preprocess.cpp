@@ -13,7 +13,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kFewestNeighbours = 10;   // of 25: fewer is an edge or a flying pixel (facts: kills them)
@@ -245,4 +245,4 @@ std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, floa
   return label;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

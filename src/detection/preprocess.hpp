@@ -8,7 +8,7 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/plane.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// One point a voxel of what may be a stone, in C.
 struct SurfacePoints {
@@ -81,4 +81,4 @@ void append_points(DetectionScene& scene, const SurfacePoints& more, int view);
                                         const std::optional<Plane>& expected_table, bool find_table,
                                         const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kFewest = 20;  // correspondences: fewer do not hold six degrees of freedom
@@ -104,4 +104,4 @@ std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O, con
   return some;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// How to refine.
 struct RefineOptions {
@@ -32,4 +32,4 @@ struct Refined {
 [[nodiscard]] std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O,
                                            const SurfacePoints& seen, double margin, int most);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -12,7 +12,7 @@
 #include "detection/sweep.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kWiderGap = 3.0;         // times the gap of clusters
@@ -291,4 +291,4 @@ std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::v
   return std::move(so_far.taken);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 #include "detection/candidates.hpp"
 #include "stonestack/detection/trace.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Looks again and again at what is still unexplained, for what is still missing: the cheap sweep first,
 /// which finds stones that stand alone, then descriptors on the rest, then all orientations on what is left,
@@ -15,4 +15,4 @@ namespace stonestack {
                                                      std::vector<int> missing, DetectionScene scene,
                                                      const DetectionOptions& options, DetectionTrace* trace);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kNormalSpan = 4;         // px to each side
@@ -27,4 +27,4 @@ Eigen::Vector3d seen_normal(const DepthImage& depth, int u, int v) {
                                                      : Eigen::Vector3d::Zero();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

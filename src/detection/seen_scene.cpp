@@ -4,7 +4,7 @@
 #include "detection/preprocess.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr int kFewestPixels = 200;  // of depth in the whole image: less is no scene
@@ -168,4 +168,4 @@ DetectionScene preprocess(std::span<const DepthView> views, const std::optional<
   return scene;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

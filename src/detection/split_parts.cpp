@@ -5,7 +5,7 @@
 
 #include "detection/point_grid.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kNearlyAll = 0.9;  // of the cluster: such a part is the cluster
@@ -55,4 +55,4 @@ std::vector<std::vector<int>> split_parts(const SurfacePoints& surface, std::spa
   return parts;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

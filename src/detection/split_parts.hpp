@@ -4,7 +4,7 @@
 
 #include "detection/preprocess.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// How creases are found.
 struct SplitOptions {
@@ -21,4 +21,4 @@ struct SplitOptions {
                                                         std::span<const int> cluster,
                                                         const SplitOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

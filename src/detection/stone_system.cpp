@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kGate = 0.004;       // m: further off is another surface
@@ -117,4 +117,4 @@ void StoneInView::update_error(const Eigen::VectorXd& step) {
   if (!samples_.empty()) error_ = -gain_ * (gradient_ + cross_ * step);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

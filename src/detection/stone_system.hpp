@@ -3,7 +3,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Linear least squares around the present estimate: H x = -g.
 struct LinearSystem {
@@ -43,4 +43,4 @@ class StoneInView {
   double noise_ = 0.0;  ///< m^2, of a pixel
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 SurfaceField::SurfaceField(std::span<const Eigen::Vector3f> points, float cell, float band)
     : inverse_cell_(1.0F / cell) {
@@ -39,4 +39,4 @@ SurfaceField::SurfaceField(std::span<const Eigen::Vector3f> points, float cell, 
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

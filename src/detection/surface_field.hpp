@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::detection {
 
 /// The nearest surface sample of a model for every cell of a grid around it: one look-up instead of a tree
 /// search, which makes a registration step cost microseconds. Frame O, metres.
@@ -29,4 +31,4 @@ class SurfaceField {
   std::vector<std::int32_t> nearest_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

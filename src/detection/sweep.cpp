@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 /// What a cluster looks like from the camera.
@@ -163,4 +163,4 @@ std::vector<Eigen::Vector3f> even_directions(int count) {
   return directions;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

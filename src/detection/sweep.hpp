@@ -4,7 +4,7 @@
 
 #include "detection/consistency.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// How finely orientations are tried.
 struct SweepOptions {
@@ -33,4 +33,4 @@ struct SweepOptions {
 /// Unit vectors spread evenly over the sphere (Fibonacci lattice).
 [[nodiscard]] std::vector<Eigen::Vector3f> even_directions(int count);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

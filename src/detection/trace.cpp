@@ -8,7 +8,7 @@
 #include "stonestack/geometry/cloud_file.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 using nlohmann::json;
@@ -103,4 +103,4 @@ void write_trace(const std::string& folder, const DetectionTrace& trace, std::sp
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kLeastVisible = 0.01;  // of the whole surface; the guess is evidence too
@@ -69,4 +69,4 @@ std::optional<Detection> track_stone(const DepthImage& image, const DetectionMod
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

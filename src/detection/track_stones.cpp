@@ -5,7 +5,7 @@
 #include "detection/models.hpp"
 #include "detection/preprocess.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 /// How a stone differs from where it was; `up_C` is the table's normal, zero if no table is seen.
@@ -95,4 +95,4 @@ TrackResult track_stones(const DepthImage& image, const DetectionModels& models,
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -8,7 +8,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr float kLongestLink = 4.0F;  // spacings: further apart in depth is another surface
@@ -135,4 +135,4 @@ TriangulatedSurface subdivide(const Mesh& mesh, double spacing) {
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

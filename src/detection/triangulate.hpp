@@ -3,7 +3,7 @@
 
 #include "detection/preprocess.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// Points with triangles over them: what rotational projection statistics describe.
 struct TriangulatedSurface {
@@ -19,4 +19,4 @@ struct TriangulatedSurface {
 /// The mesh with every edge longer than `spacing` split, again and again.
 [[nodiscard]] TriangulatedSurface subdivide(const Mesh& mesh, double spacing);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

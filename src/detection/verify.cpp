@@ -7,7 +7,7 @@
 #include "detection/draw_model.hpp"
 #include "detection/seen_normal.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kJustInFront =
@@ -151,4 +151,4 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
   return verdict;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -5,7 +5,7 @@
 
 #include "detection/models.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// A drawn pixel of one view; it stands for `step` x `step` pixels of the image.
 struct SeenPixel {
@@ -41,4 +41,4 @@ struct VerifyOptions {
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -6,7 +6,9 @@
 #include <string>
 #include <string_view>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// Value of `bytes` (as many as T has) in the given byte order.
 template <class T>
@@ -25,4 +27,4 @@ void append_little(std::string& bytes, T value) {
   bytes.append(copy.data(), copy.size());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Throws InvalidArgument unless a camera has pixels (at most 16384 a side) and finite, positive focal
 /// lengths.
@@ -35,4 +35,4 @@ inline DepthImage make_empty_image(const CameraIntrinsics& camera) {
   return {camera, std::vector<float>(pixel_index(camera, 0, camera.height), 0.0F)};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

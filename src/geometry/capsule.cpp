@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using Points = Eigen::Matrix3Xd;
@@ -151,4 +151,4 @@ Capsule fit_capsule(const Points& all, bool carefully) {
   return best;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

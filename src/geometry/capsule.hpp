@@ -2,8 +2,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Private: capsules, and the small ones around points.
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// All points within `radius` of the segment from `a` to `b`; a sphere when they are the same. Metres.
 struct Capsule {
@@ -23,4 +25,4 @@ struct Capsule {
 /// `axes_of`; `carefully`, the axis is tilted until no tilt makes it smaller. Not the smallest of all.
 [[nodiscard]] Capsule fit_capsule(const Eigen::Matrix3Xd& points, bool carefully);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

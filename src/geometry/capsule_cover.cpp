@@ -11,7 +11,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using Points = Eigen::Matrix3Xd;
@@ -195,4 +195,4 @@ std::vector<Capsule> cover_by_capsules(const Mesh& mesh, std::size_t most) {
   return capsules;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -1,7 +1,9 @@
 #pragma once
 #include <Eigen/Core>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// Which part of a triangle is nearest. Corners and edges are numbered: edge k runs from corner k to k + 1.
 enum class TriangleFeature { kCorner0, kCorner1, kCorner2, kEdge0, kEdge1, kEdge2, kInside };
@@ -45,4 +47,4 @@ struct ClosestOnTriangle {
   return {a + (weight_b / total) * ab + (weight_c / total) * ac, TriangleFeature::kInside};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -1,6 +1,6 @@
 #include "stonestack/geometry/cloud.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 Cloud transformed(const Cloud& cloud, const Pose& T_B_A) {
   Cloud result = cloud;
@@ -24,4 +24,4 @@ Cloud without_gaps(const Cloud& cloud) {
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

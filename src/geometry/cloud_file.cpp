@@ -12,7 +12,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kLargestFile = 256U << 20U;
@@ -105,4 +105,4 @@ void write_cloud(const std::string& path, const Cloud& cloud) {
   write_file(path, extension == "ply" ? ply_text(cloud) : pcd_text(cloud));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

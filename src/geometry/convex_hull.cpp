@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
@@ -77,4 +77,4 @@ Mesh convex_hull(const Mesh& mesh) {
   return in_order(hull);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

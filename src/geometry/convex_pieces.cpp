@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kMostFaces = 4000;  // the cost grows faster than linearly: 1 s for 1000
@@ -69,4 +69,4 @@ std::vector<Mesh> convex_pieces(const Mesh& mesh, const ConvexPiecesOptions& opt
   return {convex_hull(mesh)};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 
 #include "geometry/camera_check.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using Eigen::Matrix2d;
@@ -108,4 +108,4 @@ DepthImage to_depth_image(const Cloud& cloud_C, const CameraIntrinsics& camera) 
   return image;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -9,7 +9,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kLargestFile = 256U << 20U;
@@ -140,4 +140,4 @@ DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camer
   return image;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

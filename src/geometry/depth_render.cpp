@@ -8,7 +8,7 @@
 
 #include "geometry/camera_check.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 /// A mesh in the world; Embree holds its own copy in floats.
@@ -155,4 +155,4 @@ RenderedView render(const RayScene& scene, const CameraIntrinsics& camera, const
   return view;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -8,7 +8,7 @@
 
 #include "geometry/json_file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 namespace fs = std::filesystem;
@@ -256,4 +256,4 @@ DepthImage read_depth(const DepthRecord& record) {
   return read_depth_png(record.path, record.camera, record.unit);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -6,7 +6,7 @@
 
 #include "stonestack/geometry/convex_pieces.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr int kSides = 32;  // of a prism
@@ -43,4 +43,4 @@ Mesh around_capsule(double radius, double length) {
   return convex_hull(both);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

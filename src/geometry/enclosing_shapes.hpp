@@ -3,7 +3,7 @@
 
 /// Private: convex polyhedra that contain round shapes, centred on the origin, as tightly as few faces allow.
 /// What keeps clear of them keeps clear of the shapes.
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// A polyhedron of 320 faces around a sphere. `radius` in m, positive; so below.
 [[nodiscard]] Mesh around_sphere(double radius);
@@ -12,4 +12,4 @@ namespace stonestack {
 /// `length` is between the centres of the two half spheres, along z.
 [[nodiscard]] Mesh around_capsule(double radius, double length);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

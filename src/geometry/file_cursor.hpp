@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Reads a file that lies in memory and never past its end. Every failure is a FileError that names the file
 /// and, for text, the line.
@@ -102,4 +102,4 @@ inline std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

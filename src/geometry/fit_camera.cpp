@@ -5,7 +5,7 @@
 
 #include "stonestack/core/quantile.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kFewest = 100;
@@ -135,4 +135,4 @@ bool is_mirrored(const Cloud& cloud) {
   return lines && lines->first.f * lines->second.f < 0;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

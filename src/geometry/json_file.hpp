@@ -8,7 +8,7 @@
 #include "stonestack/core/file.hpp"
 
 /// Private to the library and the command: reading other people's JSON files.
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Parses a file of at most 64 MiB. Throws FileError.
 [[nodiscard]] inline nlohmann::json read_json(const std::string& path) {
@@ -43,4 +43,4 @@ namespace stonestack {
   return value;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -1,6 +1,6 @@
 #include "geometry/lzf.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 // A control byte below 32 announces that many literals + 1. Otherwise its upper three bits are a length - 2
 // (7: one more byte is added) and its lower five, with the next byte, how far back to copy from, - 1.
@@ -29,4 +29,4 @@ std::string expand_lzf(std::string_view packed, std::size_t expected) {
   return result.size() == expected ? result : std::string();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 // A closed surface is a signed sum of tetrahedra (o, a, b, c). With s = a + b + c and volume v, the first
 // moment of one is v s / 4 and the second v (aa' + bb' + cc' + ss') / 20.
@@ -54,4 +54,4 @@ std::string check(const MassProperties& properties) {
   return "";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

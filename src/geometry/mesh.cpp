@@ -6,7 +6,7 @@
 #include "geometry/mesh_edges.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 Eigen::Vector3d corner(const Mesh& mesh, const Eigen::Vector3i& face, int k) {
@@ -93,4 +93,4 @@ std::vector<Eigen::Vector3d> vertex_normals(const Mesh& mesh) {
   return normals;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

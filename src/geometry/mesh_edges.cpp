@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 struct HalfEdge {
@@ -46,4 +46,4 @@ MeshEdges make_mesh_edges(const Mesh& mesh) {
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// An undirected edge of a mesh, a < b.
 struct MeshEdge {
@@ -23,4 +23,4 @@ struct MeshEdges {
 
 [[nodiscard]] MeshEdges make_mesh_edges(const Mesh& mesh);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -15,7 +15,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kLargestFile = 64U << 20U;
@@ -150,4 +150,4 @@ void write_mesh(const std::string& path, const Mesh& mesh) {
   write_file(path, extension == "ply" ? ply_text(mesh) : obj_text(mesh));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

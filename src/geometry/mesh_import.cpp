@@ -18,7 +18,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::array<std::string_view, 6> kFormats = {"glb", "gltf", "dae", "3ds", "off", "fbx"};
@@ -161,4 +161,4 @@ std::string import_as_ply(const std::string& path, const std::string& extension,
   return out.get(kLargestResult);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

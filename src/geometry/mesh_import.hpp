@@ -2,7 +2,9 @@
 #include <string>
 #include <string_view>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// Mesh formats that are read by assimp in a process of its own: glb, gltf, dae, 3ds, off, fbx.
 /// `extension` in lower case.
@@ -20,4 +22,4 @@ struct MeshImport {
 [[nodiscard]] std::string import_as_ply(const std::string& path, const std::string& extension,
                                         std::string_view content, const MeshImport& how = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// The part of `path` after its last dot, in lower case; empty without one.
 [[nodiscard]] std::string lower_case_extension(const std::string& path);
@@ -13,4 +13,4 @@ namespace stonestack {
 [[nodiscard]] Mesh parse_mesh(const std::string& path, const std::string& extension,
                               std::string_view content);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 Mesh make_icosahedron() {
@@ -68,4 +68,4 @@ Mesh make_sphere(double radius, int subdivisions) {
   return scaled(mesh, radius);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

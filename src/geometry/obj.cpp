@@ -2,7 +2,7 @@
 
 #include "geometry/file_cursor.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr const char* kRemedy = "write the OBJ file again with another program";
@@ -72,4 +72,4 @@ Mesh parse_obj(const std::string& path, std::string_view content) {
   return mesh;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

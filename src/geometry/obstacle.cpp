@@ -9,7 +9,7 @@
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kMost = 200;                    // obstacles
@@ -89,4 +89,4 @@ std::vector<Obstacle> parse_obstacles(const std::string& text, const std::string
   return obstacles;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

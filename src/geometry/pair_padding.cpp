@@ -4,7 +4,7 @@
 
 #include "core/yaml.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kMost = 200;  // entries
@@ -54,4 +54,4 @@ std::vector<PairPadding> parse_pair_paddings(const std::string& text, const std:
   return paddings;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -6,7 +6,7 @@
 #include "geometry/file_cursor.hpp"
 #include "geometry/lzf.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kMostFields = 32;
@@ -241,4 +241,4 @@ Cloud parse_pcd(const std::string& path, std::string_view content) {
   return cloud;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,11 +4,11 @@
 
 #include "stonestack/geometry/cloud.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Strict PCD (ASCII, binary, binary_compressed), fields x y z and, if present, normal_x normal_y normal_z;
 /// other fields are skipped. Points as in the file, possibly not finite. `path` is for messages. Throws
 /// FileError.
 [[nodiscard]] Cloud parse_pcd(const std::string& path, std::string_view content);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

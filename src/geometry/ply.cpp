@@ -5,7 +5,7 @@
 #include "geometry/byte_order.hpp"
 #include "geometry/ply_header.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kMostVertices = 20'000'000;
@@ -171,4 +171,4 @@ PlyContent parse_ply(const std::string& path, std::string_view file) {
   return content;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

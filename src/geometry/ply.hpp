@@ -5,7 +5,7 @@
 #include "stonestack/geometry/cloud.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// What this library reads of a PLY file.
 struct PlyContent {
@@ -20,4 +20,4 @@ struct PlyContent {
 /// memory is taken; unknown elements and properties are skipped. `path` is for messages. Throws FileError.
 [[nodiscard]] PlyContent parse_ply(const std::string& path, std::string_view content);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

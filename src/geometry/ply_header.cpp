@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kLargestHeader = 64U << 10U;
@@ -134,4 +134,4 @@ PlyHeader parse_ply_header(FileCursor& cursor) {
   return header;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 
 #include "geometry/file_cursor.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 [[nodiscard]] std::size_t size_of(PlyType type);
@@ -34,4 +34,4 @@ struct PlyHeader {
 /// Reads up to and including "end_header". Throws FileError.
 [[nodiscard]] PlyHeader parse_ply_header(FileCursor& cursor);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 double cross(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
@@ -80,4 +80,4 @@ double margin(const Polygon2& convex, const Eigen::Vector2d& point) {
   return inside ? nearest : -nearest;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 /// Shortest text that reads back to the same number; -0 is written as 0.
@@ -68,4 +68,4 @@ std::string to_text(const Pose& pose) {
          ", qw: " + number_text(q.w()) + "}";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

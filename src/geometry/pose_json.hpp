@@ -4,7 +4,7 @@
 #include "stonestack/geometry/pose.hpp"
 
 /// Private to the library and the command: a pose as every JSON output writes it.
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// {x, y, z, qx, qy, qz, qw} with qw >= 0; metres.
 [[nodiscard]] inline nlohmann::json pose_json(const Pose& pose) {
@@ -15,4 +15,4 @@ namespace stonestack {
           {"qy", q.y()}, {"qz", q.z()}, {"qw", q.w()}};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 Pose read_pose(yaml::Map map) {
   constexpr double kFarthest = 100.0;  // m
@@ -16,4 +16,4 @@ Pose read_pose(yaml::Map map) {
   return make_pose(p, q);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr int kBrickCells = 4;  // a side; a power of two, so that cell -> brick is a shift
@@ -199,4 +199,4 @@ double SignedDistance::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
   return static_cast<double>(y0 + t.z() * (y1 - y0));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -6,7 +6,7 @@
 #include "geometry/byte_order.hpp"
 #include "geometry/file_cursor.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kHeader = 84;  // 80 bytes of anything, then the count of faces
@@ -99,4 +99,4 @@ Mesh parse_stl(const std::string& path, std::string_view content) {
               "the file is truncated or no STL file; make it again");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr double kMostSamples = 50e6;
@@ -90,4 +90,4 @@ std::vector<SurfaceSample> sample_surface(const Mesh& mesh, double spacing) {
   return samples;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

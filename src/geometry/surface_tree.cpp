@@ -8,7 +8,7 @@
 #include "geometry/mesh_edges.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr int kLeafSize = 4;
@@ -236,4 +236,4 @@ std::vector<SurfacePoint> SurfaceTree::nearest(const std::vector<Eigen::Vector3d
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

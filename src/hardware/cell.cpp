@@ -1,6 +1,6 @@
 #include "stonestack/hardware/cell.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 Pose CellLayout::make_default_T_T_C() {
   // Beside the palm on the side without fingers. The palm's front edge then lies outside the lower half of
@@ -12,4 +12,4 @@ Pose CellLayout::make_default_T_T_C() {
   return T_T_C;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr double kQuaternionSlack = 1e-3;
@@ -203,4 +203,4 @@ void HardwareCell::activate_gripper() {
   if (!devices_->gripper.is_active()) devices_->gripper.activate();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 
 #include "core/yaml.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -94,4 +94,4 @@ RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T
   return robot;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -7,7 +7,7 @@
 #include "kinematics/closed_form.hpp"
 #include "kinematics/polish.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -164,4 +164,4 @@ void sort_by_branch(IkBranches& branches) {
             [](const IkSolution& a, const IkSolution& b) { return a.branch < b.branch; });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -2,7 +2,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 
 /// Private to kinematics: inverse solutions of a robot whose axes are as measured, not as drawn.
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// Like `inverse_branches` for a calibrated robot; `wanted` is one branch, or -1 for all. Newton's method
 /// from the closed form's branches; beside a singularity, where two of them may end in one solution, or a
@@ -12,4 +12,4 @@ namespace stonestack {
 /// In the order of the branch ids.
 void sort_by_branch(IkBranches& branches);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

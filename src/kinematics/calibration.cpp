@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -150,4 +150,4 @@ std::string calibrate(RobotModel& robot, const Calibration& nominal, const Calib
   return derive_dh(robot);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

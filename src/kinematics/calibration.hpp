@@ -6,7 +6,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
 /// Private to kinematics: a robot as measured instead of as drawn.
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// A row of a standard DH table: Rz(theta + q) Tz(d) Tx(a) Rx(alpha).
 struct DhRow {
@@ -34,4 +34,4 @@ struct Calibration {
 [[nodiscard]] std::string calibrate(RobotModel& robot, const Calibration& nominal,
                                     const Calibration& measured);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr int kRounds = 4;          // Gauss-Newton steps; the problem is nearly linear
@@ -186,4 +186,4 @@ MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -124,4 +124,4 @@ IkSolution solution(const RobotModel& robot, const Wrist& wrist, const ArmBend& 
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

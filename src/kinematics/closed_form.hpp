@@ -4,7 +4,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 
 /// Private to kinematics: the parts of the closed form, in DH angles.
-namespace stonestack {
+namespace stonestack::kinematics {
 
 inline constexpr double kClamp = 5e-10;  ///< m: how far outside the reach a pose may lie and still be met
 /// m that a solution may be off before it is polished: where the wrist is over the base, rounding leaves 1e-8
@@ -69,4 +69,4 @@ struct ArmBend {
 /// The equivalent of `angle` nearest to `seed`.
 [[nodiscard]] double nearest_turn(double angle, double seed);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -145,4 +145,4 @@ std::string derive_dh(RobotModel& robot) {
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -4,7 +4,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
 /// Private to kinematics: from joint frames to DH parameters.
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// Fills d1 ... d6, T_R_D, dh_offset, T_D6_F and `calibrated` from T_parent_joint and T_6_F. Returns why the
 /// chain is not UR-like ("axes of elbow and wrist 1 are 3 deg from parallel, ..."), or an empty text.
@@ -13,4 +13,4 @@ namespace stonestack {
 /// T_R_F by the DH chain; equal to `forward` unless the robot is calibrated.
 [[nodiscard]] Pose forward_dh(const RobotModel& robot, const Joints& q);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

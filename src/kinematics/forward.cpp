@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 /// `T` turned about its own z.
@@ -29,4 +29,4 @@ Pose forward(const RobotModel& robot, const Joints& q) {
   return link_poses(robot, q)[6] * robot.T_6_F;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

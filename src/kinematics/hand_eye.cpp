@@ -8,7 +8,7 @@
 #include "kinematics/hand_eye_methods.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 using Eigen::Vector3d;
@@ -211,4 +211,4 @@ bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const
   return size_of(hand_eye_residual(pairs, mount, T_A_C.inverse()), options) * options.inverted_ratio < given;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

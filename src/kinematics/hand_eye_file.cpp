@@ -7,7 +7,7 @@
 #include "geometry/pose_yaml.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr const char* kSchema = "stonestack.hand_eye/1";
@@ -135,4 +135,4 @@ void write_easy_handeye(const std::string& path, const EasyHandEye& calibration)
   write_file(path, text);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

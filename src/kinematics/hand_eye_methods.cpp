@@ -4,7 +4,7 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 using Eigen::Index;
@@ -121,4 +121,4 @@ Pose solve_daniilidis(std::span<const HandEyeMotion> motions) {
   return make_pose(2.0 * (dual * real.conjugate()).vec(), real);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

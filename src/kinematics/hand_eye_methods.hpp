@@ -5,7 +5,7 @@
 #include "stonestack/geometry/pose.hpp"
 
 /// Private to kinematics/: closed-form solutions of A X = X B, one function a method.
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// A motion of the hand and the same motion as the camera sees it.
 struct HandEyeMotion {
@@ -23,4 +23,4 @@ struct HandEyeMotion {
 /// K. Daniilidis 1999: rotation and translation at once, by dual quaternions.
 [[nodiscard]] Pose solve_daniilidis(std::span<const HandEyeMotion> motions);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

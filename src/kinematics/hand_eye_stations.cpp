@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -58,4 +58,4 @@ std::vector<HandEyePair> simulate_hand_eye(const Pose& T_A_C, CameraMount mount,
   return pairs;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

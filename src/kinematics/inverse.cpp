@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
@@ -158,4 +158,4 @@ int branch_of(const RobotModel& robot, const Joints& q) {
   return shoulder | (std::sin(t[4]) < 0 ? 2 : 0) | (std::sin(t[2]) < 0 ? 4 : 0);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

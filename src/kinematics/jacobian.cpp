@@ -6,7 +6,7 @@
 #include "kinematics/jacobian_of.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 Jacobian jacobian_of(const std::array<Pose, 7>& T_R_link, const Eigen::Vector3d& p_R_F) {
   Jacobian J;
@@ -29,4 +29,4 @@ double manipulability(const RobotModel& robot, const Joints& q) {
   return std::abs(jacobian(robot, q).determinant());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 std::string malformed(const JointTrajectory& trajectory) {
   const std::size_t knots = trajectory.time.size();
@@ -43,4 +43,4 @@ JointState sample(const JointTrajectory& trajectory, double t) {
   return state;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -8,7 +8,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 namespace fs = std::filesystem;
@@ -75,4 +75,4 @@ std::string find_mesh(const std::string& uri, const std::string& link, const std
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

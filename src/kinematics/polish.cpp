@@ -6,7 +6,7 @@
 #include "kinematics/jacobian_of.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
@@ -53,4 +53,4 @@ bool polish(const RobotModel& robot, const Pose& T_R_F, double tolerance, Joints
   return least <= tolerance;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -11,7 +11,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/options.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ std::vector<std::string> robot_names() {
   return names;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

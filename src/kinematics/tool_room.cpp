@@ -4,7 +4,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 Eigen::Vector3d tip(const RobotModel& robot, const Joints& q) {
@@ -31,4 +31,4 @@ std::string describe_outside_room(const RobotModel& robot, const Joints& q, doub
                 " to ", text(robot.room->box.max()), " m");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

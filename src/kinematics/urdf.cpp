@@ -13,7 +13,7 @@
 #include "kinematics/xml_guard.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kTurn = 2.0 * 3.14159265358979323846;
@@ -252,4 +252,4 @@ RobotModel parse_urdf(const std::string& text, const std::string& path) {
   return robot;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

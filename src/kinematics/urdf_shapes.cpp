@@ -13,7 +13,7 @@
 #include "stonestack/geometry/mesh_file.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kLongest = 10.0;        // m
@@ -137,4 +137,4 @@ void tidy_shapes(std::vector<LinkCapsule>& capsules, const std::vector<std::stri
                     concat("at most ", kMostCapsules, " are checked; cover several by one cylinder"));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -9,7 +9,7 @@ class Geometry;
 }
 
 /// Private to kinematics: collision shapes of a URDF as capsules.
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// Capsules that hold a shape, in its frame: the smallest along the longest axis of a sphere, cylinder or
 /// box, up to six around a mesh (which is read here and reported with what they add). `link` and `path` are
@@ -22,4 +22,4 @@ namespace stonestack {
 void tidy_shapes(std::vector<LinkCapsule>& capsules, const std::vector<std::string>& moving_links,
                  const std::string& path);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

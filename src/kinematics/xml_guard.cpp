@@ -2,7 +2,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr int kDeepest = 64;
@@ -66,4 +66,4 @@ void guard_xml(const std::string& text, const std::string& path) {
   if (depth != 0) refuse(path, concat("leaves ", depth, " XML tags open"));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

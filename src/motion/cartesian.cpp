@@ -7,7 +7,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr int kMostHalvings = 8;  ///< of a piece; smooth motions need two or three
@@ -65,4 +65,4 @@ std::optional<JointPath> straight_path(const RobotModel& robot, const Pose& T_F_
   return path;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 // m that the hand moves by, about, while a joint turns by one rad.
@@ -224,4 +224,4 @@ const CollisionRules& CollisionChecker::rules() const {
   return shapes_->rules;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr const char* kLinks[] = {"base",    "shoulder", "upper arm", "forearm",
@@ -190,4 +190,4 @@ CollisionShapes make_collision_shapes(const PlanningScene& scene, const Collisio
   return shapes;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -7,7 +7,7 @@
 #include "stonestack/motion/collision.hpp"
 
 /// Private to motion: what CollisionChecker compares. All of it in the robot's base frame R.
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Something that moves with a link.
 struct Mover {
@@ -70,4 +70,4 @@ struct CollisionShapes {
 [[nodiscard]] CollisionShapes make_collision_shapes(const PlanningScene& scene, const CollisionRules& rules,
                                                     const HeldObject* held);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

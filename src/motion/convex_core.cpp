@@ -7,7 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// A capsule around the points, along the longest side of their box.
@@ -75,4 +75,4 @@ double hull_distance(const ConvexCore& a, const btTransform& T_R_a, const Convex
   return -std::abs(result.distance);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -8,7 +8,7 @@
 #include "stonestack/geometry/pose.hpp"
 
 /// Private to motion: convex shapes and their distance, by Bullet's GJK on raw shapes (no world, no margin).
-namespace stonestack {
+namespace stonestack::motion {
 
 /// A convex point set with its bounds, in some frame. A capsule is the hull of its two ends with a radius.
 struct ConvexCore {
@@ -27,4 +27,4 @@ struct ConvexCore {
 [[nodiscard]] double hull_distance(const ConvexCore& a, const btTransform& T_R_a, const ConvexCore& b,
                                    const btTransform& T_R_b, bool depth = false);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::motion {
 
 double palm_front(const GripperModel& gripper) {
   double front = -1e300;
@@ -91,4 +91,4 @@ PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> sur
   return touch;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

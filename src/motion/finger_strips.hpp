@@ -6,7 +6,7 @@
 #include "stonestack/motion/grasp.hpp"
 
 /// Private to motion: what closing fingers meet of a stone's surface.
-namespace stonestack {
+namespace stonestack::motion {
 
 /// m, z in T of what stands out furthest towards the tips beside the fingers.
 [[nodiscard]] double palm_front(const GripperModel& gripper);
@@ -56,4 +56,4 @@ struct PadTouch {
 [[nodiscard]] PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> surface,
                                double softness, const HandView& view, const FingerStrip& strip, double tip);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

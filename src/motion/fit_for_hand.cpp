@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr int kTurns = 90;  // of half a turn
@@ -62,4 +62,4 @@ std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper, cons
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

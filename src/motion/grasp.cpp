@@ -10,7 +10,7 @@
 #include "motion/grasp_wrench.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -253,4 +253,4 @@ GraspSet joined(const GraspSet& a, const GraspSet& b) {
   return both;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

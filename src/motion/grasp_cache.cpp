@@ -5,7 +5,7 @@
 #include "motion/finger_strips.hpp"
 #include "stonestack/motion/grasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// Mixes numbers into one 64 bit key (splitmix64's finaliser).
@@ -62,4 +62,4 @@ std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperM
   return made.emplace(key, std::move(set)).first->second;  // two threads may have made the same one
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

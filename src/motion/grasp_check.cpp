@@ -6,7 +6,7 @@
 #include "motion/grasp_end.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// How the faults of one end are called in the list of all.
@@ -130,4 +130,4 @@ bool hand_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task, co
   });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -8,7 +8,7 @@
 #include "motion/grasp_wrench.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -196,4 +196,4 @@ std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone&
   return std::make_shared<const GraspSet>(joined(*usual, *cached_grasps(stone, gripper, more)));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -8,7 +8,7 @@
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// What stands in the way of a grasp at one end of its way.
 enum class EndFault { kTooWeak, kTable, kObject, kReach, kArm };
@@ -79,4 +79,4 @@ struct PickSide {
   std::shared_ptr<const GraspSet> set;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -7,7 +7,7 @@
 
 #include "motion/nonnegative_least_squares.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr int kEdges = 6;           ///< of a friction pyramid
@@ -94,4 +94,4 @@ double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, dou
   return needed ? weight * *needed : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

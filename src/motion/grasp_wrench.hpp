@@ -4,7 +4,7 @@
 
 #include "stonestack/motion/grasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Three contacts in frame T, torques about the stone's centre of mass.
 struct GraspContacts {
@@ -28,4 +28,4 @@ struct GraspContacts {
 [[nodiscard]] double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, double friction,
                                          double weight, const Eigen::Vector3d& n_T_down);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::motion {
 
 namespace {
 
@@ -65,4 +65,4 @@ HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double paddin
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

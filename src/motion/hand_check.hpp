@@ -4,7 +4,7 @@
 #include "motion/convex_core.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// The hand alone, as it comes straight along its own z to a grasp (or leaves it), against table and objects.
 /// Cheaper than the whole arm, and asked for hundreds of grasps. Built once for a scene.
@@ -43,4 +43,4 @@ class HandCheck {
   double table_padding_ = kNoPadding;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kSpeedStep = 1.25;  // speed bounds are rounded down to its powers, so that neighbours join
@@ -170,4 +170,4 @@ JointTrajectory time_with_jerk(const JointPath& path, const TimingLimits& limits
   return std::move(out.trajectory());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace stonestack {
+namespace stonestack::motion {
 
 double least_time(const JointPath& path, const TimingLimits& limits) {
   constexpr double kStep = 0.0005;  // rad
@@ -62,4 +62,4 @@ double least_time(const JointPath& path, const TimingLimits& limits) {
   return time;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -1,6 +1,6 @@
 #include "stonestack/motion/pick_and_place.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 FieldList fields(MotionOptions& o) {
   return {field("speed_scale", o.speed_scale, {0.01, 1}, "", "ours"),
@@ -36,4 +36,4 @@ FieldList fields(MotionOptions& o) {
           field("seed", o.seed, {0, 2147483647}, "", "ours")};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

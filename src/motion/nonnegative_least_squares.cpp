@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 using Index = Eigen::Index;
@@ -62,4 +62,4 @@ Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& A, const Eigen:
   return x;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

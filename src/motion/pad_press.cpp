@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -176,4 +176,4 @@ PadPress::Load PadPress::bear(const Eigen::Vector3d& n_T_down, double most) cons
   return load;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/motion/grasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// A closed hand round a stone, as the planner believes it to press: each pad is an elastic foundation with
 /// friction, the stone its scan, the fingers stay where their force was reached. What three contact points
@@ -65,4 +65,4 @@ class PadPress {
   bool holds_ = false;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

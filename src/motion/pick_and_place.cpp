@@ -15,7 +15,7 @@
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -283,4 +283,4 @@ std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Jo
   return time_path(*path, limits, scene.robot, scene.T_F_T);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -9,7 +9,7 @@
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kTransitSeconds = 0.5;  ///< s, effort for one transit of one candidate
@@ -223,4 +223,4 @@ PickAttempt::Result PickAttempt::try_joints(const Joints& q_pick, const Joints& 
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

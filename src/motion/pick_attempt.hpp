@@ -6,7 +6,7 @@
 #include "stonestack/motion/grasp.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Where a way failed; also how the reason counts them.
 enum class WayFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarry };
@@ -79,4 +79,4 @@ class PickAttempt {
                                                 const MotionOptions& options, const Grasp& grasp,
                                                 const Way& way);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

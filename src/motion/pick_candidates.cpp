@@ -7,7 +7,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest free inverse solutions looked at, each grasp
@@ -128,4 +128,4 @@ std::optional<PickCandidate> PickCandidates::next() {
   return std::nullopt;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -7,7 +7,7 @@
 #include "motion/pad_press.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// A grasp with joint angles at both ends, and what it promises to cost.
 struct PickCandidate {
@@ -60,4 +60,4 @@ class PickCandidates {
   std::map<int, Looseness> looseness_;  // by grasp
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

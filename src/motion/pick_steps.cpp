@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -113,4 +113,4 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   return std::move(out.steps());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

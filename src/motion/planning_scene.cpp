@@ -2,7 +2,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 // Lengths along z of T, from the finger tips backwards (facts: public meshes of gripper and sensor), metres.
@@ -104,4 +104,4 @@ double padding_between(const PlanningScene& scene, const std::string& part, cons
   return padding;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

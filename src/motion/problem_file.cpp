@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 22;
@@ -156,4 +156,4 @@ MotionProblems read_motion_problems(const std::string& path) {
   return parse_motion_problems(read_file(path, kLargestFile), path);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -8,7 +8,7 @@
 #include "motion/collision_shapes.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kCoarse = 0.03;  // m: while things move further, exact distances hardly ever decide
@@ -242,4 +242,4 @@ bool is_proven_free(const CollisionShapes& shapes, const Joints& a, const Joints
   return true;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -6,7 +6,7 @@
 #include "stonestack/kinematics/joints.hpp"
 
 /// Private to motion: the proof behind CollisionChecker::motion_is_free.
-namespace stonestack {
+namespace stonestack::motion {
 
 struct CollisionShapes;
 
@@ -27,4 +27,4 @@ struct CollisionShapes;
 [[nodiscard]] bool is_proven_free(const CollisionShapes& shapes, const Joints& a, const Joints& b,
                                   double resolution);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

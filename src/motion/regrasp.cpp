@@ -9,7 +9,7 @@
 #include "motion/set_down.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr std::size_t kSure = 6;     ///< grasps that lead on from a place are sought first
@@ -172,4 +172,4 @@ RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& tas
   return RegraspSearch(scene, task, options, with_shaky_rests(regrasp)).plan();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// The grasps of all poses of rest that at most `most` set-downs lead to, ascending: those that can be taken
@@ -66,4 +66,4 @@ bool RegraspFinder::serves(const Pose& T_W_O_place, std::span<const SceneObject>
   });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

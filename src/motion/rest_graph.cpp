@@ -6,7 +6,7 @@
 #include "motion/grasp_end.hpp"
 #include "motion/set_down.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// Grows chains one pose at a time.
@@ -91,4 +91,4 @@ std::vector<std::vector<int>> rest_chains(const RestGraph& graph, const std::vec
   return rests;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

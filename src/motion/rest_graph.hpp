@@ -4,7 +4,7 @@
 #include "stonestack/motion/grasp.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Poses of rest of a stone and the grasps that hand, grip and table allow in each, wherever on an empty
 /// table the stone stands and however it is turned about the vertical. Two poses are joined if they share a
@@ -28,4 +28,4 @@ struct RestGraph {
 /// What both ascending lists have.
 [[nodiscard]] std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

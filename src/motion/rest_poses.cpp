@@ -7,7 +7,7 @@
 #include "stonestack/geometry/polygon.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kSame = 0.97;  // cosine (14 deg): faces this alike give one way to stand
@@ -64,4 +64,4 @@ std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& optio
   return all;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -7,7 +7,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/cartesian.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kFineness = 0.001;  ///< m
@@ -45,4 +45,4 @@ double room_below(const PlanningScene& scene, const Joints& q, double opening, i
   return room;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

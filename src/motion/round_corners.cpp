@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr std::array kBlends{0.2, 0.08, 0.03, 0.01, 0.005, 0.002, 0.0005};  ///< rad, widest first
@@ -25,4 +25,4 @@ double free_blend(const CollisionChecker& checker, const JointPath& path, const 
   return 0.0;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

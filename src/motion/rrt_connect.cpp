@@ -12,7 +12,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 namespace ob = ompl::base;
@@ -199,4 +199,4 @@ Tree rrt_connect(const CollisionChecker& checker, const Joints& start, std::span
   return tree;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

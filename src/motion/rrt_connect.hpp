@@ -5,7 +5,7 @@
 #include "stonestack/motion/collision.hpp"
 
 /// Private to motion: OMPL behind one function.
-namespace stonestack {
+namespace stonestack::motion {
 
 /// What a tree may do.
 struct TreeLimits {
@@ -23,4 +23,4 @@ struct Tree {
 [[nodiscard]] Tree rrt_connect(const CollisionChecker& checker, const Joints& start,
                                std::span<const Joints> goals, const TreeLimits& limits, Random random);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

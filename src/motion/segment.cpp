@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace stonestack {
+namespace stonestack::motion {
 
 double squared_distance_to_box(const Segment& s, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   // Along the segment the squared distance is convex and made of parabolas that join where a coordinate
@@ -44,4 +44,4 @@ double squared_distance_to_box(const Segment& s, const Eigen::Vector3d& low, con
   return gap(1.0).squaredNorm();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

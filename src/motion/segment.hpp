@@ -2,9 +2,11 @@
 #include <Eigen/Core>
 #include <algorithm>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Private to motion: exact distances of a line segment, squared, without allocation. The short ones are
 /// inline: a collision check asks hundreds of them.
-namespace stonestack {
+namespace stonestack::motion {
 
 struct Segment {
   Eigen::Vector3d a, b;
@@ -62,4 +64,4 @@ struct Bounds {
 [[nodiscard]] double squared_distance_to_box(const Segment& s, const Eigen::Vector3d& low,
                                              const Eigen::Vector3d& high);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

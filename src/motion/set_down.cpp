@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// Convex outline seen from above.
@@ -80,4 +80,4 @@ std::vector<Pose> SetDownPlaces::poses(const Eigen::Quaterniond& R_W_O) const {
   return all;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

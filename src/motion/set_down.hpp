@@ -4,7 +4,7 @@
 #include "stonestack/geometry/polygon.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// The stone with orientation R_W_O on the table, its centre of mass above `p_W_at`.
 [[nodiscard]] Pose standing(const Stone& stone, const Eigen::Quaterniond& R_W_O,
@@ -29,4 +29,4 @@ class SetDownPlaces {
   std::vector<Polygon2> taken_;         ///< what is there already, seen from above
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kRepeat = 1e-9;       // rad: way points nearer than that are one
@@ -151,4 +151,4 @@ JointPath mended(const JointPath& path, const MotionTest& is_free, Random& rando
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -5,7 +5,7 @@
 #include "stonestack/kinematics/joints.hpp"
 
 /// Private to motion: joint paths made shorter.
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Whether the straight motion between two configurations is allowed.
 using MotionTest = std::function<bool(const Joints&, const Joints&)>;
@@ -23,4 +23,4 @@ using MotionTest = std::function<bool(const Joints&, const Joints&)>;
 /// All pieces of the result are free.
 [[nodiscard]] JointPath mended(const JointPath& path, const MotionTest& is_free, Random& random);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

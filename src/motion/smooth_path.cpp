@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kShortest = 1e-6;  ///< rad, a micrometre at the tool; below it two way points are one
@@ -78,4 +78,4 @@ std::vector<PathPiece> smooth_pieces(const JointPath& path, double blend, double
   return pieces;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

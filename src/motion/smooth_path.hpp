@@ -3,7 +3,7 @@
 
 #include "stonestack/kinematics/joints.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// A line, or a part of a curve that cuts a corner, over path length s in [0, length] (joint vector, rad).
 /// Pieces join with continuous direction; with Corner::kEven with continuous curvature, too.
@@ -32,4 +32,4 @@ enum class Corner { kParabola, kEven };
 [[nodiscard]] std::vector<PathPiece> smooth_pieces(const JointPath& path, double blend, double longest_line,
                                                    Corner corner = Corner::kParabola);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -9,7 +9,7 @@
 #include "motion/tool_speed.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr int kBlendCells = 16;  ///< measured: 64 shorten a motion by less than 0.1 %
@@ -257,4 +257,4 @@ JointPath rounded(const JointPath& path, const TimingLimits& limits, double step
   return points;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -6,7 +6,7 @@
 
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 double fastest_with_tool(const PathPiece& piece, const ToolLimit& limit) {
   constexpr double kSpare = 1.005, kStep = 1e-5;  // rad
@@ -49,4 +49,4 @@ ToolSpeed transit_speed(const PlanningScene& scene, const MotionOptions& options
       };
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

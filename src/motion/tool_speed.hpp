@@ -3,7 +3,7 @@
 #include "stonestack/motion/timing.hpp"
 
 /// Private to motion.
-namespace stonestack {
+namespace stonestack::motion {
 
 /// How fast the tool may be: T_F_T on the flange of `robot`, `speed` (m/s) where the joints are at q.
 struct ToolLimit {
@@ -24,4 +24,4 @@ inline constexpr double kToolLine = 0.05;  ///< rad; on such a piece of a line t
 [[nodiscard]] ToolSpeed transit_speed(const PlanningScene& scene, const MotionOptions& options,
                                       int left_out = -1, double reach = 0.0);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

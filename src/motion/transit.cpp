@@ -12,7 +12,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kResolution =
@@ -229,4 +229,4 @@ std::optional<JointTrajectory> plan_transit(const PlanningScene& scene, const Jo
   return plan(scene, q_start, goals, options);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

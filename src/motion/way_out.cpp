@@ -4,7 +4,7 @@
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kStep = 0.02;      // m
@@ -46,4 +46,4 @@ std::optional<JointPath> way_out(const PlanningScene& scene, const Joints& start
   return std::nullopt;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

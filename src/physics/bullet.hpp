@@ -8,7 +8,7 @@
 
 static_assert(sizeof(btScalar) == 8, "link Bullet's double precision build (pkg-config bullet-float64)");
 
-namespace stonestack {
+namespace stonestack::physics {
 
 [[nodiscard]] inline btVector3 to_bullet(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
@@ -33,4 +33,4 @@ namespace stonestack {
   return pose;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

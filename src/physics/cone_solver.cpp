@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr double kCalm = 1e-8;     // m/s: smaller changes end the iteration
@@ -193,4 +193,4 @@ void ConeSolver::write_back(double dt) {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

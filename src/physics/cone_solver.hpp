@@ -4,7 +4,7 @@
 #include "physics/bullet.hpp"
 #include "physics/surface_shape.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// Velocities and impulses of one step: projected Gauss-Seidel over touches with round friction cones
 /// (Bullet's own solver limits the two friction directions each for itself, which is up to 41 % too much on
@@ -65,4 +65,4 @@ class ConeSolver : public btConstraintSolver {
   double last_dt_ = 0.0;  ///< s, of the step that the kept impulses are from
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

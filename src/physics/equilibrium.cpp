@@ -8,7 +8,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using Vector = Eigen::Vector3d;
@@ -213,4 +213,4 @@ Equilibrium solve_equilibrium(std::span<const StaticBody> bodies, std::span<cons
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

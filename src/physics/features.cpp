@@ -9,7 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr double kFlat = 0.005;  // rad: an edge bent less than this cannot be felt (0.02 mm over 13 mm)
@@ -218,4 +218,4 @@ SurfaceFeatures surface_features(const Mesh& mesh) {
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// A face that may touch: its plane and, for each side, the inward normal in the plane.
 struct FaceFeature {
@@ -74,4 +74,4 @@ inline constexpr double kEdgeSpacing = 0.003;
 /// Throws InvalidArgument if the mesh is not closed.
 [[nodiscard]] SurfaceFeatures surface_features(const Mesh& mesh);
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

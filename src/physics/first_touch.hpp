@@ -6,7 +6,7 @@
 
 /// Which features of two surfaces can be the first to touch, exactly or after some motion and turn. Inline:
 /// millions are asked a second.
-namespace stonestack {
+namespace stonestack::physics {
 
 /// m: features tell depths down to here, below it the signed distance.
 inline constexpr double kDeepest = 0.003;
@@ -106,4 +106,4 @@ inline double radius_about_origin(const SurfaceFeatures& features) {
   return features.box.min().cwiseAbs().cwiseMax(features.box.max().cwiseAbs()).norm();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

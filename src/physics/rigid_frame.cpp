@@ -2,7 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace stonestack {
+namespace stonestack::physics {
 
 Pose principal_frame(const MassProperties& mass, Eigen::Vector3d* moments) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(mass.I_M);
@@ -20,4 +20,4 @@ Twist velocity_between(const Pose& from, const Pose& to, double dt) {
   return {(to.translation() - from.translation()) / dt, turn.axis() * (angle / dt)};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

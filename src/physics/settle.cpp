@@ -2,7 +2,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr int kStepsASample = 4;
@@ -66,4 +66,4 @@ SettleResult settle(const ShapeList& shapes, const Stack& stack, int stone, cons
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

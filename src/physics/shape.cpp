@@ -7,7 +7,7 @@
 #include "physics/shape_store.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan, const MassProperties& mass,
                                                        const std::string& name, const ShapeOptions& options) {
@@ -30,4 +30,4 @@ std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(const std::
   return shapes;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -7,7 +7,7 @@
 
 #include "physics/features.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 /// Everything that decides the geometry, as one 64 bit number (splitmix64's finaliser).
@@ -61,4 +61,4 @@ std::shared_ptr<const ShapeGeometry> shape_geometry(const Mesh& scan, const Shap
   return made;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -4,7 +4,7 @@
 
 #include "stonestack/physics/shape.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// What of a contact shape follows from the scan alone, without its mass.
 struct ShapeGeometry {
@@ -20,4 +20,4 @@ struct ShapeGeometry {
 /// Some 3 to 6 MB each.
 inline constexpr std::size_t kMostKept = 48;
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -6,7 +6,7 @@
 #include "physics/touch.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr double kSample = 0.05;           // s, between looks at a stack that is judged
@@ -225,4 +225,4 @@ Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
   return solve_equilibrium(statics.bodies, statics.contacts, options);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

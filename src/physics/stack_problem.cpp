@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 /// True if some direction separates the point from every vertex: Frank and Wolfe's walk to the nearest point
@@ -70,4 +70,4 @@ std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allow
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

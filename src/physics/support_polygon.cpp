@@ -12,7 +12,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -84,4 +84,4 @@ SupportPolygon support_polygon(std::span<const Contact> contacts, const Eigen::V
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -4,7 +4,7 @@
 
 #include <new>
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr std::size_t kMostTouches = 16;  // a pair
@@ -76,4 +76,4 @@ btCollisionAlgorithm* TouchAlgorithm::Factory::CreateCollisionAlgorithm(
       TouchAlgorithm(info.m_dispatcher1, first->getCollisionObject(), second->getCollisionObject(), rules_);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

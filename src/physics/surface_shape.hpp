@@ -7,7 +7,7 @@
 #include "physics/touch.hpp"
 #include "stonestack/physics/shape.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// A surface as Bullet's collision shape: Bullet asks for its bounding box only, the touches are ours.
 /// Body frame P: principal axes at the centre of mass.
@@ -94,4 +94,4 @@ class TouchAlgorithm : public btCollisionAlgorithm {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -2,7 +2,7 @@
 
 #include "physics/first_touch.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 std::vector<Touch> TablePairs::touches(const Surface& A, const Pose& T_W_A) {
   const SurfaceFeatures& x = *A.features;
@@ -36,4 +36,4 @@ std::vector<Touch> TablePairs::touches(const Surface& A, const Pose& T_W_A) {
   return out;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -5,7 +5,7 @@
 
 #include "physics/first_touch.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using Vector = Eigen::Vector3d;
@@ -216,4 +216,4 @@ void FeaturePairs::look_up_edges(const EdgeFeature& own, const FeatureSample& sa
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/geometry/signed_distance.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// A body's surface, as contact needs it: the features of a stone or a box, and its signed distance.
 struct Surface {
@@ -90,4 +90,4 @@ void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::
 /// the same normal.
 void carry_over(std::vector<Touch>& touches, const std::vector<Touch>& before);
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

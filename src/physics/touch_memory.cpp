@@ -2,7 +2,7 @@
 
 #include "physics/touch.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 bool same(const Touch& a, const Touch& b) {
   if (a.kind != b.kind) return false;
@@ -82,4 +82,4 @@ void carry_over(std::vector<Touch>& touches, const std::vector<Touch>& before) {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

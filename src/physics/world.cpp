@@ -10,7 +10,7 @@
 #include "physics/surface_shape.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr int kTableGroup = 1, kStoneGroup = 2, kBoxGroup = 4;  // boxes meet stones only
@@ -290,4 +290,4 @@ const WorldOptions& World::options() const {
   return bullet_->options;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -1,6 +1,6 @@
 #include "stonestack/physics/world.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 FieldList fields(WorldOptions& o) {
   return {field("friction", o.friction, {1e-6, 10.0}, "", "paper §4.1"),
@@ -12,4 +12,4 @@ FieldList fields(WorldOptions& o) {
           field("angular_damping", o.angular_damping, {0.0, 1.0}, "1/s", "ours")};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

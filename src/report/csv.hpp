@@ -1,8 +1,10 @@
 #pragma once
 #include <string>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Private to report/: a field of a CSV file.
-namespace stonestack {
+namespace stonestack::report {
 
 /// As it is, or quoted when it holds what would end it (RFC 4180).
 [[nodiscard]] inline std::string csv_field(const std::string& text) {
@@ -12,4 +14,4 @@ namespace stonestack {
   return quoted + "\"";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

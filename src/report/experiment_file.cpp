@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/report/experiment_report.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 using nlohmann::json;
@@ -147,4 +147,4 @@ Experiment read_experiment(const std::string& path) {
   return experiment;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -9,7 +9,7 @@
 #include "report/csv.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 using nlohmann::json;
@@ -269,4 +269,4 @@ std::string runs_csv(const Experiment& experiment) {
   return text;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -5,7 +5,7 @@
 #include "report/svg.hpp"
 #include "stonestack/report/experiment_report.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 constexpr double kWidth = 720, kHeight = 440, kLeft = 64, kRight = 150, kTop = 28, kBottom = 52;
@@ -140,4 +140,4 @@ std::string figure5_svg(const Experiment& experiment) {
   return text + legend(experiment) + "</svg>\n";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

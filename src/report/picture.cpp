@@ -12,7 +12,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 constexpr double kTableHalf = 1.6;  // m
@@ -155,4 +155,4 @@ void write_png(const std::string& path, const Picture& picture) {
   write_file(path, bytes);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/report/plan_preview.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 constexpr double kWidth = 900, kLeft = 70, kRight = 130, kTop = 84, kPanel = 190, kGap = 34, kFoot = 50;
@@ -157,4 +157,4 @@ std::string plan_plot(const PickAndPlacePlan& plan, const std::vector<PlanMoment
   return text + step_marks(plan, moments, bottom) + time_axis(moments.back().time, bottom) + "</svg>\n";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -7,7 +7,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/collision.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 using Kind = PlanStep::Kind;
@@ -153,4 +153,4 @@ std::vector<PlanMoment> key_moments(const std::vector<PlanMoment>& moments) {
   return keys;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 using nlohmann::json;
@@ -199,4 +199,4 @@ View view_of_site(const Eigen::Vector2d& site, double top_height) {
   return view;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -4,8 +4,10 @@
 #include <cstdio>
 #include <string>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Private to report: what its drawings share.
-namespace stonestack {
+namespace stonestack::report {
 
 template <class... Values>
 [[nodiscard]] std::string format(const char* pattern, Values... values) {
@@ -22,4 +24,4 @@ template <class... Values>
   return 10 * power;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::report

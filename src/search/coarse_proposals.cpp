@@ -5,7 +5,7 @@
 #include "search/parallel.hpp"
 #include "search/proposals.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kOffsetPitch = 0.008;  ///< m
@@ -219,4 +219,4 @@ std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
   return candidates;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

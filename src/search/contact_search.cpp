@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr int kPathEvery = 8;  ///< steps between poses of the path
@@ -100,4 +100,4 @@ ContactSearch search_contact(const SearchContext& context, const Target& target,
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

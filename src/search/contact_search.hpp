@@ -2,7 +2,7 @@
 #include "search/initial_pose.hpp"
 #include "search/pose_cost.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// How a stone came to touch the stack.
 struct ContactSearch {
@@ -21,4 +21,4 @@ struct ContactSearch {
 [[nodiscard]] ContactSearch search_contact(const SearchContext& context, const Target& target, int stone,
                                            const Pose& T_W_O_init);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -6,7 +6,7 @@
 #include "search/tower_search.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr int kTableYaws = 8;  ///< turns of a first stone that are offered to the arm
@@ -176,4 +176,4 @@ void default_search(const SearchContext& context, SearchResult* result) {
   if (o.trace) trace(search, result);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,7 @@
 
 #include "search/search_context.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// Plans towers of up to `horizon` levels and returns their first placements: those that lead highest, and of
 /// these the likeliest to be finished, first. What was found when it is interrupted is kept.
@@ -14,4 +14,4 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
 /// The stones of a plan that are expected to stand, of as much of it as holds.
 [[nodiscard]] double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// x, y and a rotation vector times descent_step / descent_turn, all in metres.
@@ -61,4 +61,4 @@ ContactSearch descend(const SearchContext& context, const Target& target, int st
   return best;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -1,7 +1,7 @@
 #pragma once
 #include "search/contact_search.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// Contact pose refinement (paper §3.2): the pose is perturbed by a small step in each of five directions
 /// (sideways in x and y, turned about x, y and z; the attraction sets the sixth), the gradient of eq. (2)
@@ -10,4 +10,4 @@ namespace stonestack {
 [[nodiscard]] ContactSearch descend(const SearchContext& context, const Target& target, int stone,
                                     ContactSearch start, std::vector<ContactSearch>* tried);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

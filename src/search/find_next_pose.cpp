@@ -5,7 +5,7 @@
 #include "search/search_on_stack.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// Searches on a stack that is known to stand; Ctrl-C ends it with what there is.
@@ -80,4 +80,4 @@ double expected_height(const SearchProblem& problem, const std::vector<PlacedSto
   return standing ? expected_of_plan(make_context(*standing, options, {}), plan) : 0.0;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

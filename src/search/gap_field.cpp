@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr float kPadding = -1e9F;
@@ -281,4 +281,4 @@ GapContact contact_of(const GapField& field, const GapRest& rest, const TopSurfa
   return contact;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -6,7 +6,7 @@
 #include "search/height_raster.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// What a new stone may come to lie on, seen from above: heights in W and, per node, whether the surface may
 /// be touched. What must not be touched (lower stones, the table) is raised by a clearance.
@@ -93,4 +93,4 @@ struct GapContact {
 [[nodiscard]] GapContact contact_of(const GapField& field, const GapRest& rest, const TopSurface& top,
                                     double tolerance);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// Nodes of one axis between two coordinates (in cells from the centre), kept inside the raster.
@@ -67,4 +67,4 @@ void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,9 @@
 #include <span>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::search {
 
 /// Height where a raster has no surface.
 inline constexpr float kNoSurface = -1e6F;
@@ -33,4 +35,4 @@ enum class Winding { kAny, kCounterclockwise, kClockwise };
 void raise_to(HeightRaster& raster, std::span<const Eigen::Vector3d> vertices,
               std::span<const Eigen::Vector3i> faces, Winding which = Winding::kAny);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

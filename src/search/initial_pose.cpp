@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kTouchGap = 0.001;  ///< m
@@ -51,4 +51,4 @@ Pose placed_along_normal(const SearchContext& context, const Target& target, int
   return stone_pose({&geometry, R_W_O, target.p_W_centroid + aside + along * n});
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -2,7 +2,7 @@
 #include "search/search_context.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// What a new stone is aimed at: C_j and n_j of the last placed stone's support polygon (paper §3.1), and its
 /// centre of mass P_j. On the empty table: the site and the vertical.
@@ -22,4 +22,4 @@ struct Target {
 [[nodiscard]] Pose placed_along_normal(const SearchContext& context, const Target& target, int stone,
                                        const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& aside);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kActive = 0.022;       ///< m: cells further from touching are left out (measured)
@@ -85,4 +85,4 @@ Landing land_on_table(const StackField& table, const Underside& underside, GapFi
   return landing;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,7 @@
 
 #include "search/top_surface.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A stack as the gap field sees it.
 struct StackField {
@@ -45,4 +45,4 @@ struct LandingGrid {
 /// On the table, where every offset is alike.
 [[nodiscard]] Landing land_on_table(const StackField& table, const Underside& underside, GapField* buffer);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -6,7 +6,7 @@
 #include "search/orientations.hpp"
 #include "search/parallel.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kCell = 0.005;   ///< m
@@ -70,4 +70,4 @@ double LookAhead::estimate(const StackBodies& stack, std::span<const int> used, 
   return sum / static_cast<double>(counted);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

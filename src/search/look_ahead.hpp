@@ -1,7 +1,7 @@
 #pragma once
 #include "search/proposals.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// How thoroughly to look: the quick way tells good tops from bad ones at an eighth of the cost.
 enum class LookAheadEffort { kQuick, kFull };
@@ -27,4 +27,4 @@ class LookAhead {
   SearchOptions options_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::search

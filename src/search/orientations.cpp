@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 
 std::vector<Eigen::Matrix3d> orientations(const OrientationOptions& options) {
   constexpr double kGoldenAngle = 2.399963229728653;
@@ -28,4 +28,4 @@ Eigen::Matrix3d yaw_rotation(double angle) {
   return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -2,7 +2,9 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::search {
 
 /// Which sides of a stone may point down.
 struct OrientationOptions {
@@ -18,4 +20,4 @@ struct OrientationOptions {
 /// Rotation about the world's z axis.
 [[nodiscard]] Eigen::Matrix3d yaw_rotation(double angle);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

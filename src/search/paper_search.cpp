@@ -6,7 +6,7 @@
 #include "search/parallel.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// One local solution of one stone, and what was tried on the way to it.
@@ -129,4 +129,4 @@ void paper_search(const SearchContext& context, SearchResult* result) {
                    [](const Placement& p, const Placement& q) { return p.cost < q.cost; });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

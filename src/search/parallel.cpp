@@ -9,7 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 void run_tasks(int threads, std::size_t count, const std::function<void(std::size_t)>& task) {
   using tbb::global_control;
@@ -31,4 +31,4 @@ void run_tasks(int threads, std::size_t count, const std::function<void(std::siz
   });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

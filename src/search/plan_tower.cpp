@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// One stone after the other, each the best of its level.
@@ -78,4 +78,4 @@ std::vector<Placement> plan_tower(SearchProblem problem, int levels, const Searc
   return tower;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

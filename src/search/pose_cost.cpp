@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 
 PoseCost pose_cost(const ContactPose& pose, const SearchOptions& o) {
   constexpr double kLeastArea = 1e-8;  // m^2: a line of contacts costs much, not infinitely
@@ -26,4 +26,4 @@ PoseCost pose_cost(const ContactPose& pose, const SearchOptions& o) {
   return cost;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/search/find_next_pose.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// What eq. (2) of the paper looks at.
 struct ContactPose {
@@ -22,4 +22,4 @@ struct PoseCost {
 /// form, in SI and with that sign, is `si_cost`.
 [[nodiscard]] PoseCost pose_cost(const ContactPose& pose, const SearchOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -5,7 +5,7 @@
 
 #include "search/parallel.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr std::size_t kRefined = 24;      ///< a stone (measured)
@@ -100,4 +100,4 @@ std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseSto
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -2,7 +2,7 @@
 #include "search/landing.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A pose that the gap field holds for good, before any simulation.
 struct Proposal {
@@ -70,4 +70,4 @@ inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of
                                             const Eigen::Vector2d& site, int keep,
                                             const SearchOptions& options, long* evaluated);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

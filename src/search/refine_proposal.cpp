@@ -3,7 +3,7 @@
 
 #include "search/proposals.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr int kRounds = 6;
@@ -93,4 +93,4 @@ Proposal refined(const Proposal& start, const StackField& fine, bool on_table, c
   return best;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 
 double resting_height(std::span<const BodyPose> stack, const BodyPose& body) {
   constexpr double kCell = 0.003;
@@ -36,4 +36,4 @@ Pose lifted_clear(const ShapeList& shapes, const Stack& stack, const PlacedStone
   return stone_pose(body);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

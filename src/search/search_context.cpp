@@ -9,7 +9,7 @@
 #include "stonestack/physics/settle.hpp"
 #include "stonestack/physics/stack_problem.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kStandSeconds = 2.0;
@@ -153,4 +153,4 @@ std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
   return std::nullopt;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -2,7 +2,7 @@
 #include "search/proposals.hpp"
 #include "stonestack/core/clock.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A search problem that was checked, with what every stage needs.
 struct SearchContext {
@@ -48,4 +48,4 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options);
 [[nodiscard]] std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
                                                   const SearchOptions& options, std::string* reason);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -1,6 +1,6 @@
 #include "stonestack/search/find_next_pose.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 FieldList fields(SearchOptions& o) {
   const double pi = 3.14159266;
@@ -60,4 +60,4 @@ FieldList fields(SearchOptions& o) {
   };
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// Raises the raster by the upper side of a stone.
@@ -141,4 +141,4 @@ double tipping_limit(std::span<const Interface> interfaces, double mass, const E
   return least;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

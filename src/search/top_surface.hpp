@@ -5,7 +5,7 @@
 #include "stonestack/geometry/polygon.hpp"
 #include "stonestack/physics/stack.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A stone's scan relative to its centre of mass: what heightmaps are made from.
 struct StoneGeometry {
@@ -64,4 +64,4 @@ struct StackBodies {
 [[nodiscard]] double tipping_limit(std::span<const Interface> interfaces, double mass,
                                    const Eigen::Vector3d& p_W_M);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

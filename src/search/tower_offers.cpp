@@ -5,7 +5,7 @@
 #include "search/tower_search.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr int kProposalsPerStone = 16;
@@ -99,4 +99,4 @@ std::vector<Trial> TowerSearch::offers(int k) {
   return reached;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

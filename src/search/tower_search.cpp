@@ -5,7 +5,7 @@
 #include "search/parallel.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead asks only sides that nearly lie flat
@@ -159,7 +159,7 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
     tried.push_back(k);
     candidates.push_back({&tree_.node(node.parent).stack, &node.trial});
   }
-  stonestack::predict(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
+  search::predict(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
   for (const int k : tried) tree_.node(k).predicted = true;
   drop_fallen(tried);
 }
@@ -256,4 +256,4 @@ std::string TowerSearch::reason() const {
   return "no side of any stone fits the top of the stack with its centre of mass over the contacts";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -4,7 +4,7 @@
 #include "search/look_ahead.hpp"
 #include "search/tower_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// Grows towers on the given stack: in every round and on every level the `beam` most promising towers get
 /// their next stones (gap field proposals, look-ahead, settling, equilibrium, judgement), then the round
@@ -84,4 +84,4 @@ class TowerSearch {
   std::vector<Dropped> dropped_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::search

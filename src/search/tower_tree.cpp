@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// A plan is not the tower: a placement errs, and what was to come next may not fit any more.
@@ -166,4 +166,4 @@ int TowerTree::reach(int k) const {
   return most;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -1,7 +1,7 @@
 #pragma once
 #include "search/trial.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A tower under construction: one more stone than its parent's, settled and in balance.
 struct TowerNode {
@@ -59,4 +59,4 @@ class TowerTree {
   std::vector<TowerNode> nodes_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -10,7 +10,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/physics/settle.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kDrop = 0.001;        ///< m above the first touch
@@ -192,4 +192,4 @@ double worth(const SearchContext& context, const Trial& trial) {
   return trial.placement.predicted_success * (0.5 + 0.5 * reserve) * (0.25 + 0.75 * prospects);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,7 @@
 
 #include "search/search_context.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A proposal on its way through simulation.
 struct Trial {
@@ -44,4 +44,4 @@ void predict(const SearchContext& context, std::span<const Candidate> candidates
 /// the whole stack, prospects of the next.
 [[nodiscard]] double worth(const SearchContext& context, const Trial& trial);
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -5,7 +5,7 @@
 #include "search/parallel.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr std::size_t kWave = 4;  ///< trials judged at a time; fixed, so that threads do not matter
@@ -80,4 +80,4 @@ void verify(const SearchContext& context, std::vector<Trial> trials, SearchResul
   if (result->best.empty()) result->reason = summary(trials);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 constexpr double kCreep = 0.05;  // share of the speed that is left just before the force is reached
 }
@@ -19,4 +19,4 @@ double next_finger_place(FingerDriveState& drive, double place, double force, do
   return std::abs(way) <= step ? drive.target : place + std::copysign(step, way);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -1,6 +1,8 @@
 #pragma once
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::simulation {
 
 /// One finger's worm drive: it pushes until its force is reached, then holds its place; nothing pushes it
 /// back.
@@ -19,4 +21,4 @@ constexpr double kRegripBelow = 0.9;  ///< share of the force: a stalled worm dr
 /// inwards ever slower as its force rises. `force` (N) presses it outwards now.
 [[nodiscard]] double next_finger_place(FingerDriveState& drive, double place, double force, double seconds);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kLeastFacing = 0.2;  // cosine: steeper surface lies beside the pad, not on it
@@ -90,4 +90,4 @@ PadLoad PadContact::press(const MovingFrame& pad, const MovingFrame& stone) {
   return load;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -4,7 +4,7 @@
 #include "stonestack/physics/shape.hpp"
 #include "stonestack/physics/world.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// A rubber pad as an elastic foundation: normal pressure proportional to how deep a surface lies in it,
 /// bristle friction sideways. Elastic constants of 5 mm of soft rubber (E about 0.75 MPa): at 60 N on 4 cm^2
@@ -76,4 +76,4 @@ class PadContact {
   bool touching_ = false;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr std::array<double, kFingers> kSide{1.0, -1.0, -1.0};
@@ -75,4 +75,4 @@ Eigen::Vector3d lowest_corner(const HandModel& model, const HandPose& hand) {
   return lowest;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

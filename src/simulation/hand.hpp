@@ -6,7 +6,7 @@
 #include "simulation/finger_pad.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// The fingers, in the order of every array: A at +x of T, B at -x and +y, C at -x and -y.
 inline constexpr int kFingers = 3;
@@ -52,4 +52,4 @@ struct HandModel {
 /// Height of the hand's lowest corner over the table, m, and where it is.
 [[nodiscard]] Eigen::Vector3d lowest_corner(const HandModel& model, const HandPose& hand);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -7,7 +7,7 @@
 #include "simulation/tower_chain.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kRest = 0.5;  // s after a shake
@@ -109,4 +109,4 @@ Survival try_true_tower(const TrueWorld& world, const Eigen::Vector2d& site, con
   return survival;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

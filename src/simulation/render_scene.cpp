@@ -9,7 +9,7 @@
 #include "stonestack/geometry/cloud_file.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
@@ -71,4 +71,4 @@ void write_scene(const std::string& folder, const SimulatedScene& scene, const s
   write_scene_file(base + "scene.yaml", file);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

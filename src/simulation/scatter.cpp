@@ -8,7 +8,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kDropHeight = 0.010;  // m under the lowest point
@@ -138,4 +138,4 @@ void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t see
                                " times; use fewer stones or a larger field"));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -1,7 +1,7 @@
 #pragma once
 #include "simulation/true_world.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Where loose stones may lie.
 struct StoneField {
@@ -16,4 +16,4 @@ struct StoneField {
 /// the field's clearance asks for. Throws InvalidArgument when the field is too small for them.
 void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kHalfPi = 1.5707963267948966;
@@ -257,4 +257,4 @@ DepthImage add_noise(const RenderedView& view, const Pose& T_W_C, const SensorMo
   return image;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

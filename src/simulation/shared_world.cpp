@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTick = 0.002;  // s, how often the fingers' drives look at their forces
@@ -114,4 +114,4 @@ void SharedWorld::stop() {
   if (loop_.joinable()) loop_.join();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

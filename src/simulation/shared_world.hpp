@@ -8,7 +8,7 @@
 
 #include "simulation/simulated_devices.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Where fingers are (HandPose).
 struct FingerPlaces {
@@ -78,4 +78,4 @@ class SharedWorld {
   bool stopping_ = false;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/jacobian.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTick = 0.010;           // s, control and force samples
@@ -197,4 +197,4 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
   return {Status::kDone, q_, 0.0, {}};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

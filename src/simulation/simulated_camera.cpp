@@ -2,7 +2,7 @@
 #include "simulation/true_view.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kFramePeriod = 1.0 / 30.0;  // s
@@ -31,4 +31,4 @@ DepthFrame SimulatedCamera::capture() {
   return frame;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

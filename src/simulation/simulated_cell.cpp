@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kStartHeight = 0.45;  // m, finger tips over the field: the camera's view holds all of it
@@ -143,4 +143,4 @@ Survival SimulatedCell::try_tower(const SurvivalOptions& options, const StandOpt
   return try_true_tower(parts_->world, parts_->believed.site, options, bounds);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -7,7 +7,7 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/simulation/sensor_noise.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// How the cell is really put together, as against how it was calibrated.
 struct TrueMounting {
@@ -128,4 +128,4 @@ class SimulatedCamera final : public DepthCamera {
   long number_ = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -2,7 +2,7 @@
 
 #include "simulation/simulated_devices.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kPeriod = 0.010;                           // s
@@ -78,4 +78,4 @@ void SimulatedForceTorque::zero() {
   zero_ = mean;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kLeastForce = 15.0, kMostForce = 60.0;    // N a finger (data sheet)
@@ -76,4 +76,4 @@ void SimulatedGripper::spread(double spacing) {
     throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

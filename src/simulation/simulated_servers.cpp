@@ -3,7 +3,7 @@
 #include "simulation/shared_world.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 SimulatedServersOptions::SimulatedServersOptions() {
   force_torque.serial = false;
@@ -139,4 +139,4 @@ std::string SimulatedServers::text() const {
   return text;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

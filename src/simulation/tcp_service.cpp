@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 constexpr double kTurn = 0.5;  // s between looks at threads that ended
 }
@@ -68,4 +68,4 @@ void TcpService::run(Client& client) {
   client.done = true;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

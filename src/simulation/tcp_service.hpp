@@ -7,7 +7,7 @@
 
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// For devices whose clients may be waited for; the simulated UR controller, which hears all of its own
 /// between two control steps, has ServerPort. Accepts TCP clients and serves each in a thread of its own.
@@ -47,4 +47,4 @@ class TcpService {
   std::thread acceptor_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr int kWaves = 64;        // that add up to the error
@@ -54,4 +54,4 @@ std::vector<Stone> as_they_are(const std::vector<Stone>& scanned, const Simulati
   return stones;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 
 #include "stonestack/simulation/simulated_cell.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// The stones as the simulated world has them: each surface lies beside its scan, along its normal, by a
 /// smooth error of `options.scan_error` (root of the mean square over the vertices). With none they are the
@@ -11,4 +11,4 @@ namespace stonestack {
 [[nodiscard]] std::vector<Stone> as_they_are(const std::vector<Stone>& scanned,
                                              const SimulationOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -1,6 +1,6 @@
 #include "simulation/true_view.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTableHalf = 3.0;  // m
@@ -46,4 +46,4 @@ DepthImage true_view(const SeenWorld& world, const std::vector<Stone>& stones, c
   return add_noise(render(scene, sensor.camera, T_W_C), T_W_C, sensor, random);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -2,7 +2,7 @@
 #include "simulation/true_world.hpp"
 #include "stonestack/simulation/sensor_noise.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// The sensor that the options ask for; without noise only its range, counts and intrinsics are left.
 [[nodiscard]] SensorModel choose_sensor(const SimulationOptions& options);
@@ -18,4 +18,4 @@ struct SeenWorld {
 [[nodiscard]] DepthImage true_view(const SeenWorld& world, const std::vector<Stone>& stones,
                                    const Pose& T_W_C, const SensorModel& sensor, Random& random);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kRestSeconds = 2.0;     // s: a stone that creeps is not taken for one at rest
@@ -160,4 +160,4 @@ std::vector<Contact> TrueWorld::contacts() const {
   return found;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -9,7 +9,7 @@
 #include "stonestack/physics/world.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What the world does to the hand, gravity on the hand itself left out; world axes.
 struct HandLoad {
@@ -129,4 +129,4 @@ class TrueWorld {
   std::optional<Engine> engine_;  // empty while nothing can move
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include "simulation/true_world.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kChunk = 0.010;          // s between two looks at what is near what
@@ -215,4 +215,4 @@ Progress TrueWorld::wait(double seconds) {
   return advance(seconds, [&](double) { return hand; });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -9,7 +9,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/physics/settle.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kAboveTable = 0.012;  // m: lower than this, a stone lies on the table
@@ -284,4 +284,4 @@ std::string placement_json(const Catalogue& catalogue, const Placement& placemen
       .dump();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -8,7 +8,7 @@
 #include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/: from sightings to a belief, and the belief in words.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// Which sightings are the stack and which lie loose. A stone belongs to the stack if it was expected there
 /// (or not) and rests on the stone below: its lowest part is above the table and over the stone below. Poses
@@ -61,4 +61,4 @@ struct Stray {
 [[nodiscard]] std::string belief_json(const Catalogue& catalogue, const Belief& belief);
 [[nodiscard]] std::string placement_json(const Catalogue& catalogue, const Placement& placement);
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

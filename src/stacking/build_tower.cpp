@@ -12,7 +12,7 @@
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kBackAwaySpeed = 0.05;  // m/s
@@ -75,7 +75,7 @@ std::optional<JointTrajectory> Builder::find_way_to_look(const std::vector<Pose>
   step_clear(scene);
   result_.seconds.motion += cell_.clock.now() - start;
   const Stopwatch watch;
-  auto way = stonestack::find_way_to_look(cell_, scene, T_W_C, options_.motion);
+  auto way = stacking::find_way_to_look(cell_, scene, T_W_C, options_.motion);
   result_.seconds.planning += watch.seconds();
   return way;
 }
@@ -95,7 +95,7 @@ Look Builder::look_along(const JointTrajectory& way, const std::function<void()>
   const auto go = [&] {
     const double start = cell_.clock.now();
     try {
-      Look look = stonestack::look_along(cell_, robot_, way);
+      Look look = stacking::look_along(cell_, robot_, way);
       moved = cell_.clock.now() - start;
       return look;
     } catch (...) {  // stopped at once, whatever else is still being done
@@ -293,4 +293,4 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -21,7 +21,7 @@
 /// what stood there already, builder_reach.cpp what the arm can bring about, builder_target.cpp the search
 /// for what comes next, builder_place.cpp what is done and how it is judged, builder_take_off.cpp the way
 /// back: stones taken off, turned over, cleared away.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// What is to be done next, with the plan that does it.
 struct Target {
@@ -304,4 +304,4 @@ class Builder {
   std::vector<PlacedStone> given_up_;         ///< tops of stacks on which nothing was found to fit
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -5,7 +5,7 @@
 #include "stacking/steady.hpp"
 #include "stonestack/core/clock.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 // The next look may show a stone this much beside where the last one did, and it lies as it was thought to.
@@ -90,4 +90,4 @@ SearchResult Builder::search() {
   return std::move(std::exchange(ahead_, std::nullopt)->found);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

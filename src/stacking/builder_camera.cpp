@@ -4,7 +4,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/camera_mount.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kSameShift = 0.015;   // m: a stone seen further off in the other view is not the same pose
@@ -103,4 +103,4 @@ Belief Builder::refine_camera(std::vector<Look>& looks) {
   return seen_in(looks, seen);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/stacking/execute.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 bool Builder::place(const Target& target) {
   const Placement& placement = target.placement;
@@ -103,4 +103,4 @@ void Builder::judge(PlacementRecord& entry, const Placement& planned, ExecutionR
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

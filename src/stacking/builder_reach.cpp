@@ -4,7 +4,7 @@
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kSamePlace = 0.012;  // m, of the centre of mass: nearer is what was tried before
@@ -106,4 +106,4 @@ bool Builder::was_given_up(int stone, const Pose& T_W_O) const {
          std::any_of(refused_.begin(), refused_.end(), same);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

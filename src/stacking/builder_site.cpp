@@ -3,7 +3,7 @@
 
 #include "stacking/builder.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kCertainEnough = 0.6;  // of a stone and its pose: likelier than all else together
@@ -69,4 +69,4 @@ std::string Builder::fault_of_site() const {
   return "";
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

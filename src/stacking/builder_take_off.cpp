@@ -8,7 +8,7 @@
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/execute.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr int kMostCleared = 4;   // tries to take stones away from the foot of the tower
@@ -252,4 +252,4 @@ bool Builder::turn_over(const std::vector<Placement>& found) {
   return false;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -7,7 +7,7 @@
 #include "stacking/builder.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr std::size_t kInOneGoFirst = 3;  // frictions at which nothing is turned over: that takes 25 s each
@@ -301,4 +301,4 @@ Eigen::Vector3d Builder::placing_bias() const {
   return count == 0 ? sum : Eigen::Vector3d(sum / count);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -5,7 +5,7 @@
 #include "stacking/hands.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// The hand is still empty.
@@ -89,4 +89,4 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -5,7 +5,7 @@
 
 #include "stonestack/physics/settle.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kRaster = 0.05;  // m between places that are looked at
@@ -70,4 +70,4 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
   return poses;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

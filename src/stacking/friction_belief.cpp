@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// Of falls that have nothing to do with friction: a stone let go askew, a knock. Ours; it bounds what a
@@ -33,4 +33,4 @@ void FrictionBelief::fell(const std::vector<double>& success) {
   for (double& weight : weights_) weight /= sum;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

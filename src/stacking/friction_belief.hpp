@@ -2,8 +2,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Private to stacking/: which of the frictions that are assumed the stones may have.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// How likely each of some frictions is. At first the higher the likelier (ours: dry stone has more rather
 /// than less); by Bayes' rule less so each time a placement falls that it would have held.
@@ -23,4 +25,4 @@ class FrictionBelief {
   std::vector<double> frictions_, weights_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -2,7 +2,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kPalm = -0.14;           // m, along z of T: middle of palm and fingers
@@ -34,4 +34,4 @@ void set_payload(Arm& arm, const HandMass& carried) {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

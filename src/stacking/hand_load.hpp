@@ -3,7 +3,7 @@
 #include "stonestack/motion/planning_scene.hpp"
 
 /// Private to stacking/: what hangs on the flange, for the wrist and for the arm.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// Gripper and camera: what the force sensor feels always.
 [[nodiscard]] HandMass sensed_hand(const GripperModel& gripper, const CellLayout& layout);
@@ -16,4 +16,4 @@ namespace stonestack {
 /// plan is made for less, so whoever comes here has no wrong command line to mend.
 void set_payload(Arm& arm, const HandMass& carried);
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

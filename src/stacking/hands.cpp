@@ -8,7 +8,7 @@
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the stone
@@ -33,7 +33,7 @@ void Hands::intend(const PlanStep& step) const {
 void Hands::set_payload(bool holding) const {
   const HandMass hand = carried_hand(scene.gripper, cell.layout);
   const HandMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
-  stonestack::set_payload(cell.arm, holding ? together(hand, held) : hand);
+  stacking::set_payload(cell.arm, holding ? together(hand, held) : hand);
 }
 
 ExecutionResult Hands::follow(const PlanStep& step) const {
@@ -225,4 +225,4 @@ ExecutionResult Hands::go_back(const PlanStep& step, double distance) const {
   return follow(actual);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

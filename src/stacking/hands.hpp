@@ -6,7 +6,7 @@
 #include "stacking/wrist.hpp"
 #include "stonestack/stacking/execute.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// The steps of one plan, carried through one by one, and what to do when one goes otherwise than planned.
 struct Hands {
@@ -63,4 +63,4 @@ struct Hands {
   [[nodiscard]] ExecutionResult go_back(const PlanStep& step, double distance) const;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -12,7 +12,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr std::size_t kLargestJournal = std::size_t{1} << 28;
@@ -62,4 +62,4 @@ void Journal::record(const std::string& kind, const std::string& data_json) {
   if (put != static_cast<ssize_t>(line.size()) || ::fdatasync(descriptor_) != 0) fail(path_);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

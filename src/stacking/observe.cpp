@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -178,4 +178,4 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
   return sightings;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kNearer = 0.5;   // share of the usual padding
@@ -74,4 +74,4 @@ std::vector<SceneObject> Reach::planned(const Stack& below) const {
   return objects;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

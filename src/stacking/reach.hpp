@@ -8,7 +8,7 @@
 #include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/ and the commands: what a search may ask of arm and hand.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// What arm and hand can do with the stones of one belief. What does not depend on the target is worked out
 /// once for each stone, when it is first asked about; so not to be shared by threads.
@@ -53,4 +53,4 @@ class Reach {
   std::map<int, RegraspFinder> turning_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

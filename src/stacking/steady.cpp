@@ -4,7 +4,7 @@
 
 #include "search/search_context.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kSigma = 0.001;     // m
@@ -49,4 +49,4 @@ Stack steadied(const ShapeList& shapes, const Stack& seen, double friction) {
   return best;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

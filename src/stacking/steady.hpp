@@ -3,7 +3,7 @@
 #include "stonestack/physics/stack.hpp"
 
 /// Private to stacking/: a measured stack that stands in the model as it does in the cell.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// A stack that was seen to stand, with poses in which it stands in the model, too, at that friction.
 /// Measured poses err by a millimetre, and by that much a stack may slide in the model that stands in truth.
@@ -23,4 +23,4 @@ inline constexpr double kConsistentTurn = 0.09;  ///< rad, the same
 inline constexpr double kBelievable = 0.012;     ///< m: the farthest that can be what was measured
 inline constexpr double kSettleFrom = 0.002;     ///< m above a measured pose, from where a stone is let down
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -1,6 +1,6 @@
 #include "stacking/take_off_depth.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kCost = 0.2;  // stones, of each stone that is taken off; ours
@@ -19,4 +19,4 @@ std::size_t take_off_depth(const std::vector<double>& expected) {
   return depth;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 JointTrajectory reversed(const JointTrajectory& way) {
   JointTrajectory back = way;
@@ -15,4 +15,4 @@ JointTrajectory reversed(const JointTrajectory& way) {
   return back;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -2,8 +2,8 @@
 #include "stonestack/kinematics/joints.hpp"
 
 /// Private to stacking/: a motion run backwards, as fast.
-namespace stonestack {
+namespace stonestack::stacking {
 
 [[nodiscard]] JointTrajectory reversed(const JointTrajectory& way);
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

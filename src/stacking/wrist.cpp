@@ -4,7 +4,7 @@
 
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr int kReadings = 10;
@@ -71,4 +71,4 @@ CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double
   return carried;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

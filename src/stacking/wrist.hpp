@@ -3,7 +3,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
 /// Private to stacking/: what hangs in the hand, as the wrist feels it.
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// Of what the sensor carries always.
 struct HandMass {
@@ -67,4 +67,4 @@ struct CarriedLoad {
 /// come to rest: they close on a stone that slips, and are no verdict while they do.
 [[nodiscard]] CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double least_held);
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// Does `work` on a mesh that came from `source`. What a mesh library throws when it meets a mesh that it was
 /// not made for (CGAL: std::logic_error), or when that mesh fills the memory, becomes a FileError about it.
@@ -27,4 +27,4 @@ auto blame_file(const std::string& source, const Work& work) {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

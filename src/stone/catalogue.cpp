@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ Catalogue read_catalogue(const std::string& path) {
   return catalogue;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

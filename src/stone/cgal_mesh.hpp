@@ -8,7 +8,7 @@
 #include "stonestack/geometry/mesh.hpp"
 
 /// CGAL's mesh types and the way in and out of them.
-namespace stonestack::cgal {
+namespace stonestack::stone::cgal {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
@@ -61,4 +61,4 @@ struct Soup {
   return mesh;
 }
 
-}  // namespace stonestack::cgal
+}  // namespace stonestack::stone::cgal

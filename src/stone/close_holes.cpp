@@ -8,7 +8,7 @@
 #include "stone/repair_mesh.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 RepairedMesh close_holes(const Mesh& mesh) {
   namespace pmp = CGAL::Polygon_mesh_processing;
@@ -36,4 +36,4 @@ RepairedMesh close_holes(const Mesh& mesh) {
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

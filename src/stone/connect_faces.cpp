@@ -8,7 +8,7 @@
 #include "stone/repair_mesh.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
@@ -44,4 +44,4 @@ RepairedMesh connect_faces(const Mesh& mesh) {
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

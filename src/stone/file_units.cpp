@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 struct Unit {
@@ -65,4 +65,4 @@ FileScale file_scale(double longest, const std::string& units, double scale, con
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -2,7 +2,9 @@
 #include <string>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::stone {
 
 /// How large a scan is in metres, and what to say about it.
 struct FileScale {
@@ -17,4 +19,4 @@ struct FileScale {
 [[nodiscard]] FileScale file_scale(double longest, const std::string& units, double scale,
                                    const std::string& source);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 /// A vertex as weights on at most three corners of the icosahedron: the same for both faces of an edge.
@@ -71,4 +71,4 @@ Mesh make_geodesic(int frequency) {
   return mesh;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 using Lattice = Eigen::Matrix<std::int64_t, 3, 1>;
@@ -62,4 +62,4 @@ double GradientNoise::octaves(const Eigen::Vector3d& p, int count, double gain) 
   return sum;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -2,7 +2,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::stone {
 
 /// Seeded gradient noise in space (Perlin 1985, with the quintic fade of 2002): smooth, about in [-1, 1],
 /// zero at whole-number points, features of size 1. Gradients come from a hash of the lattice point, so
@@ -18,4 +20,4 @@ class GradientNoise {
   std::uint64_t seed_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 constexpr std::uint64_t kAttempts = 64;  // forms drawn
@@ -84,4 +84,4 @@ Mesh make_limestone(std::uint64_t seed, const LimestoneOptions& options) {
                                " forms; widen the range or allow more faces"));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -6,7 +6,7 @@
 #include "stonestack/geometry/signed_distance.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 Deviation summary(std::vector<double> distances) {
@@ -42,4 +42,4 @@ Deviation grid_deviation(const Mesh& scan, double cell, double band, double spac
   return summary(std::move(distances));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

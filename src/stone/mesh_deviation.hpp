@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// Between two surfaces, both ways: points of each, `spacing` apart, to the nearest point of the other.
 [[nodiscard]] Deviation deviation(const Mesh& a, const Mesh& b, double spacing);
@@ -9,4 +9,4 @@ namespace stonestack {
 /// collides with: the grid's distance at points of the surface, where it should be zero.
 [[nodiscard]] Deviation grid_deviation(const Mesh& scan, double cell, double band, double spacing);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

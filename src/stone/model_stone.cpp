@@ -11,7 +11,7 @@
 #include "stone/repair_mesh.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 constexpr double kSampleSpacing = 0.002;  // m, of the points that deviations are measured at
@@ -156,4 +156,4 @@ ModelResult model_stone(const Mesh& scan, const std::string& name, const std::st
   return blame_file(source, [&] { return model_checked(scan, name, source, options); });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -9,7 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 namespace sms = CGAL::Surface_mesh_simplification;
@@ -36,4 +36,4 @@ Mesh reduce_mesh(const Mesh& mesh, int faces) {
   return result.faces.size() <= static_cast<std::size_t>(faces) ? result : Mesh{};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

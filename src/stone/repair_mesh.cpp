@@ -8,7 +8,7 @@
 #include "stone/mesh_deviation.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 /// Alpha and offset of the wrap, of the stone's diagonal: bridges gaps of 3 mm and swells by 0.3 mm at 15 cm.
@@ -83,4 +83,4 @@ RepairedMesh repair_mesh(const Mesh& mesh, const std::string& source) {
   return result;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -6,7 +6,7 @@
 
 /// How a scan becomes one closed surface. Each step is a file of its own, since each is one heavy algorithm
 /// of CGAL's.
-namespace stonestack {
+namespace stonestack::stone {
 
 /// A mesh and a sentence for each thing that was done to it beyond joining equal points.
 struct RepairedMesh {
@@ -33,4 +33,4 @@ struct RepairedMesh {
 /// named `source` when the mesh encloses nothing.
 [[nodiscard]] RepairedMesh repair_mesh(const Mesh& mesh, const std::string& source);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

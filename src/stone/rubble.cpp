@@ -6,7 +6,7 @@
 
 #include "stone/geodesic.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -151,4 +151,4 @@ Mesh surface(const Rubble& rubble, const Mesh& sphere, double concavity) {
   return mesh;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -5,7 +5,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// The form of a piece of rubble before it gets its skin, as a radius over directions. Lengths are in units
 /// of the half extents: a unit ball, warped by noise, cut by planes and hollowed by balls; `half` makes
@@ -36,4 +36,4 @@ struct Rubble {
 /// are those of the rubble, to the roughness.
 [[nodiscard]] Mesh surface(const Rubble& rubble, const Mesh& sphere, double concavity);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

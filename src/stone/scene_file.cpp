@@ -7,7 +7,7 @@
 #include "geometry/pose_yaml.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 constexpr const char* kSchema = "stonestack.scene/1";
@@ -127,4 +127,4 @@ void write_scene_file(const std::string& path, const SceneFile& scene) {
   write_file(path, text);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -3,7 +3,7 @@
 #include "stone/cgal_mesh.hpp"
 #include "stone/repair_mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 int count_self_intersections(const Mesh& mesh) {
   const cgal::SurfaceMesh surface = cgal::to_surface_mesh(mesh);
@@ -13,4 +13,4 @@ int count_self_intersections(const Mesh& mesh) {
   return static_cast<int>(pairs.size());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 constexpr const char* kScanAgain = "scan the stone again with `stonestack scan`";
@@ -77,4 +77,4 @@ void check_stone(const Stone& stone, const std::string& folder) {
   check_mass(stone, folder + "/stone.yaml");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -6,7 +6,7 @@
 #include "core/yaml.hpp"
 #include "geometry/pose_yaml.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 constexpr const char* kSchema = "stonestack.stone/1";
@@ -116,4 +116,4 @@ StoneFile read_stone_yaml(const std::string& path) {
   return file;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

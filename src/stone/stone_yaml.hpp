@@ -3,7 +3,7 @@
 
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// `stone.yaml`: all of a stone but its meshes, with units as comments.
 [[nodiscard]] std::string stone_to_yaml(const Stone& stone);
@@ -17,4 +17,4 @@ struct StoneFile {
 };
 [[nodiscard]] StoneFile read_stone_yaml(const std::string& path);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

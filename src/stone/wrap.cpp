@@ -3,7 +3,7 @@
 #include "stone/cgal_mesh.hpp"
 #include "stone/repair_mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 Mesh wrap(const Mesh& mesh, double alpha, double offset) {
   const cgal::Soup soup = cgal::to_soup(mesh);
@@ -12,4 +12,4 @@ Mesh wrap(const Mesh& mesh, double alpha, double offset) {
   return cgal::from_surface_mesh(surface);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -12,7 +12,7 @@
 #include "stonestack/geometry/mesh_file.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,4 +77,4 @@ bool is_stone_name(const std::string& name) {
   return true;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 TEST(DataPath, FindsWhatComesWithTheProjectAndPrefersTheGivenFolder) {
@@ -26,4 +26,4 @@ TEST(DataPath, SaysWhatWasTried) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

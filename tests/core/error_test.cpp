@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 TEST(Require, ThrowsWithTheValues) {
@@ -22,4 +22,4 @@ TEST(FileError, NamesFileProblemAndRemedy) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,4 +36,4 @@ TEST(File, RefusesWhatIsTooLarge) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

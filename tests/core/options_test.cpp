@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 using ::testing::HasSubstr;
@@ -93,4 +93,4 @@ TEST(Options, FileMayHoldWhatOthersKnow) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 TEST(Quantile, IsTheValueThatAShareLiesBelow) {
@@ -33,4 +33,4 @@ TEST(Quantile, RefusesSharesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

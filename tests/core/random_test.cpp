@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 TEST(Random, StreamsAreReproducibleAndIndependent) {
@@ -62,4 +62,4 @@ TEST(Random, ShuffleIsAPermutation) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST(Serial, ALinkLivesAsLongAsTheTerminal) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -11,7 +11,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 namespace {
 
 using testing::HasSubstr;
@@ -240,4 +240,4 @@ TEST(Listener, APortIsFreeAgainAfterUse) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace stonestack::yaml {
+namespace stonestack::core::yaml {
 namespace {
 
 using testing::AllOf;
@@ -54,4 +54,4 @@ TEST(YamlWalk, EndsOnAnAliasBomb) {
 }
 
 }  // namespace
-}  // namespace stonestack::yaml
+}  // namespace stonestack::core::yaml

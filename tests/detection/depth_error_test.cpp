@@ -9,7 +9,7 @@
 #include "detection/preprocess.hpp"
 #include "detection/test_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 /// m, at a pixel; standard deviation 0.5 mm.
@@ -90,4 +90,4 @@ TEST(JointRefine, TheTableBesideAStoneCorrectsItsPose) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

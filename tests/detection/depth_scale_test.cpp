@@ -6,7 +6,7 @@
 
 #include "detection/test_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 class DepthScales : public test::FourOfFive {};
@@ -36,4 +36,4 @@ TEST_F(DepthScales, AWrongOneIsNoticed) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

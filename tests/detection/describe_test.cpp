@@ -14,7 +14,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/method.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 TEST(Subdivide, KeepsTheSurfaceAndSplitsEveryLongEdge) {
@@ -134,4 +134,4 @@ TEST(Options, UnknownNamesAreTheCallersFault) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -13,7 +13,7 @@
 #include "stonestack/detection/method.hpp"
 #include "stonestack/detection/trace.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 class Detect : public test::FourOfFive {};
@@ -242,4 +242,4 @@ TEST_F(Detect, AModelThatDoesNotExistIsTheCallersFault) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -10,7 +10,7 @@
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
@@ -105,4 +105,4 @@ TEST(Golden, PosesOfTwentyScenesDoNotDrift) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -8,7 +8,7 @@
 
 #include "detection/test_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 Stone block(const Eigen::Vector3d& size) {
@@ -96,4 +96,4 @@ TEST(Identity, AStoneThatIsKnownElsewhereIsNoRival) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -13,7 +13,7 @@
 #include "detection/test_scene.hpp"
 #include "detection/verify.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
@@ -289,4 +289,4 @@ TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -1,3 +1,4 @@
+#include "rooms.hpp"
 #include "detection/test_scene.hpp"
 
 #include <algorithm>

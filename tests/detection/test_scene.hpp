@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/depth_render.hpp"

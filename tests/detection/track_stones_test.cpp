@@ -7,7 +7,7 @@
 
 #include "detection/test_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
@@ -76,4 +76,4 @@ TEST_F(Track, ACloudInMillimetresIsSaidToBeOne) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

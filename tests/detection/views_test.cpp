@@ -16,7 +16,7 @@
 #include "stonestack/detection/track_stones.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 namespace {
 
 constexpr double kDegree = 3.14159265358979 / 180.0;
@@ -193,4 +193,4 @@ TEST(AlignViews, TheTableCorrectsHeightAndTiltAndTheReportHoldsTheRest) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <string>
 
+#include "rooms.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/cloud.hpp"
 #include "stonestack/geometry/mesh.hpp"

@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
 namespace {
 
-using stonestack::Random;
+using stonestack::core::Random;
 
 constexpr std::size_t kLargestSeed = 1 << 20, kLongestInput = 1 << 14;
 constexpr unsigned kSlowest = 5;  // s for one input
@@ -80,7 +80,7 @@ std::vector<std::string> read_corpus(const std::string& folder) {
     paths.push_back(entry.path().string());
   std::sort(paths.begin(), paths.end());
   corpus.reserve(paths.size());
-  for (const auto& path : paths) corpus.push_back(stonestack::read_file(path, kLargestSeed));
+  for (const auto& path : paths) corpus.push_back(stonestack::core::read_file(path, kLargestSeed));
   return corpus;
 }
 
@@ -90,7 +90,7 @@ int main(int argc, char** argv) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGALRM})
     std::signal(signal, keep_input);
   if (argc == 2) {
-    run(stonestack::read_file(argv[1], kLargestSeed));
+    run(stonestack::core::read_file(argv[1], kLargestSeed));
     return 0;
   }
   if (argc != 4) {

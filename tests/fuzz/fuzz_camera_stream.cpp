@@ -3,11 +3,12 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "hardware/camera/frame_stream.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 constexpr std::size_t kMostPixels = 1U << 16U;  // an input cannot fill more
 

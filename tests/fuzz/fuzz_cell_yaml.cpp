@@ -1,10 +1,11 @@
 // Cell files: refused with a FileError, or a layout of rotations and finite places.
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   using fuzz::check;
   static const fuzz::Scratch scratch;
   const std::string path = scratch.write("cell.yaml", fuzz::text_of(data, size));

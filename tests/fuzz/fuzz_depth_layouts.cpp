@@ -2,13 +2,14 @@
 // cameras and poses that make sense, and images within the folder.
 #include <cmath>
 
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 /// The three layouts, each with two images of 4 x 3 pixels.
 struct Recordings {

@@ -1,13 +1,14 @@
 // Depth images: refused with a FileError, or as large as they say and the same when written and read again.
 #include <cmath>
 
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 constexpr double kUnit = 0.000125;    // m a count
 constexpr int kMostPixels = 1 << 16;  // an input cannot fill more

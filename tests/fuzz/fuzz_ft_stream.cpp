@@ -3,11 +3,12 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "hardware/robotiq/ft_frames.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 void check(bool held) {
   if (!held) std::abort();

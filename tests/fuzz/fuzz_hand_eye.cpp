@@ -2,12 +2,13 @@
 // same when it is written and read again.
 #include <algorithm>
 
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/hand_eye_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   using fuzz::check;
   static const fuzz::Scratch scratch;
   const std::string path = scratch.write("calibration.yaml", fuzz::text_of(data, size));

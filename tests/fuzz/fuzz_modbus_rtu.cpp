@@ -1,11 +1,12 @@
 // Modbus RTU on both sides: a frame is found only where its CRC is right, and never beyond the bytes.
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "hardware/robotiq/modbus_frame.hpp"
 
 namespace {
 
-using namespace stonestack::modbus;
+using namespace stonestack::hardware::modbus;
 
 void check(bool held) {
   if (!held) std::abort();

@@ -1,14 +1,15 @@
 // Modbus/TCP on both sides: headers, requests as a server reads them, replies as a client does.
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "hardware/robotiq/gripper_words.hpp"
 #include "hardware/robotiq/modbus_frame.hpp"
 #include "simulation/robotiq/gripper_registers.hpp"
 
 namespace {
 
-using namespace stonestack;
-using namespace stonestack::modbus;
+using namespace stonestack::report;
+using namespace stonestack::hardware::modbus;
 
 void check(bool held) {
   if (!held) std::abort();

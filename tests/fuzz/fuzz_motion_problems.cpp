@@ -2,12 +2,13 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/problem_file.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 void check(bool held) {
   if (!held) std::abort();

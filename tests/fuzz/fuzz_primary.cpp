@@ -1,10 +1,11 @@
 // The primary port's stream on arbitrary bytes, whole and byte by byte; what decodes must survive encoding.
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "stonestack/hardware/ur/primary_wire.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   PrimaryStream whole, cut;
   whole.feed(bytes);

@@ -1,11 +1,12 @@
 // What was measured on one robot: refused with a FileError, or a robot that still is one.
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   static const fuzz::Scratch scratch;
   const std::string path = scratch.write("robot.yaml", fuzz::text_of(data, size));
   try {

@@ -1,11 +1,12 @@
 // Every decoder of RTDE on arbitrary bytes. What decodes must encode to bytes that decode to the same.
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "stonestack/hardware/ur/rtde_wire.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 void check(bool held) {
   if (!held) std::abort();

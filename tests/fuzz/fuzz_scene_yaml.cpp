@@ -1,12 +1,13 @@
 // Scene files: refused with a FileError, or a camera that can be, poses that are, and obstacles with a shape.
 #include <cmath>
 
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   using fuzz::check;
   static const fuzz::Scratch scratch;
   const std::string path = scratch.write("scene.yaml", fuzz::text_of(data, size));

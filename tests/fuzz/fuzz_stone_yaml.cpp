@@ -1,10 +1,11 @@
 // A stone's file in a catalogue: refused with a FileError, or finite and positive where it must be.
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "stone/stone_yaml.hpp"
 #include "stonestack/core/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   using fuzz::check;
   static const fuzz::Scratch scratch;
   const std::string path = scratch.write("stone.yaml", fuzz::text_of(data, size));

@@ -4,13 +4,14 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "rooms.hpp"
 #include "simulation/ur/dashboard_session.hpp"
 #include "simulation/ur/rtde_session.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 void check(bool held) {
   if (!held) std::abort();

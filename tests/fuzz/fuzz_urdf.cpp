@@ -1,5 +1,6 @@
 // Robot descriptions: refused with a FileError, or joints with limits and shapes that are finite, and a DH
 // table that gives a pose.
+#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "kinematics/dh.hpp"
 #include "kinematics/urdf.hpp"
@@ -13,7 +14,7 @@ extern "C" const char* __lsan_default_suppressions() {
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace stonestack;
+  using namespace stonestack::report;
   using fuzz::check;
   try {
     RobotModel robot = parse_urdf(fuzz::text_of(data, size), "fuzz.urdf");

@@ -2,12 +2,13 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "simulation/ur/controller.hpp"
 #include "simulation/ur/script_collector.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 constexpr int kSteps = 12;
 constexpr std::size_t kMostPrograms = 8;

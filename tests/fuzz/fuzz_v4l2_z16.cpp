@@ -3,13 +3,14 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "rooms.hpp"
 #include "hardware/camera/v4l2_recording.hpp"
 #include "hardware/camera/z16.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace {
 
-using namespace stonestack;
+using namespace stonestack::report;
 
 void check(bool held) {
   if (!held) std::abort();

@@ -8,7 +8,7 @@
 #include "geometry/rough_stone.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 void add(Mesh& mesh, const Mesh& other) {
@@ -112,4 +112,4 @@ TEST(CapsuleCover, RefusesWhatHasNoSurface) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

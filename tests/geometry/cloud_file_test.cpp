@@ -14,7 +14,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using ::testing::HasSubstr;
@@ -181,4 +181,4 @@ TEST(Lzf, NeverLeavesItsBounds) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 TEST(Cloud, TransformTurnsPointsAndNormals) {
@@ -33,4 +33,4 @@ TEST(Cloud, WithoutGapsKeepsOrderAndNormals) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -7,7 +7,7 @@
 #include "geometry/rough_stone.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 /// How far the furthest vertex of `points` lies outside the convex mesh.
@@ -108,4 +108,4 @@ TEST(ConvexPieces, RefuseOpenMeshes) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

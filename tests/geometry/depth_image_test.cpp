@@ -10,7 +10,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using ::testing::HasSubstr;
@@ -152,4 +152,4 @@ TEST_F(DepthPng, SurvivesEveryTruncationAndManyMutations) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 /// A camera `height` above the origin that looks down.
@@ -133,4 +133,4 @@ TEST(Render, IsTheSameForOneAndForTwoThreads) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

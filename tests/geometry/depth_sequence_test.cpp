@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 /// Small recordings in the three layouts.
@@ -147,4 +147,4 @@ TEST_F(DepthSequences, BadFilesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

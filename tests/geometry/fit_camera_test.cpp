@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 /// A tilted plane with holes as a camera sees it.
@@ -83,4 +83,4 @@ TEST(CameraFor, TakesInAWideCloudAndFillsItsPixels) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 TEST(MassProperties, OfABoxAreExact) {
@@ -70,4 +70,4 @@ TEST(MassProperties, CheckFindsWhatIsImpossible) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -13,7 +13,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using ::testing::AllOf;
@@ -209,4 +209,4 @@ TEST(MeshFile, DamagedFilesGiveAnErrorOrAMesh) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -15,7 +15,7 @@
 #include "stonestack/geometry/mass_properties.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 namespace fs = std::filesystem;
@@ -188,4 +188,4 @@ TEST_F(MeshImportTest, EndsAnImporterThatHangsOrCrashes) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

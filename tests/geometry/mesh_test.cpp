@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -106,4 +106,4 @@ TEST(SurfaceSample, WithoutSplitsIsTheVertices) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -3,7 +3,7 @@
 
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// A damaged copy of a valid file: bytes changed, cut, doubled or moved, digits blown up.
 inline std::string mutated(const std::string& valid, Random& random) {
@@ -36,4 +36,4 @@ inline std::string mutated(const std::string& valid, Random& random) {
   return file;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

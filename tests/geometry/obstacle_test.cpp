@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using testing::HasSubstr;
@@ -77,4 +77,4 @@ TEST(Obstacle, RefusesWithFileKeyAndValue) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 using testing::AllOf;
@@ -47,4 +47,4 @@ TEST(PairPadding, RefusesWithFileKeyAndValue) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 TEST(Polygon, HullDropsInnerCollinearAndRepeatedPoints) {
@@ -44,4 +44,4 @@ TEST(Polygon, HullHoldsEveryPointAndItsCentroid) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 Pose random_pose(Random& random) {
@@ -70,4 +70,4 @@ TEST(Pose, TextIsShortAndHasPositiveW) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// A closed polyhedron like a quarried stone, about 18 x 13 x 9 cm: flat cuts with sharp edges, a dent, and
 /// roughness. For tests of this room.
@@ -28,4 +28,4 @@ inline Mesh make_rough_stone(std::uint64_t seed, int subdivisions = 3) {
   return mesh;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/surface_tree.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 constexpr double kCell = 0.0015;
@@ -119,4 +119,4 @@ TEST(SignedDistance, RefusesOpenMeshesAndGridsThatAreTooFine) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

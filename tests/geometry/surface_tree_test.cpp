@@ -9,7 +9,7 @@
 #include "geometry/rough_stone.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 namespace {
 
 double brute_distance(const Mesh& mesh, const Eigen::Vector3d& p) {
@@ -97,4 +97,4 @@ TEST(SurfaceTree, LeavesOutFacesWithoutArea) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::geometry

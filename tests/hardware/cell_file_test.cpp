@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using ::testing::AllOf;
@@ -125,4 +125,4 @@ TEST_F(CellFile, TheTemplateForALabIsReadable) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

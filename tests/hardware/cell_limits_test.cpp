@@ -9,7 +9,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using ::testing::AllOf;
@@ -91,4 +91,4 @@ TEST_F(CellLimitsFile, AreRefusedWhereTheyMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

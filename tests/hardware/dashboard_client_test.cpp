@@ -8,7 +8,7 @@
 
 #include "hardware/fake_server.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::HasSubstr;
@@ -148,4 +148,4 @@ TEST(DashboardText, Version) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

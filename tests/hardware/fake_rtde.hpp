@@ -9,7 +9,7 @@
 #include "hardware/hex.hpp"
 #include "stonestack/hardware/ur/rtde_wire.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// What a scripted RTDE controller answers: bytes by the request's letter. A request without an answer is met
 /// with silence. Answers to the same letter are used one after the other, the last one for ever.
@@ -89,4 +89,4 @@ class FakeRtde {
   FakeServer server_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// A server on a free loopback port whose behaviour is a function: `serve(stream, n)` is called with the n-th
 /// connection (from 0), one after the other, and the connection is closed when it returns.
@@ -57,4 +57,4 @@ inline bool eventually(const std::function<bool()>& holds, double seconds = 5.0)
   return true;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -7,7 +7,7 @@
 #include "hardware/ur/ur_status.hpp"
 #include "stonestack/hardware/ur/primary_wire.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// A UR controller that understands nothing: it shows fields over RTDE and does to them what the test says
 /// when a script arrives. Every millisecond it sends a state that is 8 ms later.
@@ -200,4 +200,4 @@ class FakeUr {
   FakeServer dashboard_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -3,7 +3,9 @@
 #include <string>
 #include <string_view>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::hardware {
 
 /// Bytes spelled out: `hex("00 05 56 00 02")`. Text between single quotes stands for itself: `hex("02
 /// 'Hi'")`.
@@ -23,4 +25,4 @@ inline std::string hex(std::string_view spelled) {
   return bytes;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

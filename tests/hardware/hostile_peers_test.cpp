@@ -16,7 +16,7 @@
 #include "stonestack/hardware/ur/primary_client.hpp"
 #include "stonestack/hardware/ur/rtde_client.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::AllOf;
@@ -226,4 +226,4 @@ TEST(HostilePeers, CtrlCEndsTheWaitForSilentDevices) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

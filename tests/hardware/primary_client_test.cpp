@@ -10,7 +10,7 @@
 #include "hardware/fake_server.hpp"
 #include "hardware/hex.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Kind = PrimaryMessage::Kind;
@@ -192,4 +192,4 @@ TEST(PrimaryClient, ConnectsAgainWhenTheStreamIsLostOrGarbage) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -9,7 +9,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::AllOf;
@@ -398,4 +398,4 @@ TEST(RtdeClient, NothingOddIsSent) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -9,7 +9,7 @@
 #include "hardware/hex.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::ElementsAre;
@@ -230,4 +230,4 @@ TEST(RtdeFields, NamesAreUniqueAndTypesRoundTrip) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

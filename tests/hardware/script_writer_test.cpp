@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::AllOf;
@@ -222,4 +222,4 @@ TEST(ScriptWriter, LineForAPerson) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

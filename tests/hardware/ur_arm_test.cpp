@@ -8,7 +8,7 @@
 #include "hardware/fake_ur.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Status = MotionResult::Status;
@@ -491,4 +491,4 @@ TEST(UrArm, NoPowerNoMotion) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

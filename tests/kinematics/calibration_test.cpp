@@ -13,7 +13,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -234,4 +234,4 @@ TEST(Calibration, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

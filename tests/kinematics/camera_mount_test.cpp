@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
@@ -113,4 +113,4 @@ TEST(CameraMount, NoViewIsTheCallersMistake) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -7,7 +7,7 @@
 #include "kinematics/dh.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -83,4 +83,4 @@ TEST(Forward, LinkPosesEndAtTheFlange) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

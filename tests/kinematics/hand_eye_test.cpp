@@ -15,7 +15,7 @@
 #include "stonestack/kinematics/hand_eye_file.hpp"
 #include "stonestack/kinematics/hand_eye_stations.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
@@ -197,4 +197,4 @@ TEST_F(HandEyeFiles, PairsComeBackAsTheyWereWritten) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

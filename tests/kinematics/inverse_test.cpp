@@ -13,7 +13,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/jacobian.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -258,4 +258,4 @@ TEST(Inverse, MeetsTheChainOfACalibratedRobot) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

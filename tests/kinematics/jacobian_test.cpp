@@ -5,7 +5,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 TEST(Jacobian, MatchesCentralDifferencesForEveryRobot) {
@@ -44,4 +44,4 @@ TEST(Jacobian, ManipulabilityVanishesAtSingularities) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

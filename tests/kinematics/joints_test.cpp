@@ -7,7 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 using ::testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(Joints, WhatIsMalformedIsNamed) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

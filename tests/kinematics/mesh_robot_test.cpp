@@ -10,7 +10,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
 /// URDFs whose collision shapes are meshes, as the vendors' are.
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 namespace fs = std::filesystem;
@@ -168,4 +168,4 @@ TEST_F(MeshRobot, NamesAMeshThatIsNone) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 using testing::HasSubstr;
@@ -286,4 +286,4 @@ TEST(RobotModel, ReadsTheYamlBesideAUrdf) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -7,7 +7,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 namespace {
 
 TEST(ToolRoom, IsOfTheTipInTheWorld) {
@@ -39,4 +39,4 @@ TEST(ToolRoom, JointsThatAreNoNumbersAreInsideOfNothing) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -9,7 +9,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 const Pose kT_F_T(Eigen::Translation3d(0, 0, 0.264));
@@ -89,4 +89,4 @@ TEST(Cartesian, OutOfReachIsEmpty) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

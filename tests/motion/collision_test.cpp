@@ -12,7 +12,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -437,4 +437,4 @@ TEST(Collision, TheToolStaysInItsRoomAllAlongAMotion) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 Stone block(const Eigen::Vector3d& size, double density = 2600.0) {
@@ -50,4 +50,4 @@ TEST(FitForHand, StoneWithoutMassIsRefused) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

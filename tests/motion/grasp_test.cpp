@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 Stone box_stone(const Eigen::Vector3d& size, double density = 2600.0) {
@@ -184,4 +184,4 @@ TEST(NonnegativeLeastSquares, MatchesTheOptimalityConditions) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -2,6 +2,7 @@
 #include <numbers>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/planning_scene.hpp"

@@ -12,7 +12,7 @@
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kMillisecond = 0.001;
@@ -175,4 +175,4 @@ TEST(Jerk, RefusesLimitsWithWhichNothingMoves) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

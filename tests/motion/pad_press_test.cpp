@@ -7,7 +7,7 @@
 
 #include "motion/pick_candidates.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -110,4 +110,4 @@ TEST(PickCandidates, AFirmGraspComesBeforeALooseOneThatScoresMore) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

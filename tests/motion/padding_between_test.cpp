@@ -5,7 +5,7 @@
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// A UR10 whose hand points straight down, 8 mm over the table; a lamp 8 mm beside the palm.
@@ -80,4 +80,4 @@ TEST(PaddingBetween, GraspsKeepIt) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -10,7 +10,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 Stone block(const std::string& name, const Eigen::Vector3d& size, double density = 2600.0) {
@@ -396,4 +396,4 @@ TEST(PickAndPlace, RetreatsFromWhereTheArmStands) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -6,7 +6,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// A block that is set on a pedestal, and a board that hangs over it in the height `board`.
@@ -116,4 +116,4 @@ TEST(PickAttempt, DescendsNoFurtherThanTheHandHasRoom) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -10,7 +10,7 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 Eigen::AlignedBox3d box_T(const GripperBox& box, double opening) {
@@ -146,4 +146,4 @@ TEST(CameraMount, GripperFillsLittleOfTheView) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

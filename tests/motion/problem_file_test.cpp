@@ -10,7 +10,7 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 using ::testing::HasSubstr;
@@ -123,4 +123,4 @@ TEST(ProblemFile, RefusesWithTheLine) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -6,7 +6,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 Joints draw(Random& random, double most) {
@@ -52,4 +52,4 @@ TEST(LargestShift, IsTheArcOfOneJoint) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

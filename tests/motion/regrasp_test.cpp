@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 using Status = PickAndPlacePlan::Status;
@@ -228,4 +228,4 @@ TEST(Regrasp, KeepsAwayFromOtherStones) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -4,7 +4,7 @@
 
 #include "motion/set_down.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 using Chains = std::vector<std::vector<int>>;
@@ -95,4 +95,4 @@ TEST(SetDown, NoPlaceInACrowd) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 /// The hand points down with its finger tips 12 mm above a tower that is `width` wide, or above the table.
@@ -54,4 +54,4 @@ TEST(RoomBelow, FingersMayFeelTheTable) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -10,7 +10,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -90,4 +90,4 @@ TEST(RoundCorners, WhatIsCutStaysFree) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

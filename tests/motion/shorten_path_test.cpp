@@ -6,7 +6,7 @@
 
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 Joints at(double x, double y) {
@@ -34,4 +34,4 @@ TEST(Shortcut, PullsAWayPointToWhatStandsInTheWay) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -11,7 +11,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 TimingLimits ur10_limits() {
@@ -224,4 +224,4 @@ TEST(Timing, ToolSpeedIsKept) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

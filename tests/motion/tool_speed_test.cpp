@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kAbove = 0.08;  // m, between tower and tool as it passes
@@ -79,4 +79,4 @@ TEST(ToolSpeed, WhatIsHeldIsNotNearAndReachesFurther) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -11,7 +11,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -248,4 +248,4 @@ TEST(Transit, ToWhereTheArmIsTakesNoTime) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -5,7 +5,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 namespace {
 
 constexpr double kHalfTurn = 3.14159265358979323846;
@@ -79,4 +79,4 @@ TEST(WayOut, NoneLeadsDeeperOrPastWhatIsAbove) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::motion

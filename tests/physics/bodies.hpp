@@ -1,4 +1,5 @@
 #pragma once
+#include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/physics/shape.hpp"
 

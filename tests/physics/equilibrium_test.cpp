@@ -12,7 +12,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using Eigen::Vector3d;
@@ -176,4 +176,4 @@ TEST(Equilibrium, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -6,7 +6,7 @@
 #include "stonestack/physics/world.hpp"
 
 /// Rough concave stones: do they come to rest and stay, and is a run the same every time?
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using test::at;
@@ -50,4 +50,4 @@ TEST(Rest, SameBitsAgainAndInEveryThread) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -6,7 +6,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 constexpr ShapeOptions kCoarse{0.01, 0.02, 0.02};
@@ -44,4 +44,4 @@ TEST(ShapeStore, KeepsTheLastUsedOnly) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/physics/settle.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using test::at;
@@ -229,4 +229,4 @@ TEST(StackEquilibrium, AgreesWithTheGeometryOfCubes) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

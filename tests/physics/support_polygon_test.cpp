@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using Eigen::Vector3d;
@@ -77,4 +77,4 @@ TEST(SupportPolygon, RoundPatchIsSimplified) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 
 /// Touches of kept pairs of features against those of pairs looked up anew.
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using test::at;
@@ -54,4 +54,4 @@ TEST(FeaturePairs, KeptPairsMissNothingWhateverTheMotion) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -7,7 +7,7 @@
 #include "physics/bodies.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 namespace {
 
 using test::at;
@@ -171,4 +171,4 @@ TEST(World, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 using ::testing::HasSubstr;
@@ -208,4 +208,4 @@ TEST(ExperimentReport, JsonHoldsEveryRun) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 View small_view() {
@@ -64,4 +64,4 @@ TEST(Picture, RefusesSenselessViews) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 namespace {
 
 using Kind = PlanStep::Kind;
@@ -125,4 +125,4 @@ TEST_F(PlanPreview, RefusesWhatIsNoPlan) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::report

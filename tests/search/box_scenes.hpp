@@ -2,7 +2,7 @@
 #include "stonestack/search/find_next_pose.hpp"
 
 /// Boxes to stack, and a search that is quick.
-namespace stonestack {
+namespace stonestack::search {
 
 inline std::shared_ptr<const ContactShape> box(const std::string& name, const Eigen::Vector3d& size) {
   ShapeOptions options;
@@ -44,4 +44,4 @@ inline SearchOptions quick() {
   return options;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -10,7 +10,7 @@
 #include "box_scenes.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 using ::testing::HasSubstr;
@@ -350,4 +350,4 @@ TEST(PlanTower, SaysThatTheTimeWasOver) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

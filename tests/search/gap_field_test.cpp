@@ -7,7 +7,7 @@
 #include "search_scenes.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kCell = 0.004;
@@ -172,4 +172,4 @@ TEST(GapField, RestingPlaneLiesAboveEveryCellAndEnclosesTheCentre) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

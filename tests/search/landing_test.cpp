@@ -4,7 +4,7 @@
 
 #include "search_scenes.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 constexpr double kCell = 0.004;
@@ -71,4 +71,4 @@ TEST(Landing, LeaningOnTheTableDoesNotHold) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

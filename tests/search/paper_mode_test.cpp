@@ -4,7 +4,7 @@
 
 #include "box_scenes.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 TEST(PaperMode, FindsAPoseForCubes) {
@@ -93,4 +93,4 @@ TEST(PaperMode, ExpectsAsManyStonesAsItJudgesLikely) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

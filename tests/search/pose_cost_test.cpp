@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 ContactPose example() {
@@ -57,4 +57,4 @@ TEST(PoseCost, NoAreaIsDearButFinite) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -8,7 +8,7 @@
 #include "search_scenes.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 Mesh rough_stone(std::uint64_t seed, const Eigen::Vector3d& size) {
@@ -90,4 +90,4 @@ TEST(Proposals, FirstStoneGoesToTheSite) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

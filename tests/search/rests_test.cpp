@@ -4,7 +4,7 @@
 #include "search/top_surface.hpp"
 
 /// Where a stack rests, when that is on sharp corners.
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 /// Tips of three feet. A raster of 3 mm about their middle meets the last, and passes the others by 2 mm.
@@ -85,4 +85,4 @@ TEST(Rests, ABaseMeasuredTooHighOrTooLowBearsAnother) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

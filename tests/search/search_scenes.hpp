@@ -3,7 +3,7 @@
 
 #include "search/top_surface.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// A body for the gap field, without a contact shape.
 inline StoneGeometry geometry_of(const Mesh& mesh, double mass = 1.0) {
@@ -19,4 +19,4 @@ inline BodyPose at(const StoneGeometry& stone, double x, double y, double z) {
   return {&stone, Eigen::Matrix3d::Identity(), {x, y, z}};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stonestack {
+namespace stonestack::search {
 namespace {
 
 Trial trial_of(int stone, double margin = 0.1, double success = 1.0) {
@@ -109,4 +109,4 @@ TEST(TowerTree, ASubtreeIsAllThatStandsOnANode) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -14,7 +14,7 @@
 #include "stonestack/simulation/robotiq/gripper_simulator.hpp"
 #include "stonestack/simulation/simulated_servers.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kSpeed = 5.0;  // times real time
@@ -189,4 +189,4 @@ TEST(DevicesInTheWorld, TheCameraSeesTheTableWhereItIs) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(ExternalControl, EndsWhereNobodyListensOrTheAnswerIsNoProgram) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/simulation/simulated_servers.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 const std::string kRoot = STONESTACK_SOURCE_DIR;
@@ -47,4 +47,4 @@ TEST(FailureModes, EverySwitchIsListedAndEveryTestIsThere) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

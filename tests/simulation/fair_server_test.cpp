@@ -15,7 +15,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -171,4 +171,4 @@ TEST(FairServer, ANinthSecondaryProgramIsRefusedAndSaid) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

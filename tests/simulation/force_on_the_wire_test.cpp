@@ -14,7 +14,7 @@
 #include "stonestack/simulation/robotiq/ft_simulator.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Status = MotionResult::Status;
@@ -115,4 +115,4 @@ TEST(ForceOnTheWire, OneWildReadingIsNoContact) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "simulation/ur/rtde_session.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using testing::HasSubstr;
@@ -278,4 +278,4 @@ TEST(UrForeignClients, AMaskHoldsForItsOwnPackage) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

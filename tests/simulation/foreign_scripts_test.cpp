@@ -10,7 +10,7 @@
 #include "script_bench.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 TEST(UrForeignScripts, AResidentLoopServesCommandsFromRegisters) {
@@ -401,4 +401,4 @@ TEST(UrForeignScripts, SocketsStayOnThisMachine) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

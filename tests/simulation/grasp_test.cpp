@@ -4,7 +4,7 @@
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kHalfTurn = 1.5707963267948966;  // 90 deg
@@ -159,4 +159,4 @@ TEST(Grasp, OnSlipperyPadsAStoneStaysOnTheTable) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

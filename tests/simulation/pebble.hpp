@@ -5,7 +5,7 @@
 #include "stonestack/geometry/mass_properties.hpp"
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// A rounded stone with gentle bumps and cut flat above and below, axes 1.3 : 1 : 0.7, of the given mass.
 inline Stone make_pebble(const std::string& name, double mass) {
@@ -39,4 +39,4 @@ inline Pose tool_down(const Eigen::Vector3d& p_W, double yaw = 0.0) {
   return T_W_T;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

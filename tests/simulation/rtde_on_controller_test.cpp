@@ -13,7 +13,7 @@
 #include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -167,4 +167,4 @@ TEST(RtdeOnController, ManySessionsAreAsGoodAsTheFirst) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

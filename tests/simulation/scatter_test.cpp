@@ -8,7 +8,7 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kClearance = 0.02;
@@ -114,4 +114,4 @@ TEST(Scatter, AFieldThatIsTooSmallIsRefusedByName) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 
 #include "simulation/ur/controller.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// A controller without sockets over an ideal arm, in the middle of its reach.
 struct ScriptBench {
@@ -64,4 +64,4 @@ struct ScriptBench {
   std::string texts, keys, exceptions, errors;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -7,7 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 /// A view made by formula: depth(u, v), and one normal for all; the camera's axes are the world's.
@@ -184,4 +184,4 @@ TEST(SensorNoise, UnknownCameraIsNamed) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

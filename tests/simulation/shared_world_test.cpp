@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/simulation/ur/plant.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 struct Bench {
@@ -100,4 +100,4 @@ TEST(SharedWorld, PlantComesBackToATenthOfAMillimetre) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

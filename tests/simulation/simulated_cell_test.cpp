@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Status = MotionResult::Status;
@@ -306,4 +306,4 @@ TEST(SimulatedCell, RunsFasterThanRealTime) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 const RobotModel& ur10() {
@@ -113,4 +113,4 @@ TEST(StatedErrors, SurfacesLieBesideTheirScansAsFarAsIsSaid) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

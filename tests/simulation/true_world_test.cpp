@@ -4,7 +4,7 @@
 
 #include "pebble.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 HandPose hand_at(const Pose& T_W_T) {
@@ -101,4 +101,4 @@ TEST(TrueWorld, TrueMassIsNotTheBelievedOneButNearIt) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -14,7 +14,7 @@
 #include "stonestack/motion/timing.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Status = MotionResult::Status;
@@ -363,4 +363,4 @@ TEST(UrArmOnController, GuardedDescentFeelsTheSensor) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -346,4 +346,4 @@ TEST(UrMotion, MovecRunsThroughItsViaPoint) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -15,7 +15,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -312,4 +312,4 @@ TEST_P(Peer, ADriverThatHasTheRobotDialBack) {
 INSTANTIATE_TEST_SUITE_P(Versions, Peer, testing::Values("3.15.8.106339", "5.12.2.1101534"));
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -9,7 +9,7 @@
 #include "simulation/ur/rtde_session.hpp"
 #include "simulation/ur/script_collector.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::ElementsAre;
@@ -383,4 +383,4 @@ TEST(UrWire, ScriptsAreCutFromTheStream) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

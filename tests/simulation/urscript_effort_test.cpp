@@ -6,7 +6,7 @@
 #include "simulation/ur/script_collector.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -158,4 +158,4 @@ TEST(UrScriptEffort, TheEndOfAProgramThatIsTooLongIsNoProgram) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -4,7 +4,7 @@
 
 #include "script_bench.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -61,4 +61,4 @@ TEST(UrScriptRanges, ServojAndForceModeKeepToTheManual) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

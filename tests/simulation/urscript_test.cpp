@@ -4,7 +4,7 @@
 
 #include "script_bench.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using ::testing::HasSubstr;
@@ -385,4 +385,4 @@ TEST(UrScript, FindsTheEndOfAProgramInAStream) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -14,7 +14,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What a run thinks of while its arm is on the way to the next look.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 using testing::HasSubstr;
@@ -164,4 +164,4 @@ TEST(Ahead, AnArmThatStopsOnItsWayEndsTheRun) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

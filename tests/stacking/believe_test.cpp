@@ -4,7 +4,7 @@
 
 #include "box_shape.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
@@ -99,4 +99,4 @@ TEST(LeansOnLoose, CountsWhatStaysWhereItIs) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/mass_properties.hpp"
 #include "stonestack/physics/shape.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// A box of limestone as physics sees it, about its centre.
 inline std::shared_ptr<const ContactShape> box(const std::string& name, const Eigen::Vector3d& size) {
@@ -13,4 +13,4 @@ inline std::shared_ptr<const ContactShape> box(const std::string& name, const Ei
   return make_contact_shape(mesh, mass_properties(mesh, 2600.0), name, {0.003, 0.015, 0.005});
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

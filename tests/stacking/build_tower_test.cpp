@@ -7,7 +7,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// How far from the truth the base of a tower is believed to lie, m, after it has been placed.
@@ -113,4 +113,4 @@ TEST(BuildTower, AHandThatIsLowOverTheFieldBacksAwayFirst) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

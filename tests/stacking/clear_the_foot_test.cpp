@@ -9,7 +9,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What the loop does with a stone that came to lie against the foot of its tower.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// m between the scans of two stones, from samples of the first; negative: they overlap.
@@ -99,4 +99,4 @@ TEST(ClearTheFoot, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -7,7 +7,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What a run says of stones of which detection is not sure.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 using testing::ContainsRegex;
@@ -43,4 +43,4 @@ TEST(Doubtful, AStoneWithATwinIsNamedOnceARunAndNoOther) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -6,7 +6,7 @@
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 using scripted::Kind;
@@ -101,4 +101,4 @@ TEST(Execute, ForLossTheGripperIsAskedWhereTheWristIsInDoubt) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

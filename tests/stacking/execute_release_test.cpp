@@ -6,7 +6,7 @@
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 using scripted::Kind;
@@ -98,4 +98,4 @@ TEST(ExecuteRelease, AStoneThatComesAlongIsNotCarriedAround) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

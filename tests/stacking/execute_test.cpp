@@ -9,7 +9,7 @@
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 using scripted::Bench;
@@ -169,4 +169,4 @@ TEST(Execute, AStopOfTheArmEndsIt) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -10,7 +10,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What the loop does after a stone slipped out of the hand.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// Lets go of what it has grasped the first few times, and keeps where the hand was.
@@ -179,4 +179,4 @@ TEST(FailedGrasp, NearIsTwentyMillimetresAndTwentyDegrees) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 TEST(FrictionBelief, BeginsWithMoreForMore) {
@@ -38,4 +38,4 @@ TEST(FrictionBelief, WantsASuccessForEach) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

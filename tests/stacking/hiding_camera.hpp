@@ -1,4 +1,5 @@
 #pragma once
+#include "rooms.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/stacking/observe.hpp"

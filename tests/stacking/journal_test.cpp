@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
@@ -42,4 +42,4 @@ TEST(Journal, DefaultMadeRecordsNothing) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -7,7 +7,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What the loop takes from a stone that did not stay where it was let go of.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// Throws the first stone that is up on another back to where it lay, before it looks.
@@ -52,4 +52,4 @@ TEST(LearnFromFall, FrictionsThatWouldHaveHeldAreLessLikelyAndItGoesOn) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -7,7 +7,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What the loop does when a stone falls out of the hand while it is carried.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// Loses the first stone that it has lifted, as soon as it moves on with it.
@@ -110,4 +110,4 @@ TEST(LostOnTheWay, OutOfSightItIsDoneWithout) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -10,7 +10,7 @@
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// One look at a simulated field with limestones 2 and 3, and where they are seen when nothing is known.
@@ -122,4 +122,4 @@ TEST(FindInLooks, WhatIsHiddenBelowASeenStoneIsNotSoughtElsewhere) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

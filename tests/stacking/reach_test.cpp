@@ -5,7 +5,7 @@
 #include "stonestack/core/data.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 /// One stone in the middle of the field, in its firmest pose of rest.
@@ -56,4 +56,4 @@ TEST(Reach, WhatNoHandHoldsIsHeldNearerToTheTable) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

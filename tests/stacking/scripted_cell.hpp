@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stacking/observe.hpp"

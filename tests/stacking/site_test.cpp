@@ -9,7 +9,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What a run does about what stands at the site when it begins.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 using testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(Site, WhatNobodyKnowsIsNotBuiltOn) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

@@ -4,7 +4,7 @@
 
 #include "box_shape.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kFriction = 0.4;
@@ -73,4 +73,4 @@ TEST(Steadied, WhatIsTooFarFromStandingStaysAsItWasSeen) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

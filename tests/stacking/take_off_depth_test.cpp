@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 TEST(TakeOffDepth, GoesAsDeepAsTheBestWayBegins) {
@@ -27,4 +27,4 @@ TEST(TakeOffDepth, LeavesTheStackWhereNothingPromisesMore) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

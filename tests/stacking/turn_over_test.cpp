@@ -10,7 +10,7 @@
 #include "stonestack/stacking/build_tower.hpp"
 
 /// What the loop does with a stone that lies on a side from which no grasp brings it to its place.
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr int kStone = 1;  // limestone_2
@@ -59,4 +59,4 @@ TEST(TurnOver, AStoneThatLiesOnTheWrongSideIsLaidDownAnotherWayAndPlaced) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

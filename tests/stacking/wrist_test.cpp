@@ -5,7 +5,7 @@
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kGravity = 9.81;
@@ -58,4 +58,4 @@ TEST(Wrist, WeighsTheStoneAlsoInAHandThatIsTiltedOtherwiseThanWhenItWasZeroed) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stacking

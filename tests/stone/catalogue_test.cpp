@@ -12,7 +12,7 @@
 #include "stonestack/stone/limestone.hpp"
 #include "stonestack/stone/model_stone.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST(DataStones, AreSixLimestonesThatTheCommandMakes) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 using ::testing::HasSubstr;
@@ -50,4 +50,4 @@ TEST(FileUnits, RefusesAnUnknownUnitAndAScaleOfNone) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 TEST(Geodesic, IsAClosedUnitSphereOfTwentyFrequencySquaredFaces) {
@@ -23,4 +23,4 @@ TEST(Geodesic, RefusesAFrequencyOfNone) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 TEST(GradientNoise, IsZeroOnTheLatticeAndBounded) {
@@ -41,4 +41,4 @@ TEST(GradientNoise, DependsOnItsSeed) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -9,7 +9,7 @@
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 double fullness(const Mesh& mesh) {
@@ -111,4 +111,4 @@ TEST(Limestone, ResemblesScannedRocks) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -8,7 +8,7 @@
 #include "stone/blame_file.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 using ::testing::HasSubstr;
@@ -118,4 +118,4 @@ TEST(ModelStone, WhatAMeshLibraryThrowsIsSaidOfTheFile) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

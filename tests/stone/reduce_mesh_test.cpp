@@ -7,7 +7,7 @@
 #include "stone/repair_mesh.hpp"
 #include "stonestack/stone/limestone.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 TEST(ReduceMesh, KeepsASphereRoundClosedAndOfItsVolume) {
@@ -42,4 +42,4 @@ TEST(ReduceMesh, FollowsLimestonesForManySeeds) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

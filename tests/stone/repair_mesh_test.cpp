@@ -8,7 +8,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 using ::testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST(RepairMesh, RefusesASheet) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 namespace {
 
 using ::testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -5,7 +5,9 @@
 #include <string>
 #include <string_view>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::core {
 
 /// A point of the host's steady time that a call must not outlast. Pass one deadline through all steps of a
 /// transaction, so that the whole of it is bounded.
@@ -101,4 +103,4 @@ class ByteStream {
   std::string kept_;  // read ahead by read_line
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::core

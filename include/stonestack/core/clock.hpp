@@ -1,7 +1,9 @@
 #pragma once
 #include <memory>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::core {
 
 /// Where time comes from: the steady clock of the host, or a simulation's. Seconds since the
 /// clock was made; never wall time, which may jump.
@@ -30,4 +32,4 @@ class Stopwatch {
   double start_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::core

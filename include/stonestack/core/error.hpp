@@ -3,9 +3,11 @@
 #include <stdexcept>
 #include <string>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Errors are split by who must act. Expected outcomes (nothing seen, no stable pose, no inverse
 /// kinematics) are values, not errors.
-namespace stonestack {
+namespace stonestack::core {
 
 /// Exit codes of the command; the same everywhere (README, "Exit codes").
 enum class ExitCode {
@@ -79,4 +81,4 @@ void note_interrupt() noexcept;
 /// True once `note_interrupt` was called.
 [[nodiscard]] bool interrupt_noted() noexcept;
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -3,8 +3,10 @@
 #include <string>
 #include <string_view>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Reading and writing whole files, so that parsers parse memory and nothing is left half-written.
-namespace stonestack {
+namespace stonestack::core {
 
 /// Reads a regular file of at most `largest` bytes. Throws FileError (missing, a folder, too large,
 /// unreadable).
@@ -13,4 +15,4 @@ namespace stonestack {
 /// never a part. Makes missing folders. Throws FileError.
 void write_file(const std::string& path, std::string_view content);
 
-}  // namespace stonestack
+}  // namespace stonestack::core

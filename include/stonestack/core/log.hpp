@@ -2,8 +2,10 @@
 #include <string>
 #include <string_view>
 
+#include "stonestack/core/rooms.hpp"
+
 /// One log sink for the whole process: stderr, so that stdout stays data.
-namespace stonestack {
+namespace stonestack::core {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError, kOff };
 
@@ -17,4 +19,4 @@ void log_error(std::string_view line);
 /// Progress of long work: overwritten in place on a terminal, one line a change elsewhere.
 void log_progress(std::string_view line);
 
-}  // namespace stonestack
+}  // namespace stonestack::core

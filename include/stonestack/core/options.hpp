@@ -4,6 +4,8 @@
 #include <variant>
 #include <vector>
 
+#include "stonestack/core/rooms.hpp"
+
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
@@ -16,7 +18,7 @@
 ///   }
 ///
 /// A field's value is checked against its range wherever it comes from; unknown names are errors.
-namespace stonestack {
+namespace stonestack::core {
 
 /// Inclusive range of a number.
 struct FieldRange {
@@ -58,4 +60,4 @@ void read_fields(const FieldList& list, const std::string& path, const FieldList
 /// The value as text.
 [[nodiscard]] std::string field_text(const Field& field);
 
-}  // namespace stonestack
+}  // namespace stonestack::core

@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <string_view>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::core {
 
 /// Seeded random numbers with distributions of our own, so that a seed means the same on every
 /// platform. Streams are independent: `stream(seed, task)` for task i never depends on how many
@@ -45,4 +47,4 @@ class Random {
   std::uint64_t state_[4];
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::core

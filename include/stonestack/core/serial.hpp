@@ -3,7 +3,7 @@
 
 #include "stonestack/core/byte_stream.hpp"
 
-namespace stonestack {
+namespace stonestack::core {
 
 /// A serial line: raw, 8 data bits, no parity, 1 stop bit, no flow control. Locked against other programs
 /// that lock (flock) as long as it is open.
@@ -37,4 +37,4 @@ class PseudoTerminal : public ByteStream {
   std::string link_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::core

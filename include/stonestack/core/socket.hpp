@@ -5,7 +5,7 @@
 #include "stonestack/core/byte_stream.hpp"
 
 /// TCP over IPv4. Loopback is the rule: a server listens elsewhere only when it is told so.
-namespace stonestack {
+namespace stonestack::core {
 
 /// A numeric IPv4 address ("127.0.0.1", "192.168.1.11") or "localhost", and a port. Names are not looked up,
 /// because a look-up has no deadline.
@@ -54,4 +54,4 @@ class TcpListener {
   Endpoint endpoint_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::core

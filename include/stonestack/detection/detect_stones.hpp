@@ -11,7 +11,7 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// What may as well be there: another pose of a stone of nearly symmetric shape, or another stone of like
 /// shape.
@@ -143,4 +143,4 @@ class DetectionModels {
                                                    const DetectionOptions& options = {},
                                                    const SceneKnowledge& known = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

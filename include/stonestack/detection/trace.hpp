@@ -5,7 +5,7 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// A keypoint of the scene and the keypoint of a model that is described most alike.
 struct TracedMatch {
@@ -48,4 +48,4 @@ struct DetectionTrace {
 /// stages.json with matches, hypotheses and candidates; no PLY of what a turn has none of. Throws FileError.
 void write_trace(const std::string& folder, const DetectionTrace& trace, std::span<const Stone> stones);
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

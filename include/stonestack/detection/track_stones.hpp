@@ -6,7 +6,7 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
-namespace stonestack {
+namespace stonestack::detection {
 
 /// What became of a stone that was placed before.
 struct TrackedStone {
@@ -45,4 +45,4 @@ struct TrackOptions {
                                        const DetectionOptions& options = {}, const SceneKnowledge& known = {},
                                        const TrackOptions& limits = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::detection

@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/pose.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Points, metres, in the frame its owner's name says. Organised when width * height == points.size() and
 /// height > 1; then a missing point is NaN.
@@ -19,4 +19,4 @@ struct Cloud {
 /// Drops points that are not finite; the result is unorganised.
 [[nodiscard]] Cloud without_gaps(const Cloud& cloud);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -3,7 +3,7 @@
 
 #include "stonestack/geometry/cloud.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Reads PLY and PCD (ASCII, binary, binary_compressed), organised or not. Throws FileError.
 [[nodiscard]] Cloud read_cloud(const std::string& path);
@@ -11,4 +11,4 @@ namespace stonestack {
 /// PLY by comments "width N" and "height N").
 void write_cloud(const std::string& path, const Cloud& cloud);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -3,7 +3,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Options of `convex_pieces`.
 struct ConvexPiecesOptions {
@@ -19,4 +19,4 @@ struct ConvexPiecesOptions {
 /// Convex hull as a closed mesh.
 [[nodiscard]] Mesh convex_hull(const Mesh& mesh);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/cloud.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Pinhole camera with lens distortion; optical frame C.
 struct CameraIntrinsics {
@@ -38,4 +38,4 @@ struct DepthImage {
 void write_depth_png(const std::string& path, const DepthImage& image, double unit);
 [[nodiscard]] DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// What a ray hit.
 struct RayHit {
@@ -46,4 +46,4 @@ struct RenderedView {
 };
 [[nodiscard]] RenderedView render(const RayScene& scene, const CameraIntrinsics& camera, const Pose& T_W_C);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

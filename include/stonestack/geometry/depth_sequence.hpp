@@ -5,7 +5,7 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// One recorded depth image: where it is and what is known of it.
 struct DepthRecord {
@@ -57,4 +57,4 @@ void check_principal_point(const CameraIntrinsics& camera, const std::string& pa
 /// Opens one image.
 [[nodiscard]] DepthImage read_depth(const DepthRecord& record);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -3,7 +3,7 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Pinhole intrinsics that explain an organised cloud in C (least squares of u on x/z and of v on y/z). Empty
 /// for a cloud that is not organised, has fewer than 100 points, or does not fit a pinhole within a pixel
@@ -19,4 +19,4 @@ namespace stonestack {
 /// a mirror would.
 [[nodiscard]] bool is_mirrored(const Cloud& organised_C);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Mass, centre of mass and inertia of a rigid body, in the frame of its mesh (O).
 struct MassProperties {
@@ -17,4 +17,4 @@ struct MassProperties {
 /// against the triangle inequality, not finite.
 [[nodiscard]] std::string check(const MassProperties& properties);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

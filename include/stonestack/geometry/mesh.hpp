@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/pose.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Triangles over shared vertices, metres unless a name says otherwise; faces counter-clockwise seen from
 /// outside.
@@ -41,4 +41,4 @@ struct SurfaceSample {
 /// `spacing` apart. Deterministic; areas sum to the surface area.
 [[nodiscard]] std::vector<SurfaceSample> sample_surface(const Mesh& mesh, double spacing);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

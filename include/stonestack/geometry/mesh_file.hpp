@@ -3,7 +3,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Reads PLY, OBJ and STL with strict readers of our own (counts checked before allocation, indices and
 /// finiteness checked, no second file opened). Exactly equal vertices become one (texture seams and STL
@@ -15,4 +15,4 @@ namespace stonestack {
 /// Binary little-endian PLY, or OBJ, by extension; atomic. Throws FileError.
 void write_mesh(const std::string& path, const Mesh& mesh);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/geometry/pose.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Something that stands in a cell and that the arm must not touch: a wall, a camera stand, a screen.
 struct Obstacle {
@@ -28,4 +28,4 @@ struct Obstacle {
 [[nodiscard]] std::vector<Obstacle> parse_obstacles(const std::string& text, const std::string& path,
                                                     const std::string& where);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

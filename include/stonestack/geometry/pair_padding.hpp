@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// How far one thing that moves stays away from one that stands, instead of what motions keep from all
 /// others.
@@ -24,4 +26,4 @@ struct PairPadding {
                                                            const std::string& where,
                                                            std::span<const std::string> obstacles);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -1,7 +1,9 @@
 #pragma once
 #include <Eigen/Geometry>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// {p : normal . p = offset}, normal of unit length.
 struct Plane {
@@ -10,4 +12,4 @@ struct Plane {
   [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -2,7 +2,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// Simple polygon in a plane, counter-clockwise, metres.
 using Polygon2 = std::vector<Eigen::Vector2d>;
@@ -16,4 +18,4 @@ using Polygon2 = std::vector<Eigen::Vector2d>;
 /// vertices minus the distance to the point or segment.
 [[nodiscard]] double margin(const Polygon2& convex, const Eigen::Vector2d& point);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -2,7 +2,9 @@
 #include <Eigen/Geometry>
 #include <string>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::geometry {
 
 /// A rigid transform. The name says between which frames: `T_A_B` maps B-coordinates to A, `p_A = T_A_B *
 /// p_B`; inner letters cancel. The letters, fixed once for the whole project:
@@ -35,4 +37,4 @@ struct PoseDifference {
 /// near-JSON). qw >= 0.
 [[nodiscard]] std::string to_text(const Pose& pose);
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -3,7 +3,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// Signed distance to a closed mesh, negative inside, on a grid with trilinear interpolation, clamped to
 /// +-`band`. Exact at the nodes; between them worst at sharp edges, which it rounds (measured within 1 mm of
@@ -28,4 +28,4 @@ class SignedDistance {
   std::shared_ptr<const Grid> grid_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

@@ -4,7 +4,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::geometry {
 
 /// The point of a mesh nearest to another point.
 struct SurfacePoint {
@@ -40,4 +40,4 @@ class SurfaceTree {
   std::unique_ptr<const Tree> tree_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::geometry

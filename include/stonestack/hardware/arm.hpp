@@ -4,7 +4,7 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/joints.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// What the arm reports. Times in seconds; `device_time` is the controller's own, `host_time` that of
 /// `host_seconds` (in a simulated cell of its clock).
@@ -51,4 +51,4 @@ class Arm {
   virtual void set_payload(double mass, const Eigen::Vector3d& p_F_com) = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

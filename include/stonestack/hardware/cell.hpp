@@ -9,7 +9,7 @@
 #include "stonestack/hardware/force_torque.hpp"
 #include "stonestack/hardware/gripper.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Where things are mounted, as calibrated (what the program believes, not what is true).
 struct CellLayout {
@@ -36,4 +36,4 @@ struct Cell {
   CellLayout layout;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -14,7 +14,7 @@
 #include "stonestack/hardware/ur/ur_arm.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// A pose as a file has it: x, y, z (m), qx, qy, qz, qw.
 using PoseNumbers = std::array<double, 7>;
@@ -76,4 +76,4 @@ class HardwareCell {
   std::unique_ptr<Devices> devices_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// What a cell allows its arm, within what the robot can: group `limits` of its file. Lists stand as their
 /// text, since they are lists in the file.
@@ -25,4 +25,4 @@ struct CellLimits {
 [[nodiscard]] RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T_W_R,
                                      const Pose& T_F_T, const std::string& path);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// One frame; `number` and `device_time` rise from frame to frame, a repeated one is a DeviceError.
 struct DepthFrame {
@@ -18,4 +18,4 @@ class DepthCamera {
   [[nodiscard]] virtual DepthFrame capture() = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

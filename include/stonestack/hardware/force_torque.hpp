@@ -1,7 +1,9 @@
 #pragma once
 #include <Eigen/Core>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::hardware {
 
 /// Force (N) and torque (Nm) at the sensor, axes of the flange F, what the world does to the tool.
 struct Wrench {
@@ -21,4 +23,4 @@ class ForceTorqueSensor {
   virtual void zero() = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

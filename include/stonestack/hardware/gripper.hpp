@@ -1,7 +1,9 @@
 #pragma once
 #include <string>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::hardware {
 
 /// What the gripper reports. `opening` in metres between the finger pads.
 struct GripperState {
@@ -25,4 +27,4 @@ class Gripper {
   virtual void spread(double spacing) = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

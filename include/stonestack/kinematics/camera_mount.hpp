@@ -7,7 +7,7 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/geometry/pose.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// A thing that stands still, seen in one view: the same `mark` in another view is the same thing.
 struct SeenMark {
@@ -47,4 +47,4 @@ struct MountRefinement {
 [[nodiscard]] MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C,
                                                   const MountOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -6,7 +6,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// Where the camera sits.
 enum class CameraMount {
@@ -66,4 +66,4 @@ struct HandEyeResult {
 [[nodiscard]] bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const Pose& T_A_C,
                                   const HandEyeOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -5,7 +5,7 @@
 
 #include "stonestack/kinematics/hand_eye.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// Stations in a file, YAML:
 ///
@@ -43,4 +43,4 @@ struct EasyHandEye {
 /// What was read is written as it was, keys sorted and text quoted as easy_handeye (PyYAML) does.
 void write_easy_handeye(const std::string& path, const EasyHandEye& calibration);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -4,7 +4,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// What a simulated arm and camera err by, standard deviations of each station.
 struct HandEyeNoise {
@@ -21,4 +21,4 @@ struct HandEyeNoise {
 [[nodiscard]] std::vector<HandEyePair> simulate_hand_eye(const Pose& T_A_C, CameraMount mount, int count,
                                                          const HandEyeNoise& noise, Random random);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

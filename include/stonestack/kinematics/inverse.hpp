@@ -4,7 +4,7 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// One inverse solution. `branch` is three bits, fixed along a path that meets no singularity: 1 the
 /// shoulder's second solution ("right": the arm reaches over its base), 2 wrist 2 negative ("flipped"), 4
@@ -41,4 +41,4 @@ struct IkOnBranch {
 /// The branch that a configuration is on.
 [[nodiscard]] int branch_of(const RobotModel& robot, const Joints& q);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

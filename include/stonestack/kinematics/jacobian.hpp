@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// Columns are joints; rows 0..2 velocity of the flange's origin (m/rad), rows 3..5 angular velocity, both
 /// in R.
@@ -13,4 +13,4 @@ using Jacobian = Eigen::Matrix<double, 6, 6>;
 /// sqrt(det(J J^T)) with J = jacobian(robot, q): zero at a singularity.
 [[nodiscard]] double manipulability(const RobotModel& robot, const Joints& q);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

@@ -3,7 +3,9 @@
 #include <string>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::kinematics {
 
 /// Six joint angles, rad, in the order base, shoulder, elbow, wrist 1, wrist 2, wrist 3.
 using Joints = Eigen::Matrix<double, 6, 1>;
@@ -31,4 +33,4 @@ struct JointState {
 /// State at `t`, clamped to the ends. Throws InvalidArgument for an empty trajectory.
 [[nodiscard]] JointState sample(const JointTrajectory& trajectory, double t);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

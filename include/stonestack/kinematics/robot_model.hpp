@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/joints.hpp"
 #include "stonestack/kinematics/tool_room.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 /// A capsule on a link: all points within `radius` of a segment, in the link's frame.
 struct LinkCapsule {
@@ -50,4 +50,4 @@ struct RobotModel {
 /// Names in data/robots (see data_path), sorted. Throws FileError if there is no such folder.
 [[nodiscard]] std::vector<std::string> robot_names();
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

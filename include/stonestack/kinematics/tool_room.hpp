@@ -5,7 +5,7 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/joints.hpp"
 
-namespace stonestack {
+namespace stonestack::kinematics {
 
 struct RobotModel;
 
@@ -26,4 +26,4 @@ inline constexpr double kRoomMargin = 0.002;
 /// empty.
 [[nodiscard]] std::string describe_outside_room(const RobotModel& robot, const Joints& q, double slack);
 
-}  // namespace stonestack
+}  // namespace stonestack::kinematics

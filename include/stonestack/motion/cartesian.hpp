@@ -3,7 +3,7 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// How straight a straight path is. Source: facts/robot.md.
 struct CartesianOptions {
@@ -20,4 +20,4 @@ struct CartesianOptions {
                                                      const Joints& q_from, const Pose& T_R_T_goal,
                                                      const CartesianOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

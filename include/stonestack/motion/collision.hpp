@@ -6,7 +6,7 @@
 
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// What the fingers hold.
 struct HeldObject {
@@ -70,4 +70,4 @@ class CollisionChecker {
   std::unique_ptr<Shapes> shapes_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

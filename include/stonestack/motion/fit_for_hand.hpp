@@ -3,7 +3,7 @@
 
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// m, narrowest horizontal width of a stone that stands on a table: over its poses of rest (`rest_poses`) and
 /// all turns about the vertical. A hand from above that is to hold it about its middle opens that wide at
@@ -22,4 +22,4 @@ namespace stonestack {
 /// Who cannot carry `mass` (kg), and what they can: "the fingers carry 2.5 kg"; empty if all can.
 [[nodiscard]] std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -6,7 +6,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// How grasps of a stone are sampled and judged. Numbers without a source are ours.
 struct GraspOptions {
@@ -77,4 +77,4 @@ struct GraspSet {
 [[nodiscard]] std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                                             const GraspOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -8,7 +8,7 @@
 #include "stonestack/motion/grasp.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Why a grasp does not serve; in the order of the tests.
 enum class GraspFault {
@@ -79,4 +79,4 @@ class GraspFinder {
 [[nodiscard]] bool hand_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task,
                                   const MotionOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

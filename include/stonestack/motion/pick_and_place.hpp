@@ -7,7 +7,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// Options of grasp, transit, approach and placing. Sources: facts/robot.md.
 struct MotionOptions {
@@ -118,4 +118,4 @@ struct PickAndPlaceTask {
 /// A grasp so near to one of `failed` (T_O_T) that it would fail as well: 20 mm and 0.35 rad.
 [[nodiscard]] bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// A box of the gripper, in T (z out of the gripper, x the closing direction), that moves with a finger or
 /// not at all.
@@ -80,4 +80,4 @@ struct PlanningScene {
 [[nodiscard]] double padding_between(const PlanningScene& scene, const std::string& part,
                                      const std::string& link, const std::string& stands, double padding);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

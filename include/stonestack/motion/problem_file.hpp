@@ -4,7 +4,7 @@
 
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// One question to a planner: from `start` to any of `goals`.
 struct MotionProblem {
@@ -25,4 +25,4 @@ struct MotionProblems {
 [[nodiscard]] MotionProblems parse_motion_problems(const std::string& text, const std::string& name);
 [[nodiscard]] MotionProblems read_motion_problems(const std::string& path);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -6,7 +6,7 @@
 
 #include "stonestack/motion/pick_and_place.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// How a stone is turned over. Numbers without a source are ours.
 struct RegraspOptions {
@@ -76,4 +76,4 @@ struct RegraspPlan {
 [[nodiscard]] RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& task,
                                        const MotionOptions& options = {}, const RegraspOptions& regrasp = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -2,7 +2,7 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// How far (m, 0 to `most`) the tool may go straight down from `q` until hand or arm come nearer to an object
 /// than `options.descent_padding`, what the hand holds left out: so far a guarded descent may look for
@@ -12,4 +12,4 @@ namespace stonestack {
 [[nodiscard]] double room_below(const PlanningScene& scene, const Joints& q, double opening, int object,
                                 double most, const MotionOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

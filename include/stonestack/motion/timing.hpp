@@ -4,7 +4,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// What a timed motion must respect.
 struct TimingLimits {
@@ -43,4 +43,4 @@ using ToolSpeed = std::function<double(const Joints& q)>;
 /// check has to certify.
 [[nodiscard]] JointPath rounded(const JointPath& path, const TimingLimits& limits, double step);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

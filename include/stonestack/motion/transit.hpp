@@ -5,7 +5,7 @@
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
-namespace stonestack {
+namespace stonestack::motion {
 
 /// A joint path from `start` to one of `goals` whose every straight piece `checker.motion_is_free`; empty if
 /// start or all goals collide, or if none was found. The straight motion to one of the nearest goals is tried
@@ -29,4 +29,4 @@ namespace stonestack {
 /// Sum of the lengths (rad, of the joint vector) of its pieces.
 [[nodiscard]] double length(const JointPath& path);
 
-}  // namespace stonestack
+}  // namespace stonestack::motion

@@ -2,7 +2,9 @@
 #include <Eigen/Core>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::physics {
 
 /// The table's index where a body index is asked for.
 inline constexpr int kTable = -1;
@@ -17,4 +19,4 @@ struct Contact {
   double impulse = 0.0;  ///< N s, normal, of the last step
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

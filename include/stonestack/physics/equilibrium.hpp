@@ -4,7 +4,7 @@
 
 #include "stonestack/physics/contact.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// A rigid body for statics.
 struct StaticBody {
@@ -44,4 +44,4 @@ struct EquilibriumOptions {
                                             std::span<const Contact> contacts,
                                             const EquilibriumOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/physics/stack.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// Letting one stone come to rest on a stack.
 struct SettleOptions {
@@ -27,4 +27,4 @@ struct SettleResult {
 [[nodiscard]] SettleResult settle(const ShapeList& shapes, const Stack& stack, int stone, const Pose& T_W_O,
                                   const SettleOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

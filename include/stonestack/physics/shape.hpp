@@ -6,7 +6,7 @@
 #include "stonestack/geometry/signed_distance.hpp"
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// How finely a contact shape follows the scan.
 struct ShapeOptions {
@@ -39,4 +39,4 @@ struct ContactShape {
 [[nodiscard]] std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(
     const std::vector<Stone>& stones, const ShapeOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -7,7 +7,7 @@
 #include "stonestack/physics/support_polygon.hpp"
 #include "stonestack/physics/world.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 using ShapeList = std::vector<std::shared_ptr<const ContactShape>>;
 
@@ -63,4 +63,4 @@ struct StackStatics {
 [[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
                                             const EquilibriumOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -3,7 +3,7 @@
 
 #include "stonestack/physics/stack.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// Why a stone cannot be: mass not positive, inertia not possible, centre of mass outside its hull, nothing
 /// finite. Empty if it can.
@@ -13,4 +13,4 @@ namespace stonestack {
 /// `allowed` (m; 8 mm: more than any measurement errs). Empty if there are none.
 [[nodiscard]] std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allowed = 0.008);
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

@@ -4,7 +4,7 @@
 #include "stonestack/geometry/polygon.hpp"
 #include "stonestack/physics/contact.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// Support polygon S_i of a stone (paper §3.1): convex hull of its contacts in their common plane, simplified
 /// (CGAL).
@@ -22,4 +22,4 @@ struct SupportPolygon {
 [[nodiscard]] SupportPolygon support_polygon(std::span<const Contact> contacts,
                                              const Eigen::Vector3d& p_W_com, double largest_gap = 0.0005);
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

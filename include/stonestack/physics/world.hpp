@@ -9,7 +9,7 @@
 #include "stonestack/physics/contact.hpp"
 #include "stonestack/physics/shape.hpp"
 
-namespace stonestack {
+namespace stonestack::physics {
 
 /// Settings of a Bullet world. Source of the defaults: measured, docs/measurements.md.
 struct WorldOptions {
@@ -84,4 +84,4 @@ class World {
   std::unique_ptr<Bullet> bullet_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::physics

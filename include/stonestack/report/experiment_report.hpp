@@ -7,7 +7,7 @@
 
 /// The paper's experiment (§4): consecutive runs, their heights, costs, times and what the predictions were
 /// worth.
-namespace stonestack {
+namespace stonestack::report {
 
 /// One run of an experiment.
 struct ExperimentRun {
@@ -63,4 +63,4 @@ struct CalibrationBin {
 [[nodiscard]] std::string figure5_csv(const Experiment& experiment);
 [[nodiscard]] std::string figure5_svg(const Experiment& experiment);
 
-}  // namespace stonestack
+}  // namespace stonestack::report

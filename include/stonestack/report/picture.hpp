@@ -5,7 +5,7 @@
 
 #include "stonestack/geometry/depth_render.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 
 /// 8-bit RGB, row by row.
 struct Picture {
@@ -33,4 +33,4 @@ struct View {
 [[nodiscard]] Picture draw(const std::vector<DrawnMesh>& meshes, const View& view);
 void write_png(const std::string& path, const Picture& picture);
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -6,7 +6,7 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/report/picture.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 
 /// One moment of a plan's motions, which follow each other without the time that the hand takes.
 struct PlanMoment {
@@ -35,4 +35,4 @@ struct PlanMoment {
 /// The moments at which steps end, and the first: what pictures of a plan show.
 [[nodiscard]] std::vector<PlanMoment> key_moments(const std::vector<PlanMoment>& moments);
 
-}  // namespace stonestack
+}  // namespace stonestack::report

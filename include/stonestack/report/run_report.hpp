@@ -6,7 +6,7 @@
 #include "stonestack/report/picture.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-namespace stonestack {
+namespace stonestack::report {
 
 /// What the simulated cell's own truth says of the finished tower; the program under test never sees it.
 struct TruthReport {
@@ -47,4 +47,4 @@ struct RunReport {
 /// A view of everything at the site: from the front, high enough to see the table.
 [[nodiscard]] View view_of_site(const Eigen::Vector2d& site, double top_height);
 
-}  // namespace stonestack
+}  // namespace stonestack::report

@@ -8,7 +8,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/physics/stack.hpp"
 
-namespace stonestack {
+namespace stonestack::search {
 
 /// Options of the search. `method`: "default" (gap field proposals, look-ahead) or "paper" (section 3 as
 /// written).
@@ -148,4 +148,4 @@ struct SearchResult {
                                                 const SearchOptions& options, std::string* reason,
                                                 const std::function<void(const std::string&)>& report = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::search

@@ -6,7 +6,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Where the camera of a rendered scene stands: it looks at the middle of the field.
 struct SceneOptions {
@@ -34,4 +34,4 @@ struct SimulatedScene {
 /// with T_W_O and T_C_O) into the folder. Throws FileError.
 void write_scene(const std::string& folder, const SimulatedScene& scene, const std::vector<Stone>& stones);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/depth_render.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What a depth camera does to a perfect view. An assumption in the right range (facts/detection.md §1), to
 /// be fitted to a real device; every number is a field so that it can be.
@@ -47,4 +47,4 @@ struct SensorModel {
 [[nodiscard]] DepthImage add_noise(const RenderedView& view, const Pose& T_W_C, const SensorModel& model,
                                    Random& random);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/physics/stack.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 class SharedWorld;
 
@@ -103,4 +103,4 @@ class SimulatedCell {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -9,7 +9,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Which devices are served; the world behind them is whole.
 struct ServedDevices {
@@ -61,4 +61,4 @@ class SimulatedServers {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -12,7 +12,7 @@
 #include "stonestack/stacking/observe.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// Options of the whole loop.
 struct BuildOptions {
@@ -109,4 +109,4 @@ struct BuildHooks {
 [[nodiscard]] RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                                     const BuildOptions& options, const BuildHooks& hooks = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

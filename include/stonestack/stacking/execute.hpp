@@ -5,7 +5,7 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/stacking/journal.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// How carrying out a plan ended.
 struct ExecutionResult {
@@ -26,4 +26,4 @@ struct ExecutionResult {
                                       const PlanningScene& scene, Cell& cell, const MotionOptions& options,
                                       Journal* journal);
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

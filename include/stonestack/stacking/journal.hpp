@@ -1,7 +1,9 @@
 #pragma once
 #include <string>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::stacking {
 
 /// Append-only record of a run, one JSON object a line (JSONL): what was intended is on the disk before
 /// anything moves. A default-made journal records nothing.
@@ -24,4 +26,4 @@ class Journal {
   long next_ = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

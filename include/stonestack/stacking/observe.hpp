@@ -10,7 +10,7 @@
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack {
+namespace stonestack::stacking {
 
 /// What the program believes: only what camera and sensors told it.
 struct Belief {
@@ -81,4 +81,4 @@ struct Sighting {
                                                   const std::vector<int>& together, const Belief& before,
                                                   const DetectionOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::stacking

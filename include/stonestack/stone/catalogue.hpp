@@ -4,7 +4,7 @@
 
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// Stones in a folder: `DIR/NAME/stone.yaml`, `DIR/NAME/mesh.ply` (reduced), `DIR/NAME/scan.ply` (full) and
 /// `DIR/NAME/pieces/1.ply` and so on (convex). Metres, frame O.
@@ -25,4 +25,4 @@ struct Catalogue {
 /// catalogue's folder. Throws FileError, InvalidArgument for a name that is none.
 void write_stone(const std::string& catalogue_path, const Stone& stone);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

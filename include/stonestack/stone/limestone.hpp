@@ -3,7 +3,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// Shape of a generated limestone. Ranges as measured on sixteen scanned rocks of this size.
 struct LimestoneOptions {
@@ -21,4 +21,4 @@ struct LimestoneOptions {
 /// options that no stone can meet.
 [[nodiscard]] Mesh make_limestone(std::uint64_t seed, const LimestoneOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

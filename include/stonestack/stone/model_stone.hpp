@@ -7,7 +7,7 @@
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/stone/stone.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// How a scan becomes a stone.
 struct ModelOptions {
@@ -35,4 +35,4 @@ struct ModelResult {
 [[nodiscard]] ModelResult model_stone(const Mesh& scan, const std::string& name, const std::string& source,
                                       const ModelOptions& options = {});
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

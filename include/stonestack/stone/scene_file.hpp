@@ -7,7 +7,7 @@
 #include "stonestack/geometry/obstacle.hpp"
 #include "stonestack/geometry/pair_padding.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// A stone in a scene file, by name.
 struct NamedPose {
@@ -50,4 +50,4 @@ struct SceneFile {
 /// T_W_C is known.
 void write_scene_file(const std::string& path, const SceneFile& scene);
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/mass_properties.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
-namespace stonestack {
+namespace stonestack::stone {
 
 /// How far one surface lies from another, metres.
 struct Deviation {
@@ -36,4 +36,4 @@ struct PlacedStone {
   Pose T_W_O = Pose::Identity();
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::stone

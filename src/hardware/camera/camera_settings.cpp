@@ -8,7 +8,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 FieldList fields(CameraSettings& o) {
   const FieldRange pixels{1, 16384}, length{0.0, 1e5}, centre{-1e5, 1e5}, lens{-100.0, 100.0};
@@ -106,4 +106,4 @@ DepthFrame FrameCheck::pass(DepthFrame frame) {
   return frame;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -9,7 +9,7 @@
 #include "hardware/camera/z16.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::string_view kMagic = "SSD1";
@@ -108,4 +108,4 @@ std::vector<std::uint8_t> encode_frame(const DepthFrame& frame, double unit) {
   return bytes;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -19,7 +19,7 @@
 ///   96  f64 metres a count  104 f64 device time, s
 ///   112 u64 frame number    120 u32 pixel bytes = 2 x width x height
 ///   124 u32 CRC-32 (IEEE 802.3) of the pixel bytes
-namespace stonestack {
+namespace stonestack::hardware {
 
 inline constexpr std::size_t kFrameHeader = 128;
 inline constexpr std::size_t kMostFramePixels = 4096U * 4096U;
@@ -41,4 +41,4 @@ struct FrameHeader {
 [[nodiscard]] std::vector<std::uint8_t> encode_frame(const DepthFrame& frame, double unit);
 [[nodiscard]] std::uint32_t crc32(std::span<const std::uint8_t> bytes);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

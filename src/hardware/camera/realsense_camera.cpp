@@ -2,7 +2,7 @@
 
 #include "hardware/camera/realsense_device.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 FieldList fields(RealsenseCameraOptions& o) {
   FieldList own = {
@@ -21,4 +21,4 @@ DepthFrame RealsenseCamera::capture() {
   return device_->capture();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -1,9 +1,9 @@
 #pragma once
 #include "stonestack/hardware/camera/realsense_camera.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// The camera itself. Two files define it, of which a build takes one: with librealsense, and without.
 [[nodiscard]] std::unique_ptr<DepthCamera> open_realsense(const RealsenseCameraOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

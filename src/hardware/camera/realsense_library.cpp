@@ -9,7 +9,7 @@
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr unsigned kTurn = 50;  // ms between looks at the deadline and at Ctrl-C
@@ -129,4 +129,4 @@ std::unique_ptr<DepthCamera> open_realsense(const RealsenseCameraOptions& option
   return std::make_unique<Realsense>(options);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 FieldList fields(RecordedCameraOptions& o) {
   FieldList own = {
@@ -86,4 +86,4 @@ const CameraIntrinsics& RecordedCamera::intrinsics() const {
   return recording_->camera;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

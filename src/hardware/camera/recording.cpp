@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ std::vector<RecordedFrame> list_frames(RecordingFormat format, const RecordedCam
   return frames;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 #include "stonestack/hardware/camera/recorded_camera.hpp"
 
 /// Lists of frames on disk.
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct RecordedFrame {
   double time = 0.0;  ///< s
@@ -28,4 +28,4 @@ enum class RecordingFormat { kTum, kOpen3d, kClouds, kZ16, kV4l2 };
                                                      const RecordedCameraOptions& options,
                                                      const CameraIntrinsics& camera);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 FieldList fields(StreamCameraOptions& o) {
   FieldList own = {
@@ -74,4 +74,4 @@ DepthFrame StreamCamera::capture() {
   throw DeviceError(link_->name, problem, "look at the camera and start its server again");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

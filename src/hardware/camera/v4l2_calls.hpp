@@ -11,7 +11,7 @@
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/hardware/camera/v4l2_camera.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// The kernel as the camera uses it, so that a test can stand in for it: this machine has no video device.
 class V4l2Calls {
@@ -62,4 +62,4 @@ class V4l2Stream {
   std::optional<V4l2Recorder> recorder_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

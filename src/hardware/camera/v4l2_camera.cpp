@@ -10,7 +10,7 @@
 #include "hardware/camera/z16.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 std::string four_letters(std::uint32_t code) {
@@ -198,4 +198,4 @@ DepthFrame V4l2Camera::capture() {
   return device_->stream.capture();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

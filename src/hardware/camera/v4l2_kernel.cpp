@@ -10,7 +10,7 @@
 #include "hardware/camera/v4l2_calls.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 class Kernel final : public V4l2Calls {
@@ -55,4 +55,4 @@ std::unique_ptr<V4l2Calls> open_v4l2(const std::string& device) {
   return std::make_unique<Kernel>(std::move(node));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

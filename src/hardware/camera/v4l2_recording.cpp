@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -79,4 +79,4 @@ std::vector<RecordedFrame> parse_v4l2_list(const std::string& text, const std::s
   return frames;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

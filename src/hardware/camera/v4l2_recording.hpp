@@ -13,7 +13,7 @@
 ///                "SEQUENCE SECONDS MICROSECONDS ERROR BYTES", damaged and short ones, too
 ///   camera.yaml  what V4L2 does not say: scale and intrinsics
 /// It plays through the same decoder as the device (RecordedCamera, format v4l2).
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct V4l2Format {
   int width = 0, height = 0;
@@ -48,4 +48,4 @@ class V4l2Recorder {
                                                          const CameraIntrinsics& camera,
                                                          std::size_t raw_bytes);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

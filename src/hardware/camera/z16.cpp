@@ -5,7 +5,7 @@
 #include "geometry/camera_check.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 constexpr double kMostCounts = 65535.0;
 }
@@ -47,4 +47,4 @@ std::vector<std::uint8_t> encode_z16(const DepthImage& image, double unit) {
   return bytes;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Z16: 16 bits little-endian a pixel, row by row, `bytes_per_line` from row to row (0: no padding); 0 is no
 /// depth. `unit` in metres a count. Throws InvalidArgument when `bytes` are too few for the camera's size,
@@ -18,4 +18,4 @@ namespace stonestack {
 /// The other way, without padding. What does not fit becomes 0.
 [[nodiscard]] std::vector<std::uint8_t> encode_z16(const DepthImage& image, double unit);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -7,7 +7,7 @@
 
 #include "hardware/robotiq/modbus_frame.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::uint8_t kFirst = 0x20, kSecond = 0x4E;
@@ -112,4 +112,4 @@ std::optional<FtReading> FtParser::next_text() {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

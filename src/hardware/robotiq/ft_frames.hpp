@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "stonestack/core/rooms.hpp"
+
 /// The two streams of Robotiq's force sensors, as parsers that take any bytes, and their encoders.
 ///
 /// Serial: 16 bytes "20 4E", six int16 little-endian (0.01 N, 0.001 Nm), CRC-16 of Modbus over the first 14,
 /// low byte first. Cap: ASCII "(Fx , Fy , Fz , Mx , My , Mz)" in N and Nm, one behind the other without any
 /// separator.
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Fx Fy Fz in N, Mx My Mz in Nm.
 using FtReading = std::array<double, 6>;
@@ -41,4 +43,4 @@ class FtParser {
   long bad_ = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 #include "stonestack/core/serial.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 // Robotiq's manual and driver: a sensor streams if bytes come within 80 ms; while it streams it answers
@@ -121,4 +121,4 @@ FtLink start_ft_link(const FtSensorOptions& options, Deadline deadline) {
           : "check that the sensor's cap is installed and the sensor is connected");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

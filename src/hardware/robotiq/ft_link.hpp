@@ -5,7 +5,7 @@
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Opens the sensor's link and leaves it streaming.
 struct FtLink {
@@ -18,4 +18,4 @@ struct FtLink {
 /// "Robotiq force sensor on /dev/ttyUSB0".
 [[nodiscard]] std::string ft_name(const FtSensorOptions& options);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

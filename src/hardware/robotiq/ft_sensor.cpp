@@ -12,7 +12,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr double kTurn = 0.05;       // s between looks at the stop mark
@@ -235,4 +235,4 @@ std::string RobotiqFtSensor::firmware() const {
   return stream_->firmware;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

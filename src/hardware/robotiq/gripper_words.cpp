@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 unsigned byte_of(int value, const char* name) {
@@ -105,4 +105,4 @@ ThreeFingerStatus decode_gripper_status(const std::vector<std::uint16_t>& words)
   return s;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

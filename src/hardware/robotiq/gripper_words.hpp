@@ -4,7 +4,7 @@
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 
 /// The gripper's registers as words and as values.
-namespace stonestack {
+namespace stonestack::hardware {
 
 inline constexpr int kGripperWords = 8;
 
@@ -21,4 +21,4 @@ struct GripperRequest {
 [[nodiscard]] ThreeFingerStatus decode_gripper_status(const std::vector<std::uint16_t>& words);
 [[nodiscard]] GripperMode parse_gripper_mode(const std::string& name);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

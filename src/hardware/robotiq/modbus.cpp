@@ -3,7 +3,7 @@
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 FieldList fields(ModbusOptions& o) {
   return {
@@ -125,4 +125,4 @@ long ModbusClient::repeated() const {
   return link_->repeated;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

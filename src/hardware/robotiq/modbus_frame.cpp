@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::modbus {
+namespace stonestack::hardware::modbus {
 namespace {
 
 void append(Bytes& bytes, std::uint16_t value) {
@@ -208,4 +208,4 @@ std::string hex_text(View bytes, std::size_t most) {
   return text;
 }
 
-}  // namespace stonestack::modbus
+}  // namespace stonestack::hardware::modbus

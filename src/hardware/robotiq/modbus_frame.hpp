@@ -6,10 +6,12 @@
 #include <variant>
 #include <vector>
 
+#include "stonestack/core/rooms.hpp"
+
 /// The bytes of Modbus, for both ends of the wire (Modbus Application Protocol 1.1b3, Modbus over serial line
 /// 1.02). A PDU is function code and data; TCP puts a header of 7 bytes before it, RTU a unit id before and a
 /// CRC after it. Parsers accept any bytes.
-namespace stonestack::modbus {
+namespace stonestack::hardware::modbus {
 
 using Bytes = std::vector<std::uint8_t>;
 using View = std::span<const std::uint8_t>;
@@ -85,4 +87,4 @@ struct RtuFrame {
 /// "09 03 02 31 00": bytes for a message, at most the last `most`.
 [[nodiscard]] std::string hex_text(View bytes, std::size_t most = 24);
 
-}  // namespace stonestack::modbus
+}  // namespace stonestack::hardware::modbus

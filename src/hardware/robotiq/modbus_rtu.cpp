@@ -4,7 +4,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/serial.hpp"
 
-namespace stonestack::modbus {
+namespace stonestack::hardware::modbus {
 namespace {
 
 constexpr std::size_t kMostKept = 1024;  // bytes without a frame among them
@@ -68,4 +68,4 @@ std::unique_ptr<Transport> make_rtu_transport(const ModbusOptions& options) {
   return std::make_unique<RtuTransport>(options);
 }
 
-}  // namespace stonestack::modbus
+}  // namespace stonestack::hardware::modbus

@@ -4,7 +4,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack::modbus {
+namespace stonestack::hardware::modbus {
 namespace {
 
 class TcpTransport final : public Transport {
@@ -90,4 +90,4 @@ std::unique_ptr<Transport> make_tcp_transport(const ModbusOptions& options) {
   return std::make_unique<TcpTransport>(options);
 }
 
-}  // namespace stonestack::modbus
+}  // namespace stonestack::hardware::modbus

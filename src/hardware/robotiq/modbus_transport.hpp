@@ -6,7 +6,7 @@
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/hardware/robotiq/modbus.hpp"
 
-namespace stonestack::modbus {
+namespace stonestack::hardware::modbus {
 
 /// How one attempt ended.
 struct Attempt {
@@ -26,4 +26,4 @@ class Transport {
 [[nodiscard]] std::unique_ptr<Transport> make_tcp_transport(const ModbusOptions& options);
 [[nodiscard]] std::unique_ptr<Transport> make_rtu_transport(const ModbusOptions& options);
 
-}  // namespace stonestack::modbus
+}  // namespace stonestack::hardware::modbus

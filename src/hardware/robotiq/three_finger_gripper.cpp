@@ -11,7 +11,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Stage = ThreeFingerStatus::Stage;
@@ -299,4 +299,4 @@ ThreeFingerStatus ThreeFingerGripper::move_fingers(const std::array<FingerReques
   return link_->move(request);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,8 +6,10 @@
 #include <string>
 #include <string_view>
 
+#include "stonestack/core/rooms.hpp"
+
 /// Big-endian numbers in strings of bytes, as every UR port sends them.
-namespace stonestack {
+namespace stonestack::hardware {
 
 template <std::size_t kBytes>
 void put_unsigned(std::string& out, std::uint64_t value) {
@@ -89,4 +91,4 @@ class BigEndianReader {
   bool sound_ = true;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

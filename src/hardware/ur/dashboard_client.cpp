@@ -2,7 +2,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kLongestLine = 1024;
@@ -139,4 +139,4 @@ void DashboardClient::unlock_protective_stop() {
   order("unlock protective stop", "Protective stop releasing");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kLongestLine = 1024;
@@ -54,4 +54,4 @@ bool is_dashboard_text(std::string_view line) {
          std::all_of(line.begin(), line.end(), [](char c) { return (c >= 32 && c < 127) || c == '\t'; });
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -9,7 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kKept = 256, kChunk = 16384;
@@ -166,4 +166,4 @@ int PrimaryClient::port() const {
   return link_->port;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

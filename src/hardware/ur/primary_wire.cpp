@@ -5,7 +5,7 @@
 #include "hardware/ur/big_endian.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kHeader = 5;
@@ -165,4 +165,4 @@ std::optional<PrimaryMessage> PrimaryStream::next() {
   return std::nullopt;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

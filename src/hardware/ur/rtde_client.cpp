@@ -11,7 +11,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kKeptTexts = 64;
@@ -285,4 +285,4 @@ FieldList fields(RtdeOptions& o) {
   };
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Type = RtdeType;
@@ -182,4 +182,4 @@ const RtdeField* find_rtde_input(std::string_view name) {
   return look_up(index, name);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

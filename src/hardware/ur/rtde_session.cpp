@@ -6,7 +6,7 @@
 
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kChunk = 16384;
@@ -233,4 +233,4 @@ void RtdeSession::send(std::size_t recipe, const std::vector<RtdeValue>& values)
   write(encode_data({input.recipe, values}, protocol, false));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/hardware/ur/rtde_client.hpp"
 
 /// One RTDE connection from V to S: what has to be done again after every loss of the link.
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// An input is owned by somebody else; worth another attempt.
 class RtdeInUse : public DeviceError {
@@ -72,4 +72,4 @@ class RtdeSession {
   std::vector<Input> inputs_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 #include "hardware/ur/big_endian.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::size_t kHeader = 3;
@@ -228,4 +228,4 @@ std::vector<std::string> split_names(std::string_view joined) {
   return names;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Status = MotionResult::Status;
@@ -209,4 +209,4 @@ MotionResult run_program(UrLink& link, const ProgramOrder& order) {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

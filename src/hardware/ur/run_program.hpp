@@ -4,7 +4,7 @@
 #include "hardware/ur/ur_link.hpp"
 
 /// Sends one program and waits for its end: run id, program not running, and an end state, all three.
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct ProgramOrder {
   std::string script;
@@ -21,4 +21,4 @@ struct ProgramOrder {
 /// Sends a stop program and forgets about it; for ends where nobody may wait. Never throws.
 void send_stop(UrLink& link) noexcept;
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

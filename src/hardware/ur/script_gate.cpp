@@ -3,7 +3,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr double kLimitSlack = 1e-6;  // rad, of rounding
@@ -72,4 +72,4 @@ FieldList fields(ScriptOptions& o) {
   };
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

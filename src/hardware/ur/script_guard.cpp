@@ -1,6 +1,6 @@
 #include "hardware/ur/script_guard.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr UrVersion kDamping3{3, 5, 0, 0}, kDamping5{5, 0, 0, 0};
@@ -87,4 +87,4 @@ void comply(ScriptLines& out, const ScriptGuard& guard) {
   out.add(1, "end");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

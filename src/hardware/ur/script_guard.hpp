@@ -1,7 +1,7 @@
 #pragma once
 #include "hardware/ur/script_lines.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Defines stk_guard(), to be called at every control step: sets stk_end on contact or when the streamed
 /// force falls silent. `stk_fresh` tells whether the last call saw a new sample.
@@ -11,4 +11,4 @@ void take_zero(ScriptLines& out);
 /// After contact: lets the stone find its seat under a light push.
 void comply(ScriptLines& out, const ScriptGuard& guard);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// A program in the making: its lines, with their indentation, and what they depend on.
 class ScriptLines {
@@ -43,4 +43,4 @@ inline int number(ScriptEnd end) {
   return static_cast<int>(end);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr double kLargest = 1e9;
@@ -42,4 +42,4 @@ std::string to_script(const Pose& pose) {
   return "p" + join(values);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -5,7 +5,7 @@
 #include "stonestack/kinematics/joints.hpp"
 
 /// Values as URScript writes them: always with a decimal point, never with an exponent, never NaN.
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Throws InvalidArgument unless |value| is finite and below 1e9.
 [[nodiscard]] std::string to_script(double value);
@@ -15,4 +15,4 @@ namespace stonestack {
 /// "p[x, y, z, rx, ry, rz]", the rotation as axis times angle.
 [[nodiscard]] std::string to_script(const Pose& pose);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -8,7 +8,7 @@
 #include "hardware/ur/script_text.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr UrVersion kUpperRegisters3{3, 9, 0, 0}, kUpperRegisters5{5, 3, 0, 0};
@@ -197,4 +197,4 @@ std::string script_line(const std::string& script, int line) {
   return text.substr(std::min(text.find_first_not_of(' '), text.size()));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Status = MotionResult::Status;
@@ -232,4 +232,4 @@ FieldList fields(UrArmOptions& o) {
        nest("script", fields(o.script))});
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

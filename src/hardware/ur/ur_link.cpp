@@ -6,7 +6,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr double kNextState = 0.05;  // s to wait for a newer status
@@ -134,4 +134,4 @@ int UrLink::next_run() {
   return ++run_;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

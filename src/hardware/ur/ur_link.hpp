@@ -9,7 +9,7 @@
 #include "stonestack/hardware/ur/ur_arm.hpp"
 
 /// The connections to one controller, its heartbeat, and whether motions are allowed.
-namespace stonestack {
+namespace stonestack::hardware {
 
 class UrLink {
  public:
@@ -59,4 +59,4 @@ class UrLink {
   std::thread heart_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -4,7 +4,7 @@
 #include <iomanip>
 #include <sstream>
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 constexpr std::uint32_t kFirstWithoutScripts = 10;
@@ -135,4 +135,4 @@ std::string find_hindrance(const UrStatus& status) {
                 status.robot_mode, "); power it on and release the brakes");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

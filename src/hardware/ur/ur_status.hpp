@@ -3,7 +3,7 @@
 #include "stonestack/hardware/ur/script_writer.hpp"
 
 /// What one RTDE sample says about arm and program.
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct UrStatus {
   Joints q, qd;
@@ -31,4 +31,4 @@ struct UrStatus {
 /// The same, or that the arm is not powered with its brakes off.
 [[nodiscard]] std::string find_hindrance(const UrStatus& status);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -10,7 +10,7 @@
 #include "simulation/tcp_service.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kIdle = 3600.0;  // s that a client may stay silent
@@ -156,4 +156,4 @@ void CameraSimulator::set_faults(const CameraFaults& faults) {
   parts_->faults = faults;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/simulation/camera/camera_simulator.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kFramePeriod = 1.0 / 30.0;  // s
@@ -50,4 +50,4 @@ std::unique_ptr<DepthPlant> make_world_depth(SharedWorld& world) {
   return std::make_unique<WorldDepth>(world);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTurn = 0.002;   // s between looks at the line
@@ -127,4 +127,4 @@ void FtSerialServer::send(std::span<const std::uint8_t> bytes) {
   if (!line_.write_all(bytes, Deadline::in(kSend))) line_.discard_output();  // nobody reads
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

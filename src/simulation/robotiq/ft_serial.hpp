@@ -6,7 +6,7 @@
 #include "simulation/robotiq/ft_source.hpp"
 #include "stonestack/core/serial.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// The sensor's serial line: Modbus slave and stream, in a thread of its own.
 class FtSerialServer {
@@ -35,4 +35,4 @@ class FtSerialServer {
   std::thread thread_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "simulation/tcp_service.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTurn = 0.1;     // s between looks at a client that left
@@ -146,4 +146,4 @@ void FtSimulator::set_faults(const FtFaults& faults) {
   parts_->source.set_faults(faults);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

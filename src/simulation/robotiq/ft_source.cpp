@@ -5,7 +5,7 @@
 
 #include "stonestack/core/random.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kForceCount = 0.01;  // N
@@ -106,4 +106,4 @@ bool FtSource::take_power_cycle() {
   return std::exchange(faults_.forgets, false);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "hardware/robotiq/ft_frames.hpp"
 #include "stonestack/simulation/robotiq/ft_simulator.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Samples the plant at the sensor's rate in a thread of its own; whoever serves a link takes the newest.
 /// Thread-safe. Holds the faults, because they belong to the sensor and not to one link.
@@ -45,4 +45,4 @@ class FtSource {
   std::thread thread_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

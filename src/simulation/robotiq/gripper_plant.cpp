@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 FieldList fields(IdealGripperOptions& o) {
   const FieldRange count{0.0, 255.0};
@@ -55,4 +55,4 @@ std::array<AxisReport, kGripperAxes> IdealGripperPlant::advance(double seconds) 
   return report_;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 // rACT.., gACT..: Robotiq manual
@@ -200,4 +200,4 @@ GripperRegisters::Words GripperRegisters::commands() const {
   return words;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "stonestack/simulation/robotiq/gripper_plant.hpp"
 #include "stonestack/simulation/robotiq/gripper_simulator.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// The controller inside the gripper: command registers in, status registers out, axes moved by a plant.
 /// Robotiq 3-finger instruction manual, "Control"; times that it does not give are ours.
@@ -51,4 +51,4 @@ class GripperRegisters {
   std::array<AxisReport, kGripperAxes> axes_{};
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

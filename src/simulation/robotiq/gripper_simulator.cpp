@@ -8,7 +8,7 @@
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTick = 0.002;                         // s of the host
@@ -133,4 +133,4 @@ void GripperSimulator::set_faults(const ModbusFaults& faults) {
   parts_->wire.set(faults);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kIdle = 3600.0;         // s that a client may stay silent
@@ -171,4 +171,4 @@ void ModbusRtuServer::reply(const modbus::RtuFrame& frame) {
   if (!send_bytes(line_, bytes, faults_->now().fragments)) line_.discard_output();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

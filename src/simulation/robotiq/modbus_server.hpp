@@ -9,7 +9,7 @@
 #include "stonestack/core/serial.hpp"
 #include "stonestack/simulation/robotiq/modbus_faults.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Carries out a request that is well formed: the registers read, or an exception. Thread-safe.
 using ModbusHandler = std::function<std::variant<std::vector<std::uint16_t>, modbus::Exception>(
@@ -76,4 +76,4 @@ class ModbusRtuServer {
   std::thread thread_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

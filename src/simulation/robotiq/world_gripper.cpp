@@ -6,7 +6,7 @@
 #include "simulation/shared_world.hpp"
 #include "stonestack/simulation/robotiq/gripper_plant.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kStalled = 0.15;         // s without motion until a drive reports rest
@@ -117,4 +117,4 @@ std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world) {
   return std::make_unique<WorldGripper>(world);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

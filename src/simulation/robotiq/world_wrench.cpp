@@ -1,7 +1,7 @@
 #include "simulation/shared_world.hpp"
 #include "stonestack/simulation/robotiq/ft_simulator.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 class WorldWrench final : public WrenchPlant {
@@ -24,4 +24,4 @@ std::unique_ptr<WrenchPlant> make_world_wrench(SharedWorld& world) {
   return std::make_unique<WorldWrench>(world);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -4,7 +4,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/kinematics/jacobian.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 Pose ArmGeometry::T_B_F(const Joints& q) const {
   return robot_.T_R_D.inverse() * forward(robot_, q);
@@ -17,7 +17,7 @@ bool ArmGeometry::inverse(const Pose& T_B_P, const Joints& seed, bool follow, Jo
     q = solution.q;
     return solution.found;
   }
-  const auto solutions = stonestack::inverse(robot_, T_R_F, seed);
+  const auto solutions = kinematics::inverse(robot_, T_R_F, seed);
   if (solutions.empty()) return false;
   q = solutions.front().q;
   return true;
@@ -33,4 +33,4 @@ Six ArmGeometry::twist(const Joints& q, const Joints& qd) const {
   return twist;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

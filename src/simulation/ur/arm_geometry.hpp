@@ -2,7 +2,7 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Six numbers: joints, or translation and rotation vector in the base frame.
 using Six = Eigen::Matrix<double, 6, 1>;
@@ -25,4 +25,4 @@ class ArmGeometry {
   RobotModel robot_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

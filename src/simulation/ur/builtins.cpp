@@ -8,7 +8,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 template <double (*kFunction)(double)>
@@ -163,4 +163,4 @@ int builtin_index(const std::string& name) {
   return it != list.end() && it->name == name ? static_cast<int>(it - list.begin()) : -1;
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -1,7 +1,7 @@
 #pragma once
 #include "simulation/ur/controller.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 
 void add_math(std::vector<Builtin>& list);
 void add_text(std::vector<Builtin>& list);
@@ -28,4 +28,4 @@ double finite_or(const BuiltinCall& call, std::size_t i, double preset);
 /// The number within a range, both ends included; else a ScriptError that names the argument.
 double within(double value, double least, double most, const char* what);
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -4,7 +4,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/ur/rtde_fields.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 Outcome sync_step(BuiltinCall&) {
@@ -82,4 +82,4 @@ void add_flow(std::vector<Builtin>& list) {
   list.push_back({"time", {"mode"}, 0, [](BuiltinCall& c) { return Outcome(Value(c.host.timestamp())); }});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -3,7 +3,7 @@
 #include "simulation/ur/builtins.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 // Numbers above 23 (bits above 63) came with 3.9 and 5.3.
@@ -103,4 +103,4 @@ void add_io(std::vector<Builtin>& list) {
                   }});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -3,7 +3,7 @@
 #include "simulation/ur/builtins.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 constexpr int kPathProblem = 153;           // C-code
@@ -276,4 +276,4 @@ void add_motion(std::vector<Builtin>& list) {
   list.push_back({"ft_rtde_input_enable", sensor, 1, nothing});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -2,7 +2,7 @@
 
 #include "simulation/ur/builtins.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 Pose pose(const BuiltinCall& call, std::size_t i) {
@@ -112,4 +112,4 @@ void add_poses(std::vector<Builtin>& list) {
   list.push_back({"get_inverse_kin_has_solution", inverse, 1, has_inverse});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -14,7 +14,7 @@
 #include "simulation/ur/builtins.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 constexpr double kConnectSeconds = 0.2;
@@ -220,4 +220,4 @@ void add_sockets(std::vector<Builtin>& list) {
                   }});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -2,7 +2,7 @@
 
 #include "simulation/ur/builtins.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 const ArmGeometry& geometry(const BuiltinCall& call) {
@@ -92,4 +92,4 @@ void add_state(std::vector<Builtin>& list) {
   list.push_back({"get_joint_temp", {"j"}, 1, [](BuiltinCall&) { return Outcome(Value(25.0)); }});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

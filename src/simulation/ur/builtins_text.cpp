@@ -3,7 +3,7 @@
 
 #include "simulation/ur/builtins.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 Outcome concatenate(BuiltinCall& call) {
@@ -59,4 +59,4 @@ void add_text(std::vector<Builtin>& list) {
   list.push_back({"to_str", {"val"}, 1, [](BuiltinCall& c) { return Outcome(Value(print(arg(c, 0)))); }});
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

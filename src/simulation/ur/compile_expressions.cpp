@@ -3,7 +3,7 @@
 
 #include "simulation/ur/compiler.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 constexpr int kDeepest = 80;
@@ -287,4 +287,4 @@ void Compiler::list(const char* close, int& count) {
   expect(close);
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -2,7 +2,7 @@
 
 #include "simulation/ur/compiler.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 constexpr std::size_t kLongestName = 256;  // characters of a name in an error
@@ -293,4 +293,4 @@ Program compile(std::string_view source, const BuiltinIndex& builtin_index) {
   return Compiler(source).run(builtin_index);
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

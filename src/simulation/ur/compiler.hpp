@@ -3,7 +3,7 @@
 
 #include "simulation/ur/program.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 
 /// One pass from tokens to instructions. Names are resolved when everything is read, because a function may
 /// call one that stands below it.
@@ -92,4 +92,4 @@ class Depth {
   int* depth_;
 };
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

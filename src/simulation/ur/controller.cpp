@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
@@ -261,4 +261,4 @@ void UrController::measure() {
   raw_forces_.resize(history_.size());
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

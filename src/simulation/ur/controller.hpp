@@ -11,7 +11,7 @@
 #include "stonestack/hardware/ur/rtde_fields.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 enum class RobotMode { kPowerOff = 3, kPowerOn = 4, kIdle = 5, kBackdrive = 6, kRunning = 7 };
 enum class SafetyMode { kNormal = 1, kProtectiveStop = 3, kRobotEmergencyStop = 7, kFault = 9 };
@@ -219,4 +219,4 @@ class UrController {
 /// "3.15.8.106339". Throws InvalidArgument.
 [[nodiscard]] UrVersion parse_ur_version(const std::string& text);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "simulation/ur/script_collector.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using urscript::Machine;
@@ -198,4 +198,4 @@ void UrController::run_programs() {
   end_program("PROGRAM_XXX_STOPPED");
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

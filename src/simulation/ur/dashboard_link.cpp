@@ -1,7 +1,7 @@
 #include "simulation/ur/dashboard_session.hpp"
 #include "simulation/ur/server_links.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr std::size_t kLongestLine = 4096;
@@ -33,4 +33,4 @@ void DashboardLink::receive(std::string_view bytes) {
   if (closes) close();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/ur/rtde_wire.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 const char* robot_mode_name(RobotMode mode) {
@@ -177,4 +177,4 @@ DashboardAnswer answer_dashboard(UrController& controller, const std::string& co
   return {"could not understand: '" + command + "'", false};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -1,7 +1,7 @@
 #pragma once
 #include "simulation/ur/controller.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What the Dashboard says first to every client.
 inline constexpr const char* kDashboardGreeting = "Connected: Universal Robots Dashboard Server";
@@ -13,4 +13,4 @@ struct DashboardAnswer {
 };
 [[nodiscard]] DashboardAnswer answer_dashboard(UrController& controller, const std::string& command);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 #include "simulation/ur/builtins.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr const char* kSender = "external_control";
@@ -34,4 +34,4 @@ void UrController::take_program_asked_for() {
   if (program_running()) program_name_ = loaded_program;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

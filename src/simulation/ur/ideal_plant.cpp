@@ -1,6 +1,6 @@
 #include "stonestack/simulation/ur/plant.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 PlantState IdealPlant::step(const Joints& q_target, double seconds) {
   state_.qd = (q_target - state_.q) / seconds;
@@ -13,4 +13,4 @@ void IdealPlant::set_wrench(const Eigen::Vector3d& force_R, const Eigen::Vector3
   state_.torque_R = torque_R;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include <cctype>
 #include <cstdlib>
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 constexpr std::size_t kLongestQuote = 256;  // characters of a script in an error
@@ -249,4 +249,4 @@ bool opens_program(std::string_view line) {
   return word == "def" || word == "sec" || word == "thread";
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -3,7 +3,9 @@
 #include <string_view>
 #include <vector>
 
-namespace stonestack::urscript {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::simulation::urscript {
 
 /// Tokens of one script. Compiling holds up the controller's next step, so its length is bounded: a
 /// trajectory of ten minutes at 125 Hz, written out, has a tenth.
@@ -48,4 +50,4 @@ struct CompileError {
 /// A line that opens a program: def, sec or thread.
 [[nodiscard]] bool opens_program(std::string_view line);
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

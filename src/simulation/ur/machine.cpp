@@ -7,7 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 // Against an instruction's effort: elements that are copied, those that are reckoned with, variables that are
@@ -266,4 +266,4 @@ bool Machine::execute(int id, Thread& thread, const Instruction& it) {
   return true;
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -6,11 +6,11 @@
 
 #include "simulation/ur/program.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 class UrController;
-}  // namespace stonestack
+}  // namespace stonestack::simulation
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 
 class Machine;
 
@@ -146,4 +146,4 @@ class Machine {
   int spent_ = 0;  // effort of this step
 };
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

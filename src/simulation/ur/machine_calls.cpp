@@ -5,7 +5,7 @@
 #include "simulation/ur/machine.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 std::vector<Value> take(std::vector<Value>& stack, std::size_t count) {
@@ -134,4 +134,4 @@ bool Machine::join(int id, Thread& thread, int other) {
   return false;
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

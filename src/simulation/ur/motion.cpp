@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kEquivalentRadius =
@@ -207,4 +207,4 @@ bool Motion::done() const {
   return true;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include "simulation/ur/arm_geometry.hpp"
 #include "simulation/ur/profile.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// How fast and how: the arguments of movej and movel.
 struct MoveOptions {
@@ -110,4 +110,4 @@ class Motion {
   Six shift_ = Six::Zero();
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

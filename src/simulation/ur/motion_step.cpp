@@ -5,7 +5,7 @@
 #include "simulation/ur/motion.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kTiny = 1e-9;
@@ -150,4 +150,4 @@ std::string Motion::step(double seconds, const Six& wrench_B) {
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kLookPeriod = 0.050;  // s between two comparisons of links with table and stones
@@ -77,4 +77,4 @@ std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_star
   return std::make_unique<WorldPlant>(world, q_start);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

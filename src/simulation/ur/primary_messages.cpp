@@ -4,7 +4,7 @@
 
 #include "hardware/ur/big_endian.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr std::uint8_t kRobotMessage = 20;
@@ -106,4 +106,4 @@ std::string encode_event(const UrController& controller, const ControllerEvent& 
   return {};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 
 /// What ports 30001 to 30003 send. Sources: UR's "Remote Control Via TCP/IP" tables and the parsers of its
 /// client library; sizes of the sub-packages as a robot with PolyScope 5.8 sends them.
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// First message to every primary and secondary client.
 [[nodiscard]] std::string encode_version_message(const UrController& controller);
@@ -20,4 +20,4 @@ namespace stonestack {
 /// C210: a script came in on a port that takes none.
 [[nodiscard]] ControllerEvent read_only_error();
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

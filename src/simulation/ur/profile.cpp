@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 double Profile::way(double t) const {
   t = std::clamp(t, 0.0, duration());
@@ -31,4 +31,4 @@ Profile make_brake(double speed, double acceleration) {
   return {0.5 * speed * speed / acceleration, speed, 0.0, 0.0, speed / acceleration};
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -1,6 +1,8 @@
 #pragma once
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::simulation {
 
 /// Speed along a path: up, steady, down. From and to rest, except for `brake`, which starts at speed.
 struct Profile {
@@ -22,4 +24,4 @@ struct Profile {
 /// From `speed` to rest.
 [[nodiscard]] Profile make_brake(double speed, double acceleration);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

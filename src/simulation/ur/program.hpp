@@ -7,7 +7,7 @@
 #include "simulation/ur/lexer.hpp"
 #include "simulation/ur/value.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 
 enum class Op {
   kConstant,      ///< push constants[a]
@@ -87,4 +87,4 @@ using BuiltinIndex = std::function<int(const std::string& name)>;
 /// Compiles one script: a single `def`, `sec` or `thread`, or bare statements. Throws CompileError.
 [[nodiscard]] Program compile(std::string_view source, const BuiltinIndex& builtin_index);
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

@@ -7,7 +7,7 @@
 
 #include "stonestack/kinematics/forward.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using C = const UrController&;
@@ -229,4 +229,4 @@ void apply_masked_inputs(UrController& controller, const std::vector<std::string
     controller.speed_slider = wanted;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include "simulation/ur/controller.hpp"
 #include "stonestack/hardware/ur/rtde_fields.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 using RtdeReader = std::function<RtdeValue(const UrController&)>;
 using RtdeWriter = std::function<void(UrController&, const RtdeValue&)>;
@@ -18,4 +18,4 @@ using RtdeWriter = std::function<void(UrController&, const RtdeValue&)>;
 [[nodiscard]] RtdeWriter rtde_writer(const RtdeField& field);
 void apply_masked_inputs(UrController& controller, const std::vector<std::string>& names);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

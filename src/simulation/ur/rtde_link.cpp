@@ -1,6 +1,6 @@
 #include "simulation/ur/server_links.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr int kOutOfStepAfter = 10;  // data packages
@@ -24,4 +24,4 @@ void RtdeLink::after_step() {
   offer(*sample);
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

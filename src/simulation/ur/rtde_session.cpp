@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr std::size_t kMostRecipes = 255;
@@ -180,4 +180,4 @@ std::optional<std::string> RtdeSession::sample() {
   return encode(encode_data(data, protocol_, true));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

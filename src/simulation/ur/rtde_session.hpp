@@ -5,7 +5,7 @@
 #include "simulation/ur/rtde_access.hpp"
 #include "stonestack/hardware/ur/rtde_wire.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Who writes which input: a session's number.
 using InputOwners = std::map<std::string, int>;
@@ -53,4 +53,4 @@ class RtdeSession {
   std::uint64_t last_sample_ = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -2,7 +2,7 @@
 
 #include "simulation/ur/lexer.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 bool is_blank(std::string_view line) {
@@ -51,4 +51,4 @@ std::string ScriptCollector::give_up() {
   return rest;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,9 @@
 #include <string_view>
 #include <vector>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::simulation {
 
 /// Characters of the longest program that runs. A longer one is cut off somewhere behind that.
 inline constexpr std::size_t kLongestScript = 4'000'000;
@@ -26,4 +28,4 @@ class ScriptCollector {
   int depth_ = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

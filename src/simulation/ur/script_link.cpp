@@ -3,7 +3,7 @@
 #include "simulation/ur/primary_messages.hpp"
 #include "simulation/ur/server_links.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kStateRate = 10.0;  // Hz of primary and secondary
@@ -48,4 +48,4 @@ void ScriptLink::after_step() {
   offer(encode_robot_state(c));
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <iterator>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 // A step at 500 Hz has 2 ms for everything; a short script takes some 0.3 us a character, a line at least 10.
@@ -124,4 +124,4 @@ void ScriptQueue::compile_long_ones() {
   }
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

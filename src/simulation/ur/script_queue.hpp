@@ -9,7 +9,7 @@
 
 #include "simulation/ur/controller.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What script ports have received and the controller has not yet run. No client's scripts hold up a control
 /// step that others rely on: a long one is compiled in a thread beside, and of short ones a step takes a
@@ -58,4 +58,4 @@ class ScriptQueue {
   std::thread compiler_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr double kMostBehind = 10.0;           // s without progress until a client is disconnected
@@ -119,4 +119,4 @@ void ServerPort::mute_links() {
   for (auto& link : links_) link->mute();
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

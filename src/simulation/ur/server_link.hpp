@@ -6,7 +6,7 @@
 #include "simulation/ur/controller.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// One client of one port. Everything happens between two control steps and never waits.
 class ServerLink {
@@ -79,4 +79,4 @@ class ServerPort {
   bool cannot_accept_ = false;  // and has said so
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -4,7 +4,7 @@
 #include "simulation/ur/script_queue.hpp"
 #include "simulation/ur/server_link.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Port 30004.
 class RtdeLink final : public ServerLink {
@@ -59,4 +59,4 @@ class DashboardLink final : public ServerLink {
   std::string line_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

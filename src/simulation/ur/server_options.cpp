@@ -1,6 +1,6 @@
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr FieldRange kTime{-1.0, 1e6};
@@ -54,4 +54,4 @@ FieldList fields(UrServerOptions& o) {
                nest("faults", fields(o.faults))});
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

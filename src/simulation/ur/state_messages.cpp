@@ -4,7 +4,7 @@
 #include "hardware/ur/big_endian.hpp"
 #include "simulation/ur/primary_messages.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 constexpr std::uint8_t kRobotState = 16;
@@ -232,4 +232,4 @@ std::string encode_realtime(const UrController& c) {
   return whole + data;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Steady = std::chrono::steady_clock;
@@ -215,4 +215,4 @@ double UrControllerServer::time() const {
   return parts_->time;
 }
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 namespace {
 
 const char* kind(const Value& value) {
@@ -315,4 +315,4 @@ void check_size(const Value& value) {
   if (count(value, 0) > kLongestList) throw ScriptError{"A list has too many elements"};
 }
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

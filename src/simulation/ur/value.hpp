@@ -7,7 +7,7 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/joints.hpp"
 
-namespace stonestack::urscript {
+namespace stonestack::simulation::urscript {
 
 /// A run-time error of a script; the machine adds the line.
 struct ScriptError {
@@ -127,4 +127,4 @@ void set_member(Value& value, const Value& key, Value item);
 /// Throws when a list or structure has grown beyond the limits.
 void check_size(const Value& value);
 
-}  // namespace stonestack::urscript
+}  // namespace stonestack::simulation::urscript

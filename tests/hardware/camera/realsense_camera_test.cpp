@@ -10,7 +10,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::AllOf;
@@ -89,4 +89,4 @@ TEST_F(Realsense, IsADriverOfACell) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

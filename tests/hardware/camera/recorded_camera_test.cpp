@@ -9,7 +9,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 namespace fs = std::filesystem;
@@ -175,4 +175,4 @@ TEST_F(Recorded, AWrongScaleShowsInTheMedian) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -14,7 +14,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/camera/recorded_camera.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::HasSubstr;
@@ -318,4 +318,4 @@ TEST(V4l2Camera, StopsAndUnmapsAtTheEnd) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

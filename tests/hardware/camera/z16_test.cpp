@@ -7,7 +7,7 @@
 #include "hardware/camera/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -110,4 +110,4 @@ TEST(FrameStream, GoesThereAndBackAndNoticesAnyFlippedBit) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

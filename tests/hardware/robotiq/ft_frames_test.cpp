@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -135,4 +135,4 @@ TEST(FtFrames, TheEncoderClampsWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -4,7 +4,7 @@
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using Words = std::vector<std::uint16_t>;
@@ -75,4 +75,4 @@ TEST(GripperWords, EveryFaultHasAKindAndARemedy) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

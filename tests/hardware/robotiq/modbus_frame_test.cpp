@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stonestack::modbus {
+namespace stonestack::hardware::modbus {
 namespace {
 
 // Frames of Robotiq's manual; every byte written out by hand.
@@ -125,4 +125,4 @@ TEST(ModbusFrame, HeadersThatLoseTheFramingAreRefused) {
 }
 
 }  // namespace
-}  // namespace stonestack::modbus
+}  // namespace stonestack::hardware::modbus

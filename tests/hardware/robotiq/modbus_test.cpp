@@ -11,7 +11,7 @@
 #include "stonestack/core/serial.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 namespace {
 
 using testing::AllOf;
@@ -167,4 +167,4 @@ TEST(ModbusClient, AServerThatAcceptsAndKeepsSilentEndsAtTheDeadline) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -3,7 +3,7 @@
 #include <stonestack/geometry/mass_properties.hpp>
 
 int main() {
-  const auto box = stonestack::make_box({0.1, 0.1, 0.1});
-  const double mass = stonestack::mass_properties(box, 2600.0).mass;
-  return mass > 2.59 && mass < 2.61 && stonestack::Random(1).uniform() < 1.0 ? 0 : 1;
+  const auto box = stonestack::geometry::make_box({0.1, 0.1, 0.1});
+  const double mass = stonestack::geometry::mass_properties(box, 2600.0).mass;
+  return mass > 2.59 && mass < 2.61 && stonestack::core::Random(1).uniform() < 1.0 ? 0 : 1;
 }

@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/camera/stream_camera.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using testing::AllOf;
@@ -129,4 +129,4 @@ TEST(CameraSimulator, NobodyThereIsNamed) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -14,7 +14,7 @@
 #include "stonestack/core/serial.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -320,4 +320,4 @@ TEST(FtSensor, TurnsIntoTheFlangesAxes) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

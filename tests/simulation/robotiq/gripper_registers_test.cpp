@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Words = GripperRegisters::Words;
@@ -167,4 +167,4 @@ TEST(GripperRegisters, KeepsStandingWhenTheGoBitIsTakenAway) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -14,7 +14,7 @@
 #include "stonestack/core/serial.hpp"
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -297,4 +297,4 @@ TEST(GripperSimulator, StaysOnLoopback) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -8,7 +8,7 @@
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 #include "stonestack/simulation/robotiq/gripper_simulator.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 namespace {
 
 using testing::AllOf;
@@ -234,4 +234,4 @@ TEST(GripperFaults, ASlowSlipShowsInTheOpeningAndThenAsALostObject) {
 }
 
 }  // namespace
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -5,7 +5,7 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// What a depth image means, which neither V4L2 nor a PNG tells. The scale is never guessed: 5000 in place of
 /// 1000 is an error by five that looks like a picture.
@@ -53,4 +53,4 @@ class FrameCheck {
   std::size_t image_ = 0;  // hash
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -4,7 +4,7 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct RealsenseCameraOptions {
   std::string serial;  ///< of the camera; empty: the first one that is found
@@ -32,4 +32,4 @@ class RealsenseCamera final : public DepthCamera {
   std::unique_ptr<DepthCamera> device_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

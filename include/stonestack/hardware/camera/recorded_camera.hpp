@@ -4,7 +4,7 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct RecordedCameraOptions {
   std::string path;             ///< a folder, or one PCD or PLY cloud, or a file of raw Z16 frames
@@ -40,4 +40,4 @@ class RecordedCamera final : public DepthCamera {
   std::unique_ptr<Recording> recording_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -4,7 +4,7 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct StreamCameraOptions {
   std::string address = "127.0.0.1";
@@ -32,4 +32,4 @@ class StreamCamera final : public DepthCamera {
   std::unique_ptr<Link> link_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -4,7 +4,7 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct V4l2CameraOptions {
   std::string device = "/dev/video0";  ///< the depth node: an SR300 and a D4xx have several
@@ -35,4 +35,4 @@ class V4l2Camera final : public DepthCamera {
   std::unique_ptr<Device> device_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

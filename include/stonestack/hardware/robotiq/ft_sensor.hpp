@@ -5,7 +5,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/hardware/force_torque.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Robotiq's FT150 and FT300: a stream of 100 readings a second, either on a serial line or from the UR cap's
 /// TCP server on the robot's controller.
@@ -63,4 +63,4 @@ class RobotiqFtSensor final : public ForceTorqueSensor {
   std::unique_ptr<Stream> stream_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -6,7 +6,7 @@
 
 #include "stonestack/core/options.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// How to reach a Modbus device, and how patiently.
 struct ModbusOptions {
@@ -52,4 +52,4 @@ class ModbusClient {
   std::unique_ptr<Link> link_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -7,7 +7,7 @@
 #include "stonestack/hardware/gripper.hpp"
 #include "stonestack/hardware/robotiq/modbus.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Robotiq's adaptive 3-finger gripper over Modbus (instruction manual, "Control"; registers of 16 bits, the
 /// high byte first).
@@ -114,4 +114,4 @@ class ThreeFingerGripper final : public Gripper {
   std::unique_ptr<Link> link_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

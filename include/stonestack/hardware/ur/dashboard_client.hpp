@@ -6,7 +6,7 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/ur/version.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// "URSoftware 3.15.8.106339 (Nov 05 2021)" and the like; empty for anything else.
 [[nodiscard]] std::optional<UrVersion> parse_polyscope_version(std::string_view line);
@@ -66,4 +66,4 @@ class DashboardClient {
   std::optional<UrVersion> version_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

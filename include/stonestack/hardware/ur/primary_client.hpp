@@ -5,7 +5,7 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/ur/primary_wire.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 struct PrimaryOptions {
   std::vector<int> ports = {30001, 30002, 30003};  ///< primary, then secondary, then realtime
@@ -41,4 +41,4 @@ class PrimaryClient {
   std::unique_ptr<Link> link_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

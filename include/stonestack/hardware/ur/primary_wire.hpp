@@ -8,7 +8,7 @@
 
 /// What a controller sends on its primary port: packages of `int32 size, uint8 type`, of which robot messages
 /// (type 20) tell how a program fares. Robot states (type 16) are passed over: state comes by RTDE.
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// A robot message. Which fields mean something depends on the kind.
 struct PrimaryMessage {
@@ -60,4 +60,4 @@ class PrimaryStream {
   long passed_over_ = 0, states_ = 0;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -10,7 +10,7 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/ur/rtde_wire.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// What a client wants of the controller. `timestamp` is always added to the outputs, because START needs an
 /// output and staleness needs a time.
@@ -101,4 +101,4 @@ class RtdeClient {
   std::unique_ptr<Link> link_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

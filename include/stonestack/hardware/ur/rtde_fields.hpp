@@ -11,7 +11,7 @@
 
 /// What travels over RTDE: the types and every documented field. Sources: UR's RTDE guide and the tables of
 /// its client library.
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// In the order of the alternatives of RtdeValue.
 enum class RtdeType {
@@ -61,4 +61,4 @@ struct RtdeField {
 [[nodiscard]] const RtdeField* find_rtde_output(std::string_view name);
 [[nodiscard]] const RtdeField* find_rtde_input(std::string_view name);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

@@ -11,7 +11,7 @@
 /// RTDE packets, both directions, big-endian: `uint16 size` (with these three bytes), `uint8 type`, payload.
 /// Encoders throw InvalidArgument for what does not fit; decoders return nothing for what is malformed, so
 /// that a peer's bytes can never do more than be refused. Used by the client and by the simulator.
-namespace stonestack {
+namespace stonestack::hardware {
 
 enum class RtdeKind : std::uint8_t {
   kSetupInputs = 73,      // I
@@ -110,4 +110,4 @@ struct RtdeData {
 [[nodiscard]] std::string join_names(const std::vector<std::string>& names);
 [[nodiscard]] std::vector<std::string> split_names(std::string_view joined);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

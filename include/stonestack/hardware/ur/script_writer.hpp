@@ -19,7 +19,7 @@
 /// B is the base frame as the controller has it, RobotModel::T_R_D: half a turn about z from R.
 /// Controllers before 3.9 (5.3) have only registers 0..23, which fieldbuses share; there the numbers are 24
 /// lower and the program says so.
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// What a program writes last.
 enum class ScriptEnd {
@@ -89,4 +89,4 @@ struct ScriptGuard {
 /// Line `number` (from 1) of a program without its indentation; empty if there is none.
 [[nodiscard]] std::string script_line(const std::string& script, int number);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

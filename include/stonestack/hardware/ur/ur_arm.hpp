@@ -8,7 +8,7 @@
 #include "stonestack/hardware/ur/script_writer.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::hardware {
 
 /// Where a UR controller is and how patient to be with it. Ports are the vendor's.
 struct UrArmOptions {
@@ -68,4 +68,4 @@ class UrArm : public Arm {
   std::unique_ptr<Device> device_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

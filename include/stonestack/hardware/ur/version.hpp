@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <string>
 
-namespace stonestack {
+#include "stonestack/core/rooms.hpp"
+
+namespace stonestack::hardware {
 
 /// Version of a UR controller as it answers RTDE 'v' or Dashboard `PolyscopeVersion`. Major 3 is CB3,
 /// 5 e-Series, 10 PolyScope X.
@@ -24,4 +26,4 @@ struct UrVersion {
 /// "3.15.8.106339".
 [[nodiscard]] std::string to_string(const UrVersion& version);
 
-}  // namespace stonestack
+}  // namespace stonestack::hardware

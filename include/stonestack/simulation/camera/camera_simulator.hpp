@@ -6,7 +6,7 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 class SharedWorld;
 
@@ -76,4 +76,4 @@ class CameraSimulator {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/force_torque.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 class SharedWorld;
 
@@ -86,4 +86,4 @@ class FtSimulator {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

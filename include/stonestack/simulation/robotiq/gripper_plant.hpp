@@ -5,7 +5,7 @@
 
 #include "stonestack/core/options.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// Axes of the 3-finger gripper, in the order of every array: fingers A, B, C, and the scissor.
 inline constexpr int kGripperAxes = 4;
@@ -66,4 +66,4 @@ class IdealGripperPlant final : public GripperPlant {
 /// outlive it.
 [[nodiscard]] std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -6,7 +6,7 @@
 #include "stonestack/simulation/robotiq/gripper_plant.hpp"
 #include "stonestack/simulation/robotiq/modbus_faults.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What a simulated gripper does wrong behind a healthy wire.
 struct GripperFaults {
@@ -52,4 +52,4 @@ class GripperSimulator {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/core/options.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What a simulated Modbus device does wrong on the wire. Numbers count the replies that are spoiled from now
 /// on: 0 none, -1 all. Each reply meets every fault that is still armed, in this order.
@@ -23,4 +23,4 @@ struct ModbusFaults {
 };
 [[nodiscard]] FieldList fields(ModbusFaults& faults);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

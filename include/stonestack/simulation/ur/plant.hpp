@@ -4,7 +4,7 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 class SharedWorld;
 
@@ -43,4 +43,4 @@ class IdealPlant final : public Plant {
 /// cell's arm stands; `q_start` are its reported joints. The world must outlive it.
 [[nodiscard]] std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start);
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

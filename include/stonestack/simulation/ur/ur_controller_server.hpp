@@ -6,7 +6,7 @@
 #include "stonestack/hardware/ur/version.hpp"
 #include "stonestack/simulation/ur/plant.hpp"
 
-namespace stonestack {
+namespace stonestack::simulation {
 
 /// What a real controller does when things go wrong, one switch each (numbers: docs/failure-modes.md).
 /// Times are seconds since `start` on the controller's clock; a negative time means never.
@@ -99,4 +99,4 @@ class UrControllerServer {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace stonestack
+}  // namespace stonestack::simulation

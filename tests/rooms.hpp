@@ -1,0 +1,13 @@
+#pragma once
+#include "stonestack/core/rooms.hpp"
+
+/// What tests share may use the whole library.
+namespace stonestack::test {
+using namespace report;
+}
+namespace stonestack::scripted {
+using namespace report;
+}
+namespace stonestack::fuzz {
+using namespace report;
+}
