@@ -9,7 +9,7 @@
 
 #include "bench.hpp"
 #include "look_error.hpp"
-#include "motion/pad_press.hpp"
+#include "motion/grasp/pad_press.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"

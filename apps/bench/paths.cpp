@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench.hpp"
-#include "motion/least_time.hpp"
+#include "motion/path/least_time.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/quantile.hpp"

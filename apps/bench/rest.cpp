@@ -11,7 +11,7 @@
 #include "bench.hpp"
 #include "grasp_problems.hpp"
 #include "look_error.hpp"
-#include "motion/set_down.hpp"
+#include "motion/pick_and_place/set_down.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"

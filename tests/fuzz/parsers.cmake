@@ -18,7 +18,7 @@ stonestack_files(parsers stone scene_file stone_yaml)
 stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
 stonestack_files(parsers hardware cell_file cell_limits camera/camera_settings camera/frame_stream camera/recording camera/v4l2_recording camera/z16
   robotiq/ft_frames robotiq/gripper_words robotiq/modbus_frame ur/dashboard_text ur/primary_wire ur/rtde_wire)
-stonestack_files(parsers motion problem_file)
+stonestack_files(parsers motion pick_and_place/problem_file)
 stonestack_files(parsers simulation robotiq/gripper_plant robotiq/gripper_registers
   ur/builtins ur/builtins_flow ur/builtins_io ur/builtins_motion ur/builtins_poses ur/builtins_sockets
   ur/builtins_state ur/builtins_text ur/compile_expressions ur/compile_statements ur/controller
@@ -34,7 +34,7 @@ stonestack_files(others hardware cell camera/realsense_absent camera/realsense_c
   robotiq/modbus_rtu robotiq/modbus_tcp robotiq/three_finger_gripper ur/dashboard_client ur/primary_client
   ur/rtde_client ur/rtde_fields ur/rtde_session ur/run_program ur/script_gate ur/script_guard ur/script_text
   ur/script_writer ur/ur_arm ur/ur_link ur/ur_status)
-stonestack_files(others motion planning_scene)
+stonestack_files(others motion collision/planning_scene)
 stonestack_files(others simulation ur/arm_geometry ur/ideal_plant ur/motion ur/motion_step ur/profile)
 
 function(stonestack_part target)

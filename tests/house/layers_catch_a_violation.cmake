@@ -3,7 +3,7 @@ file(REMOVE_RECURSE "${WORK}")
 file(COPY "${ROOT}/include" "${ROOT}/src" DESTINATION "${WORK}")
 file(APPEND "${WORK}/src/core/clock.cpp" "#include \"stonestack/physics/world.hpp\"\n")
 file(APPEND "${WORK}/src/stacking/believe.cpp" "#include \"stonestack/simulation/simulated_cell.hpp\"\n")
-file(APPEND "${WORK}/src/motion/grasp.cpp" "#include \"stonestack/core/clock.hpp\"\n")
+file(APPEND "${WORK}/src/motion/grasp/grasp.cpp" "#include \"stonestack/core/clock.hpp\"\n")
 execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${WORK} -P "${ROOT}/cmake/check_layers.cmake"
                 RESULT_VARIABLE result ERROR_VARIABLE text OUTPUT_QUIET)
 foreach(expected "core, floor 0" "must not see" "depend on a clock")
