@@ -1,20 +1,26 @@
 # cmake -DROOT=... -P check_layers.cmake
-# A room includes itself and lower floors only; a public header names no third-party library but Eigen.
-# stacking/ stands above simulation/ but drives devices: it must not know the true state. And a planner that
-# looks at a clock gives other plans on a busy machine.
+# A room includes itself and lower floors only; a public header names no third-party library but Eigen. What plans
+# does not see the true state, and does not look at a clock: a plan would differ on a busy machine.
 set(FLOOR_core 0)
-set(FLOOR_geometry 1)
-set(FLOOR_stone 2)
-set(FLOOR_kinematics 2)
-set(FLOOR_hardware 3)
-set(FLOOR_physics 3)
-set(FLOOR_detection 3)
-set(FLOOR_motion 3)
-set(FLOOR_search 4)
-set(FLOOR_simulation 4)
-set(FLOOR_stacking 5)
-set(FLOOR_report 6)
+set(FLOOR_geometry 10)
+set(FLOOR_stone 20)
+set(FLOOR_kinematics 20)
+set(FLOOR_protocol 20)
+set(FLOOR_hardware 30)
+set(FLOOR_physics 30)
+set(FLOOR_detection 30)
+set(FLOOR_motion 30)
+set(FLOOR_search 40)
+set(FLOOR_modelling 40)
+set(FLOOR_stacking 50)    # 5a: nothing on it sees what else is on it
+set(FLOOR_simulation 50)
+set(FLOOR_urscript 50)
+set(FLOOR_emulators 55)   # 5b
+set(FLOOR_experiment 60)
+set(FLOOR_report 70)
 
+set(PLANNING "^(detection|motion|search|modelling|stacking)$")
+set(TRUTH "^(simulation|emulators)$")
 set(TIMELESS "^(geometry|stone|kinematics|physics|detection|motion)$")
 
 set(violations "")
@@ -38,7 +44,7 @@ foreach(file IN LISTS files)
       elseif(NOT other STREQUAL room AND NOT FLOOR_${other} LESS FLOOR_${room})
         string(APPEND violations "${file} (${room}, floor ${FLOOR_${room}}): ${line} (floor ${FLOOR_${other}})\n")
       endif()
-      if(room STREQUAL "stacking" AND other STREQUAL "simulation")
+      if(room MATCHES "${PLANNING}" AND other MATCHES "${TRUTH}")
         string(APPEND violations "${file}: ${line}: the planner must not see the simulated cell's truth\n")
       endif()
       if(room MATCHES "${TIMELESS}" AND line MATCHES "core/clock.hpp")

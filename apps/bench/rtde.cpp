@@ -16,8 +16,8 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/quantile.hpp"
+#include "stonestack/emulators/ur/ur_controller_server.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
-#include "stonestack/simulation/ur/ur_controller_server.hpp"
 
 namespace stonestack::apps {
 namespace {

@@ -3,14 +3,6 @@
 
 namespace stonestack::hardware {
 
-/// One frame; `number` and `device_time` rise from frame to frame, a repeated one is a DeviceError.
-struct DepthFrame {
-  DepthImage image;
-  long number = 0;
-  double device_time = 0.0;  ///< s
-  double host_time = 0.0;    ///< s of `host_seconds`, when it was here; in a simulated cell of its clock
-};
-
 class DepthCamera {
  public:
   virtual ~DepthCamera() = default;

@@ -17,7 +17,7 @@ struct StreamCameraOptions {
 [[nodiscard]] FieldList fields(StreamCameraOptions& options);
 
 /// A depth camera behind a TCP socket, such as the simulated one; the wire format is described in
-/// src/hardware/camera/frame_stream.hpp. Intrinsics and depth unit come with each frame.
+/// src/protocol/frame_stream.hpp. Intrinsics and depth unit come with each frame.
 class StreamCamera final : public DepthCamera {
  public:
   /// Throws DeviceError when nobody listens there.

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "stonestack/core/socket.hpp"
-#include "stonestack/hardware/ur/primary_wire.hpp"
+#include "stonestack/protocol/primary_wire.hpp"
 
 namespace stonestack::hardware {
 

@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/core/socket.hpp"
-#include "stonestack/hardware/ur/rtde_wire.hpp"
+#include "stonestack/protocol/rtde_wire.hpp"
 
 namespace stonestack::hardware {
 
