@@ -8,13 +8,13 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "experiment_variants.hpp"
 #include "scene_input.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
+#include "stonestack/experiment/variants.hpp"
 #include "stonestack/report/experiment_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 

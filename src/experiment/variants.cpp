@@ -1,10 +1,10 @@
-#include "experiment_variants.hpp"
+#include "stonestack/experiment/variants.hpp"
 
-#include "scene_input.hpp"
-#include "settings.hpp"
+#include <sstream>
+
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::experiment {
 
 std::vector<Variant> cell_variants() {
   const std::vector<std::string> easy{"simulation.sensor_noise=false",  "simulation.hand_eye_translation=0",
@@ -56,7 +56,8 @@ Variant parse_variant(const std::string& text) {
   const auto colon = text.find(':');
   require(colon != std::string::npos, "--variant expects 'NAME: OPTION=VALUE, ...', got '", text, "'");
   Variant variant{text.substr(0, colon), {}};
-  for (auto assignment : split(text.substr(colon + 1), ',')) {
+  std::istringstream list(text.substr(colon + 1));
+  for (std::string assignment; std::getline(list, assignment, ',');) {
     std::erase(assignment, ' ');
     if (!assignment.empty()) variant.assignments.push_back(assignment);
   }
@@ -84,4 +85,4 @@ void check_variants(const std::vector<Variant>& variants, const SimulatedRun& ru
   }
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::experiment

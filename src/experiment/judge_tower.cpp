@@ -1,13 +1,13 @@
-#include "simulation/judge_tower.hpp"
+#include "stonestack/experiment/judge_tower.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "simulation/tower_chain.hpp"
+#include "experiment/tower_chain.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::simulation {
+namespace stonestack::experiment {
 namespace {
 
 constexpr double kRest = 0.5;  // s after a shake
@@ -51,13 +51,17 @@ int count_still(const std::vector<Pose>& before, const std::vector<Pose>& after,
 
 }  // namespace
 
-TowerVerdict judge_true_tower(const TrueWorld& world, const Eigen::Vector2d& site,
-                              const StandOptions& options) {
+StandOptions tower_bounds() {
+  return {.seconds = 60.0, .largest_shift = 0.005, .largest_turn = 0.0523599};  // 3 deg
+}
+
+TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options) {
+  const TrueWorld& world = cell.world();
   TowerVerdict verdict;
   auto& stand = verdict.stand;
   const auto before = true_poses(world);
   const Neighbours touching(world, before, options.touch_gap);
-  verdict.stones = find_chain(world, before, touching, site, &stand.reason);
+  verdict.stones = find_chain(world, before, touching, cell.site(), &stand.reason);
   stand.clean = stand.reason.empty();
   World judge = world.judge_world(options.step, options.iterations);
   let_stand(judge, options.seconds);
@@ -83,11 +87,12 @@ TowerVerdict judge_true_tower(const TrueWorld& world, const Eigen::Vector2d& sit
   return verdict;
 }
 
-Survival try_true_tower(const TrueWorld& world, const Eigen::Vector2d& site, const SurvivalOptions& options,
-                        const StandOptions& bounds) {
+Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, const StandOptions& bounds) {
+  const TrueWorld& world = cell.world();
   std::string unclean;
   const auto before = true_poses(world);
-  const auto chain = find_chain(world, before, Neighbours(world, before, bounds.touch_gap), site, &unclean);
+  const auto chain =
+      find_chain(world, before, Neighbours(world, before, bounds.touch_gap), cell.site(), &unclean);
   Survival survival;
   World judge = world.judge_world(bounds.step, bounds.iterations);
   double t = 0.0;
@@ -101,7 +106,8 @@ Survival try_true_tower(const TrueWorld& world, const Eigen::Vector2d& site, con
     World shaken = world.judge_world(bounds.step, bounds.iterations);
     shake(shaken, options, Eigen::Vector3d::Unit(axis));
     const auto after = judged_poses(world, shaken);
-    const auto left = find_chain(world, after, Neighbours(world, after, bounds.touch_gap), site, &unclean);
+    const auto left =
+        find_chain(world, after, Neighbours(world, after, bounds.touch_gap), cell.site(), &unclean);
     const auto same =
         std::mismatch(chain.begin(), chain.end(), left.begin(), left.end()).first - chain.begin();
     survival.shaken = std::min(survival.shaken, static_cast<int>(same));
@@ -109,4 +115,4 @@ Survival try_true_tower(const TrueWorld& world, const Eigen::Vector2d& site, con
   return survival;
 }
 
-}  // namespace stonestack::simulation
+}  // namespace stonestack::experiment

@@ -2,11 +2,10 @@
 #include <string>
 #include <vector>
 
-#include "rooms.hpp"
-#include "simulated_run.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
 
 /// The rows of a comparison of experiments.
-namespace stonestack::apps {
+namespace stonestack::experiment {
 
 /// One row of a comparison: the experiment with some options set differently.
 struct Variant {
@@ -26,4 +25,4 @@ struct Variant {
 /// experiment's.
 void check_variants(const std::vector<Variant>& variants, const SimulatedRun& run, int seed);
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::experiment

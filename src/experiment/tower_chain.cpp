@@ -1,10 +1,10 @@
-#include "simulation/tower_chain.hpp"
+#include "experiment/tower_chain.hpp"
 
 #include <algorithm>
 
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::simulation {
+namespace stonestack::experiment {
 namespace {
 
 constexpr double kSiteRadius = 0.12;  // m: further off, a stone on the table is no base of a tower
@@ -114,4 +114,4 @@ int still_clean(const TrueWorld& world, const Neighbours& before, const Neighbou
   return static_cast<int>(chain.size());
 }
 
-}  // namespace stonestack::simulation
+}  // namespace stonestack::experiment

@@ -6,8 +6,8 @@
 
 #include "simulation/true_world.hpp"
 
-/// Private to simulation/: which stones of the true world are a tower.
-namespace stonestack::simulation {
+/// Which stones of the true world are a tower.
+namespace stonestack::experiment {
 
 /// Who touches whom, by catalogue index; the table is a neighbour like any other.
 class Neighbours {
@@ -35,4 +35,4 @@ class Neighbours {
 [[nodiscard]] int still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
                               const std::vector<int>& chain, std::string* unclean);
 
-}  // namespace stonestack::simulation
+}  // namespace stonestack::experiment
