@@ -1,6 +1,7 @@
 # cmake -DROOT=... -P check_layers.cmake
-# A room includes itself and lower floors only; a public header names no third-party library but Eigen. What plans
-# does not see the true state, and does not look at a clock: a plan would differ on a busy machine.
+# A room includes itself and lower floors only; a public header names no third-party library but Eigen, and makes
+# visible what it declares (the library's other symbols are hidden). What plans does not see the true state, and does
+# not look at a clock: a plan would differ on a busy machine.
 set(FLOOR_core 0)
 set(FLOOR_geometry 10)
 set(FLOOR_stone 20)
@@ -34,6 +35,13 @@ foreach(file IN LISTS files)
   if(NOT DEFINED FLOOR_${room})
     string(APPEND violations "${file}: '${room}' is not a room\n")
     continue()
+  endif()
+  if(file MATCHES "^include/" AND NOT file MATCHES "core/(rooms|export).hpp")
+    file(STRINGS "${ROOT}/${file}" visibility REGEX "^#pragma GCC visibility (push.default.|pop)$")
+    list(LENGTH visibility marks)
+    if(NOT marks EQUAL 2)
+      string(APPEND violations "${file}: what it declares must be visible: '#pragma GCC visibility push(default)' ... 'pop'\n")
+    endif()
   endif()
   file(STRINGS "${ROOT}/${file}" includes REGEX "^#include")
   foreach(line IN LISTS includes)

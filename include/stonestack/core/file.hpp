@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// Reading and writing whole files, so that parsers parse memory and nothing is left half-written.
 namespace stonestack::core {
 
@@ -16,3 +18,5 @@ namespace stonestack::core {
 void write_file(const std::string& path, std::string_view content);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

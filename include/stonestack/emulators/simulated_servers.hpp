@@ -9,6 +9,8 @@
 #include "stonestack/emulators/ur/ur_controller_server.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::emulators {
 
 /// Which devices are served; the world behind them is whole.
@@ -62,3 +64,5 @@ class SimulatedServers {
 };
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/experiment/judge_tower.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
+#pragma GCC visibility push(default)
+
 /// The paper's experiment (§4): consecutive runs, their heights, costs, times and what the predictions were
 /// worth.
 namespace stonestack::experiment {
@@ -74,3 +76,5 @@ struct CalibrationBin {
 [[nodiscard]] std::vector<CalibrationBin> calibration(const Experiment& experiment, int bins = 5);
 
 }  // namespace stonestack::experiment
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::experiment {
 
 /// The true tower: which stones stand on each other at the site, and whether they stay.
@@ -42,3 +44,5 @@ struct Survival {
                                  const StandOptions& bounds = tower_bounds());
 
 }  // namespace stonestack::experiment
+
+#pragma GCC visibility pop

@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/experiment/experiment.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::experiment {
 
 /// What one run of the loop in the simulated cell is made with.
@@ -18,3 +20,5 @@ void spread_seed(SimulatedRun& run);
 [[nodiscard]] TruthReport judge_run(const SimulatedCell& cell, const RunResult& result);
 
 }  // namespace stonestack::experiment
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/experiment/simulated_run.hpp"
 
+#pragma GCC visibility push(default)
+
 /// The rows of a comparison of experiments.
 namespace stonestack::experiment {
 
@@ -26,3 +28,5 @@ struct Variant {
 void check_variants(const std::vector<Variant>& variants, const SimulatedRun& run, int seed);
 
 }  // namespace stonestack::experiment
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/geometry/cloud.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Pinhole camera with lens distortion; optical frame C.
@@ -48,3 +50,5 @@ void write_depth_png(const std::string& path, const DepthImage& image, double un
 [[nodiscard]] DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/geometry/depth_image.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 class DepthCamera {
@@ -11,3 +13,5 @@ class DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

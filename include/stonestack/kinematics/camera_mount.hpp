@@ -7,6 +7,8 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// A thing that stands still, seen in one view: the same `mark` in another view is the same thing.
@@ -48,3 +50,5 @@ struct MountRefinement {
                                                   const MountOptions& options = {});
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

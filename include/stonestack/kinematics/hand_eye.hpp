@@ -6,6 +6,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// Where the camera sits.
@@ -67,3 +69,5 @@ struct HandEyeResult {
                                   const HandEyeOptions& options = {});
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// Options of grasp, transit, approach and placing. Sources: facts/robot.md.
@@ -119,3 +121,5 @@ struct PickAndPlaceTask {
 [[nodiscard]] bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

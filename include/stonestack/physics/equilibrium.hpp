@@ -4,6 +4,8 @@
 
 #include "stonestack/physics/contact.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// A rigid body for statics.
@@ -45,3 +47,5 @@ struct EquilibriumOptions {
                                             const EquilibriumOptions& options = {});
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

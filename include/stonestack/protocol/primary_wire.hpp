@@ -6,6 +6,8 @@
 
 #include "stonestack/protocol/ur_version.hpp"
 
+#pragma GCC visibility push(default)
+
 /// What a controller sends on its primary port: packages of `int32 size, uint8 type`, of which robot messages
 /// (type 20) tell how a program fares. Robot states (type 16) are passed over: state comes by RTDE.
 namespace stonestack::protocol {
@@ -61,3 +63,5 @@ class PrimaryStream {
 };
 
 }  // namespace stonestack::protocol
+
+#pragma GCC visibility pop

@@ -9,6 +9,8 @@
 
 #include "stonestack/protocol/ur_version.hpp"
 
+#pragma GCC visibility push(default)
+
 /// What travels over RTDE: the types and every documented field. Sources: UR's RTDE guide and the tables of
 /// its client library.
 namespace stonestack::protocol {
@@ -62,3 +64,5 @@ struct RtdeField {
 [[nodiscard]] const RtdeField* find_rtde_input(std::string_view name);
 
 }  // namespace stonestack::protocol
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 
 #include "stonestack/protocol/rtde_fields.hpp"
 
+#pragma GCC visibility push(default)
+
 /// RTDE packets, both directions, big-endian: `uint16 size` (with these three bytes), `uint8 type`, payload.
 /// Encoders throw InvalidArgument for what does not fit; decoders return nothing for what is malformed, so
 /// that a peer's bytes can never do more than be refused. Used by the client and by the simulator.
@@ -111,3 +113,5 @@ struct RtdeData {
 [[nodiscard]] std::vector<std::string> split_names(std::string_view joined);
 
 }  // namespace stonestack::protocol
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::protocol {
 
 /// Version of a UR controller as it answers RTDE 'v' or Dashboard `PolyscopeVersion`. Major 3 is CB3,
@@ -27,3 +29,5 @@ struct UrVersion {
 [[nodiscard]] std::string to_string(const UrVersion& version);
 
 }  // namespace stonestack::protocol
+
+#pragma GCC visibility pop

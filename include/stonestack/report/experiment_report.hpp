@@ -3,6 +3,8 @@
 
 #include "stonestack/experiment/experiment.hpp"
 
+#pragma GCC visibility push(default)
+
 /// What an experiment says, for people and for other programs.
 namespace stonestack::report {
 
@@ -21,3 +23,5 @@ namespace stonestack::report {
 [[nodiscard]] std::string figure5_svg(const Experiment& experiment);
 
 }  // namespace stonestack::report
+
+#pragma GCC visibility pop

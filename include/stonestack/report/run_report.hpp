@@ -5,6 +5,8 @@
 #include "stonestack/experiment/experiment.hpp"
 #include "stonestack/report/picture.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::report {
 
 /// "all_placed", "height_reached", "no_feasible_pose", ...: `ended` of run_json.
@@ -24,3 +26,5 @@ namespace stonestack::report {
 [[nodiscard]] View view_of_site(const Eigen::Vector2d& site, double top_height);
 
 }  // namespace stonestack::report
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::search {
 
 /// Options of the search. `method`: "default" (gap field proposals, look-ahead) or "paper" (section 3 as
@@ -149,3 +151,5 @@ struct SearchResult {
                                                 const std::function<void(const std::string&)>& report = {});
 
 }  // namespace stonestack::search
+
+#pragma GCC visibility pop

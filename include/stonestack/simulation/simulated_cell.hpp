@@ -8,6 +8,8 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 
 class SharedWorld;
@@ -76,3 +78,5 @@ class SimulatedCell {
 };
 
 }  // namespace stonestack::simulation
+
+#pragma GCC visibility pop

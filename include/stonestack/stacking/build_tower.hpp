@@ -12,6 +12,8 @@
 #include "stonestack/stacking/observe.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Options of the whole loop.
@@ -110,3 +112,5 @@ struct BuildHooks {
                                     const BuildOptions& options, const BuildHooks& hooks = {});
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

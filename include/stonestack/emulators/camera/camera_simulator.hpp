@@ -6,6 +6,8 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 class SharedWorld;
 }
@@ -79,3 +81,5 @@ class CameraSimulator {
 };
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/hardware/force_torque.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 class SharedWorld;
 }
@@ -89,3 +91,5 @@ class FtSimulator {
 };
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

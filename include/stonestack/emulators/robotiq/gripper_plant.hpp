@@ -5,6 +5,8 @@
 
 #include "stonestack/core/options.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 class SharedWorld;
 }
@@ -69,3 +71,5 @@ class IdealGripperPlant final : public GripperPlant {
 [[nodiscard]] std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world);
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/emulators/robotiq/gripper_plant.hpp"
 #include "stonestack/emulators/robotiq/modbus_faults.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::emulators {
 
 /// What a simulated gripper does wrong behind a healthy wire.
@@ -53,3 +55,5 @@ class GripperSimulator {
 };
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/core/options.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::emulators {
 
 /// What a simulated Modbus device does wrong on the wire. Numbers count the replies that are spoiled from now
@@ -24,3 +26,5 @@ struct ModbusFaults {
 [[nodiscard]] FieldList fields(ModbusFaults& faults);
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

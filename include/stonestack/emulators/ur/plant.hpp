@@ -4,6 +4,8 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 class SharedWorld;
 }
@@ -46,3 +48,5 @@ class IdealPlant final : public Plant {
 [[nodiscard]] std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start);
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

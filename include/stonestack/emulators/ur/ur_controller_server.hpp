@@ -6,6 +6,8 @@
 #include "stonestack/emulators/ur/plant.hpp"
 #include "stonestack/protocol/ur_version.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::emulators {
 
 /// What a real controller does when things go wrong, one switch each (numbers: docs/failure-modes.md).
@@ -100,3 +102,5 @@ class UrControllerServer {
 };
 
 }  // namespace stonestack::emulators
+
+#pragma GCC visibility pop

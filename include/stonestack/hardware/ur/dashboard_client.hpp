@@ -6,6 +6,8 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/protocol/ur_version.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct DashboardOptions {
@@ -58,3 +60,5 @@ class DashboardClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

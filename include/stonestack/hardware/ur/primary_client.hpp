@@ -5,6 +5,8 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/protocol/primary_wire.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct PrimaryOptions {
@@ -42,3 +44,5 @@ class PrimaryClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -10,6 +10,8 @@
 #include "stonestack/core/socket.hpp"
 #include "stonestack/protocol/rtde_wire.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// What a client wants of the controller. `timestamp` is always added to the outputs, because START needs an
@@ -102,3 +104,5 @@ class RtdeClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop
