@@ -4,6 +4,7 @@
 
 #include "rooms.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
+#include "stonestack/report/run_report.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 /// One run of the loop, with its record: what `run` does once and `experiment` often.

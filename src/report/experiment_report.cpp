@@ -8,6 +8,7 @@
 
 #include "report/csv.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/report/run_report.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -96,7 +96,7 @@ bool equal(const Value& a, const Value& b) {
   }
   if (const auto* x = std::get_if<Fields>(&a.is)) {
     const auto& y = std::get<Fields>(b.is);
-    return std::equal(x->begin(), x->end(), y.begin(), y.end(), [](const Field& f, const Field& g) {
+    return std::equal(x->begin(), x->end(), y.begin(), y.end(), [](const NamedValue& f, const NamedValue& g) {
       return f.name == g.name && equal(f.value, g.value);
     });
   }

@@ -19,8 +19,8 @@ using List = std::vector<Value>;
 /// x, y, z, rotation vector: `p[...]`.
 using PoseVector = Eigen::Matrix<double, 6, 1>;
 /// A named part of `struct(name=value, ...)`.
-struct Field;
-using Fields = std::vector<Field>;
+struct NamedValue;
+using Fields = std::vector<NamedValue>;
 /// What `run` gives.
 struct ThreadHandle {
   int id = 0;
@@ -49,7 +49,7 @@ struct Value {
   Value(Fields value);        // NOLINT
 };
 
-struct Field {
+struct NamedValue {
   std::string name;
   Value value;
 };
