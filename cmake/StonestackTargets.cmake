@@ -47,7 +47,7 @@ function(stonestack_room)
   target_sources(stonestack PRIVATE $<TARGET_OBJECTS:${target}>)
   target_link_libraries(stonestack PRIVATE $<BUILD_INTERFACE:${ROOM_LINK}>)
   target_sources(stonestack_internal PRIVATE $<TARGET_OBJECTS:${target}>)
-  target_link_libraries(stonestack_internal PUBLIC ${ROOM_LINK})
+  target_link_libraries(stonestack_internal PRIVATE ${ROOM_LINK})
 endfunction()
 
 function(stonestack_tests room)
