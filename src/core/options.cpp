@@ -83,6 +83,7 @@ void assign(const Field& f, const std::string& text) {
 
 const Field& find(const FieldList& list, std::string_view name) {
   const auto it = std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.name == name; });
+  require(!list.empty(), "unknown option '", name, "'; this command has none to set");
   require(it != list.end(), "unknown option '", name, "'; did you mean ", nearest_names(list, name), "?");
   return *it;
 }
