@@ -281,7 +281,7 @@ void add_experiment(CLI::App& app) {
   command->common.register_on(*sub);
   sub->footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"
-      "How hard the cell is: --set simulation.NAME=VALUE (names: `stonestack config show | grep "
+      "How hard the cell is: --set simulation.NAME=VALUE (names: `stonestack config show --expert | grep "
       "simulation`).\n"
       "Examples:\n"
       "  stonestack experiment --runs 11 --stones 6 --per-run 4 --seed 1\n"

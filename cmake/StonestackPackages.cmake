@@ -3,7 +3,6 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(BULLET REQUIRED IMPORTED_TARGET bullet-float64)  # find_package(Bullet) is the float build
 pkg_check_modules(ASSIMP REQUIRED IMPORTED_TARGET assimp)
-pkg_check_modules(CLP REQUIRED IMPORTED_TARGET clp)
 pkg_check_modules(ODE REQUIRED IMPORTED_TARGET ode)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -12,6 +11,10 @@ find_package(CLI11 REQUIRED)
 find_package(TBB REQUIRED)
 find_package(PNG REQUIRED)
 find_package(embree 3 REQUIRED)
+find_path(GLPK_INCLUDE_DIR glpk.h REQUIRED)  # Debian's libglpk-dev has neither a pkg-config nor a CMake file
+find_library(GLPK_LIBRARY glpk REQUIRED)
+add_library(GLPK::glpk UNKNOWN IMPORTED)
+set_target_properties(GLPK::glpk PROPERTIES IMPORTED_LOCATION "${GLPK_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${GLPK_INCLUDE_DIR}")
 find_package(CGAL 5.5 REQUIRED QUIET)  # header only; its targets bring GMP and MPFR
 find_package(Threads REQUIRED)
 if(STONESTACK_REALSENSE)

@@ -27,7 +27,7 @@ struct BenchOptions {
   }
   int placements = 500, stones = 4, repeats = 4, seed = 1;
   bench::PoolOptions pools;
-  SearchOptions search;
+  SearchOptions search = bench::search_without_robot();
   Settings settings;
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "motion/constants.hpp"
 #include "motion/path/least_time.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -42,7 +43,7 @@ Pose near_vertical(Random& random, double reach) {
 /// down through the guarded descent.
 std::array<Pose, 3> ends_of(const Pose& T, const MotionOptions& options) {
   return {T * Pose(Eigen::Translation3d(0, 0, -options.approach)),
-          Pose(Eigen::Translation3d(0, 0, options.lift)) * T,
+          Pose(Eigen::Translation3d(0, 0, kLift)) * T,
           Pose(Eigen::Translation3d(0, 0, -options.descent_past)) * T};
 }
 

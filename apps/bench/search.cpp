@@ -31,7 +31,7 @@ struct BenchOptions {
   double witness_seconds = 60.0;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
   bench::PoolOptions pools;
-  SearchOptions search;
+  SearchOptions search = bench::search_without_robot();
   Settings settings;
 };
 

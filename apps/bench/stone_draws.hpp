@@ -1,5 +1,6 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,17 @@
 
 /// Stones that benchmarks draw from, and the draws.
 namespace stonestack::bench {
+
+/// What benchmarks of the search alone plan for, by their protocol: stones any way up, exact centres of mass,
+/// placements within 1 mm and 0.5 deg.
+[[nodiscard]] inline SearchOptions search_without_robot() {
+  SearchOptions options;
+  options.largest_tilt = M_PI;
+  options.com_sigma = 0.0;
+  options.placement_sigma_translation = 0.001;
+  options.placement_sigma_rotation = 0.0087266;
+  return options;
+}
 
 /// Where stones come from.
 struct PoolOptions {

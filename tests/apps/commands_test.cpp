@@ -395,7 +395,7 @@ TEST_F(Commands, RefuseBadInputWithOneLine) {
 }
 
 TEST_F(Commands, CellFilesAreListedWithTheirDefaults) {
-  const Outcome shown = run("config cell > cell.yaml");
+  const Outcome shown = run("config cell --expert > cell.yaml");
   ASSERT_EQ(shown.code, 0) << shown.err;
   const std::string text = read_file(folder_ + "/cell.yaml", 1 << 20);
   EXPECT_THAT(text, HasSubstr("\narm.rtde_port: 30004  # [0, 65535]"));
@@ -423,7 +423,7 @@ TEST_F(Commands, ConfigShowsWhatWon) {
 }
 
 TEST_F(Commands, TheFileThatConfigShowWritesServesEveryCommand) {
-  ASSERT_EQ(run("config show > stonestack.yaml").code, 0);
+  ASSERT_EQ(run("config show --expert > stonestack.yaml").code, 0);
   EXPECT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);
   const Outcome detected = run("detect scene/scene.yaml --json");
   EXPECT_EQ(detected.code, 0) << detected.err;

@@ -78,7 +78,7 @@ TEST(JointRefine, TheTableBesideAStoneCorrectsItsPose) {
     start.stone = 0;
     start.T_C_O = make_pose({0.0005, -0.0005, 0.0005}) * T_C_O;
     const auto error = [&] {
-      return difference(refined_together({start}, models.data(), scene, {}).front().T_C_O, T_C_O).angle;
+      return difference(refined_together({start}, models.data(), scene).front().T_C_O, T_C_O).angle;
     };
     with += error();
     DetectionOptions none;

@@ -34,7 +34,6 @@ struct TrackResult {
 /// When a stone counts as moved or fallen.
 struct TrackOptions {
   double moved_shift = 0.003;  ///< m
-  double moved_turn = 0.035;   ///< rad
   double fallen_drop = 0.015;  ///< m, of the centre, towards the table
 };
 [[nodiscard]] FieldList fields(TrackOptions& options);

@@ -15,7 +15,6 @@ struct SceneOptions {
   SimulationOptions simulation;
   double distance = 0.7;   ///< m from the camera to what it looks at
   double tilt = 0.174533;  ///< rad off the vertical (10 deg)
-  double azimuth = -1.0;   ///< rad, from which side; negative: drawn from the seed
 };
 /// Without those of `simulation`, which have a list of their own.
 [[nodiscard]] FieldList fields(SceneOptions& options);

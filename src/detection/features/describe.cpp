@@ -1,5 +1,6 @@
 #include "detection/features/describe.hpp"
 
+#include "detection/constants.hpp"
 #include "detection/features/descriptors.hpp"
 #include "detection/features/keypoints.hpp"
 #include "detection/features/triangulate.hpp"
@@ -12,20 +13,20 @@ std::vector<int> choose_keypoints(const SurfacePoints& surface, const DetectionO
   require(options.keypoints == "voxel" || options.keypoints == "iss", "keypoints must be voxel or iss, got '",
           options.keypoints, "'");
   if (options.keypoints == "iss") return iss_keypoints(surface);
-  return voxel_keypoints(surface, static_cast<float>(options.keypoint_spacing));
+  return voxel_keypoints(surface, static_cast<float>(kKeypointSpacing));
 }
 
 Features describe_points(const SurfacePoints& surface, const DetectionOptions& options) {
   const std::vector<int> keypoints = choose_keypoints(surface, options);
-  if (options.descriptor == "shot") return shot_features(surface, keypoints, options.descriptor_radius);
-  if (options.descriptor == "iss") return iss_features(surface, keypoints, options.descriptor_radius);
+  if (options.descriptor == "shot") return shot_features(surface, keypoints, kDescriptorRadius);
+  if (options.descriptor == "iss") return iss_features(surface, keypoints, kDescriptorRadius);
   require(options.descriptor == "fpfh", "descriptor must be shot, fpfh, iss or rops, got '",
           options.descriptor, "'");
-  return fpfh_features(surface, keypoints, options.descriptor_radius);
+  return fpfh_features(surface, keypoints, kDescriptorRadius);
 }
 
 Features describe_triangles(const TriangulatedSurface& mesh, const DetectionOptions& options) {
-  return rops_features(mesh, choose_keypoints(mesh.surface, options), options.descriptor_radius);
+  return rops_features(mesh, choose_keypoints(mesh.surface, options), kDescriptorRadius);
 }
 
 void append(Features& all, Features&& more) {
@@ -46,11 +47,9 @@ void append(Features& all, Features&& more) {
 Features describe_scene(const DetectionScene& scene, const DetectionOptions& options) {
   Features all;
   for (int view = 0; view < static_cast<int>(scene.views.size()); ++view) {
-    Features one =
-        options.descriptor == "rops"
-            ? describe_triangles(
-                  triangulate(scene, view, options.voxel, options.height_low, options.height_high), options)
-            : describe_points(surface_of_view(scene, view), options);
+    Features one = options.descriptor == "rops"
+                       ? describe_triangles(triangulate(scene, view, kVoxel, kMinHeight, kMaxHeight), options)
+                       : describe_points(surface_of_view(scene, view), options);
     append(all, std::move(one));
   }
   return all;
@@ -58,8 +57,7 @@ Features describe_scene(const DetectionScene& scene, const DetectionOptions& opt
 
 Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like, const DetectionOptions& options) {
   // Split edges are 0.5 to 1 times the longest one: 4/3 of the voxel gives its spacing on average.
-  if (options.descriptor == "rops")
-    return describe_triangles(subdivide(mesh, 4.0 / 3.0 * options.voxel), options);
+  if (options.descriptor == "rops") return describe_triangles(subdivide(mesh, 4.0 / 3.0 * kVoxel), options);
   return describe_points(seen_like, options);
 }
 

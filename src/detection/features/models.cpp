@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "detection/constants.hpp"
 #include "detection/features/describe.hpp"
 #include "detection/hypotheses/sweep.hpp"
 #include "detection/judge/identity.hpp"
@@ -44,10 +45,9 @@ std::vector<ModelSide> make_sides(const SurfacePoints& surface) {
 }
 
 /// The surface as a camera's voxels would have it: evenly spaced points with normals of local planes.
-SurfacePoints as_seen(const SurfacePoints& dense, const SurfaceField& field,
-                      const DetectionOptions& options) {
-  SurfacePoints out = surface_points(dense.points, dense.areas, static_cast<float>(options.voxel),
-                                     static_cast<float>(options.normal_radius));
+SurfacePoints as_seen(const SurfacePoints& dense, const SurfaceField& field) {
+  SurfacePoints out = surface_points(dense.points, dense.areas, static_cast<float>(kVoxel),
+                                     static_cast<float>(kNormalRadius));
   for (std::size_t i = 0; i < out.points.size(); ++i) {
     const int k = field.nearest(out.points[i]);
     if (k >= 0 && dense.normals[static_cast<std::size_t>(k)].dot(out.normals[i]) < 0) out.normals[i] *= -1.0F;
@@ -63,7 +63,7 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
   const double size = box.diagonal().norm();
   require(size > 0.01 && size < 1.0, "stone ", stone.name, " is ", size,
           " m across; detection takes 1 cm to 1 m");
-  SurfacePoints surface = sampled(stone.mesh, options.voxel);
+  SurfacePoints surface = sampled(stone.mesh, kVoxel);
   SurfaceField field(surface.points, kFieldCell, kFieldBand);
   DetectionModel model{stone.name,
                        stone.mesh,
@@ -78,7 +78,7 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
                        {},
                        {}};
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
-  model.features = describe_model(stone.mesh, as_seen(model.surface, model.field, options), options);
+  model.features = describe_model(stone.mesh, as_seen(model.surface, model.field), options);
   model.sides = make_sides(model.surface);
   model.likes = turns_onto_itself(model);
   return model;
@@ -96,11 +96,11 @@ bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vecto
 }
 
 DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
-                              std::span<const KnownStone> stones, const DetectionOptions& options) {
+                              std::span<const KnownStone> stones) {
   if (stones.empty()) return scene;
   const auto explained = [&](const Eigen::Vector3f& p) {
     return std::any_of(stones.begin(), stones.end(), [&](const KnownStone& k) {
-      return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, options.explained_margin);
+      return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, kExplainedMargin);
     });
   };
   for (auto& view : scene.views) {
@@ -124,7 +124,7 @@ DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data&
   }
   scene.surface = std::move(rest);
   scene.view_of = std::move(view_of);
-  find_clusters(scene, options);
+  find_clusters(scene, kClusterGap);
   return scene;
 }
 

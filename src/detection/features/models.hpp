@@ -55,7 +55,6 @@ struct DetectionModels::Data {
 /// A scene without the points and pixels of some stones: what is left to explain. Nothing changes for no
 /// stones.
 [[nodiscard]] DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
-                                            std::span<const KnownStone> stones,
-                                            const DetectionOptions& options);
+                                            std::span<const KnownStone> stones);
 
 }  // namespace stonestack::detection

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::detection {
@@ -24,28 +25,27 @@ struct Coarse {
   double score;
 };
 
-RefineOptions coarse_refinement(const DetectionOptions& options) {
-  return {8, 1.3 * options.icp_gate, 0.5 * options.icp_gate, 0.003, 0.4};
+RefineOptions coarse_refinement() {
+  return {8, 1.3 * kIcpGate, 0.5 * kIcpGate, 0.003, 0.4};
 }
 
-RefineOptions fine_refinement(const DetectionOptions& options) {
-  return {15, 0.6 * options.icp_gate, 0.004, 0.0015, 0.6};
+RefineOptions fine_refinement() {
+  return {15, 0.6 * kIcpGate, 0.004, 0.0015, 0.6};
 }
 
 /// Noisier images are judged by wider tolerances.
-double tolerance(const DetectionScene& scene, const DetectionOptions& options) {
-  return std::max(options.verify_tolerance, kNoiseTolerance * scene.noise);
+double tolerance(const DetectionScene& scene) {
+  return std::max(kVerifyTolerance, kNoiseTolerance * scene.noise);
 }
 
 std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
-                                 const DetectionScene& scene, const DetectionOptions& options,
-                                 std::size_t most) {
-  VerifyOptions loose{2.0 * tolerance(scene, options), kHiddenWeight, 0.025, 300};
+                                 const DetectionScene& scene, std::size_t most) {
+  VerifyOptions loose{2.0 * tolerance(scene), kHiddenWeight, 0.025, 300};
   std::vector<Coarse> poses;
   for (const auto& h : hypotheses) {
     throw_if_interrupted();
-    const auto near = points_near(model, h.T_C_O, scene.surface, options.icp_gate, kCoarsePoints);
-    const Refined refined = refine_pose(model, h.T_C_O, scene.surface, near, coarse_refinement(options));
+    const auto near = points_near(model, h.T_C_O, scene.surface, kIcpGate, kCoarsePoints);
+    const Refined refined = refine_pose(model, h.T_C_O, scene.surface, near, coarse_refinement());
     const Verdict verdict = verify_pose(model, refined.T_C_O, scene, loose);
     if (verdict.score > -0.9) poses.push_back({refined.T_C_O, verdict.score});
   }
@@ -68,12 +68,11 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
 }  // namespace
 
 std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
-                                    const DetectionScene& scene, const DetectionOptions& options,
-                                    double hidden_weight) {
-  const auto near = points_near(model, T_C_O, scene.surface, options.icp_gate, kFinePoints);
-  const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement(options));
+                                    const DetectionScene& scene, double hidden_weight) {
+  const auto near = points_near(model, T_C_O, scene.surface, kIcpGate, kFinePoints);
+  const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement());
   if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return {};
-  VerifyOptions strict{tolerance(scene, options), hidden_weight};
+  VerifyOptions strict{tolerance(scene), hidden_weight};
   strict.keep_pixels = strict.contour = true;
   Verdict verdict = verify_pose(model, refined.T_C_O, scene, strict);
   Candidate candidate;
@@ -87,8 +86,8 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, cons
 }
 
 std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
-                                        const DetectionScene& scene, const DetectionOptions& options) {
-  VerifyOptions strict{tolerance(scene, options), kHiddenWeight};
+                                        const DetectionScene& scene) {
+  VerifyOptions strict{tolerance(scene), kHiddenWeight};
   strict.keep_pixels = true;
   return verify_pose(model, T_C_O, scene, strict).pixels;
 }
@@ -97,8 +96,8 @@ std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
                                         std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
                                         const DetectionOptions& options, std::size_t kept_poses) {
   std::vector<Candidate> candidates;
-  for (const auto& pose : coarse_poses(model, hypotheses, scene, options, kept_poses)) {
-    auto candidate = judge_pose(model, stone, pose.T_C_O, scene, options, kHiddenWeight);
+  for (const auto& pose : coarse_poses(model, hypotheses, scene, kept_poses)) {
+    auto candidate = judge_pose(model, stone, pose.T_C_O, scene, kHiddenWeight);
     const bool kept =
         options.method == "paper" || (candidate && candidate->detection.score > 0.5 * options.accept_score);
     if (candidate && kept) candidates.push_back(std::move(*candidate));

@@ -26,12 +26,10 @@ struct Candidate {
 
 /// The pixels that a model at a pose explains.
 [[nodiscard]] std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
-                                                      const DetectionScene& scene,
-                                                      const DetectionOptions& options);
+                                                      const DetectionScene& scene);
 
 /// The fine refinement and the verdict alone.
 [[nodiscard]] std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
-                                                  const DetectionScene& scene,
-                                                  const DetectionOptions& options, double hidden_weight);
+                                                  const DetectionScene& scene, double hidden_weight);
 
 }  // namespace stonestack::detection

@@ -92,7 +92,7 @@ Pose motion(const Eigen::VectorXd& x, const Eigen::Vector3d& centre) {
 
 /// All unknowns: six a stone, then six a further view.
 LinearSystem joint_system(std::vector<Part>& parts, const std::vector<Pose>& T_C_V,
-                          const DetectionScene& scene, const DetectionOptions& options) {
+                          const DetectionScene& scene) {
   const auto stones = static_cast<Eigen::Index>(parts.size()),
              views = static_cast<Eigen::Index>(T_C_V.size());
   const Eigen::Index size = 6 * (stones + views - 1);
@@ -117,7 +117,7 @@ LinearSystem joint_system(std::vector<Part>& parts, const std::vector<Pose>& T_C
     }
   for (Eigen::Index v = 1; v < views; ++v) {
     const auto i = static_cast<std::size_t>(v);
-    const ViewConstraint held = view_constraint(seen_table(scene), scene.views[i], T_C_V[i], options);
+    const ViewConstraint held = view_constraint(seen_table(scene), scene.views[i], T_C_V[i]);
     const Eigen::Index w = 6 * (stones + v - 1);
     all.H.block<6, 6>(w, w) += held.H;
     all.g.segment<6>(w) += held.g;
@@ -146,7 +146,7 @@ Matrix6 covariance_C(const Matrix6& P_O, const Pose& T_C_O, const Eigen::Vector3
 }  // namespace
 
 std::vector<Detection> refined_together(std::vector<Detection> found, const DetectionModels::Data& data,
-                                        const DetectionScene& scene, const DetectionOptions& options) {
+                                        const DetectionScene& scene) {
   if (found.empty() || scene.views.empty()) return found;
   std::vector<Part> parts;
   for (const auto& d : found)
@@ -156,7 +156,7 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
   for (const auto& view : scene.views) T_C_V.push_back(view.T_C_V);
   LinearSystem system;
   for (int turn = 0; turn < kIterations; ++turn) {
-    system = joint_system(parts, T_C_V, scene, options);
+    system = joint_system(parts, T_C_V, scene);
     const Eigen::VectorXd x = -system.H.ldlt().solve(system.g);
     if (!x.allFinite()) break;
     const auto stones = static_cast<Eigen::Index>(parts.size());
@@ -175,9 +175,8 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
                                                Eigen::Vector3d::Zero()));
     if (x.cwiseAbs().maxCoeff() < kStill) break;
   }
-  const double scale = options.covariance_scale * options.covariance_scale;
   const Eigen::MatrixXd P =
-      scale * system.H.ldlt().solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
+      system.H.ldlt().solve(Eigen::MatrixXd::Identity(system.H.rows(), system.H.cols()));
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Pose T_C_O = parts[k].T_O_C.inverse();
     const PoseDifference moved = difference(found[k].T_C_O, T_C_O);

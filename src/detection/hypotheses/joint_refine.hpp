@@ -12,7 +12,6 @@ namespace stonestack::detection {
 /// estimate, times `covariance_scale`^2. Poses must be right within a few millimetres already.
 [[nodiscard]] std::vector<Detection> refined_together(std::vector<Detection> found,
                                                       const DetectionModels::Data& data,
-                                                      const DetectionScene& scene,
-                                                      const DetectionOptions& options);
+                                                      const DetectionScene& scene);
 
 }  // namespace stonestack::detection

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "detection/constants.hpp"
 #include "detection/features/describe.hpp"
 #include "detection/features/matching.hpp"
 #include "detection/hypotheses/sweep.hpp"
@@ -31,7 +32,7 @@ struct SeenCluster {
   std::vector<int> points;
 };
 
-std::vector<SeenCluster> seen_clusters(const DetectionScene& scene, const DetectionOptions& options) {
+std::vector<SeenCluster> seen_clusters(const DetectionScene& scene) {
   const std::size_t views = scene.views.size();
   std::vector<SeenCluster> all(static_cast<std::size_t>(scene.clusters) * views);
   for (std::size_t i = 0; i < scene.cluster.size(); ++i) {
@@ -41,21 +42,19 @@ std::vector<SeenCluster> seen_clusters(const DetectionScene& scene, const Detect
     cluster.view = scene.view_of[i];
     cluster.points.push_back(static_cast<int>(i));
   }
-  std::erase_if(
-      all, [&](const SeenCluster& c) { return static_cast<int>(c.points.size()) < options.cluster_points; });
+  std::erase_if(all,
+                [&](const SeenCluster& c) { return static_cast<int>(c.points.size()) < kClusterPoints; });
   return all;
 }
 
 /// Clusters, those that wider gaps join (a stone that holes or shadow have torn), and the parts that creases
 /// split them into.
-std::vector<SeenCluster> with_parts(const DetectionScene& scene, const DetectionOptions& options) {
-  const auto clusters = seen_clusters(scene, options);
+std::vector<SeenCluster> with_parts(const DetectionScene& scene) {
+  const auto clusters = seen_clusters(scene);
   std::vector<SeenCluster> all = clusters;
   DetectionScene joined = scene;
-  DetectionOptions wide = options;
-  wide.cluster_gap = kWiderGap * options.cluster_gap;
-  find_clusters(joined, wide);
-  for (auto& cluster : seen_clusters(joined, options)) {
+  find_clusters(joined, kWiderGap * kClusterGap);
+  for (auto& cluster : seen_clusters(joined)) {
     const bool known = std::any_of(clusters.begin(), clusters.end(), [&](const SeenCluster& c) {
       return c.view == cluster.view && c.points.size() == cluster.points.size() &&
              c.points[0] == cluster.points[0];
@@ -107,12 +106,12 @@ ModelSearch search_model(const DetectionModel& model, int stone, const Detection
   ModelSearch out;
   if (look.seen != nullptr) {
     out.matches = options.matching == "kdtree"
-                      ? match_features_kdtree(*look.seen, model.features, options.neighbours)
-                      : match_features(*look.seen, model.features, options.neighbours);
+                      ? match_features_kdtree(*look.seen, model.features, kNeighbours)
+                      : match_features(*look.seen, model.features, kNeighbours);
     ConsistencyOptions grouping;
-    grouping.size = options.consistency_size;
-    grouping.fewest = options.consistency_fewest;
-    grouping.best = options.best;
+    grouping.size = kConsistencySize;
+    grouping.fewest = kMinConsistent;
+    grouping.best = kBestHypotheses;
     out.grouped = consistent_groups(out.matches, *look.seen, model.features, grouping);
   }
   for (const auto& cluster : look.clusters) {
@@ -169,11 +168,11 @@ void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
   for (const std::size_t i : taken) turn.candidates[i].accepted = true;
 }
 
-Look look_of(Turn turn, const DetectionScene& scene, const Features& seen, const DetectionOptions& options) {
+Look look_of(Turn turn, const DetectionScene& scene, const Features& seen) {
   if (turn == Turn::kDescribe) return {&seen, {}, {}};
-  if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene, options), {}};
-  if (turn == Turn::kParts) return {nullptr, with_parts(scene, options), {}};
-  return {nullptr, with_parts(scene, options), thorough_sweep()};
+  if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene), {}};
+  if (turn == Turn::kParts) return {nullptr, with_parts(scene), {}};
+  return {nullptr, with_parts(scene), thorough_sweep()};
 }
 
 /// What to try next: what a turn has found sets something apart, so the cheap sweep is worth another try.
@@ -229,7 +228,7 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     throw_if_interrupted();
     Features seen;
     if (turn == Turn::kDescribe) seen = describe_scene(so_far.scene, data.options);
-    const Look look = look_of(turn, so_far.scene, seen, options);
+    const Look look = look_of(turn, so_far.scene, seen);
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
     auto found = search(data, so_far.missing, so_far.scene, look, options, noted);
@@ -242,8 +241,8 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     if (noted != nullptr) note_candidates(*noted, found, accepted);
     const std::size_t before = so_far.taken.size();
     for (const std::size_t i : accepted) take(so_far, found[i]);
-    so_far.scene = without_stones(std::move(so_far.scene), data,
-                                  poses_of(std::span(so_far.taken).subspan(before)), options);
+    so_far.scene =
+        without_stones(std::move(so_far.scene), data, poses_of(std::span(so_far.taken).subspan(before)));
     so_far.refused.clear();  // where something was found, they are judged anew
     if (accepted.empty()) so_far.refused = std::move(found);
     const auto next = turn_after(turn, !accepted.empty(), options);
@@ -266,12 +265,12 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
       [](const Candidate& a, const Candidate& b) { return a.detection.score < b.detection.score; });
   if (best == refused.end()) return;
   const auto granted = poses_of(std::span(&*best, 1));
-  Search rest{so_far.missing, without_stones(so_far.scene, data, granted, options), {}, {}};
+  Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}};
   take(rest, *best);
   rest.taken.clear();
   take_turns(data, rest, options, nullptr);
   if (rest.taken.empty()) return;
-  const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken), options);
+  const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken));
   const Hypothesis again{best->detection.T_C_O, 1.0};
   auto judged = judge_hypotheses(data.models[static_cast<std::size_t>(best->detection.stone)],
                                  best->detection.stone, std::span(&again, 1), alone, options);

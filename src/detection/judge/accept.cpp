@@ -74,7 +74,7 @@ std::vector<Detection> without_doubles(const std::vector<Detection>& found, cons
   std::vector<Candidate> candidates;
   for (const auto& d : found)
     candidates.push_back(
-        {d, explained_pixels(data.models[static_cast<std::size_t>(d.stone)], d.T_C_O, scene, options)});
+        {d, explained_pixels(data.models[static_cast<std::size_t>(d.stone)], d.T_C_O, scene)});
   std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
     return worth(a, options) > worth(b, options);
   });

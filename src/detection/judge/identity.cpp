@@ -134,12 +134,11 @@ std::vector<Detection> among_its_likes(std::vector<Detection> found, const Detec
     std::vector<KnownStone> others;
     for (const auto& other : found)
       if (&other != &d) others.push_back({other.stone, other.T_C_O});
-    const DetectionScene alone = without_stones(scene, data, others, options);
-    auto all = judged_likes(d, model, alone, options);
+    const DetectionScene alone = without_stones(scene, data, others);
+    auto all = judged_likes(d, model, alone);
     if (all.empty()) continue;
     for (const auto& rival : rivals) {
-      const auto more =
-          judged_likes(rival, data.models[static_cast<std::size_t>(rival.stone)], alone, options);
+      const auto more = judged_likes(rival, data.models[static_cast<std::size_t>(rival.stone)], alone);
       all.insert(all.end(), more.begin(), more.end());
     }
     d = most_likely(all, data);

@@ -107,12 +107,12 @@ std::vector<Pose> turns_onto_itself(const DetectionModel& model) {
 }
 
 std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
-                                    const DetectionScene& alone, const DetectionOptions& options) {
+                                    const DetectionScene& alone) {
   std::vector<Pose> poses{d.T_C_O};
   for (const auto& T_O_S : model.likes) poses.push_back(d.T_C_O * T_O_S);
   std::vector<Detection> judged(poses.size());
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t k) {
-    const auto candidate = judge_pose(model, d.stone, poses[k], alone, options, kHiddenWeight);
+    const auto candidate = judge_pose(model, d.stone, poses[k], alone, kHiddenWeight);
     if (candidate) judged[k] = candidate->detection;
   });
   std::erase_if(judged, [](const Detection& one) { return one.stone < 0; });

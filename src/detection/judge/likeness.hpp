@@ -12,8 +12,7 @@ namespace stonestack::detection {
 
 /// The detection's own pose and those that the turns of its model lead to, judged alike; best score first.
 [[nodiscard]] std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
-                                                  const DetectionScene& alone,
-                                                  const DetectionOptions& options);
+                                                  const DetectionScene& alone);
 
 /// The covariance of the mixture: of the pose itself, and of the poses that the same stone may as well have.
 void widen_by_likes(Detection& detection);

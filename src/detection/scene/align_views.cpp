@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "detection/constants.hpp"
+
 namespace stonestack::detection {
 namespace {
 
@@ -40,10 +42,9 @@ std::vector<Eigen::Vector3d> corners(const Plane& table_V) {
 
 }  // namespace
 
-ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenView& view, const Pose& T_C_V,
-                               const DetectionOptions& options) {
+ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenView& view, const Pose& T_C_V) {
   ViewConstraint out;
-  const double shift = std::max(options.view_shift, 1e-6), turn = std::max(options.view_turn, 1e-6);
+  const double shift = std::max(kViewShift, 1e-6), turn = std::max(kViewTurn, 1e-6);
   const Pose off = view.T_C_V_reported.inverse() * T_C_V;
   Eigen::Matrix<double, 6, 1> x, precision;
   x << off.translation(), turn_of(off.linear());
@@ -63,11 +64,10 @@ ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenVi
   return out;
 }
 
-Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view,
-                  const DetectionOptions& options) {
+Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view) {
   Pose T_C_V = view.T_C_V_reported;
   for (int step = 0; step < kSteps; ++step) {
-    const ViewConstraint held = view_constraint(table_C, view, T_C_V, options);
+    const ViewConstraint held = view_constraint(table_C, view, T_C_V);
     const Eigen::Matrix<double, 6, 1> x = -held.H.ldlt().solve(held.g);
     const Eigen::Vector3d w = x.tail<3>();
     Pose move = make_pose(Eigen::Vector3d(x.head<3>()));

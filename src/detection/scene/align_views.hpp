@@ -15,11 +15,10 @@ struct ViewConstraint {
 /// The arm's report (errs by `view_shift` and `view_turn` an axis) and the table: what the view takes for it
 /// must be the table of the first view, `table_C`.
 [[nodiscard]] ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenView& view,
-                                             const Pose& T_C_V, const DetectionOptions& options);
+                                             const Pose& T_C_V);
 
 /// T_C_V that agrees best with the arm's report and the table, for a view that was reported at view.T_C_V.
-[[nodiscard]] Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view,
-                                const DetectionOptions& options);
+[[nodiscard]] Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view);
 
 /// The table, if the first view shows it: what further views can be held to.
 [[nodiscard]] std::optional<Plane> seen_table(const DetectionScene& scene);

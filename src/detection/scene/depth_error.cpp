@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "detection/constants.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::detection {
@@ -119,14 +120,14 @@ DepthError assumed_depth_error(const CameraIntrinsics& camera, const DetectionOp
   error.offset.assign(cells, 0.0F);
   error.count.assign(cells, 0);
   error.sigma = options.bias_sigma;
-  error.length = options.bias_length;
+  error.length = kBiasLength;
   return error;
 }
 
 DepthError measure_depth_error(const DepthImage& depth, const Plane& table_V,
                                const DetectionOptions& options) {
   DepthError error = assumed_depth_error(depth.camera, options);
-  fill_cells(error, depth.camera, deviations(depth, table_V, options.table_tolerance));
+  fill_cells(error, depth.camera, deviations(depth, table_V, kTableTolerance));
   const auto lags = autocovariance(error);
   if (lags[1].pairs >= kFewestPairs && lags[0].covariance > 0) fit_covariance(error, lags);
   return error;

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 
+#include "detection/constants.hpp"
 #include "detection/scene/point_grid.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -22,8 +23,8 @@ constexpr int kTableTrials = 400;       // misses a table that fills a third of 
 constexpr double kTableShare = 0.05;    // of the valid pixels at least
 constexpr double kLargestBelow = 0.30;  // share of valid pixels below a table: more is a shelf or a wall
 
-double depth_step(double z, const DetectionOptions& options) {
-  return options.smoothing_step * std::max(1.0, z * z);
+double depth_step(double z) {
+  return kSmoothingStep * std::max(1.0, z * z);
 }
 
 std::uint64_t voxel_key(const Eigen::Vector3f& p, float voxel) {
@@ -133,7 +134,7 @@ DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) 
       for (int u = 2; u < width - 2; ++u) {
         const float z = raw.at(u, v);
         if (!in_range(z)) continue;
-        const auto step = static_cast<float>(depth_step(z, options));
+        const auto step = static_cast<float>(depth_step(z));
         Window window;
         for (int dv = -2; dv <= 2; ++dv) {
           const float* row = &raw.z[static_cast<std::size_t>((v + dv) * width + u - 2)];
@@ -162,14 +163,14 @@ std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Pla
     std::size_t inliers = 0, below = 0;
     for (const auto& p : points) {
       const double d = plane->distance(p);
-      inliers += std::abs(d) < options.table_tolerance ? 1 : 0;
-      below += d < -5.0 * options.table_tolerance ? 1 : 0;
+      inliers += std::abs(d) < kTableTolerance ? 1 : 0;
+      below += d < -5.0 * kTableTolerance ? 1 : 0;
     }
     if (static_cast<double>(below) > kLargestBelow * static_cast<double>(points.size())) continue;
     if (inliers > best_inliers) best = plane, best_inliers = inliers;
   }
   if (!best) return expected;
-  return fitted(points, *best, options.table_tolerance);
+  return fitted(points, *best, kTableTolerance);
 }
 
 double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance) {

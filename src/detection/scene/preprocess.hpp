@@ -64,7 +64,7 @@ struct DetectionScene {
                                               int fewest);
 
 /// Sets the clusters of the scene's surface.
-void find_clusters(DetectionScene& scene, const DetectionOptions& options);
+void find_clusters(DetectionScene& scene, double gap);
 
 /// What one view saw.
 [[nodiscard]] SurfacePoints surface_of_view(const DetectionScene& scene, int view);

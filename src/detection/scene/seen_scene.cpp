@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "detection/constants.hpp"
 #include "detection/scene/align_views.hpp"
 #include "detection/scene/preprocess.hpp"
 #include "stonestack/core/error.hpp"
@@ -56,8 +57,7 @@ Plane in_scene(const Plane& plane_V, const Pose& T_C_V) {
 }
 
 /// What stands above the table, in V.
-SurfacePoints above_table(const DepthImage& depth, const std::optional<Plane>& table_V,
-                          const DetectionOptions& options) {
+SurfacePoints above_table(const DepthImage& depth, const std::optional<Plane>& table_V) {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> areas;
   const double pixel = 1.0 / (depth.camera.fx * depth.camera.fy);
@@ -66,13 +66,12 @@ SurfacePoints above_table(const DepthImage& depth, const std::optional<Plane>& t
       const double z = depth.at(u, v);
       if (z <= 0) continue;
       const Eigen::Vector3d p = z * deproject(depth.camera, u, v);
-      const double height = table_V ? table_V->distance(p) : options.height_low;
-      if (height < options.height_low || height > options.height_high) continue;
+      const double height = table_V ? table_V->distance(p) : kMinHeight;
+      if (height < kMinHeight || height > kMaxHeight) continue;
       points.emplace_back(p.cast<float>());
       areas.push_back(static_cast<float>(z * z * pixel));
     }
-  return surface_points(points, areas, static_cast<float>(options.voxel),
-                        static_cast<float>(options.normal_radius));
+  return surface_points(points, areas, static_cast<float>(kVoxel), static_cast<float>(kNormalRadius));
 }
 
 SurfacePoints moved(SurfacePoints points, const Pose& T_C_V) {
@@ -99,12 +98,12 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
   view.error = assumed_depth_error(view.depth.camera, options);
   if (view.table_V) {
     view.error = measure_depth_error(view.depth, *view.table_V, options);
-    const double noise = noise_about(*view.table_V, view.depth, options.table_tolerance);
+    const double noise = noise_about(*view.table_V, view.depth, kTableTolerance);
     scene.noise = scene.views.empty() ? noise : std::max(scene.noise, noise);
     if (scene.views.empty() || !scene.table_C) scene.table_C = in_scene(*view.table_V, T_C_V);
-    if (!scene.views.empty()) view.T_C_V = aligned_view(seen_table(scene), view, options);
+    if (!scene.views.empty()) view.T_C_V = aligned_view(seen_table(scene), view);
   }
-  const SurfacePoints points = moved(above_table(view.depth, view.table_V, options), view.T_C_V);
+  const SurfacePoints points = moved(above_table(view.depth, view.table_V), view.T_C_V);
   append_points(scene, points, static_cast<int>(scene.views.size()));
   scene.views.push_back(std::move(view));
   return {};
@@ -132,9 +131,8 @@ SurfacePoints surface_of_view(const DetectionScene& scene, int view) {
   return out;
 }
 
-void find_clusters(DetectionScene& scene, const DetectionOptions& options) {
-  scene.cluster =
-      cluster_points(scene.surface.points, static_cast<float>(options.cluster_gap), options.cluster_points);
+void find_clusters(DetectionScene& scene, double gap) {
+  scene.cluster = cluster_points(scene.surface.points, static_cast<float>(gap), kClusterPoints);
   scene.clusters = 0;
   for (const int c : scene.cluster) scene.clusters = std::max(scene.clusters, c + 1);
   if (scene.clusters == 0)
@@ -145,7 +143,7 @@ DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& e
                           bool look_for_table, const DetectionOptions& options) {
   DetectionScene scene;
   scene.note = add_view(scene, image, Pose::Identity(), expected_table, look_for_table, options);
-  if (scene.note.empty()) find_clusters(scene, options);
+  if (scene.note.empty()) find_clusters(scene, kClusterGap);
   return scene;
 }
 
@@ -164,7 +162,7 @@ DetectionScene preprocess(std::span<const DepthView> views, const std::optional<
   scene.note = problem;
   if (scene.views.empty()) return scene;
   scene.note.clear();
-  find_clusters(scene, options);
+  find_clusters(scene, kClusterGap);
   return scene;
 }
 

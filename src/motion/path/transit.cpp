@@ -21,7 +21,7 @@ constexpr std::size_t kDirectGoals = 16;      // facts: solves most picks
 constexpr double kDetour = 1.3;               // a straight motion this much longer than the nearest goal's
 constexpr double kDetourMore = 0.3;           // rad, and this, is taken without looking for another way
 constexpr std::size_t kMostGoals = 64;        // nearest ones; further turns of a wrist are never shorter
-constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_seconds stands for
+constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_effort stands for
 // Effort is counted in motion checks of trees. Where the path is hardly longer than the straight way to the
 // nearest goal there is little to gain; measured (bench motion), effort in proportion to the excess shortens
 // the long paths at half the time that equal effort takes.
@@ -54,8 +54,8 @@ class PathSearch {
         start_(start),
         goals_(goals),
         seed_(static_cast<std::uint64_t>(options.seed)),
-        most_(motions_in(options.planning_seconds)),
-        most_first_(motions_in(std::min(first_seconds, options.planning_seconds))) {}
+        most_(motions_in(options.planning_effort)),
+        most_first_(motions_in(std::min(first_seconds, options.planning_effort))) {}
 
   /// `known`: length of a path that is known already; only shorter ones are looked for.
   [[nodiscard]] std::optional<JointPath> shortest(double known) {

@@ -146,7 +146,7 @@ double total_seconds(const std::vector<PlanStep>& steps) {
   return seconds;
 }
 
-/// s, a rough guess of what that attempt took: it is what planning_seconds counts, so that a busy machine
+/// s, a rough guess of what that attempt took: it is what planning_effort counts, so that a busy machine
 /// plans as an idle one does.
 double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) {
   constexpr double kStraight = 0.002, kFound = 0.03, kLittle = 0.1, kMuch = 0.5;
@@ -169,7 +169,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
   double best_cost = 0.0, spent = 0.0;  // s
   while (found < options.alternatives) {
     throw_if_interrupted();
-    in_time = spent <= options.planning_seconds;
+    in_time = spent <= options.planning_effort;
     if (!in_time) break;
     const bool enough_hard = found == 0 && hard.size() - again >= kMostHard;
     auto candidate = enough_hard ? std::nullopt : candidates.next();

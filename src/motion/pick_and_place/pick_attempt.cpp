@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "motion/constants.hpp"
 #include "motion/path/round_corners.hpp"
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/room_below.hpp"
@@ -15,7 +16,7 @@ namespace {
 constexpr double kTransitSeconds = 0.5;  ///< s, effort for one transit of one candidate
 constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
 constexpr double kWidestBlend = 0.2;     ///< rad, corners cut, most
-constexpr std::array kLifts{1.0, 0.5};   ///< of MotionOptions::lift, where the arm has no room for more
+constexpr std::array kLifts{1.0, 0.5};   ///< of kLift, where the arm has no room for more
 constexpr std::array kOut{0.03, 0.06};   ///< m, that a stone is taken out of a lean before it goes up
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
@@ -106,14 +107,13 @@ std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_
 
 std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pose& T_W_T) const {
   for (const double share : kLifts)
-    if (auto path = straight(q, raised(T_W_T, share * options_.lift)); path && is_free(held_, *path))
-      return path;
+    if (auto path = straight(q, raised(T_W_T, share * kLift)); path && is_free(held_, *path)) return path;
   return std::nullopt;
 }
 
 std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
   const Eigen::Vector3d& along = task_.n_W_lift;
-  const double zone = std::min(options_.contact_zone, options_.lift);
+  const double zone = std::min(kContactZone, kLift);
   const auto out = [&](double by) { return Pose(Eigen::Translation3d(by * along) * T_W_T_pick_); };
   auto loose = straight(q_pick, out(zone));
   if (!loose || !is_free(open_, *loose)) return std::nullopt;
@@ -159,7 +159,7 @@ PlanningScene PickAttempt::placed_alone() const {
 
 /// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
 WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
-  const double zone = std::min(options_.contact_zone, options_.lift);
+  const double zone = std::min(kContactZone, kLift);
   const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
   if (!back || !is_free(open_, *back)) return WayFault::kApproach;
   const auto lift = lifted(q_pick);
@@ -172,11 +172,11 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   const auto back_out = retreat(q_place);
   if (!back_out) return WayFault::kRetreat;
   // The guarded part starts at a way point of its own, so that it can be timed by itself.
-  const auto start = straight(q_place, raised(T_W_T_place_, options_.descent_length));
+  const auto start = straight(q_place, raised(T_W_T_place_, kDescentLength));
   if (!start) return WayFault::kLower;
   const auto past = descend_past(q_place);
   if (!past) return WayFault::kLower;
-  const auto lower = straight(high->back(), raised(T_W_T_place_, options_.descent_length));
+  const auto lower = straight(high->back(), raised(T_W_T_place_, kDescentLength));
   if (!lower) return WayFault::kLower;
 
   way.approach = reversed(*back);
@@ -194,7 +194,7 @@ std::optional<Transit> PickAttempt::transit(const CollisionChecker& wide, const 
   const bool near = wide.collides(a) || wide.collides(b);
   const CollisionChecker& checker = near ? tight : wide;
   MotionOptions options = options_;  // a grasp whose way is hard to find gives way to the next one
-  options.planning_seconds = std::min(options.planning_seconds, kTransitSeconds);
+  options.planning_effort = std::min(options.planning_effort, kTransitSeconds);
   const double first = effort == Effort::kLittle ? kLittleSeconds : kTransitSeconds;
   auto path = find_path(checker, a, std::span(&b, 1), options, first);
   if (!path) return std::nullopt;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/constants.hpp"
 #include "motion/path/tool_speed.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
@@ -85,19 +86,18 @@ class StepWriter {
 
 double contact_threshold(double mass, const MotionOptions& options) {
   require(std::isfinite(mass) && mass > 0, "a stone's mass must be positive, got ", mass, " kg");
-  return std::max(
-      {options.least_threshold, 6 * options.force_noise, options.threshold_share * kGravity * mass});
+  return std::max({options.least_threshold, 6 * options.force_noise, kThresholdShare * kGravity * mass});
 }
 
 std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                   const MotionOptions& options, const Grasp& grasp, const Way& way) {
   const std::string& name = task.stone->name;
   StepWriter out(scene, options);
-  out.hand(hand_step(Kind::kOpen, "open the hand", grasp.pre_opening, options.finger_speed));
+  out.hand(hand_step(Kind::kOpen, "open the hand", grasp.pre_opening, kFingerSpeed));
   out.steps().back().spacing = grasp.spacing;
   out.transit("move to " + name, way.to_pick, transit_speed(scene, options));
   out.straight(Kind::kApproach, "approach " + name, way.approach, options.approach_speed);
-  out.hand(hand_step(Kind::kGrasp, "grasp " + name, grasp.opening, options.grip_speed));
+  out.hand(hand_step(Kind::kGrasp, "grasp " + name, grasp.opening, kGripSpeed));
   out.steps().back().force = close_force(scene, task, grasp);
   out.straight(Kind::kLift, "lift " + name, way.lift, options.approach_speed);
   out.transit("carry " + name + " above its place", way.carry,
@@ -106,9 +106,9 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   out.steps().back().threshold = options.early_threshold;
   out.straight(Kind::kDescent, "set " + name + " down", way.descent, options.descent_speed);
   out.steps().back().threshold = contact_threshold(task.stone->mass.mass, options);
-  const double loose = std::min(grasp.pre_opening, grasp.opening + options.loosen);
-  out.hand(hand_step(Kind::kRelease, "let go of " + name, loose, options.grip_speed));
-  out.hand(hand_step(Kind::kRelease, "open the hand", grasp.pre_opening, options.finger_speed));
+  const double loose = std::min(grasp.pre_opening, grasp.opening + kLoosen);
+  out.hand(hand_step(Kind::kRelease, "let go of " + name, loose, kGripSpeed));
+  out.hand(hand_step(Kind::kRelease, "open the hand", grasp.pre_opening, kFingerSpeed));
   out.straight(Kind::kRetreat, "retreat from " + name, way.retreat, options.approach_speed);
   return std::move(out.steps());
 }

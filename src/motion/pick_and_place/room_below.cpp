@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "motion/constants.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -24,7 +25,7 @@ double room_below(const PlanningScene& scene, const Joints& q, double opening, i
                   const MotionOptions& options) {
   require(most >= 0, "a descent goes down by something, not by ", most, " m");
   CollisionRules rules;
-  rules.padding = options.descent_padding;
+  rules.padding = kDescentPadding;
   rules.opening = opening;
   if (!is_kept_off_table(scene)) rules.gripper_may_touch = {kTableObject};
   rules.left_out = object;
