@@ -1,25 +1,31 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <functional>
 
+#include "result_table.hpp"
 #include "rooms.hpp"
 
-/// `stonestack bench NAME`: one function a benchmark, each in a file of its own. Every benchmark prints its
-/// seed and settings and compares in one run.
-namespace stonestack::apps {
+/// One function a benchmark, each in a file of its own: it registers a subcommand of stonestack-bench. Every
+/// benchmark reports its seed and settings and compares in one run.
+namespace stonestack::bench {
 
-void add_bench_kinematics(CLI::App& bench);
-void add_bench_motion(CLI::App& bench);
-void add_bench_collision(CLI::App& bench);
-void add_bench_cartesian(CLI::App& bench);
-void add_bench_timing(CLI::App& bench);
-void add_bench_descent(CLI::App& bench);
-void add_bench_grasp(CLI::App& bench);
-void add_bench_hold(CLI::App& bench);
-void add_bench_rest(CLI::App& bench);
-void add_bench_search(CLI::App& bench);
-void add_bench_calibration(CLI::App& bench);
-void add_bench_equilibrium(CLI::App& bench);
-void add_bench_detection(CLI::App& bench);
-void add_bench_rtde(CLI::App& bench);
+/// Gives a benchmark --json, and runs it with results of its own, which are printed whether it ends, fails or
+/// is interrupted.
+void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
 
-}  // namespace stonestack::apps
+void add_kinematics(CLI::App& app);
+void add_motion(CLI::App& app);
+void add_collision(CLI::App& app);
+void add_cartesian(CLI::App& app);
+void add_timing(CLI::App& app);
+void add_descent(CLI::App& app);
+void add_grasp(CLI::App& app);
+void add_hold(CLI::App& app);
+void add_rest(CLI::App& app);
+void add_search(CLI::App& app);
+void add_calibration(CLI::App& app);
+void add_equilibrium(CLI::App& app);
+void add_detection(CLI::App& app);
+void add_rtde(CLI::App& app);
+
+}  // namespace stonestack::bench

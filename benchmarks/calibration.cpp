@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include "bench.hpp"
@@ -12,10 +11,8 @@
 #include "stone_draws.hpp"
 #include "stonestack/core/error.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
-
-using bench::StonePool;
 
 constexpr std::size_t kBins = 5;
 
@@ -26,7 +23,7 @@ struct BenchOptions {
     search.alternatives = 10;
   }
   int placements = 500, stones = 4, repeats = 4, seed = 1;
-  bench::PoolOptions pools;
+  PoolOptions pools;
   SearchOptions search;
   Settings settings;
 };
@@ -40,9 +37,9 @@ struct Try {
 /// Tries of the alternatives on every level of one tower, which grows by the surest of them, put down
 /// exactly.
 void try_tower(const BenchOptions& options, const StonePool& pool, int k, std::vector<Try>* tries) {
-  SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
+  SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("calibration ", k));
-  bench::PlacementNoise noise;
+  PlacementNoise noise;
   noise.shift = options.search.placement_sigma_translation;
   noise.turn = options.search.placement_sigma_rotation;
   noise.com = options.search.com_sigma;
@@ -53,7 +50,7 @@ void try_tower(const BenchOptions& options, const StonePool& pool, int k, std::v
     for (const Placement& target : found.best)
       for (int repeat = 0; repeat < options.repeats; ++repeat)
         tries->push_back({target.predicted_success,
-                          bench::put_down(pool.fine, problem.stack, target, noise, random).has_value()});
+                          put_down(pool.fine, problem.stack, target, noise, random).has_value()});
     const auto surest = std::max_element(
         found.best.begin(), found.best.end(),
         [](const Placement& p, const Placement& q) { return p.predicted_success < q.predicted_success; });
@@ -75,7 +72,7 @@ double area_under_curve(const std::vector<Try>& tries) {
   return pairs > 0.0 ? above / pairs : 1.0;
 }
 
-void print_pool(const StonePool& pool, const std::vector<Try>& tries) {
+void report_pool(const StonePool& pool, const std::vector<Try>& tries, Results& results) {
   struct Bin {
     int count = 0, held = 0;
     double predicted = 0.0;
@@ -87,40 +84,39 @@ void print_pool(const StonePool& pool, const std::vector<Try>& tries) {
     bin.held += one.held ? 1 : 0;
     bin.predicted += one.predicted;
   }
-  std::printf("%s: %zu placements, area under the curve %.3f\n", pool.name.c_str(), tries.size(),
-              area_under_curve(tries));
+  results.figures(pool.name,
+                  {{"placements", tries.size()}, {"area_under_curve", area_under_curve(tries), 3}});
+  results.table(pool.name + " by predicted success",
+                {{"from", 1}, {"to", 1}, {"placements"}, {"predicted"}, {"observed"}});
   for (std::size_t b = 0; b < kBins; ++b) {
     const Bin& bin = bins[b];
-    const double n = std::max(1, bin.count);
-    std::printf("  %.1f to %.1f: %5d placements, predicted %.2f, observed %.2f\n",
-                static_cast<double>(b) / kBins, static_cast<double>(b + 1) / kBins, bin.count,
-                bin.predicted / n, bin.held / n);
+    const double n = bin.count;  // without placements no share
+    results.row({static_cast<double>(b) / kBins, static_cast<double>(b + 1) / kBins, bin.count,
+                 bin.predicted / n, bin.held / n});
   }
-  std::fflush(stdout);
 }
 
-void measure(const BenchOptions& options) {
-  std::printf(
-      "towers of %d, friction %g, noise %g mm %.2g deg, centres of mass %g mm, %d perturbations a "
-      "prediction, "
-      "seed %d\n",
-      options.stones, options.search.friction, 1e3 * options.search.placement_sigma_translation,
-      options.search.placement_sigma_rotation * 180 / M_PI, 1e3 * options.search.com_sigma,
-      options.search.perturbations, options.seed);
-  for (const StonePool& pool : bench::read_pools(options.pools)) {
+void measure(const BenchOptions& options, Results& results) {
+  results.settings({{"stones", options.stones},
+                    {"friction", options.search.friction},
+                    {"noise_mm", 1e3 * options.search.placement_sigma_translation},
+                    {"noise_deg", options.search.placement_sigma_rotation * 180 / M_PI},
+                    {"com_noise_mm", 1e3 * options.search.com_sigma},
+                    {"perturbations", options.search.perturbations},
+                    {"seed", options.seed}});
+  for (const StonePool& pool : read_pools(options.pools)) {
     std::vector<Try> tries;
     for (int k = 0; static_cast<int>(tries.size()) < options.placements && k < options.placements; ++k)
       try_tower(options, pool, k, &tries);
-    print_pool(pool, tries);
+    report_pool(pool, tries, results);
   }
 }
 
 }  // namespace
 
-void add_bench_calibration(CLI::App& bench) {
+void add_calibration(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
-  CLI::App* sub =
-      bench.add_subcommand("calibration", "Predicted against observed success of noisy placements");
+  CLI::App* sub = app.add_subcommand("calibration", "Predicted against observed success of noisy placements");
   sub->add_option("--placements", options->placements, "At least, from each pool")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
@@ -136,12 +132,12 @@ void add_bench_calibration(CLI::App& bench) {
   options->settings.register_on(*sub);
   sub->footer(
       "Example:\n"
-      "  stonestack bench calibration --set search.placement_sigma_translation=0.002 "
+      "  stonestack-bench calibration --set search.placement_sigma_translation=0.002 "
       "--set search.placement_sigma_rotation=0.035");
-  sub->callback([options] {
+  measure_by(*sub, [options](Results& results) {
     options->settings.apply(nest("search", fields(options->search)));
-    measure(*options);
+    measure(*options, results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

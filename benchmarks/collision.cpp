@@ -1,5 +1,4 @@
 // Prints whether collision checks agree with an exact reference (CGAL) over random configurations.
-#include <cstdio>
 #include <memory>
 
 #include "bench.hpp"
@@ -8,7 +7,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -30,11 +29,11 @@ PlanningScene thirteen_objects(std::uint64_t seed) {
   return scene;
 }
 
-void compare(int configurations, std::uint64_t seed) {
+void compare(int configurations, std::uint64_t seed, Results& results) {
   const PlanningScene scene = thirteen_objects(seed);
   const CollisionRules rules;
   const CollisionChecker checker(scene, rules);
-  const bench::CollisionReference reference(scene, rules);
+  const CollisionReference reference(scene, rules);
   Random random = Random::stream(seed, "configurations");
   int collide = 0, on_the_edge = 0, missed = 0, invented = 0;
   for (int n = 0; n < configurations; ++n) {
@@ -51,27 +50,34 @@ void compare(int configurations, std::uint64_t seed) {
     else if (gap > 0 && hit)
       ++invented;
   }
-  std::printf(
-      "%d random configurations of a UR10 among 13 objects, padding %.0f mm, seed %d: %d collide; within "
-      "0.1 mm of the padding %d; against exact distances (CGAL): missed %d, invented %d\n",
-      configurations, 1e3 * rules.padding, static_cast<int>(seed), collide, on_the_edge, missed, invented);
+  results.settings({{"robot", "ur10"},
+                    {"objects", scene.objects.size()},
+                    {"configurations", configurations},
+                    {"padding_mm", 1e3 * rules.padding},
+                    {"seed", static_cast<int>(seed)}});
+  results.figures("against exact distances (CGAL)", {{"collide", collide},
+                                                     {"at_padding_within_0.1_mm", on_the_edge},
+                                                     {"missed", missed},
+                                                     {"invented", invented}});
 }
 
 }  // namespace
 
-void add_bench_collision(CLI::App& bench) {
+void add_collision(CLI::App& app) {
   struct Command {
     int configurations = 2000;
     int seed = 1;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub = bench.add_subcommand("collision", "Collision checks against exact distances");
+  CLI::App* sub = app.add_subcommand("collision", "Collision checks against exact distances");
   sub->add_option("--configurations", command->configurations)
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
   sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
-  sub->footer("Example:\n  stonestack bench collision --configurations 100000");
-  sub->callback([command] { compare(command->configurations, static_cast<std::uint64_t>(command->seed)); });
+  sub->footer("Example:\n  stonestack-bench collision --configurations 100000");
+  measure_by(*sub, [command](Results& results) {
+    compare(command->configurations, static_cast<std::uint64_t>(command->seed), results);
+  });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

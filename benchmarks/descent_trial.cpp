@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "stonestack/core/error.hpp"
@@ -21,8 +20,10 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kHighest = 0.12;   // m, between stone and support while the hand moves aside
 constexpr double kGap = 0.0005;     // m: contact that is reported further away is a false trigger
 constexpr double kSlipped = 0.015;  // m, in the hand: then another stone is taken
-constexpr double kShoved = 0.005, kShovedTurn = 0.09;      // m, rad: more than a lift does (bench hold)
-constexpr double kSeenShift = 0.0007, kSeenTurn = 0.009;   // m, rad; one sigma an axis, as in bench hold
+constexpr double kShoved = 0.005,
+                 kShovedTurn = 0.09;  // m, rad: more than a lift does (stonestack-bench hold)
+constexpr double kSeenShift = 0.0007,
+                 kSeenTurn = 0.009;  // m, rad; one sigma an axis, as in stonestack-bench hold
 constexpr double kLeastSpeed = 0.003, kMostSpeed = 0.007;  // m/s, the default is 0.005
 constexpr double kLook = 0.05;                             // s, along a descent
 constexpr double kPushed = 0.0001, kPushedTurn = 0.001;    // m, rad: a support that gave way was touched
@@ -165,7 +166,7 @@ void DescentTrial::measure(double far, DescentTally& tally) {
   ends.peaks.push_back(peak);
   const bool well =
       no_room || ((result.status == Status::kContact) == touches && result.status <= Status::kNoContact);
-  if (tally.list && (!well || peak > kForceMark))
+  if (tally.results != nullptr && (!well || peak > kForceMark))
     print(tally, ends,
           concat(result.reason, "; peak ", peak, " N; the stone touches", touches ? "" : " nothing"), before);
 }
@@ -184,13 +185,12 @@ void DescentTrial::print(const DescentTally& tally, const DescentEnds& ends, con
                          const PoseDifference& before) {
   const char* kind = &ends == &tally.hand_first ? ", hand first" : &ends == &tally.shoved ? ", shoved" : "";
   const PoseDifference after = moved_in_hand();
-  std::printf(
+  tally.results->note(
       "  stone %d, descent %d, %.2f kg%s: %s; nearest to the hand: %s; in the hand it had moved %.1f mm, "
-      "%.1f deg, and %.1f mm, %.1f deg afterwards\n",
+      "%.1f deg, and %.1f mm, %.1f deg afterwards",
       static_cast<int>(tally.stone), descent_, stones_[0].mass.mass, kind, end.c_str(),
       nearest_to_hand(cell_.arm.state().q).c_str(), 1e3 * before.translation, before.angle / kDegree,
       1e3 * after.translation, after.angle / kDegree);
-  std::fflush(stdout);
 }
 
 PlanningScene DescentTrial::hand_and_support() {

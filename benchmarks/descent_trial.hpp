@@ -3,13 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "result_table.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/execute.hpp"
 
-/// Guarded descents of one stone, for `bench descent`.
+/// Guarded descents of one stone, for `stonestack-bench descent`.
 namespace stonestack::bench {
 
 inline constexpr double kForceMark = 30.0;  ///< N
@@ -21,8 +22,8 @@ struct DescentEnds {
   std::vector<double> peaks;  ///< N
 };
 struct DescentTally {
-  bool list = false;        ///< print the descents that went wrong
-  std::uint64_t stone = 0;  ///< number of the stone that is carried
+  Results* results = nullptr;  ///< gets a note of each descent that went wrong; null: none
+  std::uint64_t stone = 0;     ///< number of the stone that is carried
   int descents = 0, on_stone = 0;
   DescentEnds planned;     ///< as a plan has them
   DescentEnds hand_first;  ///< at a place that no plan would choose

@@ -1,6 +1,5 @@
 // Recall, false accepts, errors, calibration and time of detection on seeded synthetic scenes.
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -13,7 +12,7 @@
 #include "stonestack/detection/method.hpp"
 #include "stonestack/detection/trace.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 /// What the user asks for.
@@ -25,7 +24,7 @@ struct DetectionBench {
   std::string trace;
   std::string bop, bop_split = "test", bop_csv = "stonestack_bop.csv";
   bool list = false;
-  bench::CameraError camera_error;
+  CameraError camera_error;
 };
 
 DetectionOptions options_for(const std::string& method, DetectionBench& settings) {
@@ -43,55 +42,60 @@ std::string csv_of(const std::string& path, const std::string& method) {
   return (file.parent_path() / (method + "-" + file.filename().string())).string();
 }
 
-void measure_kind(const bench::SceneKind& kind, const bench::SceneMaker& maker,
-                  const std::vector<Stone>& stones, const DetectionModels& models, DetectionOptions options,
-                  const DetectionBench& settings) {
+void measure_kind(const SceneKind& kind, const SceneMaker& maker, const std::vector<Stone>& stones,
+                  const DetectionModels& models, DetectionOptions options, const DetectionBench& settings,
+                  Results& results) {
   options.copies = kind.copies;
-  bench::DetectionTally tally;
+  DetectionTally tally;
   for (int i = settings.first; i < settings.first + settings.scenes; ++i) {
     throw_if_interrupted();
     const auto seed =
         static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(i);
     const auto scene = maker.make(kind, seed, settings.camera_error);
-    if (settings.list) std::printf("  %s %d\n", kind.name.c_str(), i);
+    if (settings.list) results.note("  %s %d", kind.name.c_str(), i);
     const Stopwatch watch;
     const double start = processor_seconds();
     const auto result = detect_stones(scene.views, models, {}, options);
     tally.cpu += processor_seconds() - start;
     tally.wall += watch.seconds();
-    bench::judge(result, scene, kind, static_cast<int>(stones.size()), settings.list, tally);
+    judge(result, scene, kind, static_cast<int>(stones.size()), settings.list ? &results : nullptr, tally);
     if (result.trace) write_trace(concat(settings.trace, "/", kind.name, "_", i), *result.trace, stones);
-    std::fflush(stdout);
   }
-  bench::print_row(options.method, kind.name, tally);
+  results.row(detection_cells(options.method, kind.name, tally));
 }
 
-void measure(DetectionBench& settings, const std::vector<Stone>& stones) {
-  const auto kinds = bench::scene_kinds();
+void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results& results) {
+  const auto kinds = scene_kinds();
   for (const auto& name : settings.kinds)
     require(std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; }),
             "no kind of scene is called '", name, "'; see --help");
-  const bench::SceneMaker maker(stones);
-  std::printf("seed %d, %d scenes a kind from scene %d, %zu models, right within 5 deg and 5 mm\n",
-              settings.common.seed, settings.scenes, settings.first, stones.size());
-  bench::print_heading();
+  const SceneMaker maker(stones);
+  results.settings({{"scenes", settings.scenes},
+                    {"first", settings.first},
+                    {"models", stones.size()},
+                    {"right_within_deg", 5.0},
+                    {"right_within_mm", 5.0},
+                    {"camera_shift_m", settings.camera_error.shift},
+                    {"camera_turn_rad", settings.camera_error.turn},
+                    {"seed", settings.common.seed}});
+  results.table("detection", detection_columns());
   for (const auto& method : settings.methods) {
     const DetectionOptions options = options_for(method, settings);
     const DetectionModels models(stones, options);
     for (const auto& kind : kinds) {
       const auto& wanted = settings.kinds;
       if (wanted.empty() || std::find(wanted.begin(), wanted.end(), kind.name) != wanted.end())
-        measure_kind(kind, maker, stones, models, options, settings);
+        measure_kind(kind, maker, stones, models, options, settings, results);
     }
   }
 }
 
 }  // namespace
 
-void add_bench_detection(CLI::App& bench) {
+void add_detection(CLI::App& app) {
   auto command = std::make_shared<DetectionBench>();
-  CLI::App* sub = bench.add_subcommand(
-      "detection", "Recall, false accepts, errors, calibration and time on seeded scenes");
+  CLI::App* sub =
+      app.add_subcommand("detection", "Recall, false accepts, errors, calibration and time on seeded scenes");
   sub->add_option("--scenes", command->scenes, "Scenes a kind")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -112,29 +116,31 @@ void add_bench_detection(CLI::App& bench) {
                   "m, error of the reported pose of a second view")
       ->capture_default_str();
   sub->add_option("--camera-turn", command->camera_error.turn, "rad, the same")->capture_default_str();
-  command->common.register_bench(*sub);
+  command->common.register_draw(*sub);
   sub->footer(
       "Examples:\n"
-      "  stonestack bench detection --scenes 100 --methods default,paper\n"
-      "  stonestack bench detection --kinds touching --first 7 --scenes 1 --list --trace trace\n"
-      "  stonestack bench detection --bop lm --bop-csv stonestack_lm-test.csv\n"
+      "  stonestack-bench detection --scenes 100 --methods default,paper\n"
+      "  stonestack-bench detection --kinds touching --first 7 --scenes 1 --list --trace trace\n"
+      "  stonestack-bench detection --bop lm --bop-csv stonestack_lm-test.csv\n"
       "Kinds: isolated, four stones apart; touching, in a heap; stacked, three on each other, seen from the "
       "side; "
       "few, one\nstone and the others absent; d435, another sensor; copies, one stone twice; mirrored, no "
       "stone is "
       "there; hidden, a heap\nof six from low down; two_views, the same heaps from a second side, too.\n"
-      "deg, mm: errors, median and 95 %; in 95%: share of true poses within the stated 95 % region; chi2: 95 "
+      "deg, mm: errors, median and 95 %; in 95: share of true poses within the stated 95 % region; chi2: 95 "
       "%\n"
-      "quantile of the squared Mahalanobis distance over what it should be; score5: 5 % quantile of right "
-      "scores");
-  sub->callback([command] {
-    if (command->bop.empty()) return measure(*command, command->common.read().stones);
+      "quantile of the squared Mahalanobis distance over what it should be; score p5: 5 % quantile of right "
+      "scores\n"
+      "BOP data sets are scored as the BOP toolkit does (MSSD, MSPD), with the symmetries of "
+      "models_info.json.");
+  measure_by(*sub, [command](Results& results) {
+    if (command->bop.empty()) return measure(*command, command->common.read().stones, results);
+    results.settings({{"bop", command->bop}, {"split", command->bop_split}});
     const bool several = command->methods.size() > 1;
     for (const auto& method : command->methods)
-      bench::run_bop(command->bop, command->bop_split,
-                     several ? csv_of(command->bop_csv, method) : command->bop_csv,
-                     options_for(method, *command));
+      run_bop(command->bop, command->bop_split, several ? csv_of(command->bop_csv, method) : command->bop_csv,
+              options_for(method, *command), results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

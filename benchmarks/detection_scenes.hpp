@@ -10,7 +10,7 @@
 #include "stonestack/simulation/sensor_noise.hpp"
 #include "stonestack/stone/stone.hpp"
 
-/// Seeded scenes with known truth, for `bench detection`.
+/// Seeded scenes with known truth, for `stonestack-bench detection`.
 namespace stonestack::bench {
 
 /// isolated: four stones apart. touching: four in one heap on the table. stacked: three on each other, one

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "stonestack/core/quantile.hpp"
 
@@ -33,17 +32,16 @@ std::vector<const TrueStone*>::iterator nearest(std::vector<const TrueStone*>& l
   return at != left.end() && (*at)->stone == d.stone ? at : left.end();
 }
 
-void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& kind, bool list,
+void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& kind, Results* list,
                  DetectionTally& tally) {
   const PoseDifference off = difference(d.T_C_O, truth.T_C_O);
   const bool right = off.angle < kRightAngle && off.translation < kRightShift;
   if (truth.unhidden >= kind.least_unhidden) tally.right += right ? 1 : 0;
   (right ? tally.right_scores : tally.bad_scores).push_back(d.score);
-  if (list)
-    std::printf(
+  if (list != nullptr)
+    list->note(
         "    %s: stone %d unhidden %.2f score %.3f certain %.2f visible %.3f off %.1f deg %.1f mm, stated "
-        "%.1f deg %.1f "
-        "mm\n",
+        "%.1f deg %.1f mm",
         right ? "right" : "wrong", d.stone, truth.unhidden, d.score, d.certainty, d.visible,
         off.angle / kDegree, off.translation * 1000,
         std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()) / kDegree,
@@ -61,7 +59,7 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
 }  // namespace
 
 void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
-           bool list, DetectionTally& tally) {
+           Results* list, DetectionTally& tally) {
   ++tally.scenes;
   std::vector<const TrueStone*> left;
   for (const auto& t : scene.truth) {
@@ -78,36 +76,61 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
     if (at == left.end()) {
       ++tally.false_accepts;
       tally.bad_scores.push_back(d.score);
-      if (list)
-        std::printf("    false accept: stone %d score %.3f certain %.2f visible %.2f\n", d.stone, d.score,
-                    d.certainty, d.visible);
+      if (list != nullptr)
+        list->note("    false accept: stone %d score %.3f certain %.2f visible %.2f", d.stone, d.score,
+                   d.certainty, d.visible);
       continue;
     }
     judge_found(d, **at, kind, list, tally);
     left.erase(at);
   }
-  if (list && result.depth_scale_sigma > 0)
-    std::printf("    depth scale %.4f +- %.4f\n", result.depth_scale, result.depth_scale_sigma);
+  if (list != nullptr && result.depth_scale_sigma > 0)
+    list->note("    depth scale %.4f +- %.4f", result.depth_scale, result.depth_scale_sigma);
   for (const auto* t : left)
-    if (list && t->unhidden >= kind.least_unhidden)
-      std::printf("    missed: stone %d unhidden %.2f\n", t->stone, t->unhidden);
+    if (list != nullptr && t->unhidden >= kind.least_unhidden)
+      list->note("    missed: stone %d unhidden %.2f", t->stone, t->unhidden);
 }
 
-void print_heading() {
-  std::printf("%-8s %-9s %7s %9s %3s %10s %11s %11s %6s %6s %6s %6s %6s\n", "method", "kind", "recall", "",
-              "bad", "false", "deg 50/95", "mm 50/95", "in 95%", "chi2", "score5", "wall s", "cpu s");
+std::vector<Column> detection_columns() {
+  return {{"method"},
+          {"kind"},
+          {"recall_percent", 1},
+          {"right"},
+          {"present"},
+          {"wrong"},
+          {"false"},
+          {"absent"},
+          {"deg_median"},
+          {"deg_p95"},
+          {"mm_median"},
+          {"mm_p95"},
+          {"in_95_percent", 1},
+          {"chi2"},
+          {"score_p5", 3},
+          {"wall_s", 3},
+          {"cpu_s", 3}};
 }
 
-void print_row(const std::string& method, const std::string& kind, const DetectionTally& t) {
-  std::printf(
-      "%-8s %-9s %6.1f%% %4d/%-4d %3d %4d/%-5d %5.2f %5.2f %5.2f %5.2f %5.1f%% %6.2f %6.3f %6.3f %6.3f\n",
-      method.c_str(), kind.c_str(), 100.0 * t.right / std::max(1, t.present), t.right, t.present, t.wrong,
-      t.false_accepts, t.absent, quantile(t.degrees, 0.5), quantile(t.degrees, 0.95),
-      quantile(t.millimetres, 0.5), quantile(t.millimetres, 0.95),
-      100.0 * t.calibrated / std::max<double>(1, static_cast<double>(t.degrees.size())),
-      quantile(t.chi2, 0.95) / kChi2Of95, quantile(t.right_scores, 0.05), t.wall / t.scenes,
-      t.cpu / t.scenes);
-  std::fflush(stdout);
+std::vector<Cell> detection_cells(const std::string& method, const std::string& kind,
+                                  const DetectionTally& t) {
+  const auto share = [](int part, double all) { return all > 0 ? Cell(100.0 * part / all) : Cell(); };
+  return {method,
+          kind,
+          share(t.right, t.present),
+          t.right,
+          t.present,
+          t.wrong,
+          t.false_accepts,
+          t.absent,
+          quantile(t.degrees, 0.5),
+          quantile(t.degrees, 0.95),
+          quantile(t.millimetres, 0.5),
+          quantile(t.millimetres, 0.95),
+          share(t.calibrated, static_cast<double>(t.degrees.size())),
+          quantile(t.chi2, 0.95) / kChi2Of95,
+          quantile(t.right_scores, 0.05),
+          t.wall / t.scenes,
+          t.cpu / t.scenes};
 }
 
 }  // namespace stonestack::bench

@@ -2,10 +2,11 @@
 #include <string>
 #include <vector>
 
-#include "rooms.hpp"
 #include "detection_scenes.hpp"
+#include "result_table.hpp"
+#include "rooms.hpp"
 
-/// Counts of `bench detection`.
+/// Counts of `stonestack-bench detection`.
 namespace stonestack::bench {
 
 /// Counts and samples of one method on one kind of scene.
@@ -16,12 +17,14 @@ struct DetectionTally {
 };
 
 /// Compares what was found with the truth. Right: within 5 deg and 5 mm. A stone counts as present if the
-/// kind's share of what faces the first camera is not hidden. With `list`, prints every detection, miss and
-/// false accept.
+/// kind's share of what faces the first camera is not hidden. `list` gets a note of every detection, miss and
+/// false accept; null: none.
 void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
-           bool list, DetectionTally& tally);
+           Results* list, DetectionTally& tally);
 
-void print_heading();
-void print_row(const std::string& method, const std::string& kind, const DetectionTally& tally);
+/// Columns of a row: one method on one kind of scene.
+[[nodiscard]] std::vector<Column> detection_columns();
+[[nodiscard]] std::vector<Cell> detection_cells(const std::string& method, const std::string& kind,
+                                                const DetectionTally& tally);
 
 }  // namespace stonestack::bench

@@ -3,7 +3,6 @@
 // takes.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 
 #include "bench.hpp"
@@ -15,10 +14,8 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/physics/settle.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
-
-using bench::StonePool;
 
 constexpr double kSettlingFriction = 0.6;  // what only high friction holds is wanted, too
 constexpr int kAttempts = 60;              // for each level of a random stack
@@ -27,7 +24,7 @@ struct BenchOptions {
   int stacks = 500, stones = 3, seed = 1;
   double friction = 0.3, push = 0.02, seconds = 2.0, band = 0.02;
   bool steps = false;
-  bench::PoolOptions pools;
+  PoolOptions pools;
 };
 
 /// A step (s) and iterations with which a stack may be judged, and how that fared.
@@ -135,11 +132,12 @@ void judge_by(const BenchOptions& options, const StonePool& pool, const Stack& s
   for (std::size_t k = 0; k < list->size(); ++k) (*list)[k].as_finest += stands[k] == stands.back() ? 1 : 0;
 }
 
-void print(const std::vector<Stepping>& list, int count) {
-  std::printf("  %8s %10s %6s %12s %9s\n", "step", "iterations", "stand", "as finest", "ms each");
+void report(const std::string& pool, const std::vector<Stepping>& list, int count, Results& results) {
+  results.table(pool + " judged with other steps",
+                {{"rate_hz", 0}, {"iterations"}, {"stand"}, {"as_finest_percent", 1}, {"ms_each"}});
   for (const Stepping& by : list)
-    std::printf("  1/%-6.0f %10d %6d %10.1f %% %9.2f\n", 1.0 / by.step, by.iterations, by.stand,
-                100.0 * by.as_finest / count, 1e3 * by.seconds / count);
+    results.row(
+        {1.0 / by.step, by.iterations, by.stand, 100.0 * by.as_finest / count, 1e3 * by.seconds / count});
 }
 
 /// How far from the edge, in units of the friction: margin of what stands, missing friction of what falls.
@@ -148,7 +146,14 @@ bool outside_band(const BenchOptions& options, const Equilibrium& e) {
   return e.least_friction - options.friction >= options.band;
 }
 
-void measure_pool(const BenchOptions& options, const StonePool& pool) {
+/// The row of a pool and, with --steps, how its stacks fared with other steps.
+struct PoolFindings {
+  std::vector<Cell> row;
+  std::vector<Stepping> steppings;
+  int count = 0;
+};
+
+PoolFindings measure_pool(const BenchOptions& options, const StonePool& pool) {
   int agree = 0, clear = 0, clear_agree = 0, only_lp = 0, only_simulated = 0, stand = 0, count = 0;
   std::vector<double> times;
   std::vector<Stepping> list = steppings();
@@ -171,30 +176,42 @@ void measure_pool(const BenchOptions& options, const StonePool& pool) {
     if (options.steps) judge_by(options, pool, *stack, &list);
   }
   require(count > 0, "no random stack of ", options.stones, " came to rest; try fewer stones");
-  std::printf("%-10s %6d %6d %9.1f %% %8d %13.1f %% %8d %9d %9.2f %9.2f\n", pool.name.c_str(), count, stand,
-              100.0 * agree / count, clear, 100.0 * clear_agree / std::max(1, clear), only_lp, only_simulated,
-              quantile(times, 0.5), quantile(times, 0.95));
-  if (options.steps) print(list, count);
-  std::fflush(stdout);
+  const Cell clear_share = clear > 0 ? Cell(100.0 * clear_agree / clear) : Cell();
+  return {{pool.name, count, stand, 100.0 * agree / count, clear, clear_share, only_lp, only_simulated,
+           quantile(times, 0.5), quantile(times, 0.95)},
+          list,
+          count};
 }
 
-void measure(const BenchOptions& options) {
-  std::printf(
-      "%d random stacks of %d, settled at friction %g, judged at %g, %g s; band %g g or of friction; "
-      "seed %d\n",
-      options.stacks, options.stones, std::max(options.friction, kSettlingFriction), options.friction,
-      options.seconds, options.band, options.seed);
-  std::printf("%-10s %6s %6s %11s %8s %15s %8s %9s %9s %9s\n", "stones", "stacks", "stand", "agree", "clear",
-              "clear agree", "only LP", "only sim", "ms median", "ms 95 %");
-  for (const StonePool& pool : bench::read_pools(options.pools)) measure_pool(options, pool);
+void measure(const BenchOptions& options, Results& results) {
+  results.settings({{"stacks", options.stacks},
+                    {"stones", options.stones},
+                    {"settling_friction", std::max(options.friction, kSettlingFriction)},
+                    {"friction", options.friction},
+                    {"seconds", options.seconds},
+                    {"band", options.band},
+                    {"seed", options.seed}});
+  const std::vector<StonePool> pools = read_pools(options.pools);
+  const std::vector<Column> columns{{"stones"},    {"stacks"},
+                                    {"stand"},     {"agree_percent", 1},
+                                    {"clear"},     {"clear_agree_percent", 1},
+                                    {"only_lp"},   {"only_simulated"},
+                                    {"ms_median"}, {"ms_p95"}};
+  if (!options.steps) results.table("verdicts", columns);
+  for (const StonePool& pool : pools) {
+    const PoolFindings found = measure_pool(options, pool);
+    if (options.steps) results.table("verdicts", columns);
+    results.row(found.row);
+    if (options.steps) report(pool.name, found.steppings, found.count, results);
+  }
 }
 
 }  // namespace
 
-void add_bench_equilibrium(CLI::App& bench) {
+void add_equilibrium(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* sub =
-      bench.add_subcommand("equilibrium", "Agreement of equilibrium and simulation on random stacks");
+      app.add_subcommand("equilibrium", "Agreement of equilibrium and simulation on random stacks");
   sub->add_option("--stacks", options->stacks, "From each pool")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -214,9 +231,9 @@ void add_bench_equilibrium(CLI::App& bench) {
   options->pools.register_on(*sub);
   sub->footer(
       "Examples:\n"
-      "  stonestack bench equilibrium --stacks 500 --friction 0.3\n"
-      "  stonestack bench equilibrium --stacks 150 --friction 0.5 --steps");
-  sub->callback([options] { measure(*options); });
+      "  stonestack-bench equilibrium --stacks 500 --friction 0.3\n"
+      "  stonestack-bench equilibrium --stacks 150 --friction 0.5 --steps");
+  measure_by(*sub, [options](Results& results) { measure(*options, results); });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <vector>
@@ -20,7 +19,7 @@
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/regrasp.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr double kQuickMs = 300.0;                   // the mark for a plan
@@ -47,38 +46,61 @@ double processor_ms() {
   return 1e3 * processor_seconds();
 }
 
-void print(const char* name, const Tally& t) {
-  const auto share = [&](int count) { return 100.0 * count / std::max(1, t.tasks); };
-  const int turned_over = t.set_down[1] + t.set_down[2];
-  std::printf("%-7s %3d tasks  grasp %5.1f %%  planned %5.1f %%, within %.0f ms %5.1f %%\n", name, t.tasks,
-              share(t.graspable), share(t.planned), kQuickMs, share(t.quick));
-  std::printf("    with regrasp %5.1f %% (%d set down once, %d twice), all within %.0f ms %5.1f %%\n",
-              share(t.planned + turned_over), t.set_down[1], t.set_down[2], kQuickMs, share(t.quick_with));
-  if (!t.tilts.empty())
-    std::printf("    set down where they topple beyond, deg: least %.1f, 10 %% %.1f, median %.1f\n",
-                quantile(t.tilts, 0.0) * 180.0 / M_PI, quantile(t.tilts, 0.1) * 180.0 / M_PI,
-                quantile(t.tilts, 0.5) * 180.0 / M_PI);
-  std::printf(
-      "    check ms %.1f / %.1f  plan ms %.0f / %.0f  regrasp ms %.0f / %.0f  motion s %.1f / %.1f "
-      "(median / 95 %%)\n",
-      quantile(t.check_ms, 0.5), quantile(t.check_ms, 0.95), quantile(t.plan_ms, 0.5),
-      quantile(t.plan_ms, 0.95), quantile(t.regrasp_ms, 0.5), quantile(t.regrasp_ms, 0.95),
-      quantile(t.motion_s, 0.5), quantile(t.motion_s, 0.95));
-  std::printf("    of %ld grasps", t.grasps);
-  for (std::size_t i = 0; i < kGraspFaults; ++i)
-    std::printf("%s %.1f %% %s", i == 0 ? "" : ",",
-                100.0 * static_cast<double>(t.refused[i]) / static_cast<double>(std::max(1L, t.grasps)),
-                to_text(static_cast<GraspFault>(i)));
-  std::printf("\n");
-  for (const auto& [reason, count] : t.reasons) std::printf("    %3d  %s\n", count, reason.c_str());
+double share_of(int count, const Tally& t) {
+  return 100.0 * count / std::max(1, t.tasks);
 }
 
-void print_angles(const Tally& t) {
-  std::printf("    angle between ups, deg   tasks   hand alone   planned   set down once   twice   none\n");
+void report(const std::vector<std::pair<const char*, const Tally*>>& kinds, Results& results) {
+  results.table("tasks", {{"target"},
+                          {"tasks"},
+                          {"graspable_percent", 1},
+                          {"planned_percent", 1},
+                          {"quick_percent", 1},
+                          {"with_regrasp_percent", 1},
+                          {"once"},
+                          {"twice"},
+                          {"all_quick_percent", 1}});
+  for (const auto& [name, t] : kinds)
+    results.row({name, t->tasks, share_of(t->graspable, *t), share_of(t->planned, *t), share_of(t->quick, *t),
+                 share_of(t->planned + t->set_down[1] + t->set_down[2], *t), t->set_down[1], t->set_down[2],
+                 share_of(t->quick_with, *t)});
+  results.table("times", {{"target"},
+                          {"check_ms_median", 1},
+                          {"check_ms_p95", 1},
+                          {"plan_ms_median", 0},
+                          {"plan_ms_p95", 0},
+                          {"regrasp_ms_median", 0},
+                          {"regrasp_ms_p95", 0},
+                          {"motion_s_median", 1},
+                          {"motion_s_p95", 1}});
+  for (const auto& [name, t] : kinds)
+    results.row({name, quantile(t->check_ms, 0.5), quantile(t->check_ms, 0.95), quantile(t->plan_ms, 0.5),
+                 quantile(t->plan_ms, 0.95), quantile(t->regrasp_ms, 0.5), quantile(t->regrasp_ms, 0.95),
+                 quantile(t->motion_s, 0.5), quantile(t->motion_s, 0.95)});
+  results.table("tilt at which a stone that was set down topples",
+                {{"target"}, {"deg_min", 1}, {"deg_p10", 1}, {"deg_median", 1}});
+  for (const auto& [name, t] : kinds)
+    results.row({name, quantile(t->tilts, 0.0) * 180.0 / M_PI, quantile(t->tilts, 0.1) * 180.0 / M_PI,
+                 quantile(t->tilts, 0.5) * 180.0 / M_PI});
+  results.table("grasps", {{"target"}, {"fault"}, {"percent", 1}, {"grasps"}});
+  for (const auto& [name, t] : kinds)
+    for (std::size_t i = 0; i < kGraspFaults; ++i)
+      results.row({name, to_text(static_cast<GraspFault>(i)),
+                   100.0 * static_cast<double>(t->refused[i]) / static_cast<double>(std::max(1L, t->grasps)),
+                   t->grasps});
+  results.table("why tasks failed", {{"target"}, {"tasks"}, {"reason"}});
+  for (const auto& [name, t] : kinds)
+    for (const auto& [reason, count] : t->reasons) results.row({name, count, reason});
+}
+
+void report_angles(const Tally& t, Results& results) {
+  results.table(
+      "tipped, by the angle between ups",
+      {{"from_deg"}, {"to_deg"}, {"tasks"}, {"gripper_alone"}, {"planned"}, {"once"}, {"twice"}, {"none"}});
   for (std::size_t i = 0; i < kAngles; ++i) {
     const AngleTally& a = t.angles[i];
-    std::printf("    %3zu to %3zu %18d %12d %9d %15d %7d %6d\n", 30 * i, 30 * (i + 1), a.tasks, a.hand,
-                a.planned, a.once, a.twice, a.tasks - a.planned - a.once - a.twice);
+    results.row({30 * i, 30 * (i + 1), a.tasks, a.hand, a.planned, a.once, a.twice,
+                 a.tasks - a.planned - a.once - a.twice});
   }
 }
 
@@ -127,27 +149,30 @@ void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, const Mo
   tally.quick_with += tally.plan_ms.back() + tally.regrasp_ms.back() <= kQuickMs ? 1 : 0;
 }
 
-void sample_grasps(const std::vector<Stone>& stones) {
+void sample_grasps(const std::vector<Stone>& stones, Results& results) {
   const double sampling = processor_ms();
   std::size_t grasps = 0;
+  results.table("stones", {{"stone"}, {"x_mm", 0}, {"y_mm", 0}, {"z_mm", 0}, {"mass_kg"}, {"grasps"}});
   for (const Stone& stone : stones) {
     const auto set = cached_grasps(stone, make_robotiq_3f());
     const Eigen::Vector3d size = bounds(stone.scan).sizes();
-    std::printf("%-16s %.0f x %.0f x %.0f mm  %.2f kg  %4zu grasps\n", stone.name.c_str(), 1e3 * size.x(),
-                1e3 * size.y(), 1e3 * size.z(), stone.mass.mass, set->grasps.size());
+    results.row(
+        {stone.name, 1e3 * size.x(), 1e3 * size.y(), 1e3 * size.z(), stone.mass.mass, set->grasps.size()});
     grasps += set->grasps.size();
   }
-  std::printf("%zu grasps of %zu stones sampled in %.1f s\n", grasps, stones.size(),
-              1e-3 * (processor_ms() - sampling));
+  results.figures(
+      "sampling",
+      {{"stones", stones.size()}, {"grasps", grasps}, {"cpu_s", 1e-3 * (processor_ms() - sampling), 1}});
 }
 
-void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed, const MotionOptions& options) {
-  sample_grasps(stones);
+void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed, const MotionOptions& options,
+             Results& results) {
+  sample_grasps(stones, results);
   Tally turned, tipped;
   for (std::uint64_t n = 0; turned.tasks < tasks; ++n) {
     throw_if_interrupted();
     Random random = Random::stream(seed, n);
-    const bench::GraspProblem problem = bench::make_grasp_problem(stones, random);
+    const GraspProblem problem = make_grasp_problem(stones, random);
     const SceneObject& tower = problem.scene.objects.back();
     const Eigen::Vector2d site = tower.T_W_object.translation().head<2>();
     for (std::size_t i = 0; i < problem.loose.size() && turned.tasks < tasks; ++i) {
@@ -160,20 +185,19 @@ void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed, co
       task.q_start << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
       const Eigen::Quaterniond yaw(Eigen::AngleAxisd(random.uniform(-3.14, 3.14), Eigen::Vector3d::UnitZ()));
       const Eigen::Quaterniond lying(task.T_W_O_pick.linear());
-      task.T_W_O_place = bench::standing_at(stone, yaw * lying, site, bench::top(tower));
+      task.T_W_O_place = standing_at(stone, yaw * lying, site, top(tower));
       run_task(problem.scene, task, options, turned);
-      task.T_W_O_place = bench::standing_at(stone, bench::rest(stone, random), site, bench::top(tower));
+      task.T_W_O_place = standing_at(stone, rest(stone, random), site, top(tower));
       run_task(problem.scene, task, options, tipped);
     }
   }
-  print("turned", turned);
-  print("tipped", tipped);
-  print_angles(tipped);
+  report({{"turned", &turned}, {"tipped", &tipped}}, results);
+  report_angles(tipped, results);
 }
 
 }  // namespace
 
-void add_bench_grasp(CLI::App& bench) {
+void add_grasp(CLI::App& app) {
   struct Command {
     CommonOptions common;
     int tasks = 40;
@@ -182,29 +206,32 @@ void add_bench_grasp(CLI::App& bench) {
   };
   auto command = std::make_shared<Command>();
   CLI::App* sub =
-      bench.add_subcommand("grasp", "How often a stone can be grasped and set on a tower, and the time");
+      app.add_subcommand("grasp", "How often a stone can be grasped and set on a tower, and the time");
   sub->add_option("--tasks", command->tasks, "Stone and target pairs a kind")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   sub->add_option("--generated", command->generated,
                   "That many limestones of 7 to 14 cm made from the seed, instead of a catalogue")
       ->check(CLI::Range(7, 1000));
-  command->common.register_bench(*sub);
+  command->common.register_draw(*sub);
   sub->footer(
-      "Examples:\n  stonestack bench grasp --generated 12 --tasks 200\n"
-      "  stonestack bench grasp --catalogue rocks --tasks 200");
-  sub->callback([command] {
+      "Examples:\n  stonestack-bench grasp --generated 12 --tasks 200\n"
+      "  stonestack-bench grasp --catalogue rocks --tasks 200");
+  measure_by(*sub, [command](Results& results) {
     command->common.settings.apply(nest("motion", fields(command->motion)));
     const auto seed = static_cast<std::uint64_t>(command->common.seed);
-    std::printf("%d tasks a kind, seed %d\n", command->tasks, command->common.seed);
+    results.settings({{"tasks", command->tasks},
+                      {"generated", command->generated},
+                      {"quick_ms", kQuickMs},
+                      {"seed", command->common.seed}});
     if (command->generated == 0)
-      return measure(command->common.read().stones, command->tasks, seed, command->motion);
+      return measure(command->common.read().stones, command->tasks, seed, command->motion, results);
     std::vector<Stone> stones;
     for (int k = 0; k < command->generated; ++k)
-      stones.push_back(bench::random_stone(100 * seed + static_cast<std::uint64_t>(k),
-                                           concat("limestone ", k), kSmallest, kLargest));
-    measure(stones, command->tasks, seed, command->motion);
+      stones.push_back(random_stone(100 * seed + static_cast<std::uint64_t>(k), concat("limestone ", k),
+                                    kSmallest, kLargest));
+    measure(stones, command->tasks, seed, command->motion, results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -7,7 +7,7 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-/// Seeded tasks for `bench grasp` and `bench descent`.
+/// Seeded tasks for `stonestack-bench grasp` and `descent`.
 namespace stonestack::bench {
 
 /// A generated limestone whose longest side is between `smallest` and `largest` (m).

@@ -2,7 +2,6 @@
 // the planner says, lifted and carried above the site; the true stone's motion in the hand is looked at.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -20,7 +19,7 @@
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -33,7 +32,7 @@ constexpr double kSpacing = 0.003;       // m, between samples that pads press o
 struct Settings {
   std::string catalogue = data_path("stones");
   int picks = 10;
-  bench::LookError look;
+  LookError look;
   bool every = false;
   bool locked = false;
   int seed = 1;
@@ -63,26 +62,25 @@ const Grasp* grasp_of(const GraspSet& set, const Pose& T_O_T) {
 }
 
 void print_lift(const Stone& stone, const PlanningScene& scene, const PickAndPlacePlan& plan,
-                const Pose& T_W_T, const PoseDifference& off, const std::string& what) {
-  std::printf("  %s: %.1f mm %.1f deg, %s", stone.name.c_str(), 1e3 * off.translation, off.angle / kDegree,
-              what.c_str());
+                const Pose& T_W_T, const PoseDifference& off, const std::string& what, Results& results) {
+  results.note("  %s: %.1f mm %.1f deg, %s", stone.name.c_str(), 1e3 * off.translation, off.angle / kDegree,
+               what.c_str());
   const auto set = cached_grasps(stone, scene.gripper);
   if (const Grasp* grasp = grasp_of(*set, plan.T_O_T)) {
     const PadPress press(sample_surface(stone.scan, kSpacing), stone.mass, scene.gripper, *grasp);
     const PadPress::Load load = press.bear(-T_W_T.linear().row(2).transpose(), 4.0);
-    std::printf(
-        "; grasp %td of %zu, score %.2f, fingers %.0f mm apart; pads: bear %.1f weights, move %.2f mm "
+    results.note(
+        "    grasp %td of %zu, score %.2f, fingers %.0f mm apart; pads: bear %.1f weights, move %.2f mm "
         "%.1f deg, %.1f %.1f %.1f mm deep, closing turns %.1f deg",
         grasp - set->grasps.data(), set->grasps.size(), grasp->score, 1e3 * grasp->spacing, load.share,
         1e3 * load.moved, load.turned / kDegree, 1e3 * press.deepest(0), 1e3 * press.deepest(1),
         1e3 * press.deepest(2), press.squeeze_turn() / kDegree);
   }
-  std::printf("\n");
 }
 
 /// Lifts and carries one stone that lies somewhere in a cell of its own.
-void lift(const Stone& stone, const Settings& settings, const MotionOptions& options, int seed,
-          Tally& tally) {
+void lift(const Stone& stone, const Settings& settings, const MotionOptions& options, int seed, Tally& tally,
+          Results& results) {
   const RobotModel robot = read_robot("ur10");
   const CellLayout layout;
   Random random = Random::stream(static_cast<std::uint64_t>(seed), "hold " + stone.name);
@@ -111,7 +109,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   PickAndPlacePlan plan = plan_pick_and_place(scene, task, options);
   if (plan.status != PickAndPlacePlan::Status::kPlanned) {
     ++tally.no_plan;
-    if (settings.every) std::printf("  %s: %s\n", stone.name.c_str(), plan.reason.c_str());
+    if (settings.every) results.note("  %s: %s", stone.name.c_str(), plan.reason.c_str());
     return;
   }
   plan.steps.erase(std::find_if(plan.steps.begin(), plan.steps.end(),
@@ -138,53 +136,67 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
       what = "moved in the hand";
     }
   }
-  if (settings.every) print_lift(stone, scene, plan, T_W_T, off, what);
+  if (settings.every) print_lift(stone, scene, plan, T_W_T, off, what, results);
 }
 
-void print_row(const char* name, const Tally& t) {
-  std::printf("%-20s %6d %8d %9d %8d %6d %8.1f %6.1f %6.1f %8.1f %6.1f %6.1f\n", name, t.tried, t.no_plan,
-              t.not_held, t.dropped, t.moved, 1e3 * quantile(t.slide, 0.5), 1e3 * quantile(t.slide, 0.9),
-              1e3 * quantile(t.slide, 1.0), quantile(t.turn, 0.5) / kDegree, quantile(t.turn, 0.9) / kDegree,
-              quantile(t.turn, 1.0) / kDegree);
-  std::fflush(stdout);
+void report(const std::string& name, const Tally& t, Results& results) {
+  const auto mm = [&](double share) { return 1e3 * quantile(t.slide, share); };
+  const auto deg = [&](double share) { return quantile(t.turn, share) / kDegree; };
+  results.row({name, t.tried, t.no_plan, t.not_held, t.dropped, t.moved, mm(0.5), mm(0.9), mm(1.0), deg(0.5),
+               deg(0.9), deg(1.0)});
 }
 
-void measure(const Settings& settings) {
-  const Catalogue catalogue = read_catalogue(settings.catalogue);
-  std::printf(
-      "%d lifts a stone of %s, seed %d; believed pose off by %.1f mm and %.1f deg (one sigma an axis); "
-      "fingers %s\n",
-      settings.picks, settings.catalogue.c_str(), settings.seed, 1e3 * settings.look.shift,
-      settings.look.turn / kDegree, settings.locked ? "locked once they stopped" : "close on");
-  for (const bool press_pads : {false, true}) {
-    MotionOptions options;
-    options.press_pads = press_pads;
-    const double start = processor_seconds();
-    std::printf("\ngrasps chosen by %s\n", press_pads ? "pressed pads" : "three contacts");
-    std::printf("%-20s %6s %8s %9s %8s %6s %22s %22s\n", "stone", "tried", "no plan", "not held", "dropped",
-                "moved", "mm: median 90% most", "deg: median 90% most");
-    Tally all;
-    for (const Stone& stone : catalogue.stones) {
-      Tally tally;
-      for (int k = 0; k < settings.picks; ++k) {
-        throw_if_interrupted();
-        lift(stone, settings, options, settings.seed * 1000 + k, tally);
-      }
-      print_row(stone.name.c_str(), tally);
-      all.add(tally);
+/// The lifts of every stone, with grasps that are chosen in one of two ways.
+void measure(const Catalogue& catalogue, const Settings& settings, bool press_pads, Results& results) {
+  MotionOptions options;
+  options.press_pads = press_pads;
+  const double start = processor_seconds();
+  const std::string chosen = press_pads ? "pressed pads" : "three contacts";
+  results.table("grasps chosen by " + chosen, {{"stone"},
+                                               {"tried"},
+                                               {"no_plan"},
+                                               {"not_held"},
+                                               {"dropped"},
+                                               {"moved"},
+                                               {"mm_median", 1},
+                                               {"mm_p90", 1},
+                                               {"mm_max", 1},
+                                               {"deg_median", 1},
+                                               {"deg_p90", 1},
+                                               {"deg_max", 1}});
+  Tally all;
+  for (const Stone& stone : catalogue.stones) {
+    Tally tally;
+    for (int k = 0; k < settings.picks; ++k) {
+      throw_if_interrupted();
+      lift(stone, settings, options, settings.seed * 1000 + k, tally, results);
     }
-    print_row("all", all);
-    std::printf("moved: more than %.0f mm or %.0f deg; CPU s %.0f\n", 1e3 * kSlid, kTurned / kDegree,
-                processor_seconds() - start);
+    report(stone.name, tally, results);
+    all.add(tally);
   }
+  report("all", all, results);
+  results.figures("time, " + chosen, {{"cpu_s", processor_seconds() - start, 0}});
+}
+
+void measure(const Settings& settings, Results& results) {
+  const Catalogue catalogue = read_catalogue(settings.catalogue);
+  results.settings({{"picks", settings.picks},
+                    {"catalogue", settings.catalogue},
+                    {"shift_mm", 1e3 * settings.look.shift},
+                    {"turn_deg", settings.look.turn / kDegree},
+                    {"fingers_locked", settings.locked},
+                    {"moved_beyond_mm", 1e3 * kSlid},
+                    {"moved_beyond_deg", kTurned / kDegree},
+                    {"seed", settings.seed}});
+  for (const bool press_pads : {false, true}) measure(catalogue, settings, press_pads, results);
 }
 
 }  // namespace
 
-void add_bench_hold(CLI::App& bench) {
+void add_hold(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* sub =
-      bench.add_subcommand("hold", "Lifts and carries in the simulated cell: what stays in the hand");
+      app.add_subcommand("hold", "Lifts and carries in the simulated cell: what stays in the hand");
   sub->add_option("--catalogue", settings->catalogue, "Folder of stones (default: those that come along)")
       ->check(CLI::ExistingDirectory);
   sub->add_option("--picks", settings->picks, "Lifts of each stone")
@@ -194,8 +206,8 @@ void add_bench_hold(CLI::App& bench) {
   sub->add_flag("--locked", settings->locked, "Fingers stay where they stopped (simulation.regrip=false)");
   sub->add_flag("--every", settings->every, "Print every lift with its grasp");
   sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();
-  sub->footer("Example:\n  stonestack bench hold --picks 30 --seed 2");
-  sub->callback([settings] { measure(*settings); });
+  sub->footer("Example:\n  stonestack-bench hold --picks 30 --seed 2");
+  measure_by(*sub, [settings](Results& results) { measure(*settings, results); });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <vector>
 
@@ -16,7 +15,7 @@
 #include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/kinematics/jacobian.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr int kCalibrations = 20;  // drawn for each robot
@@ -73,7 +72,8 @@ std::vector<Problem> singular_problems(const RobotModel& robot, std::size_t coun
 }
 
 /// Every singular pose must be met, by solutions that are all good; the seed knows nothing of the answer.
-void measure_singular(const RobotModel& robot, std::size_t count, std::uint64_t seed) {
+void measure_singular(const std::string& name, std::size_t count, std::uint64_t seed, Results& results) {
+  const RobotModel robot = read_robot(name);
   std::size_t met = 0, bad = 0;
   double worst = 0.0;
   for (const auto& [q, T_R_F] : singular_problems(robot, count, seed)) {
@@ -87,11 +87,10 @@ void measure_singular(const RobotModel& robot, std::size_t count, std::uint64_t 
     met += found.count > 0 ? 1 : 0;
     throw_if_interrupted();
   }
-  std::printf("%-6s singular: met %zu of %zu, residual <= %.1e, %zu solutions beyond 1e-9 or NaN\n",
-              robot.name.c_str(), met, count, worst, bad);
+  results.row({name, count, met, worst, bad});
 }
 
-void measure(const std::string& name, std::size_t count, std::uint64_t seed) {
+void measure(const std::string& name, std::size_t count, std::uint64_t seed, Results& results) {
   const RobotModel robot = read_robot(name);
   const auto problems = random_problems(robot, count, seed);
   std::size_t recovered = 0, solutions = 0;
@@ -110,24 +109,20 @@ void measure(const std::string& name, std::size_t count, std::uint64_t seed) {
     throw_if_interrupted();
   }
   const double branches_start = processor_seconds();
-  int kept = 0;
-  for (const auto& [q, T_R_F] : problems) kept += inverse_branches(robot, T_R_F, q).count;
+  volatile int kept = 0;
+  for (const auto& [q, T_R_F] : problems) kept = kept + inverse_branches(robot, T_R_F, q).count;
   const double branches_seconds = processor_seconds() - branches_start;
   const double all_start = processor_seconds();
   std::size_t all = 0;
   for (std::size_t i = 0; i < count; i += 10) all += inverse(robot, problems[i].T_R_F, problems[i].q).size();
   const double all_seconds = processor_seconds() - all_start;
   const double forward_start = processor_seconds();
-  double sum = 0.0;
-  for (const auto& [q, T_R_F] : problems) sum += forward(robot, q).translation().x();
+  volatile double sum = 0.0;  // the calls must not be optimised away
+  for (const auto& [q, T_R_F] : problems) sum = sum + forward(robot, q).translation().x();
   const double forward_seconds = processor_seconds() - forward_start;
   const auto n = static_cast<double>(count);
-  std::printf("%-6s recovered %zu of %zu, %.2f branches a pose, residual <= %.1e; us a call: branches %.2f, ",
-              name.c_str(), recovered, count, static_cast<double>(solutions) / n, worst,
-              1e6 * branches_seconds / n);
-  std::printf("with every turn %.1f (%.0f solutions), forward %.2f%s\n", 1e7 * all_seconds / n,
-              10.0 * static_cast<double>(all) / n, 1e6 * forward_seconds / n, sum + kept < -1e300 ? "!" : "");
-  measure_singular(robot, count / 10, seed);
+  results.row({name, count, recovered, static_cast<double>(solutions) / n, worst, 1e6 * branches_seconds / n,
+               1e7 * all_seconds / n, 10.0 * static_cast<double>(all) / n, 1e6 * forward_seconds / n});
 }
 
 /// The robot with every joint's frame a little off, as a factory calibration finds it.
@@ -156,7 +151,7 @@ double apart(const Joints& a, const Joints& b) {
 
 /// Random poses of calibrated robots. The seed knows nothing of the answer.
 void measure_calibrated(const std::string& name, const CalibrationDraw& draw, std::size_t count,
-                        std::uint64_t seed) {
+                        std::uint64_t seed, Results& results) {
   Random random = Random::stream(seed, name + " calibrations");
   std::size_t recovered = 0, solutions = 0, poses = 0;
   double worst = 0.0, seconds = 0.0, missed = 0.0;
@@ -183,26 +178,24 @@ void measure_calibrated(const std::string& name, const CalibrationDraw& draw, st
     }
     throw_if_interrupted();
   }
-  std::printf(
-      "%-6s calibrated: recovered %zu of %zu, %.2f branches a pose, residual <= %.1e, %.1f us a call; "
-      "manipulability of those missed <= %.1e\n",
-      name.c_str(), recovered, poses, static_cast<double>(solutions) / static_cast<double>(poses), worst,
-      1e6 * seconds / static_cast<double>(poses), missed);
+  const Cell most_missed = recovered < poses ? Cell(missed) : Cell();
+  results.row({name, poses, recovered, static_cast<double>(solutions) / static_cast<double>(poses), worst,
+               1e6 * seconds / static_cast<double>(poses), most_missed});
 }
 
 }  // namespace
 
-void add_bench_kinematics(CLI::App& bench) {
+void add_kinematics(CLI::App& app) {
   struct Command {
     int poses = 100000;
     int seed = 1;
     CalibrationDraw draw;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub = bench.add_subcommand("kinematics",
-                                       "Inverse kinematics: recovered poses, residual, time a call; a tenth "
-                                       "as many singular poses, and as many "
-                                       "of calibrated robots");
+  CLI::App* sub = app.add_subcommand("kinematics",
+                                     "Inverse kinematics: recovered poses, residual, time a call; a tenth "
+                                     "as many singular poses, and as many "
+                                     "of calibrated robots");
   sub->add_option("--poses", command->poses, "Random joint positions a robot")
       ->check(CLI::Range(1, 100000000))
       ->capture_default_str();
@@ -214,17 +207,38 @@ void add_bench_kinematics(CLI::App& bench) {
   sub->add_option("--calibration-angle", command->draw.angle, "rad, by which they are turned")
       ->check(CLI::Range(1e-6, 0.01))
       ->capture_default_str();
-  sub->footer("Example:\n  stonestack bench kinematics --poses 1000000");
-  sub->callback([command] {
-    std::printf("%d poses a robot, seed %d\n", command->poses, command->seed);
+  sub->footer("Example:\n  stonestack-bench kinematics --poses 1000000");
+  measure_by(*sub, [command](Results& results) {
     const auto seed = static_cast<std::uint64_t>(command->seed);
     const auto poses = static_cast<std::size_t>(command->poses);
-    for (const auto& name : robot_names()) measure(name, poses, seed);
-    std::printf(
-        "%d calibrations a robot, joint frames off by %g m and %g rad (one sigma an axis), %zu poses\n",
-        kCalibrations, command->draw.length, command->draw.angle, poses / 10);
-    for (const auto& name : robot_names()) measure_calibrated(name, command->draw, poses / 10, seed);
+    const std::size_t tenth = std::max<std::size_t>(1, poses / 10);
+    results.settings({{"poses", poses},
+                      {"calibrations", kCalibrations},
+                      {"calibration_length_m", command->draw.length},
+                      {"calibration_angle_rad", command->draw.angle},
+                      {"seed", command->seed}});
+    results.table("random poses", {{"robot"},
+                                   {"poses"},
+                                   {"recovered"},
+                                   {"branches"},
+                                   {"residual_max", -1},
+                                   {"us_branches"},
+                                   {"us_with_every_turn", 1},
+                                   {"solutions_with_every_turn", 0},
+                                   {"us_forward"}});
+    for (const auto& name : robot_names()) measure(name, poses, seed, results);
+    results.table("singular poses",
+                  {{"robot"}, {"poses"}, {"met"}, {"residual_max", -1}, {"beyond_1e-9_or_nan"}});
+    for (const auto& name : robot_names()) measure_singular(name, tenth, seed, results);
+    results.table("poses of calibrated robots", {{"robot"},
+                                                 {"poses"},
+                                                 {"recovered"},
+                                                 {"branches"},
+                                                 {"residual_max", -1},
+                                                 {"us_branches", 1},
+                                                 {"manipulability_of_missed_max", -1}});
+    for (const auto& name : robot_names()) measure_calibrated(name, command->draw, tenth, seed, results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -1,7 +1,6 @@
 // Prints the speed of collision checks and transits. Times are processor time; seeds are fixed.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,7 +15,7 @@
 #include "stonestack/motion/problem_file.hpp"
 #include "stonestack/motion/transit.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -73,7 +72,9 @@ std::vector<Joints> tool_down_at(const PlanningScene& scene, const Eigen::Vector
   return all;
 }
 
-void bench_collision(std::uint64_t seed) {
+void measure_collision(std::uint64_t seed, Results& results) {
+  results.table("collision checks among 13 objects",
+                {{"configurations"}, {"checks_per_s", 0}, {"collide_percent", 1}});
   const CollisionChecker checker(thirteen_objects(seed));
   Random random = Random::stream(seed, "configurations");
   std::vector<Joints> anywhere(50000), working;
@@ -86,13 +87,12 @@ void bench_collision(std::uint64_t seed) {
     std::size_t hits = 0;
     for (const auto& q : *set) hits += checker.collides(q) ? 1 : 0;
     const double seconds = processor_seconds() - start;
-    std::printf("collision, 13 objects, %s: %.0f configurations/s, %.1f %% collide\n",
-                set == &anywhere ? "random" : "free ones", static_cast<double>(set->size()) / seconds,
-                100.0 * static_cast<double>(hits) / static_cast<double>(set->size()));
+    results.row({set == &anywhere ? "random" : "free ones", static_cast<double>(set->size()) / seconds,
+                 100.0 * static_cast<double>(hits) / static_cast<double>(set->size())});
   }
 }
 
-void bench_transit(int problems, std::uint64_t seed) {
+void measure_transit(int problems, std::uint64_t seed, Results& results) {
   const PlanningScene scene = hard_scene();
   const CollisionChecker checker(scene);
   Random random = Random::stream(seed, "transit problems");
@@ -123,12 +123,17 @@ void bench_transit(int problems, std::uint64_t seed) {
     }
     ratios.push_back(best > 0.0 ? length(*path) / best : 1.0);
   }
-  std::printf("transit, hard set: %d of %d solved, %d straight; ms: median %.1f, 95 %% %.1f, worst %.1f; ",
-              solved, posed, straight, quantile(milliseconds, 0.5), quantile(milliseconds, 0.95),
-              quantile(milliseconds, 1.0));
   const auto long_ones = std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > kLong; });
-  std::printf("length over best of eight seeds: median %.2f, 95 %% %.2f, largest %.2f, %td above %.1f\n",
-              quantile(ratios, 0.5), quantile(ratios, 0.95), quantile(ratios, 1.0), long_ones, kLong);
+  results.figures("transits of the hard set", {{"problems", posed},
+                                               {"solved", solved},
+                                               {"straight", straight},
+                                               {"ms_median", quantile(milliseconds, 0.5), 1},
+                                               {"ms_p95", quantile(milliseconds, 0.95), 1},
+                                               {"ms_max", quantile(milliseconds, 1.0), 1},
+                                               {"length_over_best_of_eight_median", quantile(ratios, 0.5)},
+                                               {"length_over_best_of_eight_p95", quantile(ratios, 0.95)},
+                                               {"length_over_best_of_eight_max", quantile(ratios, 1.0)},
+                                               {"longer_than_1.2_times_best", long_ones}});
 }
 
 /// "finger and post are 3.1 mm apart": what stands in the way of a configuration.
@@ -141,25 +146,28 @@ std::string nearest(const CollisionChecker& checker, const Joints& q) {
 
 /// Why a problem may have no solution, from its ends; empty if they are free.
 std::string blocked_ends(const CollisionChecker& checker, const MotionProblem& problem) {
-  if (checker.collides(problem.start))
-    return concat("; the start collides: ", nearest(checker, problem.start));
+  if (checker.collides(problem.start)) return concat("the start collides: ", nearest(checker, problem.start));
   if (std::any_of(problem.goals.begin(), problem.goals.end(),
                   [&](const Joints& goal) { return !checker.collides(goal); }))
     return {};
   std::string text;
   for (std::size_t k = 0; k < problem.goals.size(); ++k)
-    text += concat("; goal ", k + 1, " collides: ", nearest(checker, problem.goals[k]));
+    text +=
+        concat(text.empty() ? "" : "; ", "goal ", k + 1, " collides: ", nearest(checker, problem.goals[k]));
   return text;
 }
 
 /// Problems of a file, each from start to any of its goals.
-void bench_file(const std::string& path) {
+void plan_file(const std::string& path, Results& results) {
   const MotionProblems file = read_motion_problems(path);
   CollisionRules rules;
   rules.padding = file.padding;
   rules.opening = file.scene.gripper.largest_opening;
   const CollisionChecker checker(file.scene, rules);
   std::size_t solved = 0;
+  results.settings({{"file", path}, {"padding_mm", 1e3 * file.padding}});
+  results.table("problems",
+                {{"problem"}, {"solved"}, {"way_points"}, {"length_rad"}, {"ms", 1}, {"blocked_ends"}});
   std::vector<double> milliseconds;
   for (std::size_t i = 0; i < file.problems.size(); ++i) {
     const MotionProblem& problem = file.problems[i];
@@ -167,16 +175,16 @@ void bench_file(const std::string& path) {
     const auto path_found = find_path(checker, problem.start, problem.goals);
     milliseconds.push_back(1e3 * (processor_seconds() - start));
     solved += path_found ? 1 : 0;
-    std::printf("problem %zu: ", i + 1);
     if (path_found)
-      std::printf("%zu way points, %.2f rad, %.1f ms\n", path_found->size(), length(*path_found),
-                  milliseconds.back());
+      results.row({i + 1, true, path_found->size(), length(*path_found), milliseconds.back(), Cell()});
     else
-      std::printf("not solved, %.1f ms%s\n", milliseconds.back(), blocked_ends(checker, problem).c_str());
+      results.row({i + 1, false, Cell(), Cell(), milliseconds.back(), blocked_ends(checker, problem)});
   }
-  std::printf("%zu of %zu solved; ms: median %.1f, 95 %% %.1f, worst %.1f\n", solved, file.problems.size(),
-              quantile(milliseconds, 0.5), quantile(milliseconds, 0.95), quantile(milliseconds, 1.0));
-  std::fflush(stdout);
+  results.figures("all", {{"problems", file.problems.size()},
+                          {"solved", solved},
+                          {"ms_median", quantile(milliseconds, 0.5), 1},
+                          {"ms_p95", quantile(milliseconds, 0.95), 1},
+                          {"ms_max", quantile(milliseconds, 1.0), 1}});
   if (solved < file.problems.size())
     throw Error(concat(path, ": ", file.problems.size() - solved, " of ", file.problems.size(),
                        " problems were not solved"),
@@ -185,14 +193,14 @@ void bench_file(const std::string& path) {
 
 }  // namespace
 
-void add_bench_motion(CLI::App& bench) {
+void add_motion(CLI::App& app) {
   struct Command {
     int problems = 100;
     int seed = 1;
     std::string file;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub = bench.add_subcommand("motion", "Collision checks a second; transits on a hard set");
+  CLI::App* sub = app.add_subcommand("motion", "Collision checks a second; transits on a hard set");
   sub->add_option("--problems", command->problems, "Transit problems")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -200,16 +208,13 @@ void add_bench_motion(CLI::App& bench) {
   sub->add_option("--file", command->file,
                   "Plan the problems of this file instead (docs/motion-problems.md)");
   sub->footer(
-      "Examples:\n  stonestack bench motion --problems 500\n  stonestack bench motion --file post.txt");
-  sub->callback([command] {
-    if (!command->file.empty()) {
-      bench_file(command->file);
-      return;
-    }
-    std::printf("%d problems, seed %d\n", command->problems, command->seed);
-    bench_collision(static_cast<std::uint64_t>(command->seed));
-    bench_transit(command->problems, static_cast<std::uint64_t>(command->seed));
+      "Examples:\n  stonestack-bench motion --problems 500\n  stonestack-bench motion --file post.txt");
+  measure_by(*sub, [command](Results& results) {
+    if (!command->file.empty()) return plan_file(command->file, results);
+    results.settings({{"problems", command->problems}, {"seed", command->seed}});
+    measure_collision(static_cast<std::uint64_t>(command->seed), results);
+    measure_transit(command->problems, static_cast<std::uint64_t>(command->seed), results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

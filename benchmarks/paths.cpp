@@ -1,9 +1,8 @@
-// Prints how often the tool can be moved straight (bench cartesian), and what timing a path costs, whether it
-// keeps its limits and how near it comes to the least time (bench timing).
+// How often the tool can be moved straight (cartesian), and what timing a path costs, whether it keeps its
+// limits and how near it comes to the least time (timing).
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,12 +18,13 @@
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/timing.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kTilt = 25.0 * kPi / 180.0;  // off the vertical, most: "near-vertical"
 constexpr double kResample = 0.001;           // s
+constexpr double kJerk = 50.0;                // rad/s^3
 
 /// A tool pose on the side of the robot where stones lie, as far out as `reach` (m), pointing down within
 /// kTilt.
@@ -46,7 +46,7 @@ std::array<Pose, 3> ends_of(const Pose& T, const MotionOptions& options) {
           Pose(Eigen::Translation3d(0, 0, -options.descent_past)) * T};
 }
 
-void bench_cartesian(const std::string& name, int poses, std::uint64_t seed) {
+void measure_cartesian(const std::string& name, int poses, std::uint64_t seed, Results& results) {
   const RobotModel robot = read_robot(name);
   const Pose T_F_T = CellLayout{}.T_F_T;
   const MotionOptions motion;
@@ -54,7 +54,7 @@ void bench_cartesian(const std::string& name, int poses, std::uint64_t seed) {
   const auto reached = [&](const Pose& T) { return inverse(robot, T * T_F_T.inverse(), Joints::Zero()); };
   Random random = Random::stream(seed, "near-vertical poses");
   std::array<int, 3> reachable{}, tracked{};
-  std::vector<double> milliseconds;
+  std::array<std::vector<double>, 3> milliseconds;
   for (int n = 0; n < poses; ++n) {
     throw_if_interrupted();
     const Pose T = near_vertical(random, reach);
@@ -67,16 +67,15 @@ void bench_cartesian(const std::string& name, int poses, std::uint64_t seed) {
       const bool found = std::any_of(solutions.begin(), solutions.end(), [&](const IkSolution& s) {
         return straight_path(robot, T_F_T, s.q, ends[e]).has_value();
       });
-      milliseconds.push_back(1e3 * (processor_seconds() - start));
+      milliseconds[e].push_back(1e3 * (processor_seconds() - start));
       tracked[e] += found ? 1 : 0;
     }
   }
-  std::printf("%-5s", name.c_str());
-  for (std::size_t e = 0; e < 3; ++e)
-    std::printf("  %s %d of %d (%.2f %%)",
-                std::array{"approach and retreat", "lift and lowering", "descent"}[e], tracked[e],
-                reachable[e], 100.0 * tracked[e] / std::max(1, reachable[e]));
-  std::printf("; ms: median %.2f, 95 %% %.2f\n", quantile(milliseconds, 0.5), quantile(milliseconds, 0.95));
+  constexpr std::array kMotions{"approach and retreat", "lift and lowering", "descent"};
+  for (std::size_t e = 0; e < kMotions.size(); ++e)
+    results.row({kMotions[e], name, reachable[e], tracked[e],
+                 reachable[e] > 0 ? Cell(100.0 * tracked[e] / reachable[e]) : Cell(),
+                 quantile(milliseconds[e], 0.5), quantile(milliseconds[e], 0.95)});
 }
 
 /// Largest velocity, acceleration and jerk over their limits, by differences of what is sampled at 1 kHz.
@@ -98,8 +97,7 @@ struct Excess {
   }
 };
 
-void bench_timing(int paths, std::uint64_t seed) {
-  constexpr double kJerk = 50.0;  // rad/s^3
+void measure_timing(int paths, std::uint64_t seed, Results& results) {
   const RobotModel robot = read_robot("ur10");
   Random random = Random::stream(seed, "paths of ten way points");
   std::vector<double> milliseconds, ratios, slower;
@@ -121,58 +119,61 @@ void bench_timing(int paths, std::uint64_t seed) {
     slower.push_back(limited.duration() / trajectory.duration());
     smooth.look(limited, limits, kJerk);
   }
-  std::printf(
-      "%d paths of ten way points, blends 5, 50 and 200 mrad: ms to time one: median %.3f, 95 %% %.3f, "
-      "worst %.3f\n",
-      paths, quantile(milliseconds, 0.5), quantile(milliseconds, 0.95), quantile(milliseconds, 1.0));
-  std::printf("duration over the least time of the same rounded path: median %.4f, largest %.4f\n",
-              quantile(ratios, 0.5), quantile(ratios, 1.0));
-  std::printf("at 1 kHz, largest over its limit: velocity %.6f, acceleration %.6f\n", plain.velocity,
-              plain.acceleration);
-  std::printf(
-      "with jerk limited to %.0f rad/s^3: velocity %.6f, acceleration %.6f, jerk %.6f; %.3f times as "
-      "long (median)\n",
-      kJerk, smooth.velocity, smooth.acceleration, smooth.jerk, quantile(slower, 0.5));
+  results.figures("timing", {{"ms_median", quantile(milliseconds, 0.5), 3},
+                             {"ms_p95", quantile(milliseconds, 0.95), 3},
+                             {"ms_max", quantile(milliseconds, 1.0), 3},
+                             {"duration_over_least_median", quantile(ratios, 0.5), 4},
+                             {"duration_over_least_max", quantile(ratios, 1.0), 4}});
+  results.table(
+      "largest at 1 kHz over its limit",
+      {{"jerk"}, {"velocity", 6}, {"acceleration", 6}, {"jerk_over_limit", 6}, {"times_as_long_median", 3}});
+  results.row({"unlimited", plain.velocity, plain.acceleration, Cell(), 1.0});
+  results.row({"limited", smooth.velocity, smooth.acceleration, smooth.jerk, quantile(slower, 0.5)});
 }
 
 }  // namespace
 
-void add_bench_cartesian(CLI::App& bench) {
+void add_cartesian(CLI::App& app) {
   struct Command {
     int poses = 10000;
     int seed = 1;
     std::string robot;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub = bench.add_subcommand(
+  CLI::App* sub = app.add_subcommand(
       "cartesian", "How many reachable poses within 25 deg of the vertical have straight motions");
   sub->add_option("--poses", command->poses)->check(CLI::Range(1, 100000000))->capture_default_str();
   sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   sub->add_option("--robot", command->robot, "Only this one (default: all that we know)");
-  sub->footer("Example:\n  stonestack bench cartesian --poses 100000 --robot ur10");
-  sub->callback([command] {
-    std::printf("%d poses, seed %d; of those whose both ends are in reach, a branch goes straight:\n",
-                command->poses, command->seed);
+  sub->footer("Example:\n  stonestack-bench cartesian --poses 100000 --robot ur10");
+  measure_by(*sub, [command](Results& results) {
+    results.settings({{"poses", command->poses}, {"seed", command->seed}});
+    results.table(
+        "straight motions with both ends in reach",
+        {{"motion"}, {"robot"}, {"reachable"}, {"straight"}, {"percent"}, {"ms_median"}, {"ms_p95"}});
     const auto names = command->robot.empty() ? robot_names() : std::vector<std::string>{command->robot};
     for (const auto& name : names)
-      bench_cartesian(name, command->poses, static_cast<std::uint64_t>(command->seed));
+      measure_cartesian(name, command->poses, static_cast<std::uint64_t>(command->seed), results);
   });
 }
 
-void add_bench_timing(CLI::App& bench) {
+void add_timing(CLI::App& app) {
   struct Command {
     int paths = 300;
     int seed = 1;
   };
   auto command = std::make_shared<Command>();
-  CLI::App* sub = bench.add_subcommand("timing", "What timing costs, against limits and the least time");
+  CLI::App* sub = app.add_subcommand("timing", "What timing costs, against limits and the least time");
   sub->add_option("--paths", command->paths)->check(CLI::Range(1, 10000000))->capture_default_str();
   sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
-  sub->footer("Example:\n  stonestack bench timing --paths 1000");
-  sub->callback([command] {
-    std::printf("seed %d\n", command->seed);
-    bench_timing(command->paths, static_cast<std::uint64_t>(command->seed));
+  sub->footer("Example:\n  stonestack-bench timing --paths 1000");
+  measure_by(*sub, [command](Results& results) {
+    results.settings({{"paths", command->paths},
+                      {"way_points", 10},
+                      {"jerk_limit_rad_s3", kJerk},
+                      {"seed", command->seed}});
+    measure_timing(command->paths, static_cast<std::uint64_t>(command->seed), results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -3,7 +3,6 @@
 // looked at, sorted by how far the pose may be tilted before the stone topples.
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -20,7 +19,7 @@
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -32,7 +31,7 @@ constexpr int kStarts = 6;                                   // ways it may lie 
 struct Settings {
   std::string catalogue = data_path("stones");
   int generated = 0, each = 4, seed = 1;
-  bench::LookError look;
+  LookError look;
   bool every = false;
 };
 
@@ -60,8 +59,8 @@ class Trial {
   bool plan() {
     for (int start = 0; start < kStarts; ++start) {
       if (start > 0) {
-        const Pose lying = bench::standing_at(stones_[0], bench::rest(stones_[0], random_),
-                                              simulated_.truth().T_W_O[0].translation().head<2>(), 0.002);
+        const Pose lying = standing_at(stones_[0], rest(stones_[0], random_),
+                                       simulated_.truth().T_W_O[0].translation().head<2>(), 0.002);
         simulated_.place(0, lying);
         simulated_.wait(2.0);
       }
@@ -120,7 +119,8 @@ class Trial {
   double turned_ = 0.0, moved_ = 0.0;
 };
 
-void set_down(const Stone& stone, const RestPose& rest, const Settings& settings, int number, Tally& tally) {
+void set_down(const Stone& stone, const RestPose& rest, const Settings& settings, int number, Tally& tally,
+              Results& results) {
   Trial trial(stone, rest, settings, number);
   std::string what = "no grasp leads there";
   if (!trial.plan()) {
@@ -136,20 +136,26 @@ void set_down(const Stone& stone, const RestPose& rest, const Settings& settings
                   " deg, moved by ", std::lround(1e3 * trial.moved()), " mm");
   }
   if (settings.every)
-    std::printf("  %s: margin %.1f mm, tilt %.1f deg: %s\n", stone.name.c_str(), 1e3 * rest.margin,
-                rest.tilt / kDegree, what.c_str());
+    results.note("  %s: margin %.1f mm, tilt %.1f deg: %s", stone.name.c_str(), 1e3 * rest.margin,
+                 rest.tilt / kDegree, what.c_str());
 }
 
-void measure(const Settings& settings) {
+void measure(const Settings& settings, Results& results) {
   std::vector<Stone> stones;
   for (int k = 0; k < settings.generated; ++k)
-    stones.push_back(bench::random_stone(static_cast<std::uint64_t>(100 * settings.seed + k),
-                                         concat("limestone ", k), 0.09, 0.18));
+    stones.push_back(random_stone(static_cast<std::uint64_t>(100 * settings.seed + k),
+                                  concat("limestone ", k), 0.09, 0.18));
   if (stones.empty()) stones = read_catalogue(settings.catalogue).stones;
   const double start = processor_seconds();
   RegraspOptions shaky;
   shaky.rest_margin = shaky.least_margin;
   shaky.rest_tilt = 0.0;
+  results.settings({{"stones", stones.size()},
+                    {"margin_mm", 1e3 * shaky.rest_margin},
+                    {"each", settings.each},
+                    {"shift_mm", 1e3 * settings.look.shift},
+                    {"turn_deg", settings.look.turn / kDegree},
+                    {"seed", settings.seed}});
   std::array<Tally, kTilts.size()> tallies;
   for (const Stone& stone : stones)
     for (const RestPose& rest : rest_poses(stone, shaky)) {
@@ -158,24 +164,22 @@ void measure(const Settings& settings) {
       ++tallies[range].poses;
       for (int k = 0; k < settings.each; ++k) {
         throw_if_interrupted();
-        set_down(stone, rest, settings, k, tallies[range]);
+        set_down(stone, rest, settings, k, tallies[range], results);
       }
     }
-  std::printf(
-      "%zu stones, each pose of rest with %.0f mm of margin or more tried %d times, seed %d; CPU s %.0f\n",
-      stones.size(), 1e3 * shaky.rest_margin, settings.each, settings.seed, processor_seconds() - start);
-  std::printf("topples beyond, deg   poses   no plan   not held   set down   toppled\n");
+  results.table("resting poses by the tilt beyond which they topple",
+                {{"from_deg"}, {"to_deg"}, {"poses"}, {"no_plan"}, {"not_held"}, {"set_down"}, {"toppled"}});
   for (std::size_t i = 0; i < kTilts.size(); ++i)
-    std::printf("%8d to %2d %16d %9d %10d %10d %9d\n", i == 0 ? 0 : kTilts[i - 1], kTilts[i],
-                tallies[i].poses, tallies[i].no_plan, tallies[i].not_held, tallies[i].set_down,
-                tallies[i].toppled);
+    results.row({i == 0 ? 0 : kTilts[i - 1], kTilts[i], tallies[i].poses, tallies[i].no_plan,
+                 tallies[i].not_held, tallies[i].set_down, tallies[i].toppled});
+  results.figures("time", {{"cpu_s", processor_seconds() - start, 0}});
 }
 
 }  // namespace
 
-void add_bench_rest(CLI::App& bench) {
+void add_rest(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
-  CLI::App* sub = bench.add_subcommand(
+  CLI::App* sub = app.add_subcommand(
       "rest", "Stones set down in other poses of rest in the simulated cell: which topple");
   sub->add_option("--catalogue", settings->catalogue, "Folder of stones (default: those that come along)")
       ->check(CLI::ExistingDirectory);
@@ -187,8 +191,8 @@ void add_bench_rest(CLI::App& bench) {
   settings->look.add_options(*sub);
   sub->add_flag("--every", settings->every, "Print every trial");
   sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();
-  sub->footer("Example:\n  stonestack bench rest --each 10 --seed 2");
-  sub->callback([settings] { measure(*settings); });
+  sub->footer("Example:\n  stonestack-bench rest --each 10 --seed 2");
+  measure_by(*sub, [settings](Results& results) { measure(*settings, results); });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -4,13 +4,10 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "bench.hpp"
-#include "commands.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -19,7 +16,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/ur/ur_controller_server.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
 
 constexpr int kStandardPort = 30004;
@@ -28,7 +25,6 @@ struct RtdeBench {
   std::string address;
   int port = kStandardPort;
   double rate = 500.0, seconds = 60.0;
-  bool json = false;
 };
 
 struct Findings {
@@ -114,45 +110,39 @@ Findings listen(const RtdeBench& bench, const Endpoint& controller) {
   return found;
 }
 
-void print(const RtdeBench& bench, const Findings& f) {
+void report(const Findings& f, Results& results) {
   const double share = 100.0 / f.seconds;
-  const auto late = [&](double part) { return quantile(f.lateness, part); };
-  if (bench.json) {
-    nlohmann::json out{
-        {"schema", "stonestack.bench.rtde/1"},
-        {"rate", bench.rate},
-        {"seconds", f.seconds},
-        {"samples", f.counts.accepted},
-        {"missed", f.counts.skipped},
-        {"refused", f.counts.refused},
-        {"jitter_ms", {{"median", 1e3 * late(0.5)}, {"p99", 1e3 * late(0.99)}, {"most", 1e3 * late(1.0)}}},
-        {"client_cpu_percent", f.client_cpu * share}};
-    if (f.server_cpu >= 0) out["server_cpu_percent"] = f.server_cpu * share;
-    std::printf("%s\n", out.dump(2).c_str());
-    return;
-  }
-  std::printf("%.0f Hz for %.1f s: %ld samples, %ld missed, %ld refused, %d session(s)\n", bench.rate,
-              f.seconds, f.counts.accepted, f.counts.skipped, f.counts.refused, f.counts.sessions);
-  std::printf("step between arrivals off by: median %.3f ms, 99 %% %.3f ms, most %.3f ms\n", 1e3 * late(0.5),
-              1e3 * late(0.99), 1e3 * late(1.0));
-  std::printf("CPU: client %.1f %% of a core", f.client_cpu * share);
-  if (f.server_cpu >= 0) std::printf(", simulated controller %.1f %%", f.server_cpu * share);
-  std::printf("\n");
+  const auto late_ms = [&](double part) { return 1e3 * quantile(f.lateness, part); };
+  results.figures("rtde",
+                  {{"seconds", f.seconds, 1},
+                   {"samples", f.counts.accepted},
+                   {"missed", f.counts.skipped},
+                   {"refused", f.counts.refused},
+                   {"sessions", f.counts.sessions},
+                   {"jitter_ms_median", late_ms(0.5), 3},
+                   {"jitter_ms_p99", late_ms(0.99), 3},
+                   {"jitter_ms_max", late_ms(1.0), 3},
+                   {"client_cpu_percent", f.client_cpu * share, 1},
+                   {"server_cpu_percent", f.server_cpu >= 0 ? Cell(f.server_cpu * share) : Cell(), 1}});
 }
 
-void run(const RtdeBench& bench) {
-  if (!bench.address.empty()) return print(bench, listen(bench, {bench.address, bench.port}));
+void run(const RtdeBench& bench, Results& results) {
+  const bool simulated = bench.address.empty();
+  results.settings({{"rate_hz", bench.rate},
+                    {"seconds", bench.seconds},
+                    {"controller", simulated ? "simulated" : concat(bench.address, ':', bench.port)}});
+  if (!simulated) return report(listen(bench, {bench.address, bench.port}), results);
   ServerProcess server;
   Findings found = listen(bench, {"127.0.0.1", server.port()});
   found.server_cpu = server.end();
-  print(bench, found);
+  report(found, results);
 }
 
 }  // namespace
 
-void add_bench_rtde(CLI::App& bench) {
+void add_rtde(CLI::App& app) {
   auto command = std::make_shared<RtdeBench>();
-  CLI::App* sub = bench.add_subcommand("rtde", "RTDE at full rate: missed samples, jitter, CPU of both ends");
+  CLI::App* sub = app.add_subcommand("rtde", "RTDE at full rate: missed samples, jitter, CPU of both ends");
   sub->add_option("--rate", command->rate, "Hz")->check(CLI::Range(1.0, 500.0))->capture_default_str();
   sub->add_option("--seconds", command->seconds, "How long")
       ->check(CLI::Range(0.1, 86400.0))
@@ -162,8 +152,8 @@ void add_bench_rtde(CLI::App& bench) {
   sub->add_option("--port", command->port, "Its RTDE port")
       ->check(CLI::Range(1, 65535))
       ->capture_default_str();
-  sub->add_flag("--json", command->json, "Data on stdout");
-  sub->callback([command] { run(*command); });
+  sub->footer("Example:\n  stonestack-bench rtde --seconds 600 --json");
+  measure_by(*sub, [command](Results& results) { run(*command, results); });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

@@ -2,8 +2,6 @@
 // and with the paper's at the same CPU time, and lets every tower stand 60 simulated seconds on finer shapes
 // than the search used. With placement noise every stone is put down beside its target, and the rest of the
 // tower is planned anew from what stands.
-#include <cstdio>
-#include <iostream>
 #include <memory>
 
 #include "bench.hpp"
@@ -16,21 +14,17 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::bench {
 namespace {
-
-using bench::SearchOutcome;
-using bench::SearchRow;
-using bench::StonePool;
 
 struct BenchOptions {
   int draws = 10, stones = 4, seed = 1;
   bool paper = true;
   bool ode = false;
-  bench::OdeOptions in_ode;
+  OdeOptions in_ode;
   double witness_seconds = 60.0;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
-  bench::PoolOptions pools;
+  PoolOptions pools;
   SearchOptions search;
   Settings settings;
 };
@@ -49,9 +43,9 @@ SearchOutcome witness(const BenchOptions& options, const StonePool& pool, const 
   EquilibriumOptions statics;
   statics.friction = options.search.friction;
   outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
-  bench::OdeOptions in_ode = options.in_ode;
+  OdeOptions in_ode = options.in_ode;
   in_ode.friction = options.search.friction;
-  if (options.ode) outcome.ode = bench::stand_in_ode(pool.fine, tower, in_ode);
+  if (options.ode) outcome.ode = stand_in_ode(pool.fine, tower, in_ode);
   return outcome;
 }
 
@@ -65,7 +59,7 @@ Stack stack_of(const std::vector<Placement>& placements) {
 Stack build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search, int k,
                     std::string* reason) {
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
-  bench::PlacementNoise noise;
+  PlacementNoise noise;
   noise.shift = 1e-3 * options.noise;
   noise.turn = options.noise_turn * M_PI / 180.0;
   noise.friction = options.search.friction;
@@ -74,7 +68,7 @@ Stack build_noisily(const BenchOptions& options, SearchProblem problem, const Se
     *reason = found.reason;
     if (found.best.empty()) break;
     const Placement& target = found.best.front();
-    const auto higher = bench::put_down(*problem.shapes, problem.stack, target, noise, random);
+    const auto higher = put_down(*problem.shapes, problem.stack, target, noise, random);
     if (!higher) {
       *reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
                        target.predicted_success);
@@ -94,7 +88,7 @@ Stack build(const BenchOptions& options, const SearchProblem& problem, const Sea
 }
 
 SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
-  const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
+  const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   const double start = processor_seconds();
   const Stopwatch watch;
   std::string reason;
@@ -110,7 +104,7 @@ SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, in
 /// The paper's search; with exact placement restarted with new seeds until the CPU time is used, of which the
 /// highest tower counts.
 SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int k, double cpu) {
-  const SearchProblem problem = bench::draw_problem(pool, options.seed, k, options.stones);
+  const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   SearchOptions search = options.search;
   search.method = "paper";
   const bool noisy = options.noise > 0.0 || options.noise_turn > 0.0;
@@ -140,11 +134,11 @@ SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int 
 }
 
 /// Candidates a CPU second of one thread, both methods, on the second level of the first draw.
-void print_speed(const BenchOptions& options, const StonePool& pool) {
+void report_speed(const BenchOptions& options, const StonePool& pool, Results& results) {
   SearchOptions search = options.search;
   search.threads = 1;
   search.horizon = 1;
-  SearchProblem problem = bench::draw_problem(pool, options.seed, 0, options.stones);
+  SearchProblem problem = draw_problem(pool, options.seed, 0, options.stones);
   const SearchResult first = find_next_pose(problem, search);
   if (first.best.empty()) return;
   problem.stack.stones.push_back({first.best.front().stone, first.best.front().T_W_O});
@@ -153,52 +147,88 @@ void print_speed(const BenchOptions& options, const StonePool& pool) {
     const double start = processor_seconds();
     const SearchResult found = find_next_pose(problem, search);
     const double cpu = processor_seconds() - start;
-    std::printf("%s, %s: %ld candidates in %.2f CPU s of one thread, %.0f a second\n", pool.name.c_str(),
-                method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu);
+    results.row({pool.name, method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu});
   }
 }
 
-void measure(const BenchOptions& options) {
+/// The draws of one pool by both methods.
+struct PoolOutcomes {
+  std::vector<SearchOutcome> of_default, of_paper;
+};
+
+PoolOutcomes measure_pool(const BenchOptions& options, const StonePool& pool, const SearchRow& of_search,
+                          const SearchRow& paper) {
+  PoolOutcomes outcomes;
+  for (int k = 0; k < options.draws; ++k) {
+    const SearchOutcome found = run_default(options, pool, k);
+    if (interrupt_noted()) break;  // what was found till then is no draw
+    outcomes.of_default.push_back(found);
+    tell_draw(of_search, k, found);
+    if (!options.paper) continue;
+    const SearchOutcome found_by_paper = run_paper(options, pool, k, found.cpu);
+    if (interrupt_noted()) break;
+    outcomes.of_paper.push_back(found_by_paper);
+    tell_draw(paper, k, found_by_paper);
+  }
+  return outcomes;
+}
+
+std::vector<Figure> settings_of(const BenchOptions& options) {
   const SearchOptions& s = options.search;
-  std::printf(
-      "draws of %d stones, friction %g, noise %g mm %g deg, seed %d; beam %d, rounds %d, horizon %d, "
-      "planned for %g mm %.2g deg; towers stand %g s on finer shapes\n",
-      options.stones, s.friction, options.noise, options.noise_turn, options.seed, s.beam, s.rounds,
-      s.horizon, 1e3 * s.placement_sigma_translation, s.placement_sigma_rotation * 180 / M_PI,
-      options.witness_seconds);
-  bench::print_search_header();
-  const std::vector<StonePool> pools = bench::read_pools(options.pools);
+  std::vector<Figure> settings{{"draws", options.draws},
+                               {"stones", options.stones},
+                               {"friction", s.friction},
+                               {"noise_mm", options.noise},
+                               {"noise_deg", options.noise_turn},
+                               {"beam", s.beam},
+                               {"rounds", s.rounds},
+                               {"horizon", s.horizon},
+                               {"planned_for_mm", 1e3 * s.placement_sigma_translation},
+                               {"planned_for_deg", s.placement_sigma_rotation * 180 / M_PI},
+                               {"stand_s", options.witness_seconds},
+                               {"seed", options.seed}};
+  if (!options.ode) return settings;
+  const OdeOptions& o = options.in_ode;
+  settings.insert(settings.end(), {{"ode_s", o.seconds},
+                                   {"ode_shift_max_mm", 1e3 * o.largest_shift},
+                                   {"ode_turn_max_deg", o.largest_turn * 180 / M_PI},
+                                   {"ode_step_ms", 1e3 * o.step}});
+  return settings;
+}
+
+void measure(const BenchOptions& options, Results& results) {
+  const SearchOptions& s = options.search;
+  results.settings(settings_of(options));
+  results.table("towers", search_columns(options.ode));
+  const std::vector<StonePool> pools = read_pools(options.pools);
+  std::vector<std::pair<std::string, std::vector<SearchOutcome>>> of_paper;
   for (const StonePool& pool : pools) {
     const SearchRow of_search{pool.name,      "default",   options.stones,
                               s.least_margin, options.ode, options.in_ode};
     const SearchRow paper{pool.name, "paper", options.stones, s.least_margin, options.ode, options.in_ode};
-    std::vector<SearchOutcome> of_default, of_paper;
-    for (int k = 0; k < options.draws; ++k) {
-      const SearchOutcome found = run_default(options, pool, k);
-      if (interrupt_noted()) break;  // what was found till then is no draw
-      of_default.push_back(found);
-      bench::tell_draw(of_search, k, found);
-      if (!options.paper) continue;
-      const SearchOutcome found_by_paper = run_paper(options, pool, k, found.cpu);
-      if (interrupt_noted()) break;
-      of_paper.push_back(found_by_paper);
-      bench::tell_draw(paper, k, found_by_paper);
-    }
-    if (!of_default.empty()) bench::print_search_row(of_search, of_default);
-    if (!options.paper || of_paper.empty()) continue;
-    bench::print_search_row(paper, of_paper);
-    bench::print_paper_time(pool.name, of_paper);
+    PoolOutcomes outcomes = measure_pool(options, pool, of_search, paper);
+    if (!outcomes.of_default.empty()) results.row(search_cells(of_search, outcomes.of_default));
+    if (outcomes.of_paper.empty()) continue;
+    results.row(search_cells(paper, outcomes.of_paper));
+    of_paper.emplace_back(pool.name, std::move(outcomes.of_paper));
   }
+  if (!of_paper.empty())
+    results.table(
+        "one pass of the paper's search",
+        {{"stones"}, {"s_a_run", 1}, {"s_a_stone", 1}, {"paper_s_a_run", 0}, {"paper_s_a_stone", 0}});
+  for (const auto& [pool, outcomes] : of_paper) report_paper_time(pool, outcomes, results);
   throw_if_interrupted();  // the rows are of what was done
-  for (const StonePool& pool : pools) print_speed(options, pool);
+  results.table("one thread, second level of the first draw",
+                {{"stones"}, {"method"}, {"candidates"}, {"cpu_s"}, {"candidates_per_s", 0}});
+  for (const StonePool& pool : pools) report_speed(options, pool, results);
 }
 
 }  // namespace
 
-void add_bench_search(CLI::App& bench) {
+void add_search(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* sub =
-      bench.add_subcommand("search", "Heights, time and margins of planned towers; default beside paper");
+      app.add_subcommand("search", "Heights, time and margins of planned towers; default beside paper");
   sub->add_option("--draws", options->draws, "Sets of stones from each pool")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -229,14 +259,14 @@ void add_bench_search(CLI::App& bench) {
   options->settings.register_on(*sub);
   sub->footer(
       "Examples:\n"
-      "  stonestack bench search --draws 40\n"
-      "  stonestack bench search --draws 40 --generated 0 --friction 0.5 --stones 6\n"
-      "  stonestack bench search --draws 10 --generated 0 --paper 0 --ode\n"
-      "  stonestack bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
-  sub->callback([options] {
+      "  stonestack-bench search --draws 40\n"
+      "  stonestack-bench search --draws 40 --generated 0 --friction 0.5 --stones 6\n"
+      "  stonestack-bench search --draws 10 --generated 0 --paper 0 --ode\n"
+      "  stonestack-bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
+  measure_by(*sub, [options](Results& results) {
     options->settings.apply(nest("search", fields(options->search)));
-    measure(*options);
+    measure(*options, results);
   });
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::bench

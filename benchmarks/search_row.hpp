@@ -1,10 +1,11 @@
 #pragma once
-// What `bench search` says of each draw and of a row of them.
+// What `stonestack-bench search` reports of each draw and of a row of them.
 #include <string>
 #include <vector>
 
-#include "rooms.hpp"
 #include "ode_witness.hpp"
+#include "result_table.hpp"
+#include "rooms.hpp"
 
 namespace stonestack::bench {
 
@@ -30,11 +31,13 @@ struct SearchRow {
   OdeOptions in_ode;
 };
 
-void print_search_header();
-void print_search_row(const SearchRow& row, const std::vector<SearchOutcome>& outcomes);
+/// Columns of the table of searches; `ode` adds how many towers stand in the other engine.
+[[nodiscard]] std::vector<Column> search_columns(bool ode);
+[[nodiscard]] std::vector<Cell> search_cells(const SearchRow& row,
+                                             const std::vector<SearchOutcome>& outcomes);
 
-/// The time of one pass of paper mode beside what the paper had for detection and search.
-void print_paper_time(const std::string& pool, const std::vector<SearchOutcome>& outcomes);
+/// The time of one pass of paper mode beside what the paper took for detection and search.
+void report_paper_time(const std::string& pool, const std::vector<SearchOutcome>& outcomes, Results& results);
 
 /// One draw, as a line of stderr.
 void tell_draw(const SearchRow& row, int draw, const SearchOutcome& outcome);
