@@ -1,1 +1,0 @@
-// Empty: carries the precompiled header of the tests (CMakeLists.txt).
