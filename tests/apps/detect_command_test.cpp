@@ -208,11 +208,5 @@ TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {
   EXPECT_THAT(found.err, HasSubstr("says that the pose is wrong"));
 }
 
-TEST_F(Commands, AStoneSeenInAMirrorIsNotFound) {
-  const Outcome bench = run("bench detection --seed 90817 --kinds mirrored --first 6 --scenes 1");
-  EXPECT_EQ(bench.code, 0) << bench.err;
-  EXPECT_THAT(bench.out, HasSubstr(" 0/6 ")) << "another stone, which fits the mirror image with 0.875";
-}
-
 }  // namespace
 }  // namespace stonestack

@@ -202,8 +202,8 @@ void sample_grasps(Sampler s) {
 }  // namespace
 
 FieldList fields(GraspOptions& o) {
-  return {field("directions", o.directions, {8, 50000}, "", "measured: stonestack bench grasp"),
-          field("yaws", o.yaws, {2, 360}, "", "measured: stonestack bench grasp"),
+  return {field("directions", o.directions, {8, 50000}, "", "measured: bench grasp"),
+          field("yaws", o.yaws, {2, 360}, "", "measured: bench grasp"),
           field("spacing", o.spacing, {0.0005, 0.05}, "m", "ours"),
           field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "ours"),
           field("deepest", o.deepest, {-0.05, 0.1}, "m", "ours"),

@@ -16,7 +16,7 @@ constexpr std::size_t kWaysPerGrasp = 2;
 constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
 constexpr double kSpacing = 0.003;   ///< m, between samples of the surface that pads press on
 
-// What a loose grasp costs. Measured with `stonestack bench hold --every` (docs/measurements.md): of 149
+// What a loose grasp costs. Measured with `stonestack-bench hold --every` (docs/measurements.md): of 149
 // lifts that PadPress saw move less than 0.65 mm and press less than 4.3 mm deep 2 went wrong, of 156 beyond
 // 0.75 mm or 4.3 mm 63.
 constexpr double kFirm = 0.0006, kLoose = 0.0012;   ///< m that the stone moves in the hand under its weight
