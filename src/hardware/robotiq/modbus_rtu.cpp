@@ -1,5 +1,6 @@
 #include <array>
 
+#include "hardware/constants.hpp"
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/serial.hpp"
@@ -44,7 +45,7 @@ class RtuTransport final : public Transport {
   }
 
  private:
-  void open() { line_ = std::make_unique<SerialPort>(SerialPort::open(options_.device, options_.baud)); }
+  void open() { line_ = std::make_unique<SerialPort>(SerialPort::open(options_.device, kGripperBaud)); }
 
   [[nodiscard]] Attempt lost(IoStatus status, View got) {
     if (status == IoStatus::kClosed) {
@@ -55,7 +56,7 @@ class RtuTransport final : public Transport {
       return {std::nullopt, concat("no reply within ", options_.reply_timeout, " s"),
               "check power, unit id and the wires A and B"};
     return {std::nullopt, "no frame with a right CRC in " + hex_text(got),
-            concat("check the rate (", options_.baud, " baud) and the wiring")};
+            concat("check the rate (", kGripperBaud, " baud) and the wiring")};
   }
 
   ModbusOptions options_;
