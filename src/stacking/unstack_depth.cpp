@@ -1,13 +1,13 @@
-#include "stacking/take_off_depth.hpp"
+#include "stacking/unstack_depth.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kCost = 0.2;  // stones, of each stone that is taken off; ours
+constexpr double kCost = 0.2;  // stones, of each stone that is unstacked; design choice
 
 }  // namespace
 
-std::size_t take_off_depth(const std::vector<double>& expected) {
+std::size_t unstack_depth(const std::vector<double>& expected) {
   std::size_t depth = 0;
   double most = 0.0;
   for (std::size_t k = 0; k < expected.size(); ++k) {

@@ -4,29 +4,31 @@
 #include <vector>
 
 #include "stonestack/motion/pick_and_place.hpp"
-#include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/build_options.hpp"
 #include "stonestack/stacking/observe.hpp"
 
-/// Private to stacking/: from sightings to a belief, and the belief in words.
+/// Private to stacking/: which stones are stacked and which lie loose, and what follows from that.
 namespace stonestack::stacking {
 
-/// Which sightings are the stack and which lie loose. A stone belongs to the stack if it was expected there
-/// (or not) and rests on the stone below: its lowest part is above the table and over the stone below. Poses
-/// in the stack are made consistent: a measured pose floats or sinks by the camera's error, so the stone is
-/// let settle from it onto the stack below, and the rest pose is taken if it is within a few millimetres of
-/// what was measured.
-[[nodiscard]] Belief believe(const ShapeList& shapes, const CellLayout& layout,
-                             const std::vector<PlacedStone>& expected,
-                             const std::vector<Sighting>& sightings);
+/// Stack and loose stones, from what was seen and what was expected. A stone belongs to the stack if it was
+/// expected there and rests over the stone below by geometry; a stone of the stack that did not move keeps its
+/// estimate (no random walk of the base, no doubt about what is half hidden). The stack is settled
+/// (settle_stack.hpp) at `options.most_friction`.
+struct StoneEstimates {
+  std::vector<StoneEstimate> stack, loose;
+};
+[[nodiscard]] StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
+                                             const std::vector<StoneEstimate>& expected,
+                                             const std::vector<Sighting>& sightings,
+                                             const BuildOptions& options = {});
 
-/// A box over the field where stones of unknown place may lie, before the first look.
+/// A box over the field where stones of unknown place may lie, before the first view.
 [[nodiscard]] SceneObject unseen_field(const CellLayout& layout);
 /// The same for the site, as high as a tower may be that somebody left there.
 [[nodiscard]] SceneObject unseen_site(const CellLayout& layout);
 
-/// What looks tell of the site before anything is built: table only, something above it, or neither.
-enum class SiteView { kUnseen, kFree, kTaken };
-[[nodiscard]] SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& site);
+/// The site by views of it before anything is built: table only, something above it, or neither.
+[[nodiscard]] SiteStatus site_in(const Views& views, const Eigen::Vector2d& site);
 
 /// Is it the same stone at nearly the same pose: centres of mass within `shift` (m), turned by at most `turn`
 /// (rad)?
@@ -43,7 +45,7 @@ enum class SiteView { kUnseen, kFree, kTaken };
                               double gap);
 
 /// Would a stone that is placed on those `below` come to lean on one of the loose ones that stays where it
-/// is? What leans on a tower makes it none: such a stone is only taken off again.
+/// is? A stack that something leans on is not clean: the stone would only be unstacked again.
 [[nodiscard]] bool leans_on_loose(const ShapeList& shapes, const std::vector<PlacedStone>& loose,
                                   const PlacedStone& placed, const std::vector<PlacedStone>& below);
 
@@ -53,12 +55,10 @@ struct Stray {
   std::size_t level = 0;
   PlacedStone stone;
 };
-[[nodiscard]] std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Belief& belief);
-
-/// "stack: limestone_2, limestone_5; loose: limestone_1".
-[[nodiscard]] std::string describe(const Catalogue& catalogue, const Belief& belief);
-/// For the journal.
-[[nodiscard]] std::string belief_json(const Catalogue& catalogue, const Belief& belief);
-[[nodiscard]] std::string placement_json(const Catalogue& catalogue, const Placement& placement);
+[[nodiscard]] std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Arrangement& arrangement);
+/// Stones of the stack up to the first that a loose stone touches.
+[[nodiscard]] int clean_height(const ShapeList& shapes, const Arrangement& arrangement);
+/// Centre of mass, m, W.
+[[nodiscard]] Eigen::Vector3d com_of(const ShapeList& shapes, const PlacedStone& stone);
 
 }  // namespace stonestack::stacking

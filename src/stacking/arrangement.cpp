@@ -1,19 +1,14 @@
-#include "stacking/believe.hpp"
+#include "stacking/arrangement.hpp"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "geometry/pose_json.hpp"
-#include "stacking/steady.hpp"
+#include "stacking/settle_stack.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
 constexpr double kAboveTable = 0.012;  // m: lower than this, a stone lies on the table
-constexpr int kSeatTries = 12;         // the measured pose, then displaced ones
 constexpr double kFloats = 0.05;       // m above the table: higher, nothing loose can lie
 constexpr double kWithin = 0.006;      // m
 constexpr double kTouches = 0.003;     // m: a loose stone that near to the stack touches it
@@ -54,99 +49,97 @@ bool may_lie_loose(const ShapeList& shapes, const std::vector<PlacedStone>& stac
   });
 }
 
-bool in_place(const Sighting& seen, const PlacedStone& expected) {
-  const auto error = difference(seen.T_W_O, expected.T_W_O);
+bool in_place(const Sighting& seen, const StoneEstimate& expected) {
+  const auto error = difference(seen.T_W_O, expected.T_W_O_at_rest);
   return error.translation < kConsistent && error.angle < kConsistentTurn;
 }
 
 /// Is a stone that was expected higher still up there: in place, or moved but resting over the hidden one?
 bool something_stands_on(const ShapeList& shapes, const std::vector<Sighting>& sightings,
-                         const std::vector<PlacedStone>& expected, std::size_t hidden) {
+                         const std::vector<StoneEstimate>& expected, std::size_t hidden) {
+  const PlacedStone below{expected[hidden].stone, expected[hidden].T_W_O_at_rest};
   for (std::size_t i = hidden + 1; i < expected.size(); ++i)
     for (const auto& seen : sightings) {
       if (seen.stone != expected[i].stone) continue;
-      if (in_place(seen, expected[i]) || rests_over(shapes, {seen.stone, seen.T_W_O}, expected[hidden]))
-        return true;
+      if (in_place(seen, expected[i]) || rests_over(shapes, {seen.stone, seen.T_W_O}, below)) return true;
     }
   return false;
 }
 
-/// The measured pose, seated on the stack below. It is seen to rest, so when the measured pose itself slides
-/// off, poses as near as the camera may err are tried; the rest pose nearest to the measurement is believed,
-/// if it is near at all.
-Pose seated(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
-  SettleOptions options;
-  options.world.friction =
-      0.5;  // it is seen to rest, so let it: the low planning friction would make it slide
-  Random random = Random::stream(static_cast<std::uint64_t>(measured.stone), "seated");
-  Pose tried = measured.T_W_O, best = measured.T_W_O;
-  double nearest = kBelievable;
-  for (int k = 0; k < kSeatTries && nearest > kConsistent; ++k) {
-    const Pose lifted = Eigen::Translation3d(0, 0, kSettleFrom) * tried;
-    const SettleResult settled = settle(shapes, below, measured.stone, lifted, options);
-    const double off = off_measured(settled.T_W_O, measured.T_W_O);
-    if (settled.rests && off < nearest) {
-      nearest = off;
-      best = settled.T_W_O;
+/// The stack from the table up; what belongs to it is taken out of `left`.
+std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector2d& site,
+                                    const std::vector<StoneEstimate>& expected,
+                                    std::vector<Sighting>& left) {
+  std::vector<MeasuredStone> stack;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const StoneEstimate& before = expected[i];
+    const auto found = find(left, before.stone);
+    if (found == left.end()) {
+      // Hidden by what stands on it, or gone: it is there if something still stands on it.
+      if (!something_stands_on(shapes, left, expected, i)) break;
+      stack.push_back({before, false});
+      continue;
     }
-    tried = displaced_as_measured(measured.T_W_O, random);
+    const PlacedStone measured{found->stone, found->T_W_O};
+    const bool at_site = (measured.T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
+    const bool belongs = stack.empty() ? at_site
+                                       : rests_over(shapes, measured,
+                                                    {stack.back().estimate.stone,
+                                                     stack.back().estimate.T_W_O_at_rest});
+    if (!belongs) break;
+    const bool newest = i + 1 == expected.size();
+    const auto above = newest ? left.end() : find(left, expected[i + 1].stone);
+    const bool carries = above != left.end() && in_place(*above, expected[i + 1]);
+    if (!newest && (carries || in_place(*found, before)))
+      stack.push_back({before, false});
+    else
+      stack.push_back({{measured.stone, measured.T_W_O, measured.T_W_O}, true});
+    left.erase(found);
   }
-  return best;
+  return stack;
 }
 
 }  // namespace
 
-Belief believe(const ShapeList& shapes, const CellLayout& layout, const std::vector<PlacedStone>& expected,
-               const std::vector<Sighting>& sightings) {
+StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
+                               const std::vector<StoneEstimate>& expected,
+                               const std::vector<Sighting>& sightings, const BuildOptions& options) {
   std::vector<Sighting> left = sightings;
-  Belief belief;
-  for (std::size_t i = 0; i < expected.size(); ++i) {  // from the table up
-    const auto found = find(left, expected[i].stone);
-    if (found == left.end()) {
-      // Hidden by what stands on it, or gone: it is there if something still stands on it.
-      if (!something_stands_on(shapes, left, expected, i)) break;
-      belief.stack.push_back(expected[i]);
-      continue;
-    }
-    const PlacedStone measured{found->stone, found->T_W_O};
-    const bool first = belief.stack.empty();
-    const bool at_site = (measured.T_W_O.translation().head<2>() - layout.site).norm() < kBaseAtSite;
-    if (first ? !at_site : !rests_over(shapes, measured, belief.stack.back())) break;
-    const bool newest = i + 1 == expected.size();
-    // Keeping what was measured when it was on top: no random walk of the base, and no doubt about what is
-    // half hidden while the stone upon it has not moved.
-    const auto above = newest ? left.end() : find(left, expected[i + 1].stone);
-    const bool carries = above != left.end() && in_place(*above, expected[i + 1]);
-    const bool unmoved = !newest && (carries || in_place(*found, expected[i]));
-    belief.stack.push_back(
-        {measured.stone, unmoved ? expected[i].T_W_O : seated(shapes, Stack{belief.stack}, measured)});
-    left.erase(found);
-  }
+  std::vector<MeasuredStone> measured = stack_in(shapes, layout.site, expected, left);
+  if (!options.measure_placed)
+    for (std::size_t i = 0; i < measured.size(); ++i)
+      if (same_place(shapes, {measured[i].estimate.stone, measured[i].estimate.T_W_O_at_rest},
+                     {expected[i].stone, expected[i].T_W_O_at_rest}, options.placed_shift,
+                     options.placed_turn))
+        measured[i] = {{expected[i].stone, measured[i].estimate.T_W_O_seen, expected[i].T_W_O_at_rest}, false};
+  StoneEstimates estimates{settle_stack(shapes, measured, options.most_friction), {}};
+  std::vector<PlacedStone> stack;
+  for (const StoneEstimate& stone : estimates.stack) stack.push_back({stone.stone, stone.T_W_O_at_rest});
   for (const auto& sighting : left)
-    if (may_lie_loose(shapes, belief.stack, sighting))
-      belief.loose.push_back({sighting.stone, sighting.T_W_O});
-  std::sort(belief.loose.begin(), belief.loose.end(),
+    if (may_lie_loose(shapes, stack, sighting))
+      estimates.loose.push_back({sighting.stone, sighting.T_W_O, sighting.T_W_O});
+  std::sort(estimates.loose.begin(), estimates.loose.end(),
             [](const auto& a, const auto& b) { return a.stone < b.stone; });
-  return belief;
+  return estimates;
 }
 
-Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
+Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                     const std::vector<PlacedStone>& stones) {
-  Belief belief{{}, stones};
-  std::sort(belief.loose.begin(), belief.loose.end(), [&](const PlacedStone& a, const PlacedStone& b) {
+  Arrangement arrangement{{}, stones};
+  std::sort(arrangement.loose.begin(), arrangement.loose.end(), [&](const PlacedStone& a, const PlacedStone& b) {
     const double za = (a.T_W_O * shape_of(shapes, a.stone).mass.p_O_M).z();
     const double zb = (b.T_W_O * shape_of(shapes, b.stone).mass.p_O_M).z();
     return za != zb ? za < zb : a.stone < b.stone;
   });
-  for (auto it = belief.loose.begin(); it != belief.loose.end();) {
+  for (auto it = arrangement.loose.begin(); it != arrangement.loose.end();) {
     const bool near = (it->T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
-    const bool stacked = belief.stack.empty() ? near : rests_over(shapes, *it, belief.stack.back());
-    if (stacked) belief.stack.push_back(*it);
-    it = stacked ? belief.loose.erase(it) : it + 1;
+    const bool stacked = arrangement.stack.empty() ? near : rests_over(shapes, *it, arrangement.stack.back());
+    if (stacked) arrangement.stack.push_back(*it);
+    it = stacked ? arrangement.loose.erase(it) : it + 1;
   }
-  std::sort(belief.loose.begin(), belief.loose.end(),
+  std::sort(arrangement.loose.begin(), arrangement.loose.end(),
             [](const auto& a, const auto& b) { return a.stone < b.stone; });
-  return belief;
+  return arrangement;
 }
 
 bool lie_within(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double gap) {
@@ -173,10 +166,10 @@ bool leans_on_loose(const ShapeList& shapes, const std::vector<PlacedStone>& loo
   });
 }
 
-std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Belief& belief) {
-  for (std::size_t level = 0; level < belief.stack.size(); ++level)
-    for (const PlacedStone& loose : belief.loose)
-      if (lie_within(shapes, loose, belief.stack[level], kTouches)) return Stray{level, loose};
+std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Arrangement& arrangement) {
+  for (std::size_t level = 0; level < arrangement.stack.size(); ++level)
+    for (const PlacedStone& loose : arrangement.loose)
+      if (lie_within(shapes, loose, arrangement.stack[level], kTouches)) return Stray{level, loose};
   return std::nullopt;
 }
 
@@ -195,28 +188,28 @@ SceneObject unseen_site(const CellLayout& layout) {
           make_pose({layout.site.x(), layout.site.y(), kHeight / 2})};
 }
 
-SiteView view_of_site(const std::vector<Look>& looks, const Eigen::Vector2d& site) {
+SiteStatus site_in(const Views& views, const Eigen::Vector2d& site) {
   constexpr double kRadius = 0.10;     // m about the site
   constexpr double kOnTable = 0.015;   // m: higher is something
   constexpr double kSomething = 8e-4;  // m^2 of it that count, seen along the camera's rays
-  constexpr double kEnough = 0.6;      // of the circle, in one look
+  constexpr double kEnough = 0.6;      // of the circle, in one view
   constexpr int kStride = 2;
   bool free = false;
-  for (const Look& look : looks) {
-    const CameraIntrinsics& camera = look.image.camera;
+  for (const CameraView& view : views) {
+    const CameraIntrinsics& camera = view.image.camera;
     double table = 0.0, above = 0.0;
     for (int v = 0; v < camera.height; v += kStride)
       for (int u = 0; u < camera.width; u += kStride) {
-        const double z = look.image.at(u, v);
+        const double z = view.image.at(u, v);
         if (!(z > 0.0)) continue;
-        const Eigen::Vector3d p_W = look.T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
+        const Eigen::Vector3d p_W = view.T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
         if ((p_W.head<2>() - site).norm() > kRadius) continue;
         (p_W.z() > kOnTable ? above : table) += kStride * kStride * z * z / (camera.fx * camera.fy);
       }
-    if (above > kSomething) return SiteView::kTaken;
+    if (above > kSomething) return SiteStatus::kOccupied;
     free = free || table > kEnough * M_PI * kRadius * kRadius;
   }
-  return free ? SiteView::kFree : SiteView::kUnseen;
+  return free ? SiteStatus::kFree : SiteStatus::kUnseen;
 }
 
 bool same_place(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double shift,
@@ -240,48 +233,48 @@ double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stone
   return top;
 }
 
-PickAndPlaceTask make_task(const Catalogue& catalogue, const Belief& belief, int stone, const Pose& T_W_O,
+PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone, const Pose& T_W_O,
                            const Joints& q_start) {
   PickAndPlaceTask task;
   task.stone = &catalogue.stones[static_cast<std::size_t>(stone)];
   task.T_W_O_place = T_W_O;
   task.q_start = q_start;
-  task.support = static_cast<int>(belief.stack.size()) - 1;
-  for (std::size_t i = 0; i < belief.loose.size(); ++i) {
-    if (belief.loose[i].stone != stone) continue;
-    task.object = static_cast<int>(belief.stack.size() + i);
-    task.T_W_O_pick = belief.loose[i].T_W_O;
+  task.support = static_cast<int>(arrangement.stack.size()) - 1;
+  for (std::size_t i = 0; i < arrangement.loose.size(); ++i) {
+    if (arrangement.loose[i].stone != stone) continue;
+    task.object = static_cast<int>(arrangement.stack.size() + i);
+    task.T_W_O_pick = arrangement.loose[i].T_W_O;
     return task;
   }
   throw InvalidArgument(concat(task.stone->name, " is not among the loose stones"));
 }
 
-std::string describe(const Catalogue& catalogue, const Belief& belief) {
-  const auto names = [&](const std::vector<PlacedStone>& stones) {
-    std::string text;
-    for (const auto& placed : stones)
-      text += (text.empty() ? "" : ", ") + catalogue.stones[static_cast<std::size_t>(placed.stone)].name;
-    return text.empty() ? std::string("none") : text;
-  };
-  return concat("stack: ", names(belief.stack), "; loose: ", names(belief.loose));
+Arrangement at_rest(const WorldEstimate& world) {
+  Arrangement arrangement;
+  for (const StoneEstimate& stone : world.stack)
+    arrangement.stack.push_back({stone.stone, stone.T_W_O_at_rest});
+  for (const StoneEstimate& stone : world.loose)
+    arrangement.loose.push_back({stone.stone, stone.T_W_O_at_rest});
+  return arrangement;
 }
 
-std::string belief_json(const Catalogue& catalogue, const Belief& belief) {
-  const auto list = [&](const std::vector<PlacedStone>& stones) {
-    nlohmann::json array = nlohmann::json::array();
-    for (const auto& placed : stones)
-      array.push_back({{"stone", catalogue.stones[static_cast<std::size_t>(placed.stone)].name},
-                       {"T_W_O", pose_json(placed.T_W_O)}});
-    return array;
-  };
-  return nlohmann::json{{"stack", list(belief.stack)}, {"loose", list(belief.loose)}}.dump();
+std::vector<StoneEstimate> as_estimates(const std::vector<PlacedStone>& stones) {
+  std::vector<StoneEstimate> estimates;
+  for (const PlacedStone& stone : stones) estimates.push_back({stone.stone, stone.T_W_O, stone.T_W_O});
+  return estimates;
 }
 
-std::string placement_json(const Catalogue& catalogue, const Placement& placement) {
-  return nlohmann::json{{"stone", catalogue.stones[static_cast<std::size_t>(placement.stone)].name},
-                        {"T_W_O", pose_json(placement.T_W_O)},
-                        {"cost", placement.cost}}
-      .dump();
+bool holds(const std::vector<StoneEstimate>& stones, int stone) {
+  return std::any_of(stones.begin(), stones.end(), [&](const auto& s) { return s.stone == stone; });
+}
+
+int clean_height(const ShapeList& shapes, const Arrangement& arrangement) {
+  const auto stray = stray_at_stack(shapes, arrangement);
+  return static_cast<int>(stray ? stray->level + 1 : arrangement.stack.size());
+}
+
+Eigen::Vector3d com_of(const ShapeList& shapes, const PlacedStone& stone) {
+  return stone.T_W_O * shape_of(shapes, stone.stone).mass.p_O_M;
 }
 
 }  // namespace stonestack::stacking

@@ -1,4 +1,4 @@
-#include "stacking/field_places.hpp"
+#include "stacking/free_places.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kRaster = 0.05;  // m between places that are looked at
+constexpr double kRaster = 0.05;  // m between places that are tried
 constexpr double kSeen = 0.6;     // of the field, about its middle: what the camera sees of it for sure
 constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
 constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
@@ -23,7 +23,7 @@ double radius(const ShapeList& shapes, int stone) {
   return kExtent * shape_of(shapes, stone).radius;
 }
 
-/// How the stone would come to rest on the table from the way it is held: rotation, and height of O.
+/// How the stone would come to rest on the table from how it is held: rotation, and height of O.
 Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
   SettleOptions options;
   options.world.friction = 0.5;   // it shall roll to rest, not slide about
@@ -36,7 +36,7 @@ Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
 
 }  // namespace
 
-std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Belief& belief,
+std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Arrangement& arrangement,
                               const PlacedStone& held) {
   const int stone = held.stone;
   const Pose rest = rest_on_table(shapes, held);
@@ -47,7 +47,7 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
     for (double y = -half.y(); y <= half.y(); y += kRaster) {
       const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
       double room = 1.0;
-      for (const auto& other : belief.loose) {
+      for (const auto& other : arrangement.loose) {
         const Eigen::Vector3d p_W_M = other.T_W_O * shape_of(shapes, other.stone).mass.p_O_M;
         room = std::min(room,
                         (p_W_M.head<2>() - at).norm() - radius(shapes, other.stone) - radius(shapes, stone));
