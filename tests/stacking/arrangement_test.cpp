@@ -1,4 +1,4 @@
-#include "stacking/believe.hpp"
+#include "stacking/arrangement.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,64 +22,65 @@ Pose on_site(double z, double x = 0.0, double yaw = 0.0) {
                    Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())));
 }
 
+StoneEstimates estimate(const std::vector<PlacedStone>& expected, const std::vector<Sighting>& sightings) {
+  return estimate_stones(slabs(), {}, as_estimates(expected), sightings);
+}
+
 Sighting seen(int stone, const Pose& T_W_O) {
   return {stone, T_W_O, 0.95, 0.5};
 }
 
-TEST(Believe, SortsStackAndLooseStones) {
+TEST(EstimateStones, SortsStackAndLooseStones) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
   const Pose aside = make_pose({0.7, -0.2, 0.025});
-  const Belief belief = believe(slabs(), {}, expected,
-                                {seen(2, aside), seen(1, on_site(0.0755, 0.001)), seen(0, on_site(0.0252))});
-  ASSERT_EQ(belief.stack.size(), 2U);
-  EXPECT_EQ(belief.stack[1].stone, 1);
-  EXPECT_NEAR(belief.stack[1].T_W_O.translation().z(), 0.075, 1e-4);  // seated on the stone below
-  ASSERT_EQ(belief.loose.size(), 1U);
-  EXPECT_EQ(belief.loose[0].stone, 2);
+  const StoneEstimates stones = estimate(expected, {seen(2, aside), seen(1, on_site(0.0755, 0.001)), seen(0, on_site(0.0252))});
+  ASSERT_EQ(stones.stack.size(), 2U);
+  EXPECT_EQ(stones.stack[1].stone, 1);
+  EXPECT_NEAR(stones.stack[1].T_W_O_at_rest.translation().z(), 0.075, 1e-4);  // settled on the stone below
+  ASSERT_EQ(stones.loose.size(), 1U);
+  EXPECT_EQ(stones.loose[0].stone, 2);
 }
 
-TEST(Believe, APartOfTheStackIsNoLooseStone) {
+TEST(EstimateStones, APartOfTheStackIsNoLooseStone) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
   const std::vector<Sighting> stack{seen(0, on_site(0.025)), seen(1, on_site(0.075))};
   for (const Pose& phantom : {on_site(0.04, 0.02), on_site(0.08, 0.03, 1.0), on_site(0.20)}) {
     std::vector<Sighting> all = stack;
     all.push_back(seen(3, phantom));
-    EXPECT_TRUE(believe(slabs(), {}, expected, all).loose.empty()) << phantom.translation().transpose();
+    EXPECT_TRUE(estimate(expected, all).loose.empty()) << phantom.translation().transpose();
   }
   std::vector<Sighting> all = stack;
   all.push_back(seen(3, on_site(0.025, 0.12)));  // beside the base, touching nothing
-  EXPECT_EQ(believe(slabs(), {}, expected, all).loose.size(), 1U);
+  EXPECT_EQ(estimate(expected, all).loose.size(), 1U);
 }
 
-TEST(Believe, AStoneThatCarriesAnotherHasNotMoved) {
+TEST(EstimateStones, AStoneThatCarriesAnotherHasNotMoved) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}, {2, on_site(0.125)}};
   // The middle one is half hidden and badly seen.
-  const Belief belief = believe(
-      slabs(), {}, expected,
-      {seen(0, on_site(0.025)), seen(1, on_site(0.078, 0.012, 20 * kDegree)), seen(2, on_site(0.1255))});
-  ASSERT_EQ(belief.stack.size(), 3U);
-  EXPECT_LT(difference(belief.stack[1].T_W_O, expected[1].T_W_O).translation, 1e-9);
+  const StoneEstimates stones = estimate(
+      expected, {seen(0, on_site(0.025)), seen(1, on_site(0.078, 0.012, 20 * kDegree)), seen(2, on_site(0.1255))});
+  ASSERT_EQ(stones.stack.size(), 3U);
+  EXPECT_LT(difference(stones.stack[1].T_W_O_at_rest, expected[1].T_W_O).translation, 1e-9);
 }
 
-TEST(Believe, WhatLiesOnTheTableHasFallen) {
+TEST(EstimateStones, WhatLiesOnTheTableHasFallen) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
-  const Belief belief =
-      believe(slabs(), {}, expected, {seen(0, on_site(0.025)), seen(1, on_site(0.025, 0.13))});
-  EXPECT_EQ(belief.stack.size(), 1U);
-  ASSERT_EQ(belief.loose.size(), 1U);
-  EXPECT_EQ(belief.loose[0].stone, 1);
+  const StoneEstimates stones = estimate(expected, {seen(0, on_site(0.025)), seen(1, on_site(0.025, 0.13))});
+  EXPECT_EQ(stones.stack.size(), 1U);
+  ASSERT_EQ(stones.loose.size(), 1U);
+  EXPECT_EQ(stones.loose[0].stone, 1);
 }
 
 TEST(StrayAtStack, NamesTheLowestLevelThatALooseStoneTouches) {
-  Belief belief{{{0, on_site(0.025)}, {1, on_site(0.075)}}, {{2, on_site(0.025, 0.112)}}};
-  EXPECT_FALSE(stray_at_stack(slabs(), belief)) << "12 mm beside the base";
-  belief.loose.push_back({3, on_site(0.080, 0.0915)});  // 1.5 mm beside the upper slab
-  auto stray = stray_at_stack(slabs(), belief);
+  Arrangement arrangement{{{0, on_site(0.025)}, {1, on_site(0.075)}}, {{2, on_site(0.025, 0.112)}}};
+  EXPECT_FALSE(stray_at_stack(slabs(), arrangement)) << "12 mm beside the base";
+  arrangement.loose.push_back({3, on_site(0.080, 0.0915)});  // 1.5 mm beside the upper slab
+  auto stray = stray_at_stack(slabs(), arrangement);
   ASSERT_TRUE(stray);
   EXPECT_EQ(stray->level, 1U);
   EXPECT_EQ(stray->stone.stone, 3);
-  belief.loose[0].T_W_O = on_site(0.025, 0.1015);
-  stray = stray_at_stack(slabs(), belief);
+  arrangement.loose[0].T_W_O = on_site(0.025, 0.1015);
+  stray = stray_at_stack(slabs(), arrangement);
   ASSERT_TRUE(stray);
   EXPECT_EQ(stray->level, 0U);
   EXPECT_EQ(stray->stone.stone, 2);

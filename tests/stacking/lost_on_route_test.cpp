@@ -6,7 +6,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// What the loop does when a stone falls out of the hand while it is carried.
+/// What the loop does when a stone falls out of the gripper while it is carried.
 namespace stonestack::stacking {
 namespace {
 
@@ -70,19 +70,15 @@ struct LosingRun {
     Cell cell{arm, devices.gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
     BuildOptions options;
     options.search.horizon = 1;
-    BuildHooks hooks;
-    hooks.report = [&](const std::string& line) {
-      if (!line.starts_with("looking for")) return;
-      looked_beside += line.ends_with("beside the site") ? 1 : 0;
-      looked_back += line.ends_with("where it was") ? 1 : 0;
-    };
-    result = build_tower(cell, catalogue, robot, options, hooks);
+    result = build_tower(cell, catalogue, robot, options);
+    for (const StoneSought& sought : all_of<StoneSought>(result.events))
+      ++(sought.view.where == LookAgain::Where::kBesideSite ? looked_beside : looked_back);
     lost = arm.lost();
     lowered_empty = arm.lowered_empty();
   }
 };
 
-TEST(LostOnTheWay, IsFoundAgainAndPlaced) {
+TEST(LostOnTheRoute, IsFoundAgainAndPlaced) {
   const LosingRun run({1}, {0.0, 0.0});
   ASSERT_EQ(run.lost, 1);
   EXPECT_EQ(run.lowered_empty, 0);
@@ -93,7 +89,7 @@ TEST(LostOnTheWay, IsFoundAgainAndPlaced) {
   EXPECT_EQ(run.result.height, 1) << run.result.ended;
 }
 
-TEST(LostOnTheWay, OutOfSightItIsDoneWithout) {
+TEST(LostOnTheRoute, OutOfSightItIsDoneWithout) {
   const LosingRun run({1, 2}, {-3.0, 0.0});
   ASSERT_GE(run.lost, 0);
   EXPECT_EQ(run.lowered_empty, 0);
