@@ -83,10 +83,10 @@ SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalo
   std::vector<PlacedStone> placed;
   const Pose T_W_C = view.T_W_C ? *view.T_W_C : camera_over_table(seen.table_C, command.input);
   for (const auto& found : seen.detections) placed.push_back({found.stone, T_W_C * found.T_C_O});
-  const Belief belief = sort_by_site(shapes, problem.site, placed);
-  problem.stack.stones = belief.stack;
-  problem.available = belief.loose;
-  log_info(concat(belief.stack.size(), " stones stand at the site, ", belief.loose.size(), " lie loose"));
+  const Arrangement arrangement = sort_by_site(shapes, problem.site, placed);
+  problem.stack.stones = arrangement.stack;
+  problem.available = arrangement.loose;
+  log_info(concat(arrangement.stack.size(), " stones stand at the site, ", arrangement.loose.size(), " lie loose"));
   return problem;
 }
 
@@ -169,16 +169,16 @@ void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, Searc
   if (command.robot.empty()) return;
   require(!command.input.empty(), "--robot asks how stones are reached where they lie; give a SCENE");
   const RobotModel robot = read_robot(command.robot);
-  const Belief belief{problem->stack.stones, problem->available};
+  const Arrangement arrangement{problem->stack.stones, problem->available};
   CellLayout layout;
   if (is_scene_file(command.input)) {
     const SceneFile file = read_scene_file(command.input);
     layout.obstacles = file.obstacles;
     layout.paddings = file.paddings;
   }
-  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
+  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, arrangement);
   leave_what_is_too_heavy(scene, catalogue, *problem);
-  const auto reach = std::make_shared<Reach>(belief, scene, catalogue, command.motion);
+  const auto reach = std::make_shared<Reach>(arrangement, scene, catalogue, command.motion);
   problem->reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {
     return reach->in_one_go(stone, T_W_O, below);
   };

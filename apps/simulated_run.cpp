@@ -47,7 +47,11 @@ void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogu
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
   report.result = build_tower(cell, catalogue, robot, run.build,
-                              {[](const std::string& line) { log_info(line); }, &journal});
+                              {[&](const Event& event) {
+                                 if (const std::string line = to_text(event, catalogue); !line.empty())
+                                   log_info(line);
+                               },
+                               &journal, folder});
 }
 
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
@@ -104,7 +108,7 @@ RunReport perform_real(const SimulatedRun& run, const Catalogue& catalogue, cons
   HardwareCell hardware(file.cell);
   hardware.activate_gripper();
   build(report, hardware.cell(), run, catalogue, robot, folder);
-  const auto& stack = report.result.belief.stack;
+  const auto stack = at_rest(report.result.world).stack;
   if (!stack.empty()) {
     report.picture = folder + "/tower.png";
     write_png(report.picture,

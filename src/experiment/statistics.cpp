@@ -32,8 +32,8 @@ double Rate::high() const {
 bool was_tried(const PlacementRecord& record) {
   return record.outcome != PlacementRecord::Outcome::kNotPicked &&
          record.outcome != PlacementRecord::Outcome::kDropped &&
-         record.outcome != PlacementRecord::Outcome::kTakenOff &&
-         record.outcome != PlacementRecord::Outcome::kTurnedOver;
+         record.outcome != PlacementRecord::Outcome::kUnstacked &&
+         record.outcome != PlacementRecord::Outcome::kReoriented;
 }
 
 int judged_height(const ExperimentRun& run) {

@@ -27,6 +27,7 @@ void search(const SearchContext& context, SearchResult* result) {
 std::optional<SearchProblem> let_stand(const SearchProblem& problem, const SearchOptions& options,
                                        SearchResult* result) {
   check_problem(problem, options);
+  if (problem.stack_is_at_rest) return problem;
   try {
     const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result->reason);
     if (!stack) return std::nullopt;

@@ -146,7 +146,7 @@ Experiment with_a_way_back() {
   experiment.runs.push_back(
       run_of(4, 4,
              {placement(0.1, 0.9, Outcome::kPlaced, "a"), placement(0.1, 0.9, Outcome::kPlaced, "b"),
-              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.0, 0.0, Outcome::kTakenOff, "c"),
+              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.0, 0.0, Outcome::kUnstacked, "c"),
               placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.1, 0.9, Outcome::kFallen, "d"),
               placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.1, 0.9, Outcome::kPlaced, "d")}));
   return experiment;

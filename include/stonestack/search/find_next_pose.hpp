@@ -86,6 +86,7 @@ struct Placement {
 struct SearchProblem {
   const ShapeList* shapes = nullptr;
   Stack stack;  ///< what stands (measured)
+  bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
