@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <map>
 
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/spelling.hpp"
 
 namespace stonestack::core {
 namespace {
@@ -23,27 +22,11 @@ std::string range_text(const Field& f) {
                 f.unit.empty() ? "" : " " + f.unit);
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row.back();
-}
-
 std::string nearest_names(const FieldList& list, std::string_view name) {
-  std::multimap<std::size_t, std::string> ranked;
-  for (const auto& f : list) ranked.emplace(edit_distance(name, f.name), f.name);
+  std::vector<std::string> names;
+  for (const auto& f : list) names.push_back(f.name);
   std::string text;
-  for (auto it = ranked.begin(); it != ranked.end() && std::distance(ranked.begin(), it) < 3; ++it)
-    text += (text.empty() ? "" : ", ") + it->second;
+  for (const auto& known : nearest(names, name, 3)) text += (text.empty() ? "" : ", ") + known;
   return text;
 }
 
