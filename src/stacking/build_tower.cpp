@@ -290,6 +290,8 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
     return builder.stopped(RunResult::End::kInterrupted, "interrupted by the user");
   } catch (const DeviceError& error) {
     return builder.stopped(RunResult::End::kStopped, error.what());
+  } catch (const FileError& error) {  // of the journal: without it nothing moves, but what stands is reported
+    return builder.stopped(RunResult::End::kStopped, error.what());
   }
 }
 
