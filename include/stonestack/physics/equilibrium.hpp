@@ -37,7 +37,7 @@ struct EquilibriumOptions {
 };
 
 /// Contact forces in friction cones that balance gravity: a linear programme (Clp). `contacts` index into
-/// `bodies` (kTable: the ground). Upper bound of what a stack bears (facts/physics.md §3): ask for a margin,
+/// `bodies` (kTable: the ground). Upper bound of what a stack bears (contacts may shift): ask for a margin,
 /// not for feasibility. Contacts of one pair within 1 mm and 3 deg count once. Throws InvalidArgument for
 /// indices out of range, masses that are not positive, and friction that is negative or not finite.
 [[nodiscard]] Equilibrium solve_equilibrium(std::span<const StaticBody> bodies,

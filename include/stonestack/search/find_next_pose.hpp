@@ -26,7 +26,7 @@ struct SearchOptions {
   // Paper mode.
   double theta_init = 0.785398;     ///< rad: random initial rotation (companion paper, weak)
   double attraction = 100.0;        ///< N, F
-  double e_kin_stable = 0.0002;     ///< J; measured: 20 J filters nothing (facts/paper.md)
+  double e_kin_stable = 0.0002;     ///< J; measured: the 20 J of the companion paper filter nothing
   double area_min = 1e-5;           ///< m^2: a contact pose on a smaller support polygon is none
   int local_solutions = 5;          ///< x
   int contact_steps = 10;           ///< steps over which contacts are collected
