@@ -14,12 +14,14 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/pose.hpp"
 
 namespace stonestack {
 
+using namespace report;  // with the rooms below it: the whole library
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
