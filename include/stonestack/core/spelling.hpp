@@ -6,6 +6,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// The `count` names nearest to `name` by edit distance (Levenshtein), nearest first; of equal ones in their
@@ -19,3 +21,5 @@ namespace stonestack::core {
                                                     std::string_view name);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop
