@@ -30,8 +30,6 @@ struct CalibrateCommand {
   bool force = false;
   std::string method = "joint";
   std::string check, out, like, write_pairs;
-  HandEyeOptions options;
-  HandEyeNoise noise;
 };
 
 /// What a simulated calibration should find.
@@ -43,7 +41,7 @@ HandEyeFile stations(const CalibrateCommand& command) {
   if (command.simulate == 0) return read_hand_eye_pairs(command.pairs_file);
   const CameraMount mount = command.on_base ? CameraMount::kOnBase : CameraMount::kOnHand;
   return {mount,
-          simulate_hand_eye(kSimulatedTruth, mount, command.simulate, command.noise,
+          simulate_hand_eye(kSimulatedTruth, mount, command.simulate, HandEyeNoise{},
                             Random::stream(static_cast<std::uint64_t>(command.common.seed), "calibrate"))};
 }
 
@@ -77,7 +75,7 @@ Check check_file(const CalibrateCommand& command, const HandEyeFile& file, const
     throw FileError(command.check, concat("is for a camera ", to_text(given.mount)),
                     concat("the pairs are of one ", to_text(file.mount)));
   return {hand_eye_residual(file.pairs, file.mount, given.T_A_C), difference(given.T_A_C, chosen.T_A_C),
-          looks_inverted(file.pairs, file.mount, given.T_A_C, command.options)};
+          looks_inverted(file.pairs, file.mount, given.T_A_C)};
 }
 
 std::string in_words(const HandEyeResidual& r) {
@@ -131,7 +129,7 @@ void save(const CalibrateCommand& command, const HandEyeFile& file, const HandEy
 /// Stations that give no result are the file's fault.
 HandEyeResult solve(const CalibrateCommand& command, const HandEyeFile& file) {
   try {
-    return calibrate_hand_eye(file.pairs, file.mount, command.options);
+    return calibrate_hand_eye(file.pairs, file.mount);
   } catch (const InvalidArgument& problem) {
     if (command.pairs_file.empty()) throw;
     throw FileError(command.pairs_file, problem.what(),
@@ -148,8 +146,7 @@ std::string report(const Check& check, const std::string& path) {
 
 void calibrate(CalibrateCommand& command) {
   command.common.begin();
-  command.common.settings.apply(join(
-      {nest("calibration", fields(command.options)), nest("simulated_calibration", fields(command.noise))}));
+  command.common.settings.apply({});
   const HandEyeFile file = stations(command);
   if (!command.write_pairs.empty()) write_hand_eye_pairs(command.write_pairs, file);
   const HandEyeResult result = solve(command, file);

@@ -10,7 +10,7 @@
 
 namespace stonestack::apps {
 
-void CommonOptions::register_bench(CLI::App& command) {
+void CommonOptions::register_draw(CLI::App& command) {
   command
       .add_option("--catalogue", catalogue, "Folder of stones (default: the six that come with stonestack)")
       ->type_name("DIR");
@@ -22,7 +22,7 @@ void CommonOptions::register_bench(CLI::App& command) {
 }
 
 void CommonOptions::register_on(CLI::App& command) {
-  register_bench(command);
+  register_draw(command);
   command.add_flag("--json", json, "Result as JSON on stdout");
   command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
 }

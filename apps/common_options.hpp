@@ -20,8 +20,8 @@ struct CommonOptions {
 
   /// --catalogue, --seed, --json, --quiet, --set, --config.
   void register_on(CLI::App& command);
-  /// The same for a benchmark, which prints a table: no --json, no --quiet.
-  void register_bench(CLI::App& command);
+  /// The same but for what a benchmark takes otherwise: no --json, no --quiet.
+  void register_draw(CLI::App& command);
   /// Applies --quiet; call first in a callback.
   void begin() const;
   [[nodiscard]] Catalogue read() const;

@@ -292,7 +292,7 @@ void add_doctor(CLI::App& app) {
   command->common.register_on(*sub);
   sub->footer(
       "Says for each device what is wrong and what to do. Exit code 0 when all is well, 6 otherwise.\n"
-      "--set takes what the cell file may hold, and beats it: `stonestack config cell` lists it.\n"
+      "--set takes what the cell file may hold, and beats it: `stonestack config cell --expert` lists it.\n"
       "Of a simulated cell on the standard ports it examines what `stonestack simulate` serves, if it runs.\n"
       "Examples:\n"
       "  stonestack doctor --cell my_lab.yaml\n"

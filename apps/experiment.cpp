@@ -8,7 +8,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "experiment_variants.hpp"
 #include "run_folder.hpp"
 #include "scene_input.hpp"
 #include "simulated_run.hpp"
@@ -16,6 +15,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
+#include "stonestack/experiment/variants.hpp"
 #include "stonestack/report/experiment_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -302,7 +302,7 @@ void add_experiment(CLI::App& app) {
   command->common.register_on(*sub);
   sub->footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"
-      "How hard the cell is: --set simulation.NAME=VALUE (names: `stonestack config show | grep "
+      "How hard the cell is: --set simulation.NAME=VALUE (names: `stonestack config show --expert | grep "
       "simulation`).\n"
       "Examples:\n"
       "  stonestack experiment --runs 11 --stones 6 --per-run 4 --seed 1\n"

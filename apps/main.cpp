@@ -1,35 +1,11 @@
-#include <signal.h>
-
-#include <exception>
-#include <string>
-
-#include "command_line.hpp"
 #include "commands.hpp"
-#include "standard_streams.hpp"
-#include "stonestack/core/error.hpp"
-#include "stonestack/core/log.hpp"
-#include "version.hpp"
+#include "program.hpp"
 
 namespace {
 
-using stonestack::core::ExitCode;
-
-/// First signal: finish what must be finished. Second: the default action, at once.
-void install_signal_handlers() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stonestack::core::note_interrupt(); };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-  struct sigaction nothing {};      // a file that may not grow is an error of its write, like a full disk;
-  nothing.sa_handler = [](int) {};  // not SIG_IGN, which programs started from here would inherit
-  sigaction(SIGXFSZ, &nothing, nullptr);
-}
-
-int run(int argc, char** argv) {
-  CLI::App app("stonestack: finds scanned stones, plans stable towers, builds them with a robot arm.",
-               "stonestack");
-  app.set_version_flag("--version", stonestack::apps::program_version());
-  app.require_subcommand(1);
+void set_up(CLI::App& app) {
+  app.name("stonestack");
+  app.description("stonestack: finds scanned stones, plans stable towers, builds them with a robot arm.");
   app.footer(
       "Examples:\n"
       "  stonestack run --robot ur10                build a tower in the simulated cell\n"
@@ -43,37 +19,13 @@ int run(int argc, char** argv) {
       stonestack::apps::add_track,    stonestack::apps::add_search, stonestack::apps::add_check,
       stonestack::apps::add_plan,     stonestack::apps::add_run,    stonestack::apps::add_experiment,
       stonestack::apps::add_simulate, stonestack::apps::add_doctor, stonestack::apps::add_calibrate,
-      stonestack::apps::add_config,   stonestack::apps::add_bench,
+      stonestack::apps::add_config,
   };
   for (const auto add : commands) add(app);
-  return stonestack::apps::run_command_line(app, argc, argv);
-}
-
-/// The exit code of `work`; what it throws is logged.
-template <class Work>
-int guarded(const Work& work) {
-  try {
-    return work();
-  } catch (const stonestack::core::Error& error) {
-    stonestack::core::log_error(error.what());
-    return static_cast<int>(error.exit_code());
-  } catch (const std::exception& error) {
-    stonestack::core::log_error(std::string("internal error: ") + error.what() +
-                                "; please report it with the command line");
-    return static_cast<int>(ExitCode::kInternal);
-  }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  stonestack::apps::replace_closed_streams();
-  install_signal_handlers();
-  const int code = guarded([&] { return run(argc, argv); });
-  stonestack::core::clear_progress();
-  const int printed = guarded([] {
-    stonestack::apps::check_stdout();
-    return 0;
-  });
-  return code != 0 ? code : printed;
+  return stonestack::apps::run_program(argc, argv, set_up);
 }

@@ -27,6 +27,8 @@
 namespace stonestack::apps {
 namespace {
 
+constexpr double kAnyTilt = 3.14159265;  // rad, without a robot no grasp limits how a stone is turned
+
 struct SearchCommand {
   CommonOptions common;
   std::string input;
@@ -236,7 +238,7 @@ void print(const SearchCommand& command, const Catalogue& catalogue, const Searc
 void search(SearchCommand& command) {
   command.common.begin();
   command.options.seed = command.detection.seed = command.common.seed;
-  if (!command.robot.empty()) command.options.largest_tilt = BuildOptions{}.search.largest_tilt;
+  if (command.robot.empty()) command.options.largest_tilt = kAnyTilt;
   command.common.settings.apply(
       join({nest("search", fields(command.options)), nest("detection", fields(command.detection)),
             nest("motion", fields(command.motion))}));
@@ -314,7 +316,9 @@ void add_search(CLI::App& app) {
       "organised as a\n"
       "depth camera's: then the table that is seen becomes z = 0. A stack in a scene file is built on, from "
       "its last "
-      "stone up.\nCtrl-C ends the search with the best so far (exit code 130).");
+      "stone up.\nWithout --robot a stone may be turned any way up, as search.largest_tilt limits what one "
+      "grasp "
+      "can do.\nCtrl-C ends the search with the best so far (exit code 130).");
   sub->callback([command] { search(*command); });
 }
 

@@ -87,7 +87,8 @@ void add_simulate(CLI::App& app) {
   sub->footer(
       "The protocols are the real ones, for other people's clients, too; docs/clients.md says which were\n"
       "tried, and how. Everything listens on loopback. What devices are like and what goes wrong with them\n"
-      "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell` lists\n"
+      "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell "
+      "--expert` lists\n"
       "them, docs/failure-modes.md explains the faults.\n"
       "Examples:\n"
       "  stonestack simulate --cell simulated-ur10\n"

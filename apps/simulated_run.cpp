@@ -13,20 +13,6 @@
 namespace stonestack::apps {
 namespace {
 
-/// Does what the run reports stand in the simulated world's own state, with the arm away?
-TruthReport judge(const SimulatedCell& world, const RunResult& result) {
-  const StandOptions options = tower_bounds();
-  const TowerVerdict verdict = world.judge_tower(options);
-  TruthReport truth;
-  truth.height = verdict.stand.standing;
-  truth.stands = verdict.stand.stands && truth.height >= result.height;
-  truth.seconds = options.seconds;
-  truth.shift = verdict.stand.shift;
-  truth.turn = verdict.stand.turn;
-  truth.note = verdict.stand.reason;
-  return truth;
-}
-
 void draw_truth(const Truth& truth, const Catalogue& catalogue, const std::vector<int>& present,
                 const CellLayout& layout, const std::string& path) {
   std::vector<PlacedStone> placed;
@@ -39,18 +25,6 @@ void draw_truth(const Truth& truth, const Catalogue& catalogue, const std::vecto
   }
   write_png(path, draw(meshes, view_of_site(layout.site, top)));
 }
-
-}  // namespace
-
-void spread_seed(SimulatedRun& run) {
-  run.build.search.seed = run.build.detection.seed = run.build.motion.seed = run.simulation.seed = run.seed;
-}
-
-FieldList fields(SimulatedRun& run) {
-  return join({fields(run.build), nest("simulation", fields(run.simulation))});
-}
-
-namespace {
 
 /// What is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
@@ -140,8 +114,8 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
     write_report(later, report, folder.path());
     log_info("judging the tower in the true world");
     try {
-      report.truth = judge(world, report.result);
-      if (survival != nullptr) done.survival = world.try_tower(*survival);
+      report.truth = judge_run(world, report.result);
+      if (survival != nullptr) done.survival = try_tower(world, *survival);
     } catch (const Interrupted&) {  // what was built is reported, without a verdict
       log_info("interrupted before the tower was judged");
     }

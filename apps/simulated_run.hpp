@@ -3,25 +3,15 @@
 #include <vector>
 
 #include "rooms.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
 #include "stonestack/report/record_folder.hpp"
 #include "stonestack/report/run_report.hpp"
-#include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 /// One run of the loop, with its record: what `run` does once and `experiment` often.
 namespace stonestack::apps {
 
 struct CellFile;
-
-struct SimulatedRun {
-  int seed = 1;  ///< of the cell, detection, search and motion
-  BuildOptions build;
-  SimulationOptions simulation;
-};
-/// Gives `run.seed` to every part.
-void spread_seed(SimulatedRun& run);
-/// The options of a run: build, simulation.*
-[[nodiscard]] FieldList fields(SimulatedRun& run);
 
 /// What a run came to.
 struct FinishedRun {

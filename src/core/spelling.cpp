@@ -8,6 +8,15 @@ namespace {
 
 constexpr std::size_t kMostMeant = 3;
 
+/// Names by their edit distance; the order of equal ones is kept.
+std::multimap<std::size_t, std::string> ranked(const std::vector<std::string>& names, std::string_view name) {
+  std::multimap<std::size_t, std::string> list;
+  for (const std::string& known : names) list.emplace(edit_distance(name, known), known);
+  return list;
+}
+
+}  // namespace
+
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -21,23 +30,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
     }
   }
   return row.back();
-}
-
-/// Names by their edit distance; the order of equal ones is kept.
-std::multimap<std::size_t, std::string> ranked(const std::vector<std::string>& names, std::string_view name) {
-  std::multimap<std::size_t, std::string> list;
-  for (const std::string& known : names) list.emplace(edit_distance(name, known), known);
-  return list;
-}
-
-}  // namespace
-
-std::vector<std::string> nearest(const std::vector<std::string>& names, std::string_view name,
-                                 std::size_t count) {
-  std::vector<std::string> list;
-  for (const auto& [distance, known] : ranked(names, name))
-    if (list.size() < count) list.push_back(known);
-  return list;
 }
 
 std::vector<std::string> likely_meant(const std::vector<std::string>& names, std::string_view name) {

@@ -165,7 +165,7 @@ std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
   } catch (const InvalidArgument& problem) {
     if (config.file.empty()) throw;
     throw FileError(config.file, concat("camera.", config.camera, ": ", problem.what()),
-                    "`stonestack config cell` lists all settings");
+                    "`stonestack config cell --expert` lists all settings");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "simulation/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
@@ -149,7 +150,7 @@ World TrueWorld::judge_world(double step, int iterations) const {
 }
 
 std::vector<Contact> TrueWorld::contacts() const {
-  World world = judge_world(options_.step, kIterations);
+  World world = judge_world(kWorldStep, kIterations);
   world.step();
   std::vector<Contact> found;
   for (Contact contact : world.contacts()) {

@@ -58,7 +58,7 @@ class Commands : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] Outcome run(const std::string& arguments) const {
-    return shell(concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err"));
+    return shell(concat("cd ", folder_, " && ", program_, " ", arguments, " 2>err"));
   }
   /// A shell command that leaves its messages in the file `err` of the folder.
   [[nodiscard]] Outcome shell(const std::string& command) const {
@@ -103,6 +103,7 @@ class Commands : public testing::Test {
   }
 
   std::string folder_;
+  std::string program_ = STONESTACK_BINARY;
 };
 
 }  // namespace stonestack

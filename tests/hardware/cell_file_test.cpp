@@ -69,7 +69,7 @@ TEST_F(CellFile, NamesWhatTheArmMustNotTouchAndWhatTheHandWeighs) {
 
 TEST_F(CellFile, RefusesWhatCannotBe) {
   EXPECT_THAT(problem_of("layout: {T_T_C: {qw: 0.5}}\n"), HasSubstr("layout.T_T_C"));
-  EXPECT_THAT(problem_of("arm: {rtde_prt: 30004}\n"), HasSubstr("near it: arm.rtde_port"));
+  EXPECT_THAT(problem_of("arm: {rtde_prt: 30004}\n"), HasSubstr("did you mean arm.rtde_port"));
   EXPECT_THAT(problem_of("layout: {site: {x: .nan}}\n"), HasSubstr("layout.site.x"));
   EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("900"));
   EXPECT_THAT(problem_of("layout: {site: {x: 900}}\n"), HasSubstr("config cell"));

@@ -5,7 +5,7 @@
 
 #include "hardware/fake_rtde.hpp"
 #include "hardware/ur/ur_status.hpp"
-#include "stonestack/hardware/ur/primary_wire.hpp"
+#include "stonestack/protocol/primary_wire.hpp"
 
 namespace stonestack::hardware {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "motion/grasp_wrench.hpp"
-#include "motion/nonnegative_least_squares.hpp"
+#include "motion/grasp/grasp_wrench.hpp"
+#include "motion/grasp/nonnegative_least_squares.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 

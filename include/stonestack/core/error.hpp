@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// Errors are split by who must act. Expected outcomes (nothing seen, no stable pose, no inverse
 /// kinematics) are values, not errors.
 namespace stonestack::core {
@@ -82,3 +84,5 @@ void note_interrupt() noexcept;
 [[nodiscard]] bool interrupt_noted() noexcept;
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

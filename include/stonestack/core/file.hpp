@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// Reading and writing whole files, so that parsers parse memory and nothing is left half-written.
 namespace stonestack::core {
 
@@ -20,3 +22,5 @@ void write_file(const std::string& path, std::string_view content);
 void require_writable(const std::string& path);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

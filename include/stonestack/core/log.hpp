@@ -4,6 +4,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// One log sink for the whole process: stderr, so that stdout stays data.
 namespace stonestack::core {
 
@@ -23,3 +25,5 @@ void log_progress(std::string_view line);
 void clear_progress();
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -10,10 +10,8 @@
 
 namespace stonestack::core {
 
-/// The `count` names nearest to `name` by edit distance (Levenshtein), nearest first; of equal ones in their
-/// order.
-[[nodiscard]] std::vector<std::string> nearest(const std::vector<std::string>& names, std::string_view name,
-                                               std::size_t count);
+/// Letters to insert, leave out or replace until `a` is `b` (Levenshtein).
+[[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 /// The names that `name` may be a slip of: those that begin with it, then those at an edit distance of at
 /// most a third of its length (at least 1); none is a sensible answer. At most three.

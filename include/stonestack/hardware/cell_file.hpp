@@ -14,6 +14,8 @@
 #include "stonestack/hardware/ur/ur_arm.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// A pose as a file has it: x, y, z (m), qx, qy, qz, qw.
@@ -77,3 +79,5 @@ class HardwareCell {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// How straight a straight path is. Measured: 99.65 % of the reachable 12 cm approaches keep to it.
@@ -21,3 +23,5 @@ struct CartesianOptions {
                                                      const CartesianOptions& options = {});
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// How grasps of a stone are sampled and judged. Numbers without a source are ours.
@@ -78,3 +80,5 @@ struct GraspSet {
                                                             const GraspOptions& options = {});
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

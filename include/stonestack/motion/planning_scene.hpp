@@ -8,6 +8,8 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// A box of the gripper, in T (z out of the gripper, x the closing direction), that moves with a finger or
@@ -81,3 +83,5 @@ struct PlanningScene {
                                      const std::string& link, const std::string& stands, double padding);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

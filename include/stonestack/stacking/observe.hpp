@@ -10,6 +10,8 @@
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// What the program believes: only what camera and sensors told it.
@@ -82,3 +84,5 @@ struct Sighting {
                                                   const DetectionOptions& options);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

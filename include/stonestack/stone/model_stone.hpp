@@ -7,6 +7,8 @@
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stone {
 
 /// How a scan becomes a stone.
@@ -36,3 +38,5 @@ struct ModelResult {
                                       const ModelOptions& options = {});
 
 }  // namespace stonestack::stone
+
+#pragma GCC visibility pop

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "hardware/camera/frame_stream.hpp"
+#include "protocol/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "hardware/camera/v4l2_calls.hpp"
-#include "hardware/camera/z16.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::hardware {

@@ -1,11 +1,12 @@
 #pragma once
+#include "stonestack/core/export.hpp"
 #include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 
 /// What one RTDE sample says about arm and program.
 namespace stonestack::hardware {
 
-struct UrStatus {
+struct STONESTACK_EXPORT UrStatus {
   Joints q, qd;
   double device_time = 0.0, host_time = 0.0;  ///< s
   int robot_mode = 0;                         ///< 7: running
@@ -24,8 +25,8 @@ struct UrStatus {
 /// Outputs and inputs that the arm needs; `first_register` is 24 or 0.
 [[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
 /// The same for the controller at `address`; throws DeviceError that names it for PolyScope X (version 10).
-[[nodiscard]] RtdeRecipeFor served_recipe(const std::string& address);
-[[nodiscard]] UrStatus read_status(const RtdeSample& sample, int first_register);
+[[nodiscard]] STONESTACK_EXPORT RtdeRecipeFor served_recipe(const std::string& address);
+[[nodiscard]] STONESTACK_EXPORT UrStatus read_status(const RtdeSample& sample, int first_register);
 /// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".
 [[nodiscard]] std::string find_safety_stop(const UrStatus& status);
 /// The same, or that the arm is not powered with its brakes off.

@@ -4,8 +4,10 @@
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/hardware/ur/version.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/protocol/ur_version.hpp"
+
+#pragma GCC visibility push(default)
 
 /// URScript for one motion each. The controller keeps the time: a program holds the whole trajectory, follows
 /// it with servoj at every control step, and stops by itself when the host falls silent. It reports in
@@ -90,3 +92,5 @@ struct ScriptGuard {
 [[nodiscard]] std::string script_line(const std::string& script, int number);
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/hardware/ur/script_writer.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Where a UR controller is and how patient to be with it. Ports are the vendor's.
@@ -69,3 +71,5 @@ class UrArm : public Arm {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop
