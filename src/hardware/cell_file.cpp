@@ -32,19 +32,20 @@ FieldList pose_fields(const std::string& name, PoseNumbers& n, const std::string
 }
 
 FieldList layout_fields(CellConfig& c) {
-  return join({pose_fields("T_W_R", c.T_W_R, "robot base in the world; the table is z = 0"),
-               pose_fields("T_F_T", c.T_F_T, "tool tip in the flange"),
-               pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate"),
-               {field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "FT150 0.65, FT300 0.30 (data sheet)"),
-                field("camera_mass", c.camera_mass, {0.0, 10.0}, "kg", "with bracket and cable; ours"),
-                field("obstacles", c.obstacles_text, "a list of name, shape, T_W_O: README, Formats"),
-                field("padding", c.padding_text, "a list of a, b, m: README, Formats")},
-               {field("site.x", c.site_x, {-3.0, 3.0}, "m", "where the tower goes"),
-                field("site.y", c.site_y, {-3.0, 3.0}, "m", "where the tower goes"),
-                field("field.x", c.field_x, {-3.0, 3.0}, "m", "middle of the loose stones"),
-                field("field.y", c.field_y, {-3.0, 3.0}, "m", "middle of the loose stones"),
-                field("field.width", c.field_width, {0.05, 3.0}, "m", "along x"),
-                field("field.depth", c.field_depth, {0.05, 3.0}, "m", "along y")}});
+  return join(
+      {pose_fields("T_W_R", c.T_W_R, "robot base in the world; the table is z = 0"),
+       pose_fields("T_F_T", c.T_F_T, "tool tip in the flange"),
+       pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate"),
+       {field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "of the force sensor; FT150 0.65, FT300 0.30"),
+        field("camera_mass", c.camera_mass, {0.0, 10.0}, "kg", "with bracket and cable"),
+        field("obstacles", c.obstacles_text, "what the arm must not touch: a list of name, shape, T_W_O"),
+        field("padding", c.padding_text, "clearance between pairs of things: a list of a, b, m")},
+       {field("site.x", c.site_x, {-3.0, 3.0}, "m", "where the tower goes"),
+        field("site.y", c.site_y, {-3.0, 3.0}, "m", "where the tower goes"),
+        field("field.x", c.field_x, {-3.0, 3.0}, "m", "middle of the loose stones"),
+        field("field.y", c.field_y, {-3.0, 3.0}, "m", "middle of the loose stones"),
+        field("field.width", c.field_width, {0.05, 3.0}, "m", "along x"),
+        field("field.depth", c.field_depth, {0.05, 3.0}, "m", "along y")}});
 }
 
 void require_word(const std::string& path, const std::string& name, const std::string& word,
@@ -105,16 +106,16 @@ CellConfig::CellConfig() {
 }
 
 FieldList fields(CellConfig& c) {
-  return join({{field("robot", c.robot, "ur3 to ur16e or a URDF")},
+  return join({{user(field("robot", c.robot, "ur3 to ur16e, or a URDF file"))},
                nest("arm", fields(c.arm)),
                nest("gripper", fields(c.gripper)),
                nest("force_torque", fields(c.force_torque)),
-               {field("camera.driver", c.camera, "stream, v4l2, realsense or recorded")},
+               {user(field("camera.driver", c.camera, "stream, v4l2, realsense or recorded"))},
                nest("camera.stream", fields(c.stream)),
                nest("camera.v4l2", fields(c.v4l2)),
                nest("camera.realsense", fields(c.realsense)),
                nest("camera.recorded", fields(c.recorded)),
-               nest("layout", layout_fields(c)),
+               nest("layout", user(layout_fields(c))),
                nest("limits", fields(c.limits))});
 }
 

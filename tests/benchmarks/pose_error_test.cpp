@@ -1,4 +1,4 @@
-#include "benchmarks/pose_error.hpp"
+#include "pose_error.hpp"
 
 #include <gtest/gtest.h>
 

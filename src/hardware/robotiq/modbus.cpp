@@ -8,15 +8,14 @@ namespace stonestack::hardware {
 FieldList fields(ModbusOptions& o) {
   return {
       field("link", o.link, "tcp or rtu"),
-      field("address", o.address, "tcp: numeric IPv4"),
-      field("port", o.port, {1, 65535}, "", "Modbus standard"),
-      field("device", o.device, "rtu: path of the serial line"),
-      field("baud", o.baud, {9600, 921600}, "", "Robotiq manual: gripper 115200, sensor 19200"),
+      user(field("address", o.address, "over TCP: numeric IPv4")),
+      field("port", o.port, {1, 65535}, "", "over TCP; the standard's is 502"),
+      user(field("device", o.device, "over a serial line: its path")),
       field("unit", o.unit, {0, 255}, "", "Robotiq manual: 2 over TCP, 9 on a serial line"),
-      field("connect_timeout", o.connect_timeout, {0.01, 60.0}, "s", "ours"),
-      field("reply_timeout", o.reply_timeout, {0.01, 10.0}, "s", "ours"),
-      field("attempts", o.attempts, {1, 10}, "", "ours"),
-      field("quiet", o.quiet, {0.002, 0.5}, "s", "ours: 3.5 characters at 19200 baud are 2 ms"),
+      field("connect_timeout", o.connect_timeout, {0.01, 60.0}, "s", "until the device accepts a connection"),
+      field("reply_timeout", o.reply_timeout, {0.01, 10.0}, "s", "of each attempt"),
+      field("attempts", o.attempts, {1, 10}, "", "of each request, the first one included"),
+      field("quiet", o.quiet, {0.002, 0.5}, "s", "silence on a serial line before a request is repeated"),
   };
 }
 

@@ -1,5 +1,6 @@
 #include <array>
 
+#include "hardware/constants.hpp"
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/serial.hpp"
@@ -46,7 +47,7 @@ class RtuTransport final : public ModbusTransport {
   }
 
  private:
-  void open() { line_ = std::make_unique<SerialPort>(SerialPort::open(options_.device, options_.baud)); }
+  void open() { line_ = std::make_unique<SerialPort>(SerialPort::open(options_.device, kGripperBaud)); }
 
   [[nodiscard]] ModbusAttempt lost(IoStatus status, View got) {
     if (status == IoStatus::kClosed) {
@@ -57,7 +58,7 @@ class RtuTransport final : public ModbusTransport {
       return {std::nullopt, concat("no reply within ", options_.reply_timeout, " s"),
               "check power, unit id and the wires A and B"};
     return {std::nullopt, "no frame with a right CRC in " + hex_text(got),
-            concat("check the rate (", options_.baud, " baud) and the wiring")};
+            concat("check the rate (", kGripperBaud, " baud) and the wiring")};
   }
 
   ModbusOptions options_;

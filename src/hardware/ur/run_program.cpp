@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "hardware/constants.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -169,7 +170,7 @@ class Run {
           concat("paused by the user (program paused or speed slider at 0) for ", paused_, " s"));
     }
     used_ += dt * std::min(1.0, now.speed);
-    const double allowed = link_.options.time_factor * order_.duration + link_.options.time_slack;
+    const double allowed = kTimeFactor * order_.duration + link_.options.time_slack;
     if (used_ < allowed) return std::nullopt;
     return stop_because(
         concat("not done after ", used_, " s, expected ", order_.duration, " s; at knot ", now.progress));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "hardware/constants.hpp"
 #include "hardware/ur/script_guard.hpp"
 #include "hardware/ur/script_lines.hpp"
 #include "hardware/ur/script_text.hpp"
@@ -50,7 +51,7 @@ void define_globals(ScriptLines& out, const JointTrajectory& trajectory) {
   for (const Joints& qd : trajectory.qd) fastest = std::max(fastest, qd.cwiseAbs().maxCoeff());
   const ScriptOptions& o = out.options();
   out.add(1, "global stk_dt = ", out.step_time());
-  out.add(1, "global stk_lag_limit = ", to_script(o.hold_lag + 2 * o.lookahead * fastest));
+  out.add(1, "global stk_lag_limit = ", to_script(kHoldLag + 2 * kLookahead * fastest));
   out.add(1, "global stk_t = 0.0");
   out.add(1, "global stk_end = ", number(ScriptEnd::kRunning));
   out.add(1, "global stk_force = 0.0");
@@ -90,8 +91,7 @@ void define_piece(ScriptLines& out, bool guarded) {
     q += concat(j > 0 ? ", " : "", "a * stk_q0[", j, "] + b * stk_v0[", j, "] + c * q1[", j, "] + d * v1[", j,
                 "]");
   out.add(3, "local q = [", q, "]");
-  out.add(3, "servoj(q, t=stk_dt, lookahead_time=", to_script(o.lookahead), ", gain=", to_script(o.gain),
-          ")");
+  out.add(3, "servoj(q, t=stk_dt, lookahead_time=", to_script(kLookahead), ", gain=", to_script(kGain), ")");
   if (guarded) out.add(3, "stk_guard()");
   out.add(3, "if stk_lag(q) < stk_lag_limit:");
   out.add(4, "stk_t = stk_t + stk_dt");
@@ -109,9 +109,9 @@ void follow_pieces(ScriptLines& out, const JointTrajectory& trajectory, bool gua
     out.add(1, "stk_to(", k, ", ", to_script(trajectory.time[k] - trajectory.time[k - 1]), ", ",
             to_script(trajectory.q[k]), ", ", to_script(trajectory.qd[k]), ")");
   out.add(1, "local goal = ", to_script(trajectory.q.back()));
-  out.add(1, "while (stk_end == 0) and (stk_lag(goal) > ", to_script(out.options().arrived), "):");
-  out.add(2, "servoj(goal, t=stk_dt, lookahead_time=", to_script(out.options().lookahead),
-          ", gain=", to_script(out.options().gain), ")");
+  out.add(1, "while (stk_end == 0) and (stk_lag(goal) > ", to_script(kArrived), "):");
+  out.add(2, "servoj(goal, t=stk_dt, lookahead_time=", to_script(kLookahead), ", gain=", to_script(kGain),
+          ")");
   if (guarded) out.add(2, "stk_guard()");
   out.add(1, "end");
   out.add(1, "stopj(", to_script(out.options().stop_acceleration), ")");

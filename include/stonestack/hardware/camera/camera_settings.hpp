@@ -30,9 +30,6 @@ struct CameraSettings {
 
 /// What makes a frame worth looking at.
 struct FrameCheckOptions {
-  double least_valid = 0.02;       ///< share of pixels with a depth
-  double nearest = 0.05;           ///< m, of the median depth: nearer means a wrong scale
-  double farthest = 10.0;          ///< m
   bool refuse_equal_image = true;  ///< a camera with noise never sends the same image twice
 };
 [[nodiscard]] FieldList fields(FrameCheckOptions& options);

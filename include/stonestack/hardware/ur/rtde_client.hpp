@@ -33,8 +33,6 @@ struct RtdeOptions {
   int attempts = 3;              ///< of the first connection
   double retry_pause = 0.5;      ///< s between attempts
   int in_use_attempts = 5;       ///< a dying connection frees its registers late
-  double booted_time = 40.0;     ///< s of the controller's clock after which it has booted
-  double booted_data = 1.0;      ///< s of data that also show it
   double boot_timeout = 10.0;    ///< s for that
 };
 [[nodiscard]] FieldList fields(RtdeOptions& options);

@@ -33,21 +33,12 @@ enum class ScriptEnd {
 };
 
 struct ScriptOptions {
-  double lookahead = 0.04;         ///< s, servoj; 0.1 cuts corners by 3e-3 rad, this by less than 1e-3
-  double gain = 300;               ///< servoj
   double stop_acceleration = 2.0;  ///< rad/s^2, stopj
-  double hold_lag = 0.02;          ///< rad beyond the normal tracking delay; the path waits for a slower arm
-  double arrived = 0.002;          ///< rad at the end of the path
   double heartbeat_rate = 10;      ///< Hz below which the controller stops the program
   double force_stale = 0.05;       ///< s without a new force sample that stop a guarded motion: as old as a
                                    ///< ForceTorqueSensor's reading may be
-  int force_samples = 10;          ///< whose mean is the force at the start
   int contact_samples = 2;         ///< running, above the threshold
   double comply_time = 0.0;        ///< s of force mode after contact; 0: just stop
-  double comply_force = 10.0;      ///< N along the direction while complying
-  double comply_speed = 0.01;      ///< m/s
-  double start_tolerance = 0.01;   ///< rad between the first knot and the arm
-  double speed_margin = 1.01;      ///< times the joint speed limit
 };
 [[nodiscard]] FieldList fields(ScriptOptions& options);
 
