@@ -35,6 +35,12 @@ Catalogue CommonOptions::read() const {
   return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
 }
 
+void require_stones(const Catalogue& catalogue, int count, const CLI::Option* asked) {
+  const auto all = static_cast<int>(catalogue.stones.size());
+  require(count <= all || asked == nullptr || asked->count() == 0, "--per-run ", count, ": ", catalogue.path,
+          " has ", all, " stones");
+}
+
 std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& hand,
                              const RobotModel& robot) {
   std::vector<int> order(catalogue.stones.size());

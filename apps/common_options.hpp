@@ -27,6 +27,9 @@ struct CommonOptions {
   [[nodiscard]] Catalogue read() const;
 };
 
+/// Throws InvalidArgument if the user asked by the flag `asked` for more stones than the catalogue has.
+void require_stones(const Catalogue& catalogue, int count, const CLI::Option* asked);
+
 /// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
 /// What the hand of that cell or the arm cannot carry (`unfit_for_hand`) is not drawn but named in the log;
 /// fewer than `count` may be left. Throws Error (planning failed) if none is.

@@ -9,6 +9,7 @@
 #include "scene_input.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/detection/trace.hpp"
@@ -120,6 +121,7 @@ void detect(DetectCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("detection", fields(command.options)));
+  if (!command.trace.empty()) require_writable(command.trace + "/stages.json");
   const Catalogue catalogue = command.common.read();
   const auto wanted = wanted_stones(catalogue, command.stones);
   const auto views = read_views(command);

@@ -10,7 +10,7 @@ void set_up(CLI::App& app) {
       "Examples:\n"
       "  stonestack run --robot ur10                build a tower in the simulated cell\n"
       "  stonestack search --stones limestone_1,limestone_2 --levels 2\n"
-      "  stonestack COMMAND --help                  what a command takes, with examples\n"
+      "  stonestack help COMMAND                    what a command takes, with examples\n"
       "Exit codes: 0 done, 2 usage, 3 unreadable input, 4 nothing detected, 5 no stable pose,\n"
       "            6 planning or execution failed, 7 safety stop, 130 interrupted");
   const std::initializer_list<void (*)(CLI::App&)> commands{

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -225,8 +224,13 @@ void plan(PlanCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("motion", fields(command.options)));
+  const auto targets = read_targets(command);
+  require_readable(command.scene);
+  for (const std::string& path : {command.csv, command.plot})
+    if (!path.empty()) require_writable(path);
+  if (!command.frames.empty()) require_writable(command.frames + "/00_start.png");
   const Catalogue catalogue = command.common.read();
-  const Planned planned = make_plan(command, catalogue, read_targets(command));
+  const Planned planned = make_plan(command, catalogue, targets);
   const PickAndPlacePlan& plan = planned.plan;
   write_files(command, planned);
   if (command.common.json) {

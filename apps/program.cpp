@@ -3,8 +3,10 @@
 #include <signal.h>
 
 #include <exception>
-#include <iostream>
+#include <string>
 
+#include "command_line.hpp"
+#include "standard_streams.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "version.hpp"
@@ -14,23 +16,15 @@ namespace {
 
 using core::ExitCode;
 
-/// An unknown command gets its own answer: CLI11 would only say that one is missing.
-void check_command(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
-  std::string known;
-  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (command->get_name() == argv[1]) return;
-    known += (known.empty() ? "" : ", ") + command->get_name();
-  }
-  throw core::InvalidArgument("unknown command '" + std::string(argv[1]) + "'; commands: " + known);
-}
-
 /// First signal: finish what must be finished. Second: the default action, at once.
 void install_signal_handlers() {
   struct sigaction action {};
   action.sa_handler = [](int) { core::note_interrupt(); };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  struct sigaction nothing {};      // a file that may not grow is an error of its write, like a full disk;
+  nothing.sa_handler = [](int) {};  // not SIG_IGN, which programs started from here would inherit
+  sigaction(SIGXFSZ, &nothing, nullptr);
 }
 
 int run(int argc, char** argv, void (*set_up)(CLI::App& app)) {
@@ -38,21 +32,14 @@ int run(int argc, char** argv, void (*set_up)(CLI::App& app)) {
   app.set_version_flag("--version", program_version());
   app.require_subcommand(1);
   set_up(app);
-  check_command(app, argc, argv);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& problem) {
-    return app.exit(problem, std::cout, std::cerr) == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
-  }
-  return 0;
+  return run_command_line(app, argc, argv);
 }
 
-}  // namespace
-
-int run_program(int argc, char** argv, void (*set_up)(CLI::App& app)) {
-  install_signal_handlers();
+/// The exit code of `work`; what it throws is logged.
+template <class Work>
+int guarded(const Work& work) {
   try {
-    return run(argc, argv, set_up);
+    return work();
   } catch (const core::Error& error) {
     core::log_error(error.what());
     return static_cast<int>(error.exit_code());
@@ -61,6 +48,20 @@ int run_program(int argc, char** argv, void (*set_up)(CLI::App& app)) {
                     "; please report it with the command line");
     return static_cast<int>(ExitCode::kInternal);
   }
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv, void (*set_up)(CLI::App& app)) {
+  replace_closed_streams();
+  install_signal_handlers();
+  const int code = guarded([&] { return run(argc, argv, set_up); });
+  core::clear_progress();
+  const int printed = guarded([] {
+    check_stdout();
+    return 0;
+  });
+  return code != 0 ? code : printed;
 }
 
 }  // namespace stonestack::apps

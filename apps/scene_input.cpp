@@ -1,8 +1,12 @@
 #include "scene_input.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
@@ -160,6 +164,10 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
   }
   require(numbers.size() == count, "'", text, "' has ", numbers.size(), " numbers; expected ", form);
   return numbers;
+}
+
+void require_readable(const std::string& path) {
+  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, std::strerror(errno), "check the path");
 }
 
 bool is_scene_file(const std::string& path) {

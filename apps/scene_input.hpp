@@ -52,6 +52,10 @@ void check_level(const SceneView& view, const std::optional<Plane>& table_C, con
 /// origin, image x runs along world x. Throws FileError when no table was seen.
 [[nodiscard]] Pose camera_over_table(const std::optional<Plane>& table_C, const std::string& path);
 
+/// Throws FileError unless a file or folder of that name is there and may be read: for a check before shapes
+/// are built, which takes seconds.
+void require_readable(const std::string& path);
+
 /// True for .yaml and .yml.
 [[nodiscard]] bool is_scene_file(const std::string& path);
 

@@ -13,6 +13,7 @@
 #include "search_trace.hpp"
 #include "stacking/reach.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
@@ -42,6 +43,7 @@ struct SearchCommand {
   SearchOptions options;
   DetectionOptions detection;
   MotionOptions motion;
+  DepthInput depth;
 };
 
 /// What was found: the next placement, or one a level; other poses for the first, should the arm refuse it.
@@ -51,9 +53,9 @@ struct Found {
   bool repeatable = true;  ///< not ended by the clock or the user: the same seed gives the same
 };
 
-/// What the search starts from, by whatever way it was given.
-SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalogue,
-                           const ShapeList& shapes) {
+/// What the search starts from, by whatever way it was given. The shapes, which take seconds, are made when
+/// all that was given has been read.
+SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalogue, ShapeList& shapes) {
   SearchProblem problem;
   problem.shapes = &shapes;
   problem.site = command.site.empty() ? CellLayout{}.site : parse_point(command.site);
@@ -61,6 +63,7 @@ SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalo
     require(!command.stones.empty(), "no scene and no stones; give SCENE or --stones a,b,c");
     for (const auto& name : split(command.stones, ','))
       problem.available.push_back({catalogue.index(name), Pose::Identity()});
+    shapes = make_contact_shapes(catalogue.stones);
     return problem;
   }
   if (is_scene_file(command.input)) {
@@ -69,13 +72,17 @@ SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalo
       problem.stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
     for (const auto& item : scene.stones)
       problem.available.push_back({catalogue.index(item.stone), item.T_W_O});
-    if (!problem.stack.stones.empty() || !problem.available.empty()) return problem;
+    if (!problem.stack.stones.empty() || !problem.available.empty()) {
+      shapes = make_contact_shapes(catalogue.stones);
+      return problem;
+    }
     if (scene.depth_file.empty() && scene.cloud_file.empty())
       throw FileError(command.input, "has no stones, no depth and no cloud",
                       "add stones with their poses or a view of them");
   }
+  const SceneView view = read_view(command.input, command.camera_pose, false, command.depth);
+  shapes = make_contact_shapes(catalogue.stones);
   const DetectionModels models(catalogue.stones, command.detection);
-  const SceneView view = read_view(command.input, command.camera_pose);
   const DetectionResult seen = detect_stones(view.image, models, {}, command.detection);
   check_level(view, seen.table_C, command.input);
   if (seen.detections.empty())
@@ -206,6 +213,7 @@ Found find(const SearchCommand& command, const Catalogue& catalogue, const Searc
 
 void print(const SearchCommand& command, const Catalogue& catalogue, const SearchProblem& problem,
            const Found& found) {
+  clear_progress();
   if (!command.common.json) return print_table(catalogue, found.placements);
   nlohmann::json stack = nlohmann::json::array();
   for (const PlacedStone& placed : problem.stack.stones)
@@ -235,8 +243,13 @@ void search(SearchCommand& command) {
       join({nest("search", fields(command.options)), nest("detection", fields(command.detection)),
             nest("motion", fields(command.motion))}));
   require(command.trace.empty() || command.levels == 1, "--trace tells of one level; give --levels 1");
+  if (!command.input.empty()) require_readable(command.input);
+  if (!command.robot.empty()) (void)read_robot(command.robot);
+  for (const std::string& path : {command.out, command.picture})
+    if (!path.empty()) require_writable(path);
+  if (!command.trace.empty()) require_writable(command.trace + "/candidates.json");
   const Catalogue catalogue = command.common.read();
-  const ShapeList shapes = make_contact_shapes(catalogue.stones);
+  ShapeList shapes;
   SearchProblem problem = read_problem(command, catalogue, shapes);
   let_come_to_rest(command.options, &problem);
   ask_the_arm(command, catalogue, &problem);
@@ -261,6 +274,7 @@ void add_search(CLI::App& app) {
                   "Point cloud (PLY, PCD) or scene file; without it, --stones plans from the empty table");
   sub->add_option("--camera-pose", command->camera_pose,
                   "The cloud is in the camera frame, taken from here: x,y,z,qx,qy,qz,qw or a scene file");
+  register_depth_input(*sub, command->depth);
   sub->add_option("--stones", command->stones,
                   "Stones to plan with when there is no scene, by name, comma-separated");
   sub->add_option("--site", command->site,

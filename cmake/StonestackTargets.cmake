@@ -3,6 +3,8 @@
 #
 #   stonestack_room(NAME core SOURCES error.cpp ... [LINK targets...] [SYSTEM_INCLUDE dirs...])
 #     in src/<room>/CMakeLists.txt: compiles the room and adds it to libstonestack.
+#   stonestack_install_program(TARGET)
+#     a program that finds libstonestack from where it lies itself, wherever the prefix is moved to.
 #   stonestack_tests(core error_test.cpp ...)
 #     in tests/<room>/CMakeLists.txt: one test executable a room, test_<room>.
 
@@ -48,6 +50,12 @@ function(stonestack_room)
   target_link_libraries(stonestack PRIVATE $<BUILD_INTERFACE:${ROOM_LINK}>)
   target_sources(stonestack_internal PRIVATE $<TARGET_OBJECTS:${target}>)
   target_link_libraries(stonestack_internal PRIVATE ${ROOM_LINK})
+endfunction()
+
+function(stonestack_install_program target)
+  file(RELATIVE_PATH to_library "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/${to_library}")
+  install(TARGETS ${target})
 endfunction()
 
 function(stonestack_tests room)

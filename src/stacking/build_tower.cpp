@@ -125,6 +125,8 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
     ended = stop(RunEnd::kInterrupted, "interrupted by the user");
   } catch (const DeviceError& error) {
     ended = stop(RunEnd::kStopped, error.what());
+  } catch (const FileError& error) {  // of the journal: without it nothing moves, but what stands is reported
+    ended = stop(RunEnd::kStopped, error.what());
   }
   workcell.tell(RunEnded{ended.end, ended.reason});
   return std::move(recorder.result());

@@ -20,6 +20,9 @@ void log_warning(std::string_view line);
 void log_error(std::string_view line);
 /// Progress of long work: overwritten in place on a terminal, one line a change elsewhere.
 void log_progress(std::string_view line);
+/// Erases the progress line, if one stands on the terminal. Call before anything else is printed; the lines
+/// above do so by themselves.
+void clear_progress();
 
 }  // namespace stonestack::core
 

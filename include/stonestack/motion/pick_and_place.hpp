@@ -11,7 +11,7 @@
 
 namespace stonestack::motion {
 
-/// Options of grasp, transit, approach and placing. Sources: facts/robot.md.
+/// Options of grasp, transit, approach and placing. Measured in the simulated cell, where no source is named.
 struct MotionOptions {
   double speed_scale = 0.5;   ///< of the joint velocity limits
   double acceleration = 1.4;  ///< rad/s^2

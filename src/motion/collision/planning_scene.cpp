@@ -5,7 +5,8 @@
 namespace stonestack::motion {
 namespace {
 
-// Lengths along z of T, from the finger tips backwards (facts: public meshes of gripper and sensor), metres.
+// Lengths along z of T, from the finger tips backwards (from the public meshes of gripper and sensor),
+// metres.
 constexpr double kPalmFront = 0.112;
 constexpr double kPalmBack = 0.223;
 constexpr double kFlange = 0.264;

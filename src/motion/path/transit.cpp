@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kResolution =
     0.00001;  // rad: where nothing is nearer than 10 um to the padding, a motion is proven free
-constexpr std::size_t kDirectGoals = 16;      // facts: solves most picks
+constexpr std::size_t kDirectGoals = 16;      // solves most picks
 constexpr double kDetour = 1.3;               // a straight motion this much longer than the nearest goal's
 constexpr double kDetourMore = 0.3;           // rad, and this, is taken without looking for another way
 constexpr std::size_t kMostGoals = 64;        // nearest ones; further turns of a wrist are never shorter

@@ -11,7 +11,7 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kLeastForce = 50.0;  ///< N, what the hand can do gently (facts/robot.md)
+constexpr double kLeastForce = 50.0;  ///< N; the gripper can do 15 to 60 N a finger (Robotiq)
 
 using Kind = PlanStep::Kind;
 
