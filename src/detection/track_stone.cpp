@@ -50,7 +50,7 @@ std::optional<Detection> track_stone(const DepthImage& image, const DetectionMod
   const auto& data = models.data();
   require(stone >= 0 && stone < static_cast<int>(data.models.size()), "there are ", data.models.size(),
           " models, none with index ", stone);
-  require(is_valid(T_C_O_guess), "the guess is not a pose: ", to_text(T_C_O_guess));
+  require(is_valid(T_C_O_guess), "the guess is not a pose: ", geometry::to_text(T_C_O_guess));
   const DetectionModel& model = data.models[static_cast<std::size_t>(stone)];
   SceneKnowledge others = known;
   std::erase_if(others.stones, [&](const KnownStone& k) { return k.stone == stone; });

@@ -175,8 +175,8 @@ HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount
   require(pairs.size() >= 3, "a hand-eye calibration takes three stations at least, 15 are good, got ",
           pairs.size());
   for (const auto& p : pairs)
-    require(is_valid(p.T_R_F) && is_valid(p.T_C_B), "a station is not a pose: ", to_text(p.T_R_F), ", ",
-            to_text(p.T_C_B));
+    require(is_valid(p.T_R_F) && is_valid(p.T_C_B), "a station is not a pose: ", geometry::to_text(p.T_R_F),
+            ", ", geometry::to_text(p.T_C_B));
   const Stations stations = on_hand(pairs, mount);
   const auto motions = motions_of(stations, options);
   require(motions.size() >= 2, "of ", pairs.size(), " stations no three differ by ", options.least_turn,

@@ -97,7 +97,8 @@ HandEyeFile read_hand_eye_pairs(const std::string& path) {
 void write_hand_eye_pairs(const std::string& path, const HandEyeFile& file) {
   std::string text = concat("schema: ", kSchema, "\ncamera: ", to_text(file.mount), "\npairs:\n");
   for (const auto& p : file.pairs)
-    text += concat("  - {T_R_F: ", to_text(p.T_R_F), ", T_C_B: ", to_text(p.T_C_B), "}\n");
+    text +=
+        concat("  - {T_R_F: ", geometry::to_text(p.T_R_F), ", T_C_B: ", geometry::to_text(p.T_C_B), "}\n");
   write_file(path, text);
 }
 

@@ -104,7 +104,7 @@ IkBranches solve(const RobotModel& robot, const Pose& T_R_F, const Joints& seed,
 }
 
 void require_valid(const Pose& T_R_F, const Joints& seed) {
-  require(is_valid(T_R_F), "inverse kinematics needs a rigid transform, got ", to_text(T_R_F));
+  require(is_valid(T_R_F), "inverse kinematics needs a rigid transform, got ", geometry::to_text(T_R_F));
   require(is_seed(seed), "inverse kinematics needs a seed of finite angles, at most ", kFarthest,
           " rad, got ", seed.transpose());
 }

@@ -46,7 +46,7 @@ bool refine(const Line& line, JointPath& path, double s0, double s1, const Joint
 std::optional<JointPath> straight_path(const RobotModel& robot, const Pose& T_F_T, const Joints& q_from,
                                        const Pose& T_R_T_goal, const CartesianOptions& options) {
   require(q_from.allFinite() && is_valid(T_R_T_goal), "a straight path needs a start and a goal, got ",
-          q_from.transpose(), " and ", to_text(T_R_T_goal));
+          q_from.transpose(), " and ", geometry::to_text(T_R_T_goal));
   require(options.deviation > 0 && options.angle > 0 && options.longest > 0,
           "tolerances of a straight path must be positive");
   const Line line{

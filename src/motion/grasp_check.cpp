@@ -29,7 +29,8 @@ struct GraspFinder::Parts : PickSide {
 
 GraspFinder::GraspFinder(const PlanningScene& scene, const Stone& stone, int object, const Pose& T_W_O_pick,
                          const MotionOptions& options) {
-  require(is_valid(T_W_O_pick), "the pose of ", stone.name, " is not a pose: ", to_text(T_W_O_pick));
+  require(is_valid(T_W_O_pick), "the pose of ", stone.name,
+          " is not a pose: ", geometry::to_text(T_W_O_pick));
   require(object >= -1 && object < static_cast<int>(scene.objects.size()), "stone ", stone.name,
           " is object ", object, " of ", scene.objects.size());
   parts_ = std::make_unique<Parts>(scene, stone, object, T_W_O_pick, options);
@@ -51,7 +52,7 @@ GraspFinder& GraspFinder::operator=(GraspFinder&&) noexcept = default;
 GraspCheck GraspFinder::check(const Pose& T_W_O_place, int enough,
                               std::span<const SceneObject> meanwhile) const {
   require(is_valid(T_W_O_place), "the target of ", parts_->stone.name,
-          " is not a pose: ", to_text(T_W_O_place));
+          " is not a pose: ", geometry::to_text(T_W_O_place));
   GraspCheck result = parts_->pick;
   result.usable.clear();
   std::optional<GraspEnd> later;

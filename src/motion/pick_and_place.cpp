@@ -211,7 +211,8 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
 void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
   require(task.stone != nullptr, "a task needs a stone");
   require(is_valid(task.T_W_O_pick) && is_valid(task.T_W_O_place), "the poses of ", task.stone->name,
-          " are not poses: ", to_text(task.T_W_O_pick), " and ", to_text(task.T_W_O_place));
+          " are not poses: ", geometry::to_text(task.T_W_O_pick), " and ",
+          geometry::to_text(task.T_W_O_place));
   require(task.q_start.allFinite(), "the arm's joints are not finite: ", task.q_start.transpose());
   const int objects = static_cast<int>(scene.objects.size());
   require(std::abs(task.n_W_lift.norm() - 1.0) < 1e-6,

@@ -84,7 +84,7 @@ GripperModel with_spacing(GripperModel gripper, double spacing) {
 }
 
 GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C) {
-  require(is_valid(T_T_C), "the camera's mount is not a rigid transform: ", to_text(T_T_C));
+  require(is_valid(T_T_C), "the camera's mount is not a rigid transform: ", geometry::to_text(T_T_C));
   const PoseDifference off = difference(T_T_C, drawn_mount());
   if (off.translation < kMountShift && off.angle < kMountTurn) return gripper;
   const Pose moved = T_T_C * drawn_mount().inverse();

@@ -164,7 +164,8 @@ RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& tas
                          const MotionOptions& options, const RegraspOptions& regrasp) {
   require(task.stone != nullptr, "a task needs a stone");
   require(is_valid(task.T_W_O_pick) && is_valid(task.T_W_O_place), "the poses of ", task.stone->name,
-          " are not poses: ", to_text(task.T_W_O_pick), " and ", to_text(task.T_W_O_place));
+          " are not poses: ", geometry::to_text(task.T_W_O_pick), " and ",
+          geometry::to_text(task.T_W_O_place));
   RegraspPlan firm = RegraspSearch(scene, task, options, regrasp).plan();
   if (firm.planned ||
       (regrasp.least_margin >= regrasp.rest_margin && regrasp.least_tilt >= regrasp.rest_tilt))

@@ -38,7 +38,8 @@ struct RegraspFinder::Parts : PickSide {
 RegraspFinder::RegraspFinder(const PlanningScene& scene, const Stone& stone, int object,
                              const Pose& T_W_O_pick, std::span<const Pose> avoid,
                              const MotionOptions& options, const RegraspOptions& regrasp) {
-  require(is_valid(T_W_O_pick), "the pose of ", stone.name, " is not a pose: ", to_text(T_W_O_pick));
+  require(is_valid(T_W_O_pick), "the pose of ", stone.name,
+          " is not a pose: ", geometry::to_text(T_W_O_pick));
   parts_ = std::make_unique<Parts>(scene, stone, object, T_W_O_pick, options);
   const std::vector<Grasp>& grasps = parts_->set->grasps;
   std::vector<int> first(grasps.size());
@@ -56,7 +57,7 @@ RegraspFinder& RegraspFinder::operator=(RegraspFinder&&) noexcept = default;
 
 bool RegraspFinder::serves(const Pose& T_W_O_place, std::span<const SceneObject> meanwhile) const {
   require(is_valid(T_W_O_place), "the target of ", parts_->stone.name,
-          " is not a pose: ", to_text(T_W_O_place));
+          " is not a pose: ", geometry::to_text(T_W_O_place));
   const std::vector<Grasp>& grasps = parts_->set->grasps;
   std::optional<GraspEnd> later;
   if (!meanwhile.empty()) later.emplace(parts_->end.among(meanwhile));

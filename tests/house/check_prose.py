@@ -1,0 +1,61 @@
+"""check_prose.py ROOT: plain English in docstrings and documents (CONTRIBUTING.md, "Plain English").
+
+Fails on docstrings that begin with That, What, Who, Those, The same or a bare unit; on references to files that
+are not in the repository; on words of a lab notebook in documents; on documents wider than they should be.
+"""
+import pathlib
+import re
+import sys
+
+BAD_START = re.compile(r"^(That|What|Who|Whom|Whose|Those|The same)\b")
+UNITS = r"(?:m|mm|s|ms|us|rad|deg|kg|N|Nm|g|Hz|px|J|m/s|rad/s|m\^2|m\^3|kg/m\^3|N/m)"
+BARE_UNIT = re.compile(r"^" + UNITS + r"(?:[,;:.]|$|\s\()")
+REFERENCE = re.compile(r"\b((?:docs|facts|data|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")
+NOTEBOOK = re.compile(r"(the day before|machine (?:was )?shared|a load of \d|beside (?:builds|tests|other work)|scratch (?:program|build|library)"
+                      r"|looked at before|never looked at|\bhelpers?'? (?:build|work))", re.IGNORECASE)
+
+
+def docstrings(path):
+    """(line number, text) of each block of /// lines, and of each ///< comment."""
+    block = None
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        after = re.search(r"///<\s*(.*)", line)
+        if after:
+            yield number, after.group(1)
+            block = None
+            continue
+        start = re.match(r"\s*///\s?(.*)", line)
+        if start and block is None and start.group(1).strip():
+            yield number, start.group(1).strip()
+        block = True if start else None
+
+
+def main(root):
+    faults = []
+    sources = [p for top in ("include", "src", "apps", "benchmarks", "examples", "tests") for p in sorted((root / top).rglob("*"))
+               if p.suffix in (".hpp", ".cpp")]
+    documents = sorted(root.glob("*.md")) + sorted((root / "docs").glob("*.md"))
+    if len(sources) < 100 or not documents:
+        sys.exit(f"only {len(sources)} sources and {len(documents)} documents below {root}: is ROOT right?")
+    for path in sources:
+        for number, text in docstrings(path):
+            if BAD_START.match(text) or BARE_UNIT.match(text):
+                faults.append(f"{path.relative_to(root)}:{number}: a docstring begins with '{text[:40]}': begin with a noun or a verb")
+    for path in sources + documents:
+        base = path.parent
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            for name in REFERENCE.findall(line):
+                if not any((top / name).exists() for top in (root, root / "include/stonestack", root / "src", base)):
+                    faults.append(f"{path.relative_to(root)}:{number}: there is no {name}")
+            if path.suffix == ".md" and path.name != "CHANGELOG.md" and NOTEBOOK.search(line):
+                faults.append(f"{path.relative_to(root)}:{number}: sounds like a lab notebook: {NOTEBOOK.search(line).group(0)}")
+    readme = (root / "README.md").read_text(encoding="utf-8").splitlines()
+    if len(readme) > 150:
+        faults.append(f"README.md has {len(readme)} lines: 150 at most")
+    faults += [f"README.md:{n}: {len(line)} columns: 120 at most" for n, line in enumerate(readme, 1) if len(line) > 120]
+    if faults:
+        sys.exit("\n".join(faults) + f"\n{len(faults)} faults of prose")
+    print(f"{len(sources)} sources and {len(documents)} documents read")
+
+
+main(pathlib.Path(sys.argv[1]))
