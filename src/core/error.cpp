@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-#include "stonestack/core/clock.hpp"
+#include "stonestack/core/time_limit.hpp"
 
 namespace stonestack::core {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 #include "search/proposals.hpp"
-#include "stonestack/core/clock.hpp"
+#include "stonestack/core/time_limit.hpp"
 
 namespace stonestack::search {
 

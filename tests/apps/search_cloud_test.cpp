@@ -1,9 +1,8 @@
-// `stonestack search` on a cloud alone: the frame, the tower and the site that it finds, against the truth of the
-// simulated scene.
+// `stonestack search` on a cloud alone: the frame, the tower and the site that it finds, against the truth of
+// the simulated scene.
 #include <optional>
 
 #include "commands.hpp"
-#include "stonestack/core/clock.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 #include "stonestack/geometry/depth_render.hpp"
 #include "stonestack/simulation/sensor_noise.hpp"
@@ -60,7 +59,8 @@ class SearchCloud : public Commands {
     ADD_FAILURE() << "there is no " << stone;
     return Pose::Identity();
   }
-  /// The poses of a list in the result are those of the scene, T_V_W being where its world lies in the result's.
+  /// The poses of a list in the result are those of the scene, T_V_W being where its world lies in the
+  /// result's.
   void expect_true_poses(const json& list, const Pose& T_V_W) const {
     for (const auto& item : list) {
       const auto off = difference(pose_of(item["T_W_O"]), T_V_W * truth_of(item["stone"]));
@@ -151,9 +151,8 @@ TEST_F(SearchCloud, PutsTheFirstStoneOnAFreePlaceInView) {
 TEST_F(SearchCloud, RecognisesACloudInTheWorldFrame) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3"));
   ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.62, -0.02));
-  write_changed("world.ply", without_gaps(cloud_), [&](const Eigen::Vector3f& p) {
-    return Eigen::Vector3f(T_W_C_.cast<float>() * p);
-  });
+  write_changed("world.ply", without_gaps(cloud_),
+                [&](const Eigen::Vector3f& p) { return Eigen::Vector3f(T_W_C_.cast<float>() * p); });
   const Outcome outcome = run(concat("search world.ply", kQuick));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("taken as in the world frame"));
@@ -185,8 +184,8 @@ TEST_F(SearchCloud, NamesTheRemedyForOpenGlsAxesBeforeAnyLongWork) {
   write_changed("gl.ply", without_gaps(cloud_), opengl);
   write_changed("gl_rows.ply", cloud_, opengl);
   write("gl.yaml", "schema: stonestack.scene/1\ncloud: gl_rows.ply\n");
-  for (const std::string command : {"search gl.ply", "detect gl.ply", "search gl_rows.ply", "detect gl_rows.ply",
-                                    "detect gl.yaml"}) {
+  for (const std::string command :
+       {"search gl.ply", "detect gl.ply", "search gl_rows.ply", "detect gl_rows.ply", "detect gl.yaml"}) {
     expect_refusal(command, 3, {"OpenGL", "sign of y and z", "z runs from -"});
     EXPECT_THAT(read_file(folder_ + "/err", 1 << 20), Not(HasSubstr("preparing"))) << command;
   }

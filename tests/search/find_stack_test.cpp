@@ -101,10 +101,10 @@ TEST(ChooseSite, StaysClearOfLooseStonesAndInView) {
   ASSERT_TRUE(site);
   const double radius = six()[0]->radius;
   // Half of the base is 6 cm; the widest stone and a finger's 3 cm go beside it.
-  const Eigen::Array2d from_edge =
-      (*site - middle).array().abs() - Eigen::Array2d(0.06, 0.055);
+  const Eigen::Array2d from_edge = (*site - middle).array().abs() - Eigen::Array2d(0.06, 0.055);
   EXPECT_GT(from_edge.max(0.0).matrix().norm(), radius + 0.03 - 0.01);
-  EXPECT_LT((*site - middle).norm(), 0.06 + radius + 0.03 + 0.04) << "no further from the middle than it must";
+  EXPECT_LT((*site - middle).norm(), 0.06 + radius + 0.03 + 0.04)
+      << "no further from the middle than it must";
   EXPECT_LT((*site - middle).cwiseAbs().maxCoeff(), 0.4 - 0.5 * radius);
 }
 

@@ -74,8 +74,7 @@ void require(bool condition, const Parts&... parts) {
   if (!condition) throw InvalidArgument(concat(parts...));
 }
 
-/// Throws Interrupted after SIGINT or SIGTERM was noted by `note_interrupt`, or when the time of a
-/// `TimeLimit` (clock.hpp) is over. Long loops call it once a turn.
+/// Throws Interrupted after `note_interrupt`, or once a `TimeLimit` is over. Long loops call it once a turn.
 void throw_if_interrupted();
 /// Async-signal-safe: remembers that the process was asked to end.
 void note_interrupt() noexcept;
