@@ -6,6 +6,7 @@
 
 #include "rooms.hpp"
 #include "scene_input.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/catalogue.hpp"
 

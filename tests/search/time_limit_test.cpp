@@ -23,7 +23,9 @@ TEST(FindNextPose, EndsSoonAfterTheTimeLimitWhateverItDoes) {
     const SearchResult result = find_next_pose(base_stands(), quick());
     EXPECT_TRUE(limit.is_over());
     EXPECT_LT(clock.readings, seconds + 200) << "it went on after its time";
-    if (result.best.empty()) EXPECT_THAT(result.reason, ::testing::HasSubstr("the time was over"));
+    if (result.best.empty()) {
+      EXPECT_THAT(result.reason, ::testing::HasSubstr("the time was over"));
+    }
     EXPECT_THAT(result.reason, ::testing::Not(::testing::HasSubstr("interrupted")));
   }
 }
