@@ -8,6 +8,7 @@
 
 namespace {
 
+using namespace stonestack;
 using namespace stonestack::report;
 
 constexpr std::size_t kMostPixels = 1U << 16U;  // an input cannot fill more

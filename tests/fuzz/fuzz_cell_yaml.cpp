@@ -5,6 +5,7 @@
 #include "stonestack/hardware/cell_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
   using namespace stonestack::report;
   using fuzz::check;
   static const fuzz::Scratch scratch;

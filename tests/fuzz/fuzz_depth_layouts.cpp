@@ -9,6 +9,7 @@
 
 namespace {
 
+using namespace stonestack;
 using namespace stonestack::report;
 
 /// The three layouts, each with two images of 4 x 3 pixels.

@@ -8,6 +8,7 @@
 
 namespace {
 
+using namespace stonestack;
 using namespace stonestack::report;
 
 constexpr double kUnit = 0.000125;    // m a count

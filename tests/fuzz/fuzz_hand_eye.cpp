@@ -8,6 +8,7 @@
 #include "stonestack/kinematics/hand_eye_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
   using namespace stonestack::report;
   using fuzz::check;
   static const fuzz::Scratch scratch;

@@ -6,6 +6,7 @@
 #include "stonestack/core/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
   using namespace stonestack::report;
   const std::string text = fuzz::text_of(data, size);
   try {

@@ -5,6 +5,7 @@
 #include "stonestack/hardware/ur/primary_wire.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
   using namespace stonestack::report;
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   PrimaryStream whole, cut;

@@ -6,6 +6,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
   using namespace stonestack::report;
   static const fuzz::Scratch scratch;
   const std::string path = scratch.write("robot.yaml", fuzz::text_of(data, size));

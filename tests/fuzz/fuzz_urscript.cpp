@@ -8,6 +8,7 @@
 
 namespace {
 
+using namespace stonestack;
 using namespace stonestack::report;
 
 constexpr int kSteps = 12;

@@ -10,6 +10,7 @@
 
 namespace {
 
+using namespace stonestack;
 using namespace stonestack::report;
 
 void check(bool held) {
