@@ -16,6 +16,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/motion/scene_problem.hpp"
 #include "stonestack/report/plan_preview.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -182,8 +183,11 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
     throw_if_interrupted();
     const int stone = catalogue.index(target.stone);
     Planned planned{scene, make_task(catalogue, arrangement, stone, target.T_W_O, q_start), {}};
-    planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
-    if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
+    planned.plan.reason = scene_problem(planned.scene, planned.task);
+    if (planned.plan.reason.empty()) {
+      planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
+      if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
+    }
     const std::string refusal = concat(target.stone, ": ", planned.plan.reason);
     if (refusals.find(refusal) == std::string::npos) refusals += (refusals.empty() ? "" : "; ") + refusal;
   }

@@ -176,9 +176,8 @@ void scan(const ScanCommand& command) {
                      2)
               << '\n';
   if (!failed.empty())
-    throw Error(concat(failed.size(), " of ", list.size(),
-                       " could not be made a stone, see above; the others"
-                       " are stored"),
+    throw Error(concat(failed.size(), " of ", list.size(), " could not be made a stone, see above; ",
+                       stones.empty() ? "none is stored" : "the others are stored"),
                 ExitCode::kUnreadable);
 }
 

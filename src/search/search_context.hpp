@@ -2,6 +2,7 @@
 #include "search/proposals.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/export.hpp"
+#include "stonestack/core/time_limit.hpp"
 
 namespace stonestack::search {
 
@@ -17,7 +18,7 @@ struct SearchContext {
 
   [[nodiscard]] const ShapeList& shapes() const { return *problem->shapes; }
   [[nodiscard]] bool out_of_time() const {
-    return options->budget > 0.0 && watch.seconds() >= options->budget;
+    return time_is_over() || (options->budget > 0.0 && watch.seconds() >= options->budget);
   }
   void say(const std::string& line) const {
     if (report) report(line);
@@ -35,6 +36,10 @@ struct SearchContext {
 
 /// Why nothing, or no more, was found where `budget` ended the search.
 inline constexpr const char* kTimeOver = "the time was over before a pose was found";
+/// Why a search was interrupted before it found anything: the time, or the user.
+[[nodiscard]] inline const char* why_interrupted() {
+  return time_is_over() ? kTimeOver : "interrupted before a pose was found";
+}
 /// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
 inline constexpr double kStill = 1e-7;
 /// s: the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact).

@@ -82,7 +82,8 @@ TEST_F(DetectCommand, RefusesAFrameThatIsNeitherTheCamerasNorTheWorlds) {
   write_changed("forward.ply", heap_, [](const Eigen::Vector3f& p) {  // x forward, z up, as ROS's base has it
     return Eigen::Vector3f(p.z(), -p.x(), -p.y());
   });
-  expect_refusal("detect forward.ply -q", 3, {"forward.ply", "leans", "optical frame"});
+  expect_refusal("detect forward.ply -q", 3, {"forward.ply", "behind the camera", "optical frame"});
+  expect_refusal("detect forward.ply --world -q", 3, {"forward.ply", "leans", "optical frame"});
 }
 
 TEST_F(DetectCommand, PlacesStonesOfAWorldCloudInTheWorld) {

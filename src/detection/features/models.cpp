@@ -134,6 +134,7 @@ DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionO
   data_->options = options;
   std::vector<std::unique_ptr<DetectionModel>> made(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
+    throw_if_interrupted();
     made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));
   });
   for (auto& m : made) data_->models.push_back(std::move(*m));

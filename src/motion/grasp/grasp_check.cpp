@@ -37,6 +37,7 @@ GraspFinder::GraspFinder(const PlanningScene& scene, const Stone& stone, int obj
   GraspCheck& pick = parts_->pick;
   pick.total = static_cast<int>(parts_->set->grasps.size());
   for (int i = 0; i < pick.total; ++i) {
+    throw_if_interrupted();
     const Grasp& grasp = parts_->set->grasps[static_cast<std::size_t>(i)];
     if (const auto fault = parts_->end.fault(grasp, T_W_O_pick))
       ++pick.refused[static_cast<std::size_t>(fault_at_pick(*fault))];
@@ -57,6 +58,7 @@ GraspCheck GraspFinder::check(const Pose& T_W_O_place, int enough,
   std::optional<GraspEnd> later;
   if (!meanwhile.empty()) later.emplace(parts_->end.among(meanwhile));
   for (const int i : parts_->pick.usable) {
+    throw_if_interrupted();
     const Grasp& grasp = parts_->set->grasps[static_cast<std::size_t>(i)];
     auto fault = parts_->end.fault(grasp, T_W_O_place);
     if (!fault && later) fault = later->fault(grasp, T_W_O_place);

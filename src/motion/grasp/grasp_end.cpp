@@ -18,6 +18,8 @@ constexpr int kDenser = 4;                 // so many times the directions;
 constexpr std::size_t kFewOverTable = 12;  // and where most of them meet the table,
 constexpr int kDenserFromAbove = 24;       // so many times,
 constexpr double kFromAbove = 0.45;        // rad, as far from the vertical,
+constexpr std::size_t kManyBlocked =
+    100;  // grasps that all meet an object: denser ones between them will, too
 constexpr double kTightClearance = 0.006;  // m, of the open fingers, which is twice what a seen pose errs by
 constexpr double kOpeningStep = 0.02;      // m, to which openings are rounded up against the arm's own links
 
@@ -171,6 +173,20 @@ std::vector<int> GraspEnd::serving(std::span<const Grasp> grasps, std::span<cons
   return found;
 }
 
+bool GraspEnd::all_blocked(std::span<const Grasp> grasps, const Pose& T_W_O,
+                           const Eigen::Vector3d& n_O_towards, double cone) const {
+  const double least = std::cos(cone);
+  std::size_t seen = 0;
+  for (const Grasp& grasp : grasps) {
+    if (grasp.T_O_T.linear().col(2).dot(n_O_towards) < least) continue;
+    ++seen;
+    const HandCheck& check = hand(grasp).check;
+    if (!check.touches_object(T_W_O * grasp.T_O_T, grasp.pre_opening, options_.approach_padding))
+      return false;
+  }
+  return seen >= kManyBlocked;
+}
+
 std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone& stone,
                                                const GripperModel& gripper, const Pose& T_W_O_pick) {
   auto usual = cached_grasps(stone, gripper);
@@ -183,16 +199,18 @@ std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone&
     return fault != EndFault::kTable && fault != EndFault::kTooWeak;
   });
   GraspOptions more;
+  const Eigen::Vector3d n_O_down = -T_W_O_pick.linear().row(2).transpose();
   if (static_cast<std::size_t>(over_table) >= kFewOverTable) {  // what stands beside it is in the way
     if (serving >= kFew || usual->grasps.empty()) return usual;
+    if (end.all_blocked(usual->grasps, T_W_O_pick, n_O_down, std::numbers::pi)) return usual;
     more.directions *= kDenser;
     return cached_grasps(stone, gripper, more);
   }
+  if (end.all_blocked(usual->grasps, T_W_O_pick, n_O_down, kFromAbove)) return usual;
   more.directions *= kDenserFromAbove;
   more.cone = kFromAbove;
   more.finger_clearance = kTightClearance;
   // Rounded, so that another look at the stone asks for the same ones.
-  const Eigen::Vector3d n_O_down = -T_W_O_pick.linear().row(2).transpose();
   more.n_O_towards = (8.0 * n_O_down).array().round().matrix().normalized();
   return std::make_shared<const GraspSet>(joined(*usual, *cached_grasps(stone, gripper, more)));
 }

@@ -34,6 +34,10 @@ class GraspEnd {
   /// Those of the grasps with the indices `among` that serve, until `enough` are found (0: all).
   [[nodiscard]] std::vector<int> serving(std::span<const Grasp> grasps, std::span<const int> among,
                                          const Pose& T_W_O, std::size_t enough = 0) const;
+  /// True if the hand meets an object, the table not regarded, at each of the grasps that approach within
+  /// `cone` (rad) of `n_O_towards`, and these are many.
+  [[nodiscard]] bool all_blocked(std::span<const Grasp> grasps, const Pose& T_W_O,
+                                 const Eigen::Vector3d& n_O_towards, double cone) const;
 
  private:
   /// The hand at one spacing of its fingers.
@@ -59,9 +63,9 @@ class GraspEnd {
 
 /// The grasps of a stone to pick it up with where it lies. Where hardly any of the usual ones serves, more
 /// are sampled, once (2 to 9 s of one thread): in all directions where other things are in the way; where it
-/// is the table, those from above 24 times as densely, fingers opened less. Flat stones can be held in few
-/// ways as they lie: of the sixteen rocks stone_154, stone_156, stone_160, stone_163, stone_177 and
-/// stone_178.
+/// is the table, those from above 24 times as densely, fingers opened less. None are sampled where an object
+/// is in the way of all of many usual ones, whatever the table. Flat stones can be held in few ways as they
+/// lie: of the sixteen rocks stone_154, stone_156, stone_160, stone_163, stone_177 and stone_178.
 [[nodiscard]] std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone& stone,
                                                              const GripperModel& gripper,
                                                              const Pose& T_W_O_pick);

@@ -45,9 +45,6 @@ bool HandCheck::near(const Part& part, const Pose& T_W_part, const Piece& piece,
 }
 
 HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double padding) const {
-  const auto placed = [&](const Part& part) {
-    return T_W_T * Pose(Eigen::Translation3d(part.finger_side * opening / 2, 0, 0));
-  };
   // Most grasps of a stone fall here, so only heights are worked out.
   const Eigen::RowVector3d up_T = T_W_T.linear().row(2);
   for (const Part& part : parts_) {
@@ -56,13 +53,21 @@ HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double paddin
     for (const Eigen::Vector3d& p : part.core.points)
       if (up_T.dot(p) < least) return {Hit::What::kTableObject, -1};
   }
+  const int object = first_object(T_W_T, opening, padding);
+  return object < 0 ? Hit{} : Hit{Hit::What::kObject, object};
+}
+
+int HandCheck::first_object(const Pose& T_W_T, double opening, double padding) const {
   for (const Part& part : parts_) {
-    const Pose T_W_part = placed(part);
+    const Pose T_W_part = T_W_T * Pose(Eigen::Translation3d(part.finger_side * opening / 2, 0, 0));
     for (const Piece& piece : pieces_)
-      if (near(part, T_W_part, piece, chosen(piece.user_padding, padding)))
-        return {Hit::What::kObject, piece.object};
+      if (near(part, T_W_part, piece, chosen(piece.user_padding, padding))) return piece.object;
   }
-  return {};
+  return -1;
+}
+
+bool HandCheck::touches_object(const Pose& T_W_T, double opening, double padding) const {
+  return first_object(T_W_T, opening, padding) >= 0;
 }
 
 }  // namespace stonestack::motion

@@ -21,6 +21,8 @@ class HandCheck {
   };
   /// Anywhere on the way that ends at T_W_T, with the pads `opening` apart.
   [[nodiscard]] Hit sweep(const Pose& T_W_T, double opening, double padding) const;
+  /// The same of objects alone: true if it comes nearer than that to one, whatever the table.
+  [[nodiscard]] bool touches_object(const Pose& T_W_T, double opening, double padding) const;
 
  private:
   static constexpr double kNoPadding = -1.0;  ///< m: the user asks for none of his own
@@ -35,6 +37,8 @@ class HandCheck {
     int object = -1;
     double user_padding = kNoPadding;
   };
+  /// Its index, or -1.
+  [[nodiscard]] int first_object(const Pose& T_W_T, double opening, double padding) const;
   [[nodiscard]] bool near(const Part& part, const Pose& T_W_part, const Piece& piece, double padding) const;
 
   std::vector<Part> parts_;

@@ -13,6 +13,7 @@
 #include "stonestack/motion/cartesian.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/motion/scene_problem.hpp"
 #include "stonestack/motion/timing.hpp"
 
 namespace stonestack::motion {
@@ -222,18 +223,6 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
   require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");
 }
 
-/// What the arm stands in at the start, where no way can begin; empty if in nothing. Asked when no plan was
-/// found: which grasps do not lift the stone is worth knowing all the same.
-std::string start_in_something(const PlanningScene& scene, const PickAndPlaceTask& task) {
-  CollisionRules rules;
-  rules.padding = rules.self_padding = 0.0;
-  rules.opening = scene.opening;
-  const CollisionChecker checker(scene, rules);
-  if (!checker.collides(task.q_start)) return {};
-  const Clearance c = checker.clearance(task.q_start);
-  return concat("at the start the arm stands in something: ", c.first, " and ", c.second, " overlap");
-}
-
 }  // namespace
 
 bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T) {
@@ -264,7 +253,8 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
                 PickCandidates(scene, task, options, finder.set(), check,
                                [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
   if (plan.status == Status::kNoTransit)
-    if (const std::string stands = start_in_something(scene, task); !stands.empty())
+    // Asked when no plan was found: which grasps do not lift the stone is worth knowing all the same.
+    if (const std::string stands = start_problem(scene, task.q_start); !stands.empty())
       plan.reason = stands + "; " + plan.reason;
   return plan;
 }

@@ -20,10 +20,6 @@ constexpr std::array kLifts{1.0, 0.5};   ///< of kLift, where the arm has no roo
 constexpr std::array kOut{0.03, 0.06};   ///< m, that a stone is taken out of a lean before it goes up
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
-HeldObject held_stone(const Stone& stone, const Grasp& grasp) {
-  return {stone.name, stone.pieces, grasp.T_O_T.inverse()};
-}
-
 CollisionRules rules(double padding, double opening, int left_out) {
   CollisionRules r;
   r.padding = padding;
@@ -87,19 +83,23 @@ PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& tas
       options_(options),
       T_W_T_pick_(task.T_W_O_pick * grasp.T_O_T),
       T_W_T_place_(task.T_W_O_place * grasp.T_O_T),
+      T_T_O_(grasp.T_O_T.inverse()),
       opening_(grasp.pre_opening),
       holding_(grasp.opening),
       open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
-      open_wide_(scene_, rules(options.transit_padding, grasp.pre_opening, -1)),
-      open_tight_(scene_, rules(options.approach_padding, grasp.pre_opening, -1)),
-      held_([&] {
-        const HeldObject held = held_stone(*task.stone, grasp);
-        return CollisionChecker(scene_, rules(options.approach_padding, grasp.opening, task.object), &held);
-      }()),
-      held_wide_([&] {
-        const HeldObject held = held_stone(*task.stone, grasp);
-        return CollisionChecker(scene_, rules(options.transit_padding, grasp.opening, task.object), &held);
-      }()) {}
+      open_wide_([this] { return empty_hand(options_.transit_padding); }),
+      open_tight_([this] { return empty_hand(options_.approach_padding); }),
+      held_([this] { return full_hand(options_.approach_padding); }),
+      held_wide_([this] { return full_hand(options_.transit_padding); }) {}
+
+CollisionChecker PickAttempt::empty_hand(double padding) const {
+  return CollisionChecker(scene_, rules(padding, opening_, -1));
+}
+
+CollisionChecker PickAttempt::full_hand(double padding) const {
+  const HeldObject held{task_.stone->name, task_.stone->pieces, T_T_O_};
+  return CollisionChecker(scene_, rules(padding, holding_, task_.object), &held);
+}
 
 std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_T) const {
   return straight_path(scene_.robot, scene_.T_F_T, q, scene_.T_W_R.inverse() * T_W_T);
@@ -107,7 +107,8 @@ std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_
 
 std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pose& T_W_T) const {
   for (const double share : kLifts)
-    if (auto path = straight(q, raised(T_W_T, share * kLift)); path && is_free(held_, *path)) return path;
+    if (auto path = straight(q, raised(T_W_T, share * kLift)); path && is_free(held_.get(), *path))
+      return path;
   return std::nullopt;
 }
 
@@ -123,7 +124,7 @@ std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
   }
   for (const double by : kOut) {
     const auto clear = straight(loose->back(), out(by));
-    if (!clear || !is_free(held_, *clear)) return std::nullopt;
+    if (!clear || !is_free(held_.get(), *clear)) return std::nullopt;
     if (const auto up = raised_straight(clear->back(), out(by)))
       return joined(joined(std::move(*loose), *clear), *up);
   }
@@ -188,11 +189,11 @@ WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place
   return WayFault::kNone;
 }
 
-std::optional<Transit> PickAttempt::transit(const CollisionChecker& wide, const CollisionChecker& tight,
+std::optional<Transit> PickAttempt::transit(const LazyChecker& wide, const LazyChecker& tight,
                                             const Joints& a, const Joints& b, Effort effort) const {
   // An end that is nearer to something than the padding of a transit leaves no choice.
-  const bool near = wide.collides(a) || wide.collides(b);
-  const CollisionChecker& checker = near ? tight : wide;
+  const bool near = wide.get().collides(a) || wide.get().collides(b);
+  const CollisionChecker& checker = near ? tight.get() : wide.get();
   MotionOptions options = options_;  // a grasp whose way is hard to find gives way to the next one
   options.planning_effort = std::min(options.planning_effort, kTransitSeconds);
   const double first = effort == Effort::kLittle ? kLittleSeconds : kTransitSeconds;

@@ -1,6 +1,8 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/motion/grasp.hpp"
@@ -29,11 +31,28 @@ struct Way {
   JointPath retreat;   ///< from the target straight back, as far as there is room
 };
 
-/// One grasp of one task: checkers made once, then tried with several inverse kinematic solutions.
+/// A checker that is made when it is first asked for: most attempts fail before they need more than one.
+class LazyChecker {
+ public:
+  explicit LazyChecker(std::function<CollisionChecker()> make) : make_(std::move(make)) {}
+  [[nodiscard]] const CollisionChecker& get() const {
+    if (!made_) made_.emplace(make_());
+    return *made_;
+  }
+
+ private:
+  std::function<CollisionChecker()> make_;
+  mutable std::optional<CollisionChecker> made_;
+};
+
+/// One grasp of one task, for one thread: checkers made once, then tried with several inverse kinematic
+/// solutions.
 class PickAttempt {
  public:
   PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
               const Grasp& grasp);
+  PickAttempt(const PickAttempt&) = delete;  // its checkers refer to it
+  PickAttempt& operator=(const PickAttempt&) = delete;
   /// The whole way with these joint angles at the grasp and at the target; `fault` says what failed.
   struct Result {
     WayFault fault = WayFault::kNone;
@@ -44,6 +63,8 @@ class PickAttempt {
   [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place, Effort effort) const;
 
  private:
+  [[nodiscard]] CollisionChecker empty_hand(double padding) const;
+  [[nodiscard]] CollisionChecker full_hand(double padding) const;
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
   /// From where the stone lies out along PickAndPlaceTask::n_W_lift, then up.
   [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
@@ -57,19 +78,19 @@ class PickAttempt {
   /// The stone at its target and nothing else.
   [[nodiscard]] PlanningScene placed_alone() const;
   [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
-  [[nodiscard]] std::optional<Transit> transit(const CollisionChecker& wide, const CollisionChecker& tight,
+  [[nodiscard]] std::optional<Transit> transit(const LazyChecker& wide, const LazyChecker& tight,
                                                const Joints& a, const Joints& b, Effort effort) const;
 
   PlanningScene scene_;  ///< with the fingers as the grasp wants them
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
-  Pose T_W_T_pick_, T_W_T_place_;
-  double opening_, holding_;     ///< m, of the hand before and after it holds the stone, and meanwhile
-  CollisionChecker open_;        ///< hand open, the stone not there: approach, retreat
-  CollisionChecker open_wide_;   ///< hand open, the stone there: transit
-  CollisionChecker open_tight_;  ///< the same with the padding of an approach
-  CollisionChecker held_;        ///< stone in hand, padding of an approach
-  CollisionChecker held_wide_;   ///< stone in hand, transit
+  Pose T_W_T_pick_, T_W_T_place_, T_T_O_;
+  double opening_, holding_;  ///< m, of the hand before and after it holds the stone, and meanwhile
+  CollisionChecker open_;     ///< hand open, the stone not there: approach, retreat
+  LazyChecker open_wide_;     ///< hand open, the stone there: transit
+  LazyChecker open_tight_;    ///< the same with the padding of an approach
+  LazyChecker held_;          ///< stone in hand, padding of an approach
+  LazyChecker held_wide_;     ///< stone in hand, transit
 };
 
 /// True if every piece of the path is free.
