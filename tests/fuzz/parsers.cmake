@@ -16,7 +16,7 @@ stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequenc
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file stone_yaml)
 stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
-stonestack_files(parsers hardware cell_file cell_limits camera/camera_settings camera/frame_stream camera/recording camera/v4l2_recording camera/z16
+stonestack_files(parsers hardware cell_edit cell_file cell_limits camera/camera_settings camera/frame_stream camera/recording camera/v4l2_recording camera/z16
   robotiq/ft_frames robotiq/gripper_words robotiq/modbus_frame ur/dashboard_text ur/primary_wire ur/rtde_wire)
 stonestack_files(parsers motion problem_file)
 stonestack_files(parsers simulation robotiq/gripper_plant robotiq/gripper_registers
