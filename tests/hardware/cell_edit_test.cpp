@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
