@@ -17,7 +17,10 @@ struct UrStatus {
   int run = 0, progress = 0, end = 0;
   double force = 0.0;  ///< N, of the last program
 
-  /// A person (or a pendant) holds the program: paused, or the slider at zero.
+  /// A person (or the pendant) holds the program: it is there and goes on when somebody plays it. Controllers
+  /// may clear `program_running` meanwhile.
+  [[nodiscard]] bool is_held() const;
+  /// Held, or the speed slider at zero.
   [[nodiscard]] bool is_paused() const;
 };
 
