@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <nlohmann/json.hpp>
 
 #include "stacking/builder.hpp"
 #include "stacking/steady.hpp"
@@ -281,9 +282,44 @@ std::string to_text(PlacementRecord::Outcome outcome) {
   return "unknown";
 }
 
-RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
-                      const BuildOptions& options, const BuildHooks& hooks) {
-  Builder builder(cell, catalogue, robot, options, hooks);
+std::string to_text(RunResult::End end) {
+  switch (end) {
+    case RunResult::End::kAllPlaced:
+      return "all_placed";
+    case RunResult::End::kHeightReached:
+      return "height_reached";
+    case RunResult::End::kNoPose:
+      return "no_feasible_pose";
+    case RunResult::End::kNoPlan:
+      return "no_plan";
+    case RunResult::End::kPlacementFailed:
+      return "placement_failed";
+    case RunResult::End::kNothingSeen:
+      return "nothing_seen";
+    case RunResult::End::kStopped:
+      return "stopped";
+    case RunResult::End::kInterrupted:
+      return "interrupted";
+  }
+  return "unknown";
+}
+
+namespace {
+
+/// The journal's last line. Whoever finds the run stopped reads there what stopped it. Nothing moves any
+/// more: a disk that refuses costs this line, not the result.
+void record_end(const BuildHooks& hooks, const std::string& end, const std::string& reason) {
+  using nlohmann::json;
+  if (hooks.journal == nullptr) return;
+  const json data = {{"end", end}, {"reason", reason}};
+  try {
+    hooks.journal->record("end", data.dump(-1, ' ', false, json::error_handler_t::replace));
+  } catch (const FileError& error) {
+    log_warning(error.what());
+  }
+}
+
+RunResult run_to_end(Builder& builder) {
   try {
     return builder.run();
   } catch (const Interrupted&) {
@@ -291,6 +327,22 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   } catch (const DeviceError& error) {
     return builder.stopped(RunResult::End::kStopped, error.what());
   }
+}
+
+}  // namespace
+
+RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                      const BuildOptions& options, const BuildHooks& hooks) {
+  Builder builder(cell, catalogue, robot, options, hooks);
+  RunResult result;
+  try {
+    result = run_to_end(builder);
+  } catch (const std::exception& error) {
+    record_end(hooks, "failed", error.what());
+    throw;
+  }
+  record_end(hooks, to_text(result.end), result.ended);
+  return result;
 }
 
 }  // namespace stonestack::stacking

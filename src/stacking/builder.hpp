@@ -65,8 +65,13 @@ class Builder {
     return std::move(result_);
   }
 
-  [[nodiscard]] RunResult stopped(RunResult::End how, const std::string& why) {
-    cell_.arm.stop();
+  /// An arm that does not answer any more is part of why.
+  [[nodiscard]] RunResult stopped(RunResult::End how, std::string why) {
+    try {
+      cell_.arm.stop();
+    } catch (const Error& problem) {
+      why += concat("; the arm did not confirm a stop: ", problem.what());
+    }
     return end(how, why);
   }
 

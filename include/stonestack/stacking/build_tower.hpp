@@ -97,6 +97,10 @@ struct RunResult {
   Belief belief;  ///< as last measured
 };
 
+/// "all_placed", "height_reached", "no_feasible_pose", "no_plan", "placement_failed", "nothing_seen",
+/// "stopped", "interrupted".
+[[nodiscard]] std::string to_text(RunResult::End end);
+
 /// Who is told what happens.
 struct BuildHooks {
   std::function<void(const std::string&)> report;  ///< a line of progress
@@ -105,7 +109,8 @@ struct BuildHooks {
 
 /// The paper's loop (figure 1): observe, search, plan, execute, observe again, judge, until no pose is
 /// feasible, a placement failed, or all stones are placed. Stops the arm and returns what was done when
-/// interrupted.
+/// interrupted or when a device fails. The journal's last line, of kind "end", says how the run ended and
+/// why.
 [[nodiscard]] RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                                     const BuildOptions& options, const BuildHooks& hooks = {});
 
