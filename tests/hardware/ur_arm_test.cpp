@@ -274,7 +274,7 @@ TEST(UrArm, AnArmThatWasMovedInAPauseIsNotResumed) {
   Bench bench([](State& s, const std::string& script, int run) {
     paused_soon(1000000)(s, script, run);
     if (!is_stop(script))
-      s.after(60, [](State& now) { now.set("actual_q", std::array<double, 6>{0, 0, 0.02, 0, 0, 0}); });
+      s.after(200, [](State& now) { now.set("actual_q", std::array<double, 6>{0, 0, 0.02, 0, 0, 0}); });
   });
   const MotionResult stopped = bench.arm.follow(small_move());
   EXPECT_EQ(stopped.status, Status::kStopped);

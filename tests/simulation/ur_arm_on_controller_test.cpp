@@ -171,7 +171,7 @@ Resumed pause_move_resume(const std::string& script, int knots, double shift) {
   step();
   EXPECT_TRUE(c.resume_program());
   Resumed resumed;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 600; ++k) {
     const Joints before = bench.plant.state().q;
     step();
     const double speed = (bench.plant.state().q - before).cwiseAbs().maxCoeff() / c.period();
@@ -198,9 +198,9 @@ TEST(UrScripts, AnArmThatWasMovedInAPauseDoesNotJumpBack) {
     const auto limit = chasing.find("global stk_lag_end = ");
     ASSERT_NE(limit, std::string::npos);
     chasing.replace(limit, chasing.find('\n', limit) - limit, "global stk_lag_end = 1000.0");
-    EXPECT_GT(pause_move_resume(chasing, knots, 0.3).fastest, 1.0) << knots;
+    EXPECT_GT(pause_move_resume(chasing, knots, 0.3).fastest, 0.2) << knots;
   }
-  EXPECT_EQ(pause_move_resume(program, 0, 0.0).end, static_cast<int>(ScriptEnd::kRunning)) << "it goes on";
+  EXPECT_EQ(pause_move_resume(program, 0, 0.0).end, static_cast<int>(ScriptEnd::kDone)) << "not moved";
 }
 
 /// UrArm on a server over loopback.
@@ -222,6 +222,7 @@ struct Loopback {
     o.dashboard_port = or_closed(server.ports().dashboard);
     o.rtde.stale_after = o.script.force_stale = 1.0;  // a busy machine is not the point here
     o.script.heartbeat_rate = 2;
+    o.pause_limit = 20.0;  // what is paused by a mistake of a test does not hold it up
     return o;
   }
   RobotModel robot = read_robot("ur10");

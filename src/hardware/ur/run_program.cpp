@@ -11,7 +11,8 @@ namespace {
 
 using Status = MotionResult::Status;
 
-constexpr double kStragglers = 0.1;  // s for errors that follow the end of a program
+constexpr double kStragglers = 0.1;   // s for errors that follow the end of a program
+constexpr double kComesToRest = 0.5;  // s after which a paused arm stands
 
 /// Keeps what the controller says about the program.
 class Hearing {
@@ -142,15 +143,13 @@ class Run {
 
   /// In a pause nothing but a person moves the arm, and the program would jump back to where it was.
   std::optional<MotionResult> look_for_moved_arm(const UrStatus& now) {
-    if (!now.is_held()) {
-      q_held_.reset();
+    if (now.runtime_state != UrStatus::kPaused) {
+      held_.reset();
       return std::nullopt;
     }
-    if (!q_held_) {
-      if (now.qd.cwiseAbs().maxCoeff() < link_.options.standstill) q_held_ = now.q;
-      return std::nullopt;
-    }
-    const double moved = (now.q - *q_held_).cwiseAbs().maxCoeff();
+    if (!held_) held_ = Held{now.device_time, now.q};
+    if (now.device_time - held_->since < kComesToRest) held_->q = now.q;
+    const double moved = (now.q - held_->q).cwiseAbs().maxCoeff();
     if (moved <= link_.options.script.start_tolerance) return std::nullopt;
     return result(Status::kStopped, concat("the arm was moved by ", moved,
                                            " rad while the program was paused; it is not resumed"));
@@ -217,7 +216,11 @@ class Run {
   UrStatus last_;
   std::optional<Stopwatch> ended_for_;
   std::optional<double> before_;
-  std::optional<Joints> q_held_;  // where the arm came to rest in a pause
+  struct Held {
+    double since = 0.0;  // s, the controller's clock
+    Joints q;            // where the arm came to rest
+  };
+  std::optional<Held> held_;  // in a pause
   double used_ = 0.0, paused_ = 0.0;
 };
 

@@ -6,6 +6,7 @@
 namespace stonestack::hardware {
 
 struct UrStatus {
+  static constexpr std::uint32_t kPausing = 3, kPaused = 4, kResuming = 5;  ///< of `runtime_state`
   Joints q, qd;
   double device_time = 0.0, host_time = 0.0;  ///< s
   int robot_mode = 0;                         ///< 7: running
