@@ -9,13 +9,13 @@
 #include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "detection/scene/preprocess.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/socket.hpp"
+#include "stonestack/detection/table_frame.hpp"
 #include "stonestack/hardware/cell_edit.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 #include "stonestack/hardware/ur/primary_client.hpp"
@@ -294,8 +294,7 @@ std::string obstacle_to_view(const CellConfig& cell, const Said& said) {
 Look check_hand_eye(const CellConfig& cell, const Said& said) {
   const GivenMount given(cell);
   if (const std::string why = obstacle_to_view(cell, said); !why.empty()) return judge_numbers(given, why);
-  const DetectionOptions options;
-  const auto table_C = find_table(smooth_depth(*said.image, options), {}, options);
+  const auto table_C = find_table(*said.image);
   if (!table_C) return judge_numbers(given, "the camera sees none; move the hand over it and ask again");
   const Pose T_W_T = given.layout.T_W_R * forward(read_cell_robot(cell), *said.q) * given.layout.T_F_T;
   return judge_view(given, T_W_T, *table_C);

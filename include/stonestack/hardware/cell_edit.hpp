@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Writes a hand-eye calibration, camera in the flange, into a cell file and leaves every other character of
@@ -22,3 +24,5 @@ std::string write_mount(const std::string& path, const Pose& T_F_C, const std::s
 [[nodiscard]] std::string mount_text(const Pose& pose);
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// A pose of the camera on the hand, by the two frames that it may connect. Files rarely say which.
@@ -65,3 +67,5 @@ inline constexpr TableOffset kRoughTable{0.025, 0.070};
                                      const Pose& T_W_T, const Plane& table_C);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop
