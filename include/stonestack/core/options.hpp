@@ -11,7 +11,7 @@
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
-///     double step = 1.0 / 240.0;  ///< s
+///     double step = 1.0 / 240.0;  ///< [s]
 ///     int iterations = 50;
 ///   };
 ///   FieldList fields(SettleOptions& o) {

@@ -17,8 +17,8 @@ struct ModbusOptions {
   int port = 502;                     ///< tcp
   std::string device;                 ///< rtu: path of the serial line
   int unit = 2;                       ///< unit (slave) id; a reply by another one is refused
-  double connect_timeout = 2.0;       ///< s
-  double reply_timeout = 0.3;         ///< s, each attempt
+  double connect_timeout = 2.0;       ///< [s]
+  double reply_timeout = 0.3;         ///< each attempt [s]
   int attempts = 3;                   ///< per call, the first one included
   double quiet = 0.02;                ///< s of silence on a serial line before an attempt is repeated
 };
