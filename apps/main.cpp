@@ -47,7 +47,8 @@ int run(int argc, char** argv) {
       // in the order of the help
       stonestack::apps::add_scan,     stonestack::apps::add_render, stonestack::apps::add_detect,
       stonestack::apps::add_track,    stonestack::apps::add_search, stonestack::apps::add_check,
-      stonestack::apps::add_plan,     stonestack::apps::add_run,    stonestack::apps::add_experiment,
+      stonestack::apps::add_plan,     stonestack::apps::add_run,    stonestack::apps::add_decide,
+      stonestack::apps::add_experiment,
       stonestack::apps::add_simulate, stonestack::apps::add_doctor, stonestack::apps::add_calibrate,
       stonestack::apps::add_config,   stonestack::apps::add_bench,
   };

@@ -85,7 +85,9 @@ class StateWriter {
 Stop build(Workcell& w, StateWriter& states, Journal* journal) {
   Expectation at_first;
   at_first.first = true;
-  Known known = observe_and_learn(w, at_first, make_memory(w.options));
+  const RunMemory empty = make_memory(w.options);
+  at_first.friction = empty.friction;
+  Known known = observe_and_learn(w, at_first, empty);
   for (;;) {
     states.write(known);
     const auto [action, memory, why] = decide(w, known, w.tell);

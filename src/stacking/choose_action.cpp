@@ -6,6 +6,7 @@
 #include "stacking/choose_placement.hpp"
 #include "stacking/free_places.hpp"
 #include "stacking/next_view.hpp"
+#include "stacking/settle_stack.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
@@ -170,6 +171,12 @@ Models make_models(const Catalogue& catalogue, const RobotModel& robot, const Ce
   return models;
 }
 
+void add_resting_stacks(const Models& models, const BuildOptions& options, const FrictionEstimate& friction,
+                        WorldEstimate& world) {
+  world.resting =
+      resting_stacks(models.shapes, Stack{at_rest(world).stack}, options.search, friction.frictions);
+}
+
 RunMemory make_memory(const BuildOptions& options) {
   RunMemory memory;
   memory.friction = first_estimate(assumed_frictions(options));
@@ -178,6 +185,8 @@ RunMemory make_memory(const BuildOptions& options) {
 
 Decision choose_action(const WorldEstimate& world, const RunMemory& memory, const Models& models,
                        const BuildOptions& options, const Listener& listener) {
+  require(world.resting.size() == memory.friction.frictions.size(), "the stack was settled at ",
+          world.resting.size(), " frictions, not at ", memory.friction.frictions.size());
   Decision decision{Stop{}, memory, {}};
   const Listener note = [&](const Event& event) {
     decision.why.push_back(event);

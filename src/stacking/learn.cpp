@@ -253,6 +253,7 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
 Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, const Action& action) {
   Expectation expected;
   expected.site = world.site;
+  expected.friction = memory.friction;
   for (const auto& [stone, p_W] : memory.last_seen) expected.known.push_back(stone);
   if (memory.attempt) {
     expected.stack = memory.attempt->expected_stack;

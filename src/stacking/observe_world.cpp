@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "stacking/arrangement.hpp"
-#include "stacking/settle_stack.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -86,7 +85,7 @@ std::optional<WorldEstimate> predict_by_tower(Workcell& w, const Expectation& ex
   const PoseDifference off =
       difference(predicted.stack.back().T_W_O_at_rest, expected.stack.back().T_W_O_at_rest);
   if (off.translation > w.options.placed_shift || off.angle > w.options.placed_turn) return std::nullopt;
-  add_resting_stacks(w, predicted);
+  add_resting_stacks(w.models, w.options, expected.friction, predicted);
   return predicted;
 }
 
@@ -139,7 +138,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   if (expected.stack.empty()) {
     seen.views.push_back(view_along(w, route_to(w, scene, above_field)));
     if (expected.first && w.options.refine_camera)
-      seen.before = refine_camera(w, seen.views, keep_prediction);
+      seen.before = refine_camera(w, expected.friction, seen.views, keep_prediction);
     if (expected.first) seen.site = view_site(w, seen.views);
     return seen;
   }
@@ -156,11 +155,6 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
 }
 
 }  // namespace
-
-void add_resting_stacks(const Workcell& w, WorldEstimate& world) {
-  world.resting = resting_stacks(w.models.shapes, Stack{at_rest(world).stack}, w.options.search,
-                                 assumed_frictions(w.options));
-}
 
 void tell_uncertain(const Workcell& w, const std::vector<Sighting>& sightings) {
   for (const Sighting& seen : sightings)
@@ -192,7 +186,7 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   world.layout = w.cell.layout;
   world.views = std::make_shared<const Views>(std::move(seen.views));
   observation.as_predicted = adopt(w.models.shapes, seen.predicted, world);
-  if (!observation.as_predicted) add_resting_stacks(w, world);
+  if (!observation.as_predicted) add_resting_stacks(w.models, w.options, expected.friction, world);
   w.seconds.detection += watch.seconds();
   tell_uncertain(w, sightings);
   return observation;

@@ -62,7 +62,7 @@ Arrangement seen_in(const Views& views, const std::vector<DetectionResult>& seen
 
 }  // namespace
 
-Arrangement refine_camera(Workcell& w, Views& views, const WhileMoving& while_moving) {
+Arrangement refine_camera(Workcell& w, const FrictionEstimate& friction, Views& views, const WhileMoving& while_moving) {
   const Pose T_T_C = w.cell.layout.T_T_C;
   std::vector<MountView> mounts;
   std::vector<DetectionResult> seen;
@@ -85,7 +85,7 @@ Arrangement refine_camera(Workcell& w, Views& views, const WhileMoving& while_mo
     predicted.loose = estimate_stones(w.models.shapes, w.cell.layout, {},
                                       sightings_in(views.front(), seen.front()), w.options)
                           .loose;
-    add_resting_stacks(w, predicted);
+    add_resting_stacks(w.models, w.options, friction, predicted);
     while_moving(predicted);
   }));
   detect(views.back());

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/pose_json.hpp"
-#include "stacking/settle_stack.hpp"
+#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -363,6 +363,15 @@ json options_json(const BuildOptions& options) {
   return j;
 }
 
+/// The path; empty for the stones that come with stonestack, wherever they are.
+std::string catalogue_name(const std::string& path) {
+  try {
+    return path == data_path("stones") ? "" : path;
+  } catch (const FileError&) {
+    return path;
+  }
+}
+
 /// Reads and checks the file; what is wrong with it becomes a FileError.
 template <class F>
 auto read_as(const std::string& path, const F& read) {
@@ -385,7 +394,7 @@ void write_state(const std::string& path, const WorldEstimate& world, const RunM
   const Writer writer{*models.catalogue};
   constexpr const char* kSites[] = {"unseen", "free", "occupied"};
   const json j{{"schema", kSchema},
-               {"catalogue", models.catalogue->path},
+               {"catalogue", catalogue_name(models.catalogue->path)},
                {"robot", models.robot->name},
                {"options", options_json(options)},
                {"layout", layout_json(world.layout)},

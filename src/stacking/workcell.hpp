@@ -23,6 +23,7 @@ struct Workcell {
 struct Expectation {
   std::vector<StoneEstimate> stack, loose;
   SiteStatus site = SiteStatus::kFree;
+  FrictionEstimate friction;  ///< at whose frictions the stack is settled
   std::vector<int> known;     ///< stones that were seen in this run
   bool first = false;         ///< nothing was observed yet
   bool as_planned = false;    ///< a stone has just been released where it should be
@@ -64,9 +65,8 @@ struct ViewScene {
 /// Views the field once more, half a turn about the optical axis away, and corrects where the camera is taken
 /// to sit, in the layout and in the views; the second view is added to them. Returns what they showed, as
 /// loose. `while_moving` hears what the first view shows.
-[[nodiscard]] Arrangement refine_camera(Workcell& workcell, Views& views, const WhileMoving& while_moving);
-/// Adds what `stack` is at each assumed friction to a world.
-void add_resting_stacks(const Workcell& workcell, WorldEstimate& world);
+[[nodiscard]] Arrangement refine_camera(Workcell& workcell, const FrictionEstimate& friction, Views& views,
+                                        const WhileMoving& while_moving);
 /// Reports stones of which detection is not sure which they are or how they lie.
 void tell_uncertain(const Workcell& workcell, const std::vector<Sighting>& sightings);
 
