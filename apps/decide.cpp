@@ -33,9 +33,9 @@ struct Lines {
   [[nodiscard]] std::string candidates(const char* verb, const std::vector<Placement>& list) const {
     std::string text;
     for (const Placement& p : list)
-      text += concat(text.empty() ? verb : "  or", " ", models.name(p.stone), " at ", pose_text(p.T_W_O),
-                     ", predicted success ", p.predicted_success, ", expected height ", p.expected_height,
-                     "\n");
+      text +=
+          concat(text.empty() ? verb : "  or", " ", models.name(p.stone), " at ", pose_text(p.T_W_O),
+                 ", predicted success ", p.predicted_success, ", expected height ", p.expected_height, "\n");
     return text;
   }
   [[nodiscard]] std::string places(const std::string& start, const std::vector<Pose>& list) const {
@@ -51,9 +51,7 @@ struct Lines {
   std::string operator()(const ClearBase& a) const {
     return places("clear the base of " + models.name(a.stray.stone), a.T_W_O_down);
   }
-  std::string operator()(const LookAgain& a) const {
-    return concat("look for ", models.name(a.stone), "\n");
-  }
+  std::string operator()(const LookAgain& a) const { return concat("look for ", models.name(a.stone), "\n"); }
   std::string operator()(const Stop& a) const { return "stop: " + a.reason + "\n"; }
 };
 
@@ -84,7 +82,8 @@ void add_decide(CLI::App& app) {
   sub->add_option("state", command->state, "File that `run --set run.save_states=true` wrote")
       ->required()
       ->type_name("STATE.json");
-  sub->add_option("--catalogue", command->catalogue, "Stones (default: those of the state)")->type_name("DIR");
+  sub->add_option("--catalogue", command->catalogue, "Stones (default: those of the state)")
+      ->type_name("DIR");
   sub->add_option("--robot", command->robot, "Robot (default: that of the state)");
   sub->add_option("--set", command->assignments, "NAME=VALUE, instead of the state's option");
   sub->add_flag("--json", command->json, "Print one JSON object (schema stonestack.decision/1)");

@@ -20,7 +20,8 @@ void check_command(const CLI::App& app, int argc, char** argv) {
     if (command->get_name() == argv[1]) return;
     known += (known.empty() ? "" : ", ") + command->get_name();
   }
-  throw stonestack::core::InvalidArgument("unknown command '" + std::string(argv[1]) + "'; commands: " + known);
+  throw stonestack::core::InvalidArgument("unknown command '" + std::string(argv[1]) +
+                                          "'; commands: " + known);
 }
 
 /// First signal: finish what must be finished. Second: the default action, at once.
@@ -45,12 +46,11 @@ int run(int argc, char** argv) {
       "            6 planning or execution failed, 7 safety stop, 130 interrupted");
   const std::initializer_list<void (*)(CLI::App&)> commands{
       // in the order of the help
-      stonestack::apps::add_scan,     stonestack::apps::add_render, stonestack::apps::add_detect,
-      stonestack::apps::add_track,    stonestack::apps::add_search, stonestack::apps::add_check,
-      stonestack::apps::add_plan,     stonestack::apps::add_run,    stonestack::apps::add_decide,
-      stonestack::apps::add_experiment,
-      stonestack::apps::add_simulate, stonestack::apps::add_doctor, stonestack::apps::add_calibrate,
-      stonestack::apps::add_config,   stonestack::apps::add_bench,
+      stonestack::apps::add_scan,       stonestack::apps::add_render,   stonestack::apps::add_detect,
+      stonestack::apps::add_track,      stonestack::apps::add_search,   stonestack::apps::add_check,
+      stonestack::apps::add_plan,       stonestack::apps::add_run,      stonestack::apps::add_decide,
+      stonestack::apps::add_experiment, stonestack::apps::add_simulate, stonestack::apps::add_doctor,
+      stonestack::apps::add_calibrate,  stonestack::apps::add_config,   stonestack::apps::add_bench,
   };
   for (const auto add : commands) add(app);
   check_command(app, argc, argv);
@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
     return static_cast<int>(error.exit_code());
   } catch (const std::exception& error) {
     stonestack::core::log_error(std::string("internal error: ") + error.what() +
-                          "; please report it with the command line");
+                                "; please report it with the command line");
     return static_cast<int>(ExitCode::kInternal);
   }
 }

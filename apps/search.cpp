@@ -84,7 +84,8 @@ SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalo
   const Arrangement arrangement = sort_by_site(shapes, problem.site, placed);
   problem.stack.stones = arrangement.stack;
   problem.available = arrangement.loose;
-  log_info(concat(arrangement.stack.size(), " stones stand at the site, ", arrangement.loose.size(), " lie loose"));
+  log_info(concat(arrangement.stack.size(), " stones stand at the site, ", arrangement.loose.size(),
+                  " lie loose"));
   return problem;
 }
 

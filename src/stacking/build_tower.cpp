@@ -113,8 +113,9 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   const Models models = make_models(catalogue, robot, cell.layout);
   const DetectionModels detection(catalogue.stones, options.detection);
   Recorder recorder(models, hooks);
-  Workcell workcell{cell,    models, detection,
-                    options, recorder.result().seconds, [&](const Event& event) { recorder.hear(event); }};
+  Workcell workcell{cell, models, detection, options, recorder.result().seconds, [&](const Event& event) {
+                      recorder.hear(event);
+                    }};
   StateWriter states(workcell, hooks.states_folder);
   const auto stop = [&](RunEnd end, const std::string& reason) {
     cell.arm.stop();

@@ -14,7 +14,7 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr int kMaxCleared = 4;     // tries to take stones away from the base of the tower
+constexpr int kMaxCleared = 4;      // tries to take stones away from the base of the tower
 constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
 
 /// Unit: up and away from what a stone leans on, by as much.
@@ -25,7 +25,8 @@ Eigen::Vector3d out_of_the_lean(const Eigen::Vector3d& p_W_leaning, const Eigen:
   return (away.normalized() + Eigen::Vector3d::UnitZ()).normalized();
 }
 
-/// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known stones.
+/// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known
+/// stones.
 std::string fault_of_site(const WorldEstimate& world, const Models& models) {
   if (world.site == SiteStatus::kFree) return "";
   if (world.site == SiteStatus::kUnseen)

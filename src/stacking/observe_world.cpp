@@ -64,8 +64,8 @@ std::vector<StoneEstimate> stack_seen(const Workcell& w, const std::vector<Sight
   return as_estimates(sort_by_site(w.models.shapes, w.cell.layout.site, seen).stack);
 }
 
-/// The world by one view of the tower, and what was known of the field before; nothing if the new stone is not
-/// where it should be or another leans on the tower: something else comes first then.
+/// The world by one view of the tower, and what was known of the field before; nothing if the new stone is
+/// not where it should be or another leans on the tower: something else comes first then.
 std::optional<WorldEstimate> predict_by_tower(Workcell& w, const Expectation& expected,
                                               const CameraView& of_site) {
   const Stopwatch watch;
@@ -79,8 +79,7 @@ std::optional<WorldEstimate> predict_by_tower(Workcell& w, const Expectation& ex
   predicted.stack =
       estimate_stones(w.models.shapes, w.cell.layout, expected.stack, sightings, w.options).stack;
   w.seconds.detection += watch.seconds();
-  if (predicted.stack.size() != expected.stack.size() ||
-      stray_at_stack(w.models.shapes, at_rest(predicted)))
+  if (predicted.stack.size() != expected.stack.size() || stray_at_stack(w.models.shapes, at_rest(predicted)))
     return std::nullopt;
   const PoseDifference off =
       difference(predicted.stack.back().T_W_O_at_rest, expected.stack.back().T_W_O_at_rest);
@@ -126,8 +125,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   if (expected.views) {
     seen.views = *expected.views;
     const DepthFrame frame = w.cell.camera.capture();
-    seen.views.push_back(
-        {frame.image, camera_pose(w.cell.layout, *w.models.robot, w.cell.arm.state().q)});
+    seen.views.push_back({frame.image, camera_pose(w.cell.layout, *w.models.robot, w.cell.arm.state().q)});
     return seen;
   }
   const ViewScene scene{seen.before, expected.first};
@@ -148,8 +146,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   const JointTrajectory route = route_to(w, scene, above_field);
   seen.views.push_back(view_along(w, route, [&] {
     if (!expected.as_planned) return;
-    if (const auto predicted = predict_by_tower(w, expected, seen.views.front()))
-      keep_prediction(*predicted);
+    if (const auto predicted = predict_by_tower(w, expected, seen.views.front())) keep_prediction(*predicted);
   }));
   return seen;
 }
@@ -176,8 +173,8 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
       find_in_views(seen.views, w.detection, wanted, together, seen.before, w.options.detection);
   const bool found_stack = expected.first && seen.site == SiteStatus::kOccupied;
   StoneEstimates stones =
-      estimate_stones(w.models.shapes, w.cell.layout,
-                      found_stack ? stack_seen(w, sightings) : expected.stack, sightings, w.options);
+      estimate_stones(w.models.shapes, w.cell.layout, found_stack ? stack_seen(w, sightings) : expected.stack,
+                      sightings, w.options);
   Observation observation;
   WorldEstimate& world = observation.world;
   world.stack = std::move(stones.stack);

@@ -27,7 +27,8 @@ double error_of_base(bool refine_camera) {
   EXPECT_EQ(result.height, 1) << result.ended;
   if (result.world.stack.empty()) return 1.0;
   const StoneEstimate& base = result.world.stack.front();
-  return difference(base.T_W_O_at_rest, world.truth().T_W_O[static_cast<std::size_t>(base.stone)]).translation;
+  return difference(base.T_W_O_at_rest, world.truth().T_W_O[static_cast<std::size_t>(base.stone)])
+      .translation;
 }
 
 TEST(BuildTower, TwoFirstViewsCorrectTheCamera) {

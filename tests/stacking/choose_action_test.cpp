@@ -198,7 +198,8 @@ TEST(StateFile, IsReadAsItWasWritten) {
 
 TEST(StateFile, WhatIsNoStateIsRefusedWithItsName) {
   const std::string path = testing::TempDir() + "no_state.json";
-  for (const char* text : {"", "{}", "[1]", R"({"schema": "stonestack.run/1"})", R"({"schema": "stonestack.state/1"})"}) {
+  for (const char* text :
+       {"", "{}", "[1]", R"({"schema": "stonestack.run/1"})", R"({"schema": "stonestack.state/1"})"}) {
     write_file(path, text);
     EXPECT_THROW(static_cast<void>(read_state(path, limestones())), FileError) << text;
   }

@@ -36,15 +36,15 @@ struct StoneUncertain {  ///< which stone it is, or how it lies
   double certainty = 1.0;
 };
 struct CameraRefined {
-  double shift = 0, turn = 0;  ///< m, rad, from the calibrated mount
-  int marks = 0;               ///< stones seen twice
+  double shift = 0, turn = 0;    ///< m, rad, from the calibrated mount
+  int marks = 0;                 ///< stones seen twice
   double before = 0, after = 0;  ///< m, between the views
   bool accepted = true;
 };
-struct CameraNotTurned {};    ///< no motion to a turned view: the mount stays as calibrated
-struct SiteOccupied {};       ///< when the run begins
+struct CameraNotTurned {};  ///< no motion to a turned view: the mount stays as calibrated
+struct SiteOccupied {};     ///< when the run begins
 struct SiteSeenFromOneSide {};
-struct BackedAway {};         ///< the gripper stood too near to something
+struct BackedAway {};  ///< the gripper stood too near to something
 
 // Choice
 struct StonesUnfit {  ///< for gripper or arm, wherever they lie

@@ -36,7 +36,7 @@ struct PlacementRecord {
   Outcome outcome = Outcome::kPlaced;
   std::string note;
   int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
-  std::optional<Pose> T_W_O_at_rest = std::nullopt;  ///< where it rests by physics, near `T_W_O_measured`
+  std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< m, by which the aim was moved against the bias
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
@@ -70,9 +70,9 @@ struct SearchOutcome {
 
 /// Stones that are being unstacked, one an action.
 struct Unstacking {
-  int remaining = 0;          ///< tries
+  int remaining = 0;  ///< tries
   int tried = 0;
-  std::size_t down_to = 0;    ///< stones of the stack that stay
+  std::size_t down_to = 0;           ///< stones of the stack that stay
   std::optional<PlacedStone> freed;  ///< the stone that leans on the stack, if it is done to free that one
 };
 
@@ -83,7 +83,7 @@ struct Attempt {
   Placement placement;  ///< where the stone was to go
   Pose T_O_T = Pose::Identity();
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();
-  std::vector<PlacedStone> below;                           ///< the stack before
+  std::vector<PlacedStone> below;                             ///< the stack before
   std::vector<StoneEstimate> expected_stack, expected_loose;  ///< if all went as far as `done` says
 };
 
