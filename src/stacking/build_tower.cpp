@@ -117,19 +117,26 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
                       recorder.hear(event);
                     }};
   StateWriter states(workcell, hooks.states_folder);
-  const auto stop = [&](RunEnd end, const std::string& reason) {
-    cell.arm.stop();
-    return Stop{end, reason};
+  // An arm that does not answer any more is part of the reason.
+  const auto stop = [&](RunEnd end, std::string reason) {
+    try {
+      cell.arm.stop();
+    } catch (const Error& problem) {
+      reason += concat("; the arm did not confirm a stop: ", problem.what());
+    }
+    workcell.tell(RunEnded{end, reason});
   };
-  Stop ended;
   try {
-    ended = build(workcell, states, hooks.journal);
+    const Stop ended = build(workcell, states, hooks.journal);
+    workcell.tell(RunEnded{ended.end, ended.reason});
   } catch (const Interrupted&) {
-    ended = stop(RunEnd::kInterrupted, "interrupted by the user");
+    stop(RunEnd::kInterrupted, "interrupted by the user");
   } catch (const DeviceError& error) {
-    ended = stop(RunEnd::kStopped, error.what());
+    stop(RunEnd::kStopped, error.what());
+  } catch (const std::exception& error) {
+    workcell.tell(RunFailed{error.what()});
+    throw;
   }
-  workcell.tell(RunEnded{ended.end, ended.reason});
   return std::move(recorder.result());
 }
 

@@ -137,6 +137,7 @@ struct Words {
     return name(e.stone) + " did not stay as it was set down";
   }
   std::string operator()(const RunEnded&) const { return ""; }  // who asked for the run prints it
+  std::string operator()(const RunFailed&) const { return ""; }
   std::string operator()(const StepBegun&) const { return ""; }
   std::string operator()(const HoldMeasured&) const { return ""; }
   std::string operator()(const CarriedMeasured&) const { return ""; }

@@ -1,6 +1,8 @@
 #include "stacking/record.hpp"
 
 #include "stacking/arrangement.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 
 namespace stonestack::stacking {
 
@@ -28,7 +30,13 @@ void Recorder::hear(const Event& event) {
     result_.ended = ended->reason;
   }
   result_.events.push_back(event);
-  record(hooks_.journal, event, *models_.catalogue);
+  try {
+    record(hooks_.journal, event, *models_.catalogue);
+  } catch (const FileError& error) {
+    const bool at_end = std::holds_alternative<RunEnded>(event) || std::holds_alternative<RunFailed>(event);
+    if (!at_end) throw;
+    log_warning(error.what());  // nothing moves any more: this costs a line, not the result
+  }
   if (hooks_.listener) hooks_.listener(event);
 }
 

@@ -31,9 +31,6 @@ struct RunReport {
   std::string picture;               ///< path of the PNG; empty: none. The JSON names it beside result.json
 };
 
-/// "all_placed", "height_reached", "no_feasible_pose", ...: `ended` of run_json.
-[[nodiscard]] std::string to_text(RunResult::End end);
-
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.
 [[nodiscard]] std::string run_json(const RunReport& report);
 /// The table that a person reads at the end of a run: stone, cost and its terms, planned and measured pose,

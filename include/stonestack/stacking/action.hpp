@@ -23,6 +23,10 @@ enum class RunEnd {
   kInterrupted
 };
 
+/// "all_placed", "height_reached", "no_feasible_pose", "no_plan", "placement_failed", "nothing_seen",
+/// "stopped", "interrupted".
+[[nodiscard]] std::string to_text(RunEnd end);
+
 /// Put a stone on the stack: the first of these that a motion is found for.
 struct Place {
   std::vector<Placement> candidates;  ///< best first
