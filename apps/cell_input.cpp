@@ -78,7 +78,7 @@ void connect_force_torque(const SimulatedServers& servers, FtSensorOptions& sens
 }  // namespace
 
 FieldList cell_fields(CellFile& file) {
-  return join({{field("simulate", file.simulate, "serve the devices here")},
+  return join({{user(field("simulate", file.simulate, "true: this program serves the devices itself"))},
                nest("simulators", fields(file.servers))});
 }
 

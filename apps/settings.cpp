@@ -70,9 +70,7 @@ void Settings::register_on(CLI::App& command) {
 
 FieldList every_field(EveryOption& every) {
   return join({fields(every.build), nest("tracking", fields(every.tracking)),
-               nest("simulation", fields(every.simulation)), nest("scene", fields(every.scene)),
-               nest("calibration", fields(every.calibration)),
-               nest("simulated_calibration", fields(every.simulated_calibration))});
+               nest("simulation", fields(every.simulation)), nest("scene", fields(every.scene))});
 }
 
 void Settings::apply_file(const FieldList& list, const std::string& path, const std::string& kind) {

@@ -8,7 +8,6 @@
 #include "rooms.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/detection/track_stones.hpp"
-#include "stonestack/kinematics/hand_eye_stations.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
@@ -21,8 +20,6 @@ struct EveryOption {
   TrackOptions tracking;
   SimulationOptions simulation;
   SceneOptions scene;
-  HandEyeOptions calibration;
-  HandEyeNoise simulated_calibration;
 };
 [[nodiscard]] FieldList every_field(EveryOption& every);
 

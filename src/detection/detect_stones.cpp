@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "detection/accept.hpp"
-#include "detection/depth_scale.hpp"
-#include "detection/describe.hpp"
-#include "detection/identity.hpp"
-#include "detection/joint_refine.hpp"
-#include "detection/likeness.hpp"
-#include "detection/search_in_turns.hpp"
+#include "detection/features/describe.hpp"
+#include "detection/hypotheses/depth_scale.hpp"
+#include "detection/hypotheses/joint_refine.hpp"
+#include "detection/hypotheses/search_in_turns.hpp"
+#include "detection/judge/accept.hpp"
+#include "detection/judge/identity.hpp"
+#include "detection/judge/likeness.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/trace.hpp"
 
@@ -66,7 +66,7 @@ void check_depth_scale(DetectionResult& result, const DetectionModels::Data& dat
 /// Finds what is missing in a scene that is ready.
 DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data, std::vector<int> missing,
                         const DetectionOptions& options, const SceneKnowledge& known) {
-  if (scene.clusters > 0) scene = without_stones(std::move(scene), data, known.stones, options);
+  if (scene.clusters > 0) scene = without_stones(std::move(scene), data, known.stones);
   DetectionResult result;
   result.table_C = scene.table_C;
   result.note = scene.note;
@@ -83,7 +83,7 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
     result.detections =
         without_doubles(among_its_likes(std::move(result.detections), data, scene, options, known.stones),
                         data, scene, options);
-  result.detections = refined_together(std::move(result.detections), data, scene, options);
+  result.detections = refined_together(std::move(result.detections), data, scene);
   for (auto& d : result.detections) widen_by_likes(d);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });

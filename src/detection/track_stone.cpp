@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "detection/candidates.hpp"
-#include "detection/joint_refine.hpp"
-#include "detection/models.hpp"
+#include "detection/features/models.hpp"
+#include "detection/hypotheses/candidates.hpp"
+#include "detection/hypotheses/joint_refine.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
@@ -54,9 +54,8 @@ std::optional<Detection> track_stone(const DepthImage& image, const DetectionMod
   const DetectionModel& model = data.models[static_cast<std::size_t>(stone)];
   SceneKnowledge others = known;
   std::erase_if(others.stones, [&](const KnownStone& k) { return k.stone == stone; });
-  const DetectionScene scene =
-      without_stones(preprocess(cropped(image, model, T_C_O_guess), known.table_C, false, options), data,
-                     others.stones, options);
+  const DetectionScene scene = without_stones(
+      preprocess(cropped(image, model, T_C_O_guess), known.table_C, false, options), data, others.stones);
   if (scene.surface.points.empty()) return {};
   const auto candidates =
       judge_hypotheses(model, stone, perturbed(T_C_O_guess, model.centre), scene, options);
@@ -64,7 +63,7 @@ std::optional<Detection> track_stone(const DepthImage& image, const DetectionMod
     const PoseDifference moved = difference(T_C_O_guess, c.detection.T_C_O);
     if (c.detection.score >= options.accept_score && c.detection.visible >= kLeastVisible &&
         moved.translation < kFurthest && moved.angle < kFurthestAngle)
-      return refined_together({c.detection}, data, scene, options).front();
+      return refined_together({c.detection}, data, scene).front();
   }
   return {};
 }

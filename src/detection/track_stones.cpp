@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include "detection/models.hpp"
-#include "detection/preprocess.hpp"
+#include "detection/constants.hpp"
+#include "detection/features/models.hpp"
+#include "detection/scene/preprocess.hpp"
 
 namespace stonestack::detection {
 namespace {
@@ -14,7 +15,7 @@ void compare(TrackedStone& tracked, const Pose& before, const Eigen::Vector3d& c
   const Pose& now = tracked.detection->T_C_O;
   const Eigen::Vector3d shift = now * centre_O - before * centre_O;
   tracked.moved = {shift.norm(), difference(before, now).angle};
-  const bool same = tracked.moved.translation < limits.moved_shift && tracked.moved.angle < limits.moved_turn;
+  const bool same = tracked.moved.translation < limits.moved_shift && tracked.moved.angle < kMovedTurn;
   const bool lower = -up_C.dot(shift) > limits.fallen_drop;
   tracked.status = same    ? TrackedStone::Status::kInPlace
                    : lower ? TrackedStone::Status::kFallen
@@ -47,9 +48,9 @@ std::vector<int> to_search(const std::vector<TrackedStone>& all) {
 
 FieldList fields(TrackOptions& o) {
   return {
-      field("moved_shift", o.moved_shift, {1e-4, 0.1}, "m", "ours: several times the error of a pose"),
-      field("moved_turn", o.moved_turn, {1e-3, 1}, "rad", "ours"),
-      field("fallen_drop", o.fallen_drop, {1e-3, 1}, "m", "ours"),
+      user(field("moved_shift", o.moved_shift, {1e-4, 0.1}, "m",
+                 "stones that moved further are reported as moved; several times the error of a pose")),
+      field("fallen_drop", o.fallen_drop, {1e-3, 1}, "m", "moved stones that are so much lower have fallen"),
   };
 }
 

@@ -75,13 +75,14 @@ std::optional<Eigen::AlignedBox3d> read_workspace(const CellLimits& limits, cons
 FieldList fields(CellLimits& l) {
   constexpr FieldRange kShare{0.01, 1.0};
   FieldList list{
-      field("joints", l.joints, "six of [least, most], degrees, base to wrist 3; within the robot's own"),
-      field("joint_speed", l.joint_speed, kShare, "", "share of the robot's own"),
-      field("joint_acceleration", l.joint_acceleration, kShare, "", "share of the robot's own"),
+      user(field("joints", l.joints,
+                 "six of [least, most], degrees, base to wrist 3; within the robot's own")),
+      user(field("joint_speed", l.joint_speed, kShare, "", "share of the robot's own limits")),
+      user(field("joint_acceleration", l.joint_acceleration, kShare, "", "share of the robot's own limits")),
   };
   for (std::size_t i = 0; i < 3; ++i)
-    list.push_back(field(concat("workspace.", kAxes[i]), l.workspace[i],
-                         "[least, most] of the tool's tip in the world, m"));
+    list.push_back(user(field(concat("workspace.", kAxes[i]), l.workspace[i],
+                              "[least, most] of the tool tip in the world, m")));
   return list;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "kinematics/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::kinematics {
@@ -59,8 +60,8 @@ class Equations {
 
 class MountProblem {
  public:
-  MountProblem(std::span<const MountView> views, const Pose& T_T_C, const MountOptions& options)
-      : views_(views), given_(T_T_C), options_(options), T_T_C_(T_T_C) {
+  MountProblem(std::span<const MountView> views, const Pose& T_T_C)
+      : views_(views), given_(T_T_C), T_T_C_(T_T_C) {
     std::map<int, int> seen;
     for (const MountView& view : views)
       for (const SeenMark& mark : view.marks) ++seen[mark.mark];
@@ -77,7 +78,7 @@ class MountProblem {
       const Pose T_W_C = view.T_W_T * T_T_C_;
       if (view.table_C)
         for (const Eigen::Vector3d& p_C : points_of(*view.table_C))
-          equations.add(row_of(T_W_C, p_C, 2, unknowns), (T_W_C * p_C).z(), options_.table_sigma);
+          equations.add(row_of(T_W_C, p_C, 2, unknowns), (T_W_C * p_C).z(), kTableSigma);
       for (const SeenMark& mark : view.marks) {
         const auto known = index_.find(mark.mark);
         if (known == index_.end()) continue;
@@ -85,7 +86,7 @@ class MountProblem {
         for (Eigen::Index axis = 0; axis < 3; ++axis) {
           Eigen::VectorXd row = row_of(T_W_C, mark.p_C, axis, unknowns);
           row[kMount + 3 * known->second + axis] = -1.0;
-          equations.add(row, residual[axis], options_.mark_sigma);
+          equations.add(row, residual[axis], kMarkSigma);
         }
       }
     }
@@ -136,10 +137,9 @@ class MountProblem {
     const Pose off = given_.inverse() * T_T_C_;
     const Eigen::AngleAxisd turn(off.rotation());
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      equations.add(Eigen::VectorXd::Unit(unknowns, axis), off.translation()[axis],
-                    options_.prior_translation);
+      equations.add(Eigen::VectorXd::Unit(unknowns, axis), off.translation()[axis], kPriorTranslation);
       equations.add(Eigen::VectorXd::Unit(unknowns, 3 + axis), turn.angle() * turn.axis()[axis],
-                    options_.prior_rotation);
+                    kPriorRotation);
     }
   }
 
@@ -154,7 +154,6 @@ class MountProblem {
 
   std::span<const MountView> views_;
   Pose given_;
-  MountOptions options_;
   Pose T_T_C_;
   std::map<int, int> index_;  ///< of marks that more than one view saw
   std::vector<Eigen::Vector3d> p_W_;
@@ -162,18 +161,10 @@ class MountProblem {
 
 }  // namespace
 
-FieldList fields(MountOptions& o) {
-  return {field("prior_translation", o.prior_translation, {1e-6, 0.1}, "m", "ours: twice a good calibration"),
-          field("prior_rotation", o.prior_rotation, {1e-6, 0.5}, "rad", "ours: 0.5 deg"),
-          field("mark_sigma", o.mark_sigma, {1e-6, 0.1}, "m", "measured: bench detection"),
-          field("table_sigma", o.table_sigma, {1e-6, 0.1}, "m", "ours: the sensor's smooth bias")};
-}
-
-MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C,
-                                    const MountOptions& options) {
+MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C) {
   require(!views.empty(), "a camera mount cannot be refined without a view");
   require(is_valid(T_T_C), "the camera mount is not a rigid transform");
-  MountProblem problem(views, T_T_C, options);
+  MountProblem problem(views, T_T_C);
   MountRefinement out;
   out.shared_marks = problem.marks();
   out.before = problem.disagreement();

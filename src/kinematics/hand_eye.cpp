@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/constants.hpp"
 #include "kinematics/hand_eye_methods.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -33,7 +34,7 @@ Vector3d logarithm(const Eigen::Matrix3d& R) {
   return turn.angle() * turn.axis();
 }
 
-std::vector<HandEyeMotion> motions_of(const Stations& stations, const HandEyeOptions& options) {
+std::vector<HandEyeMotion> motions_of(const Stations& stations) {
   std::vector<HandEyeMotion> motions;
   for (std::size_t i = 0; i < stations.size(); ++i)
     for (std::size_t j = i + 1; j < stations.size(); ++j) {
@@ -41,7 +42,7 @@ std::vector<HandEyeMotion> motions_of(const Stations& stations, const HandEyeOpt
                             stations[j].T_C_B * stations[i].T_C_B.inverse()};
       const double least = std::min(logarithm(m.A.linear()).norm(), logarithm(m.B.linear()).norm());
       const double most = std::max(logarithm(m.A.linear()).norm(), logarithm(m.B.linear()).norm());
-      if (least >= options.least_turn && most <= kMostTurn) motions.push_back(m);
+      if (least >= kMinTurn && most <= kMostTurn) motions.push_back(m);
     }
   return motions;
 }
@@ -85,8 +86,8 @@ HandEyeResidual residual_of(const Stations& stations, const Pose& T_F_C) {
 }
 
 /// In standard deviations, translation and rotation together.
-double size_of(const HandEyeResidual& r, const HandEyeOptions& options) {
-  return std::hypot(r.translation / options.noise_translation, r.rotation / options.noise_rotation);
+double size_of(const HandEyeResidual& r) {
+  return std::hypot(r.translation / kStationTranslation, r.rotation / kStationRotation);
 }
 
 Pose moved(const Pose& T, const Eigen::Matrix<double, 6, 1>& x) {
@@ -104,26 +105,26 @@ struct Joint {
   [[nodiscard]] Joint stepped(const Vector12d& x) const {
     return {moved(T_F_C, x.head<6>()), moved(T_R_B, x.tail<6>())};
   }
-  [[nodiscard]] Eigen::Matrix<double, 6, 1> error(const HandEyePair& s, const HandEyeOptions& options) const {
+  [[nodiscard]] Eigen::Matrix<double, 6, 1> error(const HandEyePair& s) const {
     const Pose off = T_R_B.inverse() * s.T_R_F * T_F_C * s.T_C_B;
     Eigen::Matrix<double, 6, 1> e;
-    e << off.translation() / options.noise_translation, logarithm(off.linear()) / options.noise_rotation;
+    e << off.translation() / kStationTranslation, logarithm(off.linear()) / kStationRotation;
     return e;
   }
 };
 
 /// Gauss-Newton with Cauchy weights, so that one bad station does not spoil the others.
-Pose refine_jointly(const Stations& stations, const Pose& T_F_C, const HandEyeOptions& options) {
+Pose refine_jointly(const Stations& stations, const Pose& T_F_C) {
   Joint joint{T_F_C, mean_target(stations, T_F_C)};
   for (int round = 0; round < kRounds; ++round) {
     Matrix12d H = 1e-9 * Matrix12d::Identity();
     Vector12d g = Vector12d::Zero();
     for (const auto& s : stations) {
-      const Eigen::Matrix<double, 6, 1> e = joint.error(s, options);
+      const Eigen::Matrix<double, 6, 1> e = joint.error(s);
       Eigen::Matrix<double, 6, 12> J;
       for (int k = 0; k < 12; ++k) {
         const Vector12d d = kStep * Vector12d::Unit(k);
-        J.col(k) = (joint.stepped(d).error(s, options) - joint.stepped(-d).error(s, options)) / (2.0 * kStep);
+        J.col(k) = (joint.stepped(d).error(s) - joint.stepped(-d).error(s)) / (2.0 * kStep);
       }
       const double weight = 1.0 / (1.0 + e.squaredNorm() / 25.0);
       H += weight * J.transpose() * J;
@@ -138,17 +139,17 @@ Pose refine_jointly(const Stations& stations, const Pose& T_F_C, const HandEyeOp
 }
 
 /// Which reading of the stations fits much better than the one that was given; empty if none does.
-std::string inverted_reading(const Stations& stations, double as_given, const HandEyeOptions& options) {
+std::string inverted_reading(const Stations& stations, double as_given) {
   const auto fit = [&](const Stations& other) {
-    const auto motions = motions_of(other, options);
+    const auto motions = motions_of(other);
     if (motions.size() < 2) return as_given;
-    return size_of(residual_of(other, solve_park_martin(motions)), options);
+    return size_of(residual_of(other, solve_park_martin(motions)));
   };
   Stations arm = stations, target = stations;
   for (auto& s : arm) s.T_R_F = s.T_R_F.inverse();
   for (auto& s : target) s.T_C_B = s.T_C_B.inverse();
   const double arm_fit = fit(arm), target_fit = fit(target);
-  if (std::min(arm_fit, target_fit) * options.inverted_ratio > as_given) return {};
+  if (std::min(arm_fit, target_fit) * kInvertedRatio > as_given) return {};
   return arm_fit < target_fit ? "the arm's poses look inverted (T_F_R in place of T_R_F), or the camera is "
                                 "mounted the other way"
                               : "the target's poses look inverted (T_B_C in place of T_C_B)";
@@ -156,33 +157,22 @@ std::string inverted_reading(const Stations& stations, double as_given, const Ha
 
 }  // namespace
 
-FieldList fields(HandEyeOptions& o) {
-  return {
-      field("least_turn", o.least_turn, {0.01, 2}, "rad", "Tsai and Lenz 1989: larger turns, smaller error"),
-      field("least_spread", o.least_spread, {0, 1}, "", "ours"),
-      field("noise_translation", o.noise_translation, {1e-6, 0.1}, "m", "ours"),
-      field("noise_rotation", o.noise_rotation, {1e-6, 0.5}, "rad", "ours"),
-      field("inverted_ratio", o.inverted_ratio, {1.1, 1000}, "", "ours"),
-  };
-}
-
 std::string to_text(CameraMount mount) {
   return mount == CameraMount::kOnHand ? "on_hand" : "on_base";
 }
 
-HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount mount,
-                                 const HandEyeOptions& options) {
+HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount mount) {
   require(pairs.size() >= 3, "a hand-eye calibration takes three stations at least, 15 are good, got ",
           pairs.size());
   for (const auto& p : pairs)
     require(is_valid(p.T_R_F) && is_valid(p.T_C_B), "a station is not a pose: ", geometry::to_text(p.T_R_F),
             ", ", geometry::to_text(p.T_C_B));
   const Stations stations = on_hand(pairs, mount);
-  const auto motions = motions_of(stations, options);
-  require(motions.size() >= 2, "of ", pairs.size(), " stations no three differ by ", options.least_turn,
+  const auto motions = motions_of(stations);
+  require(motions.size() >= 2, "of ", pairs.size(), " stations no three differ by ", kMinTurn,
           " rad; turn the hand more between them");
-  require(spread(motions) >= options.least_spread, "the hand turned about one axis only (spread ",
-          spread(motions), " of at least ", options.least_spread, "); tilt it two ways");
+  require(spread(motions) >= kMinSpread, "the hand turned about one axis only (spread ", spread(motions),
+          " of at least ", kMinSpread, "); tilt it two ways");
   HandEyeResult result;
   for (const auto& [name, solve] :
        {std::pair{"tsai_lenz", &solve_tsai_lenz}, std::pair{"park_martin", &solve_park_martin},
@@ -191,12 +181,12 @@ HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount
     if (is_valid(T_F_C)) result.solutions.push_back({name, T_F_C, residual_of(stations, T_F_C)});
   }
   const auto best = std::min_element(result.solutions.begin(), result.solutions.end(), [&](auto& a, auto& b) {
-    return size_of(a.residual, options) < size_of(b.residual, options);
+    return size_of(a.residual) < size_of(b.residual);
   });
   require(best != result.solutions.end(), "no method has a finite result for these stations");
-  const Pose joint = refine_jointly(stations, best->T_A_C, options);
+  const Pose joint = refine_jointly(stations, best->T_A_C);
   result.solutions.insert(result.solutions.begin(), {"joint", joint, residual_of(stations, joint)});
-  result.warning = inverted_reading(stations, size_of(result.solutions.front().residual, options), options);
+  result.warning = inverted_reading(stations, size_of(result.solutions.front().residual));
   return result;
 }
 
@@ -205,10 +195,9 @@ HandEyeResidual hand_eye_residual(std::span<const HandEyePair> pairs, CameraMoun
   return residual_of(on_hand(pairs, mount), T_A_C);
 }
 
-bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const Pose& T_A_C,
-                    const HandEyeOptions& options) {
-  const double given = size_of(hand_eye_residual(pairs, mount, T_A_C), options);
-  return size_of(hand_eye_residual(pairs, mount, T_A_C.inverse()), options) * options.inverted_ratio < given;
+bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const Pose& T_A_C) {
+  const double given = size_of(hand_eye_residual(pairs, mount, T_A_C));
+  return size_of(hand_eye_residual(pairs, mount, T_A_C.inverse())) * kInvertedRatio < given;
 }
 
 }  // namespace stonestack::kinematics

@@ -31,15 +31,6 @@ Pose disturbed(const Pose& T, double translation, double rotation, Random& rando
 
 }  // namespace
 
-FieldList fields(HandEyeNoise& n) {
-  return {
-      field("arm_translation", n.arm_translation, {0, 0.05}, "m", "ours"),
-      field("arm_rotation", n.arm_rotation, {0, 0.2}, "rad", "ours"),
-      field("target_translation", n.target_translation, {0, 0.05}, "m", "ours"),
-      field("target_rotation", n.target_rotation, {0, 0.2}, "rad", "ours"),
-  };
-}
-
 std::vector<HandEyePair> simulate_hand_eye(const Pose& T_A_C, CameraMount mount, int count,
                                            const HandEyeNoise& noise, Random random) {
   require(count >= 1, "stations to simulate must be at least 1, got ", count);

@@ -1,11 +1,12 @@
 #include "stonestack/physics/equilibrium.hpp"
 
-#include <ClpSimplex.hpp>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "physics/linear_programme.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::physics {
@@ -25,17 +26,23 @@ void check_input(std::span<const StaticBody> bodies, std::span<const Contact> co
   for (const StaticBody& body : bodies)
     require(body.mass > 0.0 && std::isfinite(body.mass), "every body needs a positive mass, got ", body.mass,
             " kg");
+  for (const StaticBody& body : bodies)
+    require(body.p_W_com.allFinite(), "every body needs a finite centre of mass, got ", body.p_W_com.x(),
+            ", ", body.p_W_com.y(), ", ", body.p_W_com.z());
+  for (const Contact& c : contacts)
+    require(c.p_W.allFinite() && c.n_W.allFinite(), "every contact needs a finite point and normal");
   for (const Contact& c : contacts)
     for (const int body : {c.below, c.above})
       require(body >= kTable && body < static_cast<int>(bodies.size()), "a contact names body ", body,
               "; there are ", bodies.size());
 }
 
-/// Indices of the contacts that count: of those alike, the first.
+/// Indices of the contacts that count: of those alike, the first; none of a body with itself.
 std::vector<std::size_t> distinct(std::span<const Contact> contacts) {
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Contact& c = contacts[i];
+    if (c.below == c.above) continue;
     const bool known = std::any_of(kept.begin(), kept.end(), [&](std::size_t k) {
       const Contact& o = contacts[k];
       return o.below == c.below && o.above == c.above && (o.p_W - c.p_W).squaredNorm() < 1e-6 &&
@@ -56,36 +63,30 @@ class Balance {
     for (const StaticBody& body : bodies) total_ += body.mass;
   }
 
-  /// Balanced at rest with this friction? Keeps the programme for `margin`.
+  /// Balanced at rest with this friction? Keeps the programme for `push`.
   bool feasible(double friction) {
     build(friction);
-    model_.setLogLevel(0);
-    model_.scaling(0);  // shares of the weight are scaled already
-    model_.setPrimalTolerance(options_.tolerance);
-    // Not initialPrimalSolve: that takes SIGINT over while it runs, and of two threads one restores the
-    // other's handler, so that Ctrl-C is lost for good.
-    model_.primal();
-    return model_.primalFeasible() && model_.status() == 0;
+    if (!programme_->solve(options_.tolerance)) return false;
+    at_rest_ = programme_->basis();
+    return true;
   }
 
   struct Push {
     double acceleration = 0.0;  ///< g
     int weakest = -1;           ///< into the contacts
   };
-  /// Largest acceleration along a unit direction, from the solved programme at rest.
-  Push push(const Eigen::Vector2d& direction, double friction) const {
-    ClpSimplex model(model_);
-    model.setLogLevel(0);
+  /// Largest acceleration along a unit direction, from the programme solved at rest.
+  Push push(const Eigen::Vector2d& direction, double friction) {
     const int column = generators();
+    std::vector<LinearProgramme::Entry> entries;
     for (int b = 0; b < static_cast<int>(bodies_.size()); ++b)
-      for (int i = 0; i < 2; ++i) model.modifyCoefficient(6 * b + i, column, share(b) * direction[i], true);
-    model.setColumnUpper(column, kMostMargin);
-    model.setColumnStatus(column, ClpSimplex::atLowerBound);  // was fixed, and would not enter the basis
-    model.setObjectiveCoefficient(column, -1.0);
-    model.primal();
-    const double* x = model.primalColumnSolution();
-    return {model.status() == 0 ? std::max(x[column], 0.0) : 0.0,
-            weakest(x, model.dualRowSolution(), friction)};
+      for (int i = 0; i < 2; ++i) entries.push_back({6 * b + i, share(b) * direction[i]});
+    programme_->set_basis(at_rest_);
+    programme_->set_column(column, entries);
+    programme_->set_upper(column, kMostMargin);
+    programme_->set_gain(column, 1.0);
+    const bool solved = programme_->solve(options_.tolerance);
+    return {solved ? std::max(programme_->value(column), 0.0) : 0.0, weakest(friction)};
   }
 
  private:
@@ -108,51 +109,39 @@ class Balance {
   }
 
   void build(double friction) {
-    std::vector<int> start{0}, rows;
-    std::vector<double> values;
+    std::vector<double> weight(6 * bodies_.size(), 0.0);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) weight[6 * b + 2] = share(static_cast<int>(b));
+    programme_.emplace(weight);
+    std::vector<LinearProgramme::Entry> entries;
     for (const std::size_t i : used_)
       for (int k = 0; k < options_.cone_edges; ++k) {
         const Contact& c = contacts_[i];
         const Vector f = c.n_W + friction * tangent(c, k);
+        entries.clear();
         for (const int body : {c.below, c.above}) {
           if (body == kTable) continue;
           const auto w = wrench(c, body, f);
-          for (int r = 0; r < 6; ++r) {
-            rows.push_back(6 * body + r);
-            values.push_back(w[r]);
-          }
+          for (int r = 0; r < 6; ++r) entries.push_back({6 * body + r, w[r]});
         }
-        start.push_back(static_cast<int>(rows.size()));
+        programme_->add_column(entries);
       }
-    for (int b = 0; b < static_cast<int>(bodies_.size()); ++b)
-      for (int r = 0; r < 2; ++r) {
-        rows.push_back(6 * b + r);
-        values.push_back(1e-9);  // kept for `push` to fill in
-      }
-    start.push_back(static_cast<int>(rows.size()));
-    const std::size_t columns = start.size() - 1, count = 6 * bodies_.size();
-    std::vector<double> low(columns, 0.0), high(columns, COIN_DBL_MAX), cost(columns, 0.0),
-        balance(count, 0.0);
-    high.back() = 0.0;
-    for (std::size_t b = 0; b < bodies_.size(); ++b) balance[6 * b + 2] = share(static_cast<int>(b));
-    model_ = ClpSimplex();
-    model_.loadProblem(static_cast<int>(columns), static_cast<int>(count), start.data(), rows.data(),
-                       values.data(), low.data(), high.data(), cost.data(), balance.data(), balance.data());
+    programme_->set_upper(programme_->add_column({}), 0.0);  // the acceleration, for `push` to fill in
   }
 
-  [[nodiscard]] int weakest(const double* x, const double* dual, double friction) const {
+  /// Of the programme just solved.
+  [[nodiscard]] int weakest(double friction) const {
     int slides = -1, tips = -1;
     double gain = 1e-6, load = 0.0;
     for (std::size_t j = 0; j < used_.size(); ++j) {
       const Contact& c = contacts_[used_[j]];
       double carried = 0.0, gained = 0.0;
       for (int k = 0; k < options_.cone_edges; ++k) {
-        const double force = x[static_cast<int>(j) * options_.cone_edges + k];
+        const double force = programme_->value(static_cast<int>(j) * options_.cone_edges + k);
         carried += force;
         for (const int body : {c.below, c.above}) {
           if (body == kTable) continue;
           const auto w = wrench(c, body, friction * tangent(c, k));
-          for (int r = 0; r < 6; ++r) gained += force * dual[6 * body + r] * w[r];
+          for (int r = 0; r < 6; ++r) gained += force * programme_->multiplier(6 * body + r) * w[r];
         }
       }
       if (std::abs(gained) > gain) gain = std::abs(gained), slides = static_cast<int>(used_[j]);
@@ -166,7 +155,8 @@ class Balance {
   std::vector<std::size_t> used_;
   EquilibriumOptions options_;
   double total_ = 0.0;
-  ClpSimplex model_;
+  std::optional<LinearProgramme> programme_;
+  LinearProgramme::Basis at_rest_;
 };
 
 /// Smallest friction that balances, by bisection; `stands` is the answer at `friction`.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "search/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {
@@ -37,9 +38,9 @@ void collect(const SearchContext& context, const Target& target, int stone, Worl
   const int body = world.bodies() - 1, top = body - 1;  // kTable is -1
   const Eigen::Vector3d& p_O_M = context.geometry[static_cast<std::size_t>(stone)].p_O_M;
   std::vector<Contact> of_step;
-  for (int k = 1; k < context.options->contact_steps; ++k) {
+  for (int k = 1; k < kContactSteps; ++k) {
     const Eigen::Vector3d p_W_com = world.pose(body) * p_O_M;
-    world.apply(body, context.options->attraction * (target.p_W_centroid - p_W_com).normalized());
+    world.apply(body, kAttraction * (target.p_W_centroid - p_W_com).normalized());
     world.step();
     if (!touches_top_only(world, body, top, &of_step)) {
       result->outcome = "touches more than the top of the stack";
@@ -79,17 +80,17 @@ ContactSearch search_contact(const SearchContext& context, const Target& target,
     const Pose T_W_O = world.pose(body);
     const Eigen::Vector3d p_W_com = T_W_O * p_O_M;
     if (k % kPathEvery == 0) result.path_W_O.push_back(T_W_O);
-    if ((p_W_com - T_W_O_init * p_O_M).norm() > o.slid_off) {
+    if ((p_W_com - T_W_O_init * p_O_M).norm() > kSlidOff) {
       result.outcome = "slid off the stack";
       return result;
     }
-    world.apply(body, o.attraction * (target.p_W_centroid - p_W_com).normalized());
+    world.apply(body, kAttraction * (target.p_W_centroid - p_W_com).normalized());
     world.step();
     if (!touches_top_only(world, body, top, &contacts)) {
       result.outcome = "touches more than the top of the stack";
       return result;
     }
-    if (contacts.size() < 3 || world.kinetic_energy(body) >= o.e_kin_stable) continue;
+    if (contacts.size() < 3 || world.kinetic_energy(body) >= kStableKineticEnergy) continue;
     const SupportPolygon polygon = support_polygon(contacts, world.pose(body) * p_O_M);
     if (polygon.corners_W.size() < 3 || polygon.margin <= 0.0) continue;
     result.pose.kinetic_energy = world.kinetic_energy(body);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "search/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {
@@ -13,8 +14,7 @@ using Step = Eigen::Matrix<double, 5, 1>;
 
 ContactSearch from(const SearchContext& context, const Target& target, int stone, const ContactSearch& at,
                    const Step& step) {
-  const Eigen::Vector3d turn =
-      step.tail<3>() * (context.options->descent_turn / context.options->descent_step);
+  const Eigen::Vector3d turn = step.tail<3>() * (kDescentTurn / kDescentStep);
   Eigen::Matrix3d R = at.T_W_O.linear();
   if (turn.norm() > 1e-12) R = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * R;
   Eigen::Vector3d aside = at.pose.p_W_com - target.p_W_centroid;
@@ -35,23 +35,23 @@ ContactSearch descend(const SearchContext& context, const Target& target, int st
     return there;
   };
   ContactSearch best = std::move(start);
-  double length = 2.0 * o.descent_step;
+  double length = 2.0 * kDescentStep;
   for (int round = 0; round < o.descent_rounds && !context.out_of_time(); ++round) {
     throw_if_interrupted();
     Step gradient;
     for (int axis = 0; axis < 5; ++axis) {
       Step step = Step::Zero();
-      step[axis] = o.descent_step;
+      step[axis] = kDescentStep;
       const ContactSearch beside = try_step(best, step, "perturbed for the gradient");
       const double rise =
-          beside.valid ? beside.cost.total - best.cost.total : o.descent_missing * best.cost.total;
-      gradient[axis] = rise / o.descent_step;
+          beside.valid ? beside.cost.total - best.cost.total : kMissingContactRise * best.cost.total;
+      gradient[axis] = rise / kDescentStep;
     }
     if (gradient.norm() < 1e-12) break;
     const ContactSearch next = try_step(best, -length * gradient.normalized(), "a step of the descent");
     if (!next.valid || next.cost.total >= best.cost.total) {
       length *= 0.5;
-      if (length < 0.25 * o.descent_step) break;
+      if (length < 0.25 * kDescentStep) break;
       continue;
     }
     const double gain = (best.cost.total - next.cost.total) / std::max(best.cost.total, 1e-12);

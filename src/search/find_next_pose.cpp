@@ -17,7 +17,7 @@ void search(const SearchContext& context, SearchResult* result) {
       default_search(context, result);
     }
   } catch (const Interrupted&) {
-    if (result->best.empty()) result->reason = "interrupted before a pose was found";
+    if (result->best.empty()) result->reason = why_interrupted();
   }
   if (result->best.empty() && context.out_of_time()) result->reason = kTimeOver;
   result->seconds = context.watch.seconds();
@@ -35,7 +35,7 @@ std::optional<SearchProblem> let_stand(const SearchProblem& problem, const Searc
     standing.stack = *stack;
     return standing;
   } catch (const Interrupted&) {
-    result->reason = "interrupted before a pose was found";
+    result->reason = why_interrupted();
     return std::nullopt;
   }
 }

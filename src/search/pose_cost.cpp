@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/constants.hpp"
+
 namespace stonestack::search {
 
 PoseCost pose_cost(const ContactPose& pose, const SearchOptions& o) {
@@ -17,9 +19,9 @@ PoseCost pose_cost(const ContactPose& pose, const SearchOptions& o) {
                   {"distance", o.w3 * distance},
                   {"normal", o.w4 * aligned}};
   } else {
-    cost.terms = {{"area", o.w1 * o.area_reference / area},
-                  {"kinetic_energy", o.w2 * pose.kinetic_energy / o.energy_reference},
-                  {"distance", o.w3 * distance / o.distance_reference},
+    cost.terms = {{"area", o.w1 * kAreaReference / area},
+                  {"kinetic_energy", o.w2 * pose.kinetic_energy / kEnergyReference},
+                  {"distance", o.w3 * distance / kDistanceReference},
                   {"normal", o.w4 * (1.0 - aligned)}};
   }
   for (const auto& [name, value] : cost.terms) cost.total += value;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "search/constants.hpp"
 #include "search/parallel.hpp"
 
 namespace stonestack::search {
@@ -72,7 +73,7 @@ StackField stack_field(const StackBodies& stack, std::span<const LooseStone> sto
   grid.centre = stack.bodies.empty() ? site : Eigen::Vector2d(stack.bodies.back().p_W_M.head<2>());
   grid.cell = cell;
   grid.half = static_cast<int>(std::ceil((radius + kOffsetReach + 0.03) / cell));
-  return {top_surface(stack.bodies, grid, options.clean_height), interfaces(stack), options.friction};
+  return {top_surface(stack.bodies, grid, kCleanHeight), interfaces(stack), options.friction};
 }
 
 std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "search/constants.hpp"
 #include "search/parallel.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -33,7 +34,7 @@ void TowerSearch::run(Ways ways) {
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);
-  int more = o.firm_rounds;
+  int more = kFirmRounds;
   for (int k = 0; k < o.rounds && !context_.out_of_time(); ++k) {
     const std::size_t before = static_cast<std::size_t>(tree_.size()) + dropped_.size();
     round(static_cast<std::size_t>(o.beam));
@@ -46,7 +47,7 @@ void TowerSearch::run(Ways ways) {
       exhausted = false;
     }
     const bool finished = tree_.node(best_).level == levels_;
-    const bool firm = finished && (tree_.node(best_).trial.margin >= o.firm_margin || more == 0);
+    const bool firm = finished && (tree_.node(best_).trial.margin >= kFirmMargin || more == 0);
     if (firm || exhausted) break;
     if (finished) --more;
   }

@@ -29,9 +29,8 @@ Pose look_at(const Eigen::Vector2d& target, double distance, double tilt, double
 }  // namespace
 
 FieldList fields(SceneOptions& o) {
-  return {field("distance", o.distance, {0.2, 3.0}, "m", "SR300: 0.2 to 1.5 m"),
-          field("tilt", o.tilt, {0.0, 1.4}, "rad", "ours"),
-          field("azimuth", o.azimuth, {-1.0, 7.0}, "rad", "ours: negative draws from the seed")};
+  return {field("distance", o.distance, {0.2, 3.0}, "m", "from the camera to the middle of the field"),
+          field("tilt", o.tilt, {0.0, 1.4}, "rad", "of the camera's axis off the vertical")};
 }
 
 SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<int>& present,
@@ -46,10 +45,8 @@ SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<
   SensorModel sensor = choose_sensor(options.simulation);
   sensor.bias_seed = Random::stream(seed, "camera bias").bits();
   Random random = Random::stream(seed, "render");
-  const double drawn = random.uniform(0.0, kTwoPi);
   SimulatedScene scene;
-  scene.T_W_C = look_at(layout.field_centre, options.distance, options.tilt,
-                        options.azimuth < 0 ? drawn : options.azimuth);
+  scene.T_W_C = look_at(layout.field_centre, options.distance, options.tilt, random.uniform(0.0, kTwoPi));
   scene.depth = true_view(what_is_seen(world), real, scene.T_W_C, sensor, random);
   scene.depth_unit = sensor.unit;
   for (const int i : world.present()) scene.stones.push_back({i, world.pose(i)});

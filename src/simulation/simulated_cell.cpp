@@ -1,6 +1,5 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 
-#include "simulation/judge_tower.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
@@ -34,30 +33,32 @@ Joints start_joints(const RobotModel& robot, const CellLayout& layout) {
 
 FieldList fields(SimulationOptions& o) {
   return {
-      field("seed", o.seed, {0, 2147483647.0}, "", "ours"),
-      field("friction", o.friction, {0.05, 2.0}, "", "ours: limestone on limestone"),
-      field("friction_spread", o.friction_spread, {0.0, 1.0}, "", "ours"),
-      field("sensor", o.sensor, "sr300, d435 or ideal"),
-      field("sensor_noise", o.sensor_noise, "SR300 model: docs/measurements.md"),
-      field("hand_eye_translation", o.hand_eye_translation, {0.0, 0.05}, "m", "ours"),
-      field("hand_eye_rotation", o.hand_eye_rotation, {0.0, 0.2}, "rad", "ours: 0.3 deg"),
-      field("arm_repeatability", o.arm_repeatability, {0.0, 0.01}, "m", "UR10 data sheet"),
-      field("arm_residual", o.arm_residual, {0.0, 0.05}, "m", "ours"),
-      field("force_delay", o.force_delay, {0.0, 0.1}, "s", "ours"),
-      field("mass_error", o.mass_error, {0.0, 0.5}, "", "ours: share, one sigma"),
-      field("com_error", o.com_error, {0.0, 0.02}, "m", "ours"),
-      field("scan_error", o.scan_error, {0.0, 0.002}, "m", "ours: 0, stones are as they were scanned"),
-      field("pad_friction", o.pad_friction, {0.05, 2.0}, "", "ours: rubber on stone"),
-      field("pad_friction_spread", o.pad_friction_spread, {0.0, 1.0}, "", "ours"),
-      field("pad_stiffness", o.pad_stiffness, {1e6, 1e10}, "N/m^3", "ours: 5 mm of soft rubber"),
-      field("regrip", o.regrip, "Robotiq 3-finger manual 2014: rGTO, rFRA"),
-      field("step", o.step, {0.0005, 0.01}, "s", "measured: docs/measurements.md, Contact"),
-      field("clearance", o.clearance, {0.0, 0.3}, "m", "width of a finger and a half"),
+      user(field("seed", o.seed, {0, 2147483647.0}, "", "seed of the simulated world")),
+      user(
+          field("friction", o.friction, {0.05, 2.0}, "", "true coefficient between stones, mean over pairs")),
+      field("friction_spread", o.friction_spread, {0.0, 1.0}, "",
+            "half width of the uniform draw for each pair"),
+      user(field("sensor", o.sensor, "depth camera: sr300, d435 or ideal")),
+      field("sensor_noise", o.sensor_noise, "false: camera and force sensor are exact"),
+      field("hand_eye_translation", o.hand_eye_translation, {0.0, 0.05}, "m", "error of the camera's mount"),
+      field("hand_eye_rotation", o.hand_eye_rotation, {0.0, 0.2}, "rad", "error of the camera's mount"),
+      field("arm_repeatability", o.arm_repeatability, {0.0, 0.01}, "m",
+            "of the tool tip, root mean square; UR10: 0.1 mm"),
+      field("arm_residual", o.arm_residual, {0.0, 0.05}, "m",
+            "error of the arm's kinematics at the tool tip, root mean square"),
+      field("force_delay", o.force_delay, {0.0, 0.1}, "s", "from the force at the wrist to the arm's guard"),
+      field("mass_error", o.mass_error, {0.0, 0.5}, "", "of the stones' masses, one sigma as a share"),
+      field("com_error", o.com_error, {0.0, 0.02}, "m", "of the stones' centres of mass at most"),
+      user(field("scan_error", o.scan_error, {0.0, 0.002}, "m",
+                 "of the stones' surfaces against their scans, root mean square")),
+      field("pad_friction", o.pad_friction, {0.05, 2.0}, "", "rubber on stone, mean over stones"),
+      field("pad_friction_spread", o.pad_friction_spread, {0.0, 1.0}, "",
+            "half width of the uniform draw for each stone"),
+      field("pad_stiffness", o.pad_stiffness, {1e6, 1e10}, "N/m^3", "of the pads; 5 mm of soft rubber"),
+      field("regrip", o.regrip, "true: fingers close further when what they hold gives way (rGTO stays set)"),
+      field("clearance", o.clearance, {0.0, 0.3}, "m",
+            "between loose stones at the start; a finger and a half by default"),
   };
-}
-
-StandOptions tower_bounds() {
-  return {.seconds = 60.0, .largest_shift = 0.005, .largest_turn = 0.0523599};  // 3 deg
 }
 
 struct SimulatedCell::Parts {
@@ -135,12 +136,12 @@ void SimulatedCell::unlock() {
   parts_->arm.unlock();
 }
 
-TowerVerdict SimulatedCell::judge_tower(const StandOptions& options) const {
-  return judge_true_tower(parts_->world, parts_->believed.site, options);
+const TrueWorld& SimulatedCell::world() const {
+  return parts_->world;
 }
 
-Survival SimulatedCell::try_tower(const SurvivalOptions& options, const StandOptions& bounds) const {
-  return try_true_tower(parts_->world, parts_->believed.site, options, bounds);
+const Eigen::Vector2d& SimulatedCell::site() const {
+  return parts_->believed.site;
 }
 
 }  // namespace stonestack::simulation

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/constants.hpp"
 #include "simulation/true_world.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -191,7 +192,7 @@ Progress TrueWorld::advance(double seconds, const HandPath& path) {
       weight += chunk;
       for (const int i : present_) state(i).rest += chunk;
     } else {
-      prepare_engine(in_play, pads_near() ? kGripStep : options_.step);
+      prepare_engine(in_play, pads_near() ? kGripStep : kWorldStep);
       for (debt_ += chunk; debt_ >= 0.5 * engine_->step;) {
         debt_ -= engine_->step;
         step_engine(path(std::clamp(end - debt_, 0.0, seconds)));

@@ -5,27 +5,32 @@
 namespace stonestack::stacking {
 
 FieldList fields(BuildOptions& o) {
-  return join({nest("detection", fields(o.detection)), nest("search", fields(o.search)),
-               nest("motion", fields(o.motion)),
-               nest("run", {field("most_stones", o.most_stones, {0, 100}, "", "ours"),
-                            field("look_distance", o.look_distance, {0.3, 1.2}, "m", "SR300: 0.2 to 1.5 m"),
-                            field("placed_shift", o.placed_shift, {0.001, 0.2}, "m", "ours"),
-                            field("placed_turn", o.placed_turn, {0.01, 3.2}, "rad", "ours"),
-                            field("moved_shift", o.moved_shift, {0.001, 0.2}, "m", "ours"),
-                            field("most_friction", o.most_friction, {0, 2}, "", "ours"),
-                            field("first_rounds", o.first_rounds, {1, 1000}, "",
-                                  "measured: docs/measurements.md, Search"),
-                            field("sure_success", o.sure_success, {0, 1}, "", "ours"),
-                            field("least_expected", o.least_expected, {0, 100}, "", "ours"),
-                            field("most_failures", o.most_failures, {1, 100}, "", "paper: 1"),
-                            field("refine_camera", o.refine_camera, "ours"),
-                            field("measure_placed", o.measure_placed, "ours: true"),
-                            field("correct_aim", o.correct_aim, "ours"),
-                            field("most_turned_over", o.most_turned_over, {0, 100}, "", "paper: 0"),
-                            field("most_taken_off", o.most_taken_off, {0, 100}, "", "paper: 0"),
-                            field("friction_step", o.friction_step, {0.01, 2}, "", "ours"),
-                            field("pick_attempts", o.pick_attempts, {1, 10}, "", "ours"),
-                            field("save_states", o.save_states, "design choice: false")})});
+  return join(
+      {nest("detection", fields(o.detection)), nest("search", fields(o.search)),
+       nest("motion", fields(o.motion)),
+       nest("run",
+            {user(field("most_stones", o.most_stones, {0, 100}, "",
+                        "height at which the run ends; 0: all stones that are seen")),
+             user(field("look_distance", o.look_distance, {0.3, 1.2}, "m",
+                        "from the camera to what it looks at; SR300: 0.2 to 1.5 m")),
+             field("most_friction", o.most_friction, {0, 2}, "",
+                   "the search starts at search.friction and climbs to this while it finds no sure pose"),
+             user(field("most_failures", o.most_failures, {1, 100}, "",
+                        "placements that may fail before the run ends; the paper: 1")),
+             field("refine_camera", o.refine_camera,
+                   "true: the camera's mount is refined from two first views"),
+             field("measure_placed", o.measure_placed,
+                   "false: placed stones are taken to lie as planned, if they are seen near there"),
+             field("correct_aim", o.correct_aim,
+                   "true: placements are corrected by the mean error of earlier ones"),
+             user(field("most_turned_over", o.most_turned_over, {0, 100}, "",
+                        "stones that may be reoriented because no grasp serves both ends; the paper: 0")),
+             user(field("most_taken_off", o.most_taken_off, {0, 100}, "",
+                        "stones that may be unstacked to try another tower; the paper: 0")),
+             user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
+                        "tries to pick a stone that the gripper misses or drops")),
+             field("save_states", o.save_states,
+                   "true: the state before each decision is written into the run's folder, for `decide`")})});
 }
 
 std::vector<double> assumed_frictions(const BuildOptions& options) {

@@ -134,7 +134,7 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   } catch (const DeviceError& error) {
     stop(RunEnd::kStopped, error.what());
   } catch (const std::exception& error) {
-    workcell.tell(RunFailed{error.what()});
+    workcell.tell(RunEnded{RunEnd::kFailed, error.what()});
     throw;
   }
   return std::move(recorder.result());

@@ -197,28 +197,6 @@ Decision choose_action(const WorldEstimate& world, const RunMemory& memory, cons
   return decision;
 }
 
-std::string to_text(RunEnd end) {
-  switch (end) {
-    case RunEnd::kAllPlaced:
-      return "all_placed";
-    case RunEnd::kHeightReached:
-      return "height_reached";
-    case RunEnd::kNoPose:
-      return "no_feasible_pose";
-    case RunEnd::kNoPlan:
-      return "no_plan";
-    case RunEnd::kPlacementFailed:
-      return "placement_failed";
-    case RunEnd::kNothingSeen:
-      return "nothing_seen";
-    case RunEnd::kStopped:
-      return "stopped";
-    case RunEnd::kInterrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
 std::string name_of(const Action& action) {
   constexpr const char* kNames[] = {"place", "reorient", "unstack", "clear_base", "look_again", "stop"};
   return kNames[action.index()];

@@ -57,7 +57,6 @@ struct Records {
   Record operator()(const RunEnded& e) const {
     return {"end", {{"end", to_text(e.end)}, {"reason", e.reason}}};
   }
-  Record operator()(const RunFailed& e) const { return {"end", {{"end", "failed"}, {"reason", e.reason}}}; }
   Record operator()(const StepBegun& e) const { return {"step", {{"name", e.name}}}; }
   Record operator()(const HoldMeasured& e) const {
     return {"hold", {{"weight", e.weight}, {"expected", e.expected}, {"off", e.offset}}};

@@ -137,7 +137,6 @@ struct Words {
     return name(e.stone) + " did not stay as it was set down";
   }
   std::string operator()(const RunEnded&) const { return ""; }  // who asked for the run prints it
-  std::string operator()(const RunFailed&) const { return ""; }
   std::string operator()(const StepBegun&) const { return ""; }
   std::string operator()(const HoldMeasured&) const { return ""; }
   std::string operator()(const CarriedMeasured&) const { return ""; }
@@ -146,6 +145,30 @@ struct Words {
 };
 
 }  // namespace
+
+std::string to_text(RunEnd end) {
+  switch (end) {
+    case RunEnd::kAllPlaced:
+      return "all_placed";
+    case RunEnd::kHeightReached:
+      return "height_reached";
+    case RunEnd::kNoPose:
+      return "no_feasible_pose";
+    case RunEnd::kNoPlan:
+      return "no_plan";
+    case RunEnd::kPlacementFailed:
+      return "placement_failed";
+    case RunEnd::kNothingSeen:
+      return "nothing_seen";
+    case RunEnd::kStopped:
+      return "stopped";
+    case RunEnd::kInterrupted:
+      return "interrupted";
+    case RunEnd::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
 
 std::string to_text(const Event& event, const Catalogue& catalogue) {
   return std::visit(Words{catalogue}, event);

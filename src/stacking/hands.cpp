@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "stacking/constants.hpp"
 #include "stacking/record.hpp"
 #include "stacking/way_back.hpp"
 #include "stonestack/core/error.hpp"
@@ -67,13 +68,13 @@ ExecutionResult Hands::check_hold(const PlanStep& lift) const {
   const double expected = kGravity * stone.mass.mass;
   const double off = swing(load);
   record(journal, HoldMeasured{load.weight, expected, off});
-  if (load.weight < options.least_held * expected) {
+  if (load.weight < kMinHeldShare * expected) {
     const std::string why =
         concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
     // What still hangs is set down; what lies below already must not be met from above.
     return load.weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
   }
-  if (off > options.largest_swing) return put_back(lift, turned(off));
+  if (off > kMaxSwing) return put_back(lift, turned(off));
   return {};
 }
 
@@ -88,12 +89,12 @@ std::string Hands::turned(double off) {
 ExecutionResult Hands::check_carried(const PlanStep* lift, const PlanStep& next) {
   if (lift == nullptr) return {};
   const double expected = kGravity * stone.mass.mass;
-  const CarriedLoad carried = feel_carried(wrist, cell, expected, options.least_held);
+  const CarriedLoad carried = feel_carried(wrist, cell, expected, kMinHeldShare);
   const double off = swing(carried.load);
   hangs = carried.load.weight;
   record(journal, CarriedMeasured{hangs, expected, off, carried.load.doubt, carried.held});
   // What has swung would not come to stand where it is let go of.
-  if (carried.held && off > options.largest_swing + carried.load.doubt) {
+  if (carried.held && off > kMaxSwing + carried.load.doubt) {
     const ExecutionResult home = go_home({lift + 1, &next});
     return home.status == Status::kStopped ? home : put_back(*lift, turned(off));
   }

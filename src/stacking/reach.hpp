@@ -3,6 +3,7 @@
 #include <set>
 #include <vector>
 
+#include "stonestack/core/export.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -12,7 +13,7 @@ namespace stonestack::stacking {
 
 /// What arm and gripper can do with the stones of one arrangement. What does not depend on the target is
 /// computed once for each stone, when it is first asked about; so not to be shared by threads.
-class Reach {
+class STONESTACK_EXPORT Reach {
  public:
   /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and
   /// must be among the loose ones (InvalidArgument else).

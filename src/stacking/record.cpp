@@ -33,8 +33,7 @@ void Recorder::hear(const Event& event) {
   try {
     record(hooks_.journal, event, *models_.catalogue);
   } catch (const FileError& error) {
-    const bool at_end = std::holds_alternative<RunEnded>(event) || std::holds_alternative<RunFailed>(event);
-    if (!at_end) throw;
+    if (!std::holds_alternative<RunEnded>(event)) throw;
     log_warning(error.what());  // nothing moves any more: this costs a line, not the result
   }
   if (hooks_.listener) hooks_.listener(event);

@@ -50,8 +50,30 @@ TEST(Options, RefusesWithNameValueAndRange) {
   EXPECT_THAT(problem_of("friction=nan"), HasSubstr("got 'nan'"));
   EXPECT_THAT(problem_of("beam=2.5"), HasSubstr("whole number"));
   EXPECT_THAT(problem_of("noise=yes"), HasSubstr("true or false"));
-  EXPECT_THAT(problem_of("fricton=1"), HasSubstr("near it: friction"));
+  EXPECT_THAT(problem_of("fricton=1"), HasSubstr("did you mean friction"));
   EXPECT_THAT(problem_of("friction"), HasSubstr("name=value"));
+}
+
+TEST(Options, SuggestsTheWholeNameWhereTheGroupWasLeftOut) {
+  Sample first, second;
+  const FieldList list = join({nest("search", fields(first)), nest("simulation", fields(second))});
+  try {
+    set_field(list, "beem=2");
+    FAIL();
+  } catch (const InvalidArgument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean search.beam, simulation.beam or "));
+  }
+}
+
+TEST(Options, AreForExpertsUnlessMarkedForUsers) {
+  Sample sample;
+  const FieldList list = nest("search", join({{user(field("friction", sample.friction, {0, 2}, "", "of stones")),
+                                               field("beam", sample.beam, {1, 9}, "", "towers kept")}}));
+  ASSERT_EQ(user_fields(list).size(), 1U);
+  EXPECT_EQ(user_fields(list).front().name, "search.friction");
+  EXPECT_EQ(user_fields(user(list)).size(), 2U);
+  set_field(list, "search.beam=5");
+  EXPECT_EQ(sample.beam, 5) << "an option for experts is set like any other";
 }
 
 TEST(Options, FileRoundTripAndUnknownKey) {
@@ -71,7 +93,7 @@ TEST(Options, FileRoundTripAndUnknownKey) {
     FAIL();
   } catch (const FileError& error) {
     EXPECT_THAT(error.what(), HasSubstr(path));
-    EXPECT_THAT(error.what(), HasSubstr("unknown option 'beams'; near it: beam"));
+    EXPECT_THAT(error.what(), HasSubstr("unknown option 'beams'; did you mean beam"));
   }
   std::filesystem::remove(path);
 }

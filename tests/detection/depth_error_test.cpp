@@ -1,12 +1,12 @@
 // The smooth error of a depth image: read off the table, and what that is worth for a stone.
-#include "detection/depth_error.hpp"
+#include "detection/scene/depth_error.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "detection/joint_refine.hpp"
-#include "detection/preprocess.hpp"
+#include "detection/hypotheses/joint_refine.hpp"
+#include "detection/scene/preprocess.hpp"
 #include "detection/test_scene.hpp"
 
 namespace stonestack::detection {
@@ -78,7 +78,7 @@ TEST(JointRefine, TheTableBesideAStoneCorrectsItsPose) {
     start.stone = 0;
     start.T_C_O = make_pose({0.0005, -0.0005, 0.0005}) * T_C_O;
     const auto error = [&] {
-      return difference(refined_together({start}, models.data(), scene, {}).front().T_C_O, T_C_O).angle;
+      return difference(refined_together({start}, models.data(), scene).front().T_C_O, T_C_O).angle;
     };
     with += error();
     DetectionOptions none;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "detection/align_views.hpp"
+#include "detection/scene/align_views.hpp"
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -177,7 +177,7 @@ TEST(AlignViews, TheTableCorrectsHeightAndTiltAndTheReportHoldsTheRest) {
   view.T_C_V_reported = first.inverse() * second * off;
   view.table_V = plane_of(second);
   view.error.count.assign(1, 100000);
-  const Pose aligned = aligned_view(plane_of(first), view, {});
+  const Pose aligned = aligned_view(plane_of(first), view);
   const auto table_off = [&](const Pose& T_C_V) {
     double worst = 0;
     for (const Eigen::Vector3d& p_W :
@@ -188,7 +188,7 @@ TEST(AlignViews, TheTableCorrectsHeightAndTiltAndTheReportHoldsTheRest) {
   EXPECT_GT(table_off(view.T_C_V_reported), 0.0015);
   EXPECT_LT(table_off(aligned), 0.0004);
   EXPECT_LT(difference(aligned, view.T_C_V_reported).angle, 0.0061) << "further than the report can be off";
-  const Pose blind = aligned_view({}, view, {});
+  const Pose blind = aligned_view({}, view);
   EXPECT_LT(difference(blind, view.T_C_V_reported).translation, 1e-12) << "nothing to go by";
 }
 

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 
-#include "motion/pick_attempt.hpp"
+#include "motion/constants.hpp"
+#include "motion/pick_and_place/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -95,7 +96,7 @@ TEST(PickAndPlace, PlansTheWholeWay) {
       const double past = expected.translation().z() - tool_at_end(cell, step).translation().z();
       EXPECT_GT(past, 0.0);
       EXPECT_LE(past, MotionOptions{}.descent_past + 1e-5);
-      const double length = MotionOptions{}.descent_length + past;
+      const double length = kDescentLength + past;
       EXPECT_GE(step.trajectory.duration(), length / MotionOptions{}.descent_speed - 1e-3);
     }
     if (step.name.rfind("approach", 0) == 0) {
@@ -262,7 +263,7 @@ TEST(PickAndPlace, LiftsLessUnderAShelf) {
 TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
   const MotionOptions options;
   EXPECT_DOUBLE_EQ(contact_threshold(0.3, options), options.least_threshold);
-  EXPECT_NEAR(contact_threshold(2.5, options), options.threshold_share * 2.5 * 9.81, 1e-12);
+  EXPECT_NEAR(contact_threshold(2.5, options), kThresholdShare * 2.5 * 9.81, 1e-12);
   MotionOptions noisy;
   noisy.force_noise = 2.0;
   EXPECT_DOUBLE_EQ(contact_threshold(0.3, noisy), 12.0);

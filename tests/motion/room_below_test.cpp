@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "motion/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/inverse.hpp"
 
@@ -32,7 +33,7 @@ struct OverATower {
 
 TEST(RoomBelow, EndsAboveWhatFingersWouldMeet) {
   const OverATower wide(0.20);
-  const double clear = 0.012 - MotionOptions{}.descent_padding;
+  const double clear = 0.012 - kDescentPadding;
   EXPECT_LE(wide.room(), clear);
   EXPECT_GE(wide.room(), clear - 0.001);
   EXPECT_EQ(wide.room(0.010), 0.010) << "no further than asked for";

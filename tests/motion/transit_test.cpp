@@ -148,7 +148,7 @@ TEST(Transit, GivesUpWhereThereIsNoWay) {
     scene.objects.push_back(box_at("y", {0.7, 0.02, 1.6}, {0.8, 0.3 + side * 0.4, 0.8}));
   }
   MotionOptions options;
-  options.planning_seconds = 0.05;
+  options.planning_effort = 0.05;
   EXPECT_FALSE(find_path(CollisionChecker(scene), start, solutions_above(scene, {0.8, 0.3, 0.3}), options)
                    .has_value());
   EXPECT_FALSE(find_path(CollisionChecker(scene), start, {}, options).has_value()) << "no goal at all";
@@ -159,7 +159,7 @@ TEST(Transit, StopsWhenItsEffortIsSpent) {
   const PlanningScene scene = hard_scene();
   const CollisionChecker checker(scene);
   MotionOptions little;
-  little.planning_seconds = 1e-4;
+  little.planning_effort = 1e-4;
   int hasty = 0;
   for (int k = 0; k < 6; ++k) {
     const double x = 0.7 + 0.04 * k;

@@ -142,8 +142,8 @@ void note(int) {
   noted = 1;
 }
 
-/// Clp's own `initialSolve` takes SIGINT over while it runs: with two threads at once the handler of the
-/// program was lost for good, and Ctrl-C no longer stopped a run.
+/// A solver that takes SIGINT over while it runs (Clp's `initialSolve` does) loses the program's handler when
+/// two threads solve at once, and Ctrl-C no longer stops a run.
 TEST(Equilibrium, LeavesTheHandlerOfCtrlCAlone) {
   struct sigaction ours {
   }, before{};
@@ -173,6 +173,10 @@ TEST(Equilibrium, RefusesWhatCannotBe) {
   EXPECT_THROW(static_cast<void>(solve_equilibrium(one, stray)), InvalidArgument);
   EXPECT_THROW(static_cast<void>(solve_equilibrium(one, {}, with(std::nan("")))), InvalidArgument);
   EXPECT_FALSE(solve_equilibrium(one, {}).stands) << "a body in the air falls";
+  const std::vector<Contact> nowhere{{kTable, 0, {std::nan(""), 0, 0}, Vector3d::UnitZ(), 0, 0}};
+  EXPECT_THROW(static_cast<void>(solve_equilibrium(one, nowhere)), InvalidArgument);
+  const std::vector<Contact> itself{{0, 0, {0, 0, 0}, Vector3d::UnitZ(), 0, 0}};
+  EXPECT_FALSE(solve_equilibrium(one, itself).stands) << "no body carries itself";
 }
 
 }  // namespace

@@ -38,6 +38,20 @@ TEST(PoseCost, LiteralFormKeepsUnitsAndSign) {
   EXPECT_NEAR(cost.terms.at("normal"), 0.255 * std::cos(0.2), 1e-12);
 }
 
+TEST(PoseCost, WeightsScaleTheirTermsAlone) {
+  const PoseCost plain = pose_cost(example(), {});
+  SearchOptions options;
+  options.w1 = 2 * options.w1;
+  options.w2 = 3 * options.w2;
+  options.w3 = 0.0;
+  options.w4 = 5 * options.w4;
+  const PoseCost weighted = pose_cost(example(), options);
+  EXPECT_NEAR(weighted.terms.at("area"), 2 * plain.terms.at("area"), 1e-12);
+  EXPECT_NEAR(weighted.terms.at("kinetic_energy"), 3 * plain.terms.at("kinetic_energy"), 1e-12);
+  EXPECT_EQ(weighted.terms.at("distance"), 0.0);
+  EXPECT_NEAR(weighted.terms.at("normal"), 5 * plain.terms.at("normal"), 1e-12);
+}
+
 TEST(PoseCost, ShearCostsMoreThanAlignmentUnlessLiteral) {
   ContactPose aligned = example(), sheared = example();
   aligned.support.n_W = Eigen::Vector3d::UnitZ();

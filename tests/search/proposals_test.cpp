@@ -44,6 +44,7 @@ std::vector<Proposal> proposals_with(int threads) {
   options.directions = 40;
   options.yaws = 3;
   options.grid = 0.004;
+  options.placement_sigma_translation = 0.001;
   OrientationOptions which;
   which.directions = options.directions;
   const std::vector<LooseStone> loose = {{1, &upper, orientations(which), 0.0, nullptr}};

@@ -6,6 +6,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
@@ -13,11 +15,13 @@
 ///     int iterations = 50;
 ///   };
 ///   FieldList fields(SettleOptions& o) {
-///     return {field("step", o.step, {1e-4, 0.02}, "s", "facts: 240 Hz"),
-///             field("iterations", o.iterations, {1, 1000}, "", "measured")};
+///     return {user(field("step", o.step, {1e-4, 0.02}, "s", "time step of the simulation")),
+///             field("iterations", o.iterations, {1, 1000}, "", "solver iterations in a step")};
 ///   }
 ///
 /// A field's value is checked against its range wherever it comes from; unknown names are errors.
+/// An option is for users if it is marked so, else for experts. What nobody needs to set is no option but a
+/// constant in its room's constants.hpp.
 namespace stonestack::core {
 
 /// Inclusive range of a number.
@@ -26,22 +30,36 @@ struct FieldRange {
   double high = 1e300;
 };
 
+/// Who an option is for.
+enum class Tier {
+  kUser,    ///< shown by `config show`
+  kExpert,  ///< shown by `config show --expert`; a test or a benchmark sets it
+};
+
 /// One option of a struct: its name, where it lies, and what a reader needs to know.
 struct Field {
   std::string name;
   std::variant<double*, int*, bool*, std::string*> value;
   FieldRange range;
-  std::string unit;    ///< "m", "rad", "" for a pure number
-  std::string source;  ///< "paper §3.1", "measured: bench search", "ours"
+  std::string unit;         ///< "m", "rad", "" for a pure number
+  std::string description;  ///< effect, in plain English
+  Tier tier = Tier::kExpert;
 };
 using FieldList = std::vector<Field>;
 
 [[nodiscard]] Field field(std::string name, double& value, FieldRange range, std::string unit,
-                          std::string source);
+                          std::string description);
 [[nodiscard]] Field field(std::string name, int& value, FieldRange range, std::string unit,
-                          std::string source);
-[[nodiscard]] Field field(std::string name, bool& value, std::string source);
-[[nodiscard]] Field field(std::string name, std::string& value, std::string source);
+                          std::string description);
+[[nodiscard]] Field field(std::string name, bool& value, std::string description);
+[[nodiscard]] Field field(std::string name, std::string& value, std::string description);
+
+/// Marks a field as one for users.
+[[nodiscard]] Field user(Field field);
+/// The same for every field of a list.
+[[nodiscard]] FieldList user(FieldList list);
+/// Those for users.
+[[nodiscard]] FieldList user_fields(const FieldList& list);
 
 /// Prefixes every name with `prefix.`: several structs in one file, `search.friction`.
 [[nodiscard]] FieldList nest(const std::string& prefix, FieldList list);
@@ -49,15 +67,17 @@ using FieldList = std::vector<Field>;
 [[nodiscard]] FieldList join(std::vector<FieldList> lists);
 
 /// Applies "name=value". Throws InvalidArgument that names the field, the value and the range; for an unknown
-/// name it lists the nearest ones.
+/// name it asks whether one of the nearest was meant.
 void set_field(const FieldList& list, std::string_view assignment);
 /// Reads a YAML file of `name: value` (nested maps become `a.b`). A name that is not in `list` but in
 /// `others` (options of other parts of a program that share the file) is set there. Throws FileError with
 /// file, name and value.
 void read_fields(const FieldList& list, const std::string& path, const FieldList& others = {});
-/// YAML text, a line a field, with unit, range and source as comments.
+/// YAML text, a line a field, with range, unit and description as comments.
 [[nodiscard]] std::string write_fields(const FieldList& list);
 /// The value as text.
 [[nodiscard]] std::string field_text(const Field& field);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -11,6 +11,8 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// What may as well be there: another pose of a stone of nearly symmetric shape, or another stone of like
@@ -55,39 +57,18 @@ struct DepthView {
 
 /// Stages and limits of detection.
 struct DetectionOptions {
-  std::string method = "default";    ///< default, or paper (method.hpp): judged by the inlier ratio
-  std::string keypoints = "voxel";   ///< voxel, iss
-  std::string descriptor = "shot";   ///< shot, fpfh, iss, rops
-  std::string matching = "exact";    ///< exact, kdtree (the same matches)
-  double nearest = 0.15;             ///< m, depth range that is looked at
-  double farthest = 2.0;             ///< m
-  double smoothing_step = 0.006;     ///< m, largest depth step within a surface, at up to 1 m; grows with z^2
-  double table_tolerance = 0.004;    ///< m, from the table plane
-  double height_low = 0.006;         ///< m above the table, where stones begin
-  double height_high = 0.7;          ///< m above the table, where they end
-  double voxel = 0.003;              ///< m, spacing of scene and model points
-  double normal_radius = 0.009;      ///< m
-  double cluster_gap = 0.008;        ///< m
-  int cluster_points = 60;           ///< voxels at least
-  double keypoint_spacing = 0.010;   ///< m, measured: facts/detection.md §2
-  double descriptor_radius = 0.040;  ///< m; fpfh: 0.030 measured best
-  int neighbours = 1;                ///< k nearest model descriptors of a scene descriptor
-  double consistency_size = 0.008;   ///< m, geometric consistency (Chen and Bhanu 2004)
-  int consistency_fewest = 5;        ///< correspondences in a group
-  int best = 30;                     ///< b best hypotheses a model
-  int copies = 1;                    ///< of each model at most, in one scene
-  bool sweep = true;                 ///< also try all orientations on each cluster
-  double icp_gate = 0.015;           ///< m, furthest correspondence at first
-  double verify_tolerance = 0.005;   ///< m, from seen to expected surface
-  double accept_score = 0.85;        ///< at least; 0.89 in a clean image of one view (measured)
+  std::string method = "default";     ///< default, or paper (method.hpp): judged by the inlier ratio
+  std::string keypoints = "voxel";    ///< voxel, iss
+  std::string descriptor = "shot";    ///< shot, fpfh, iss, rops
+  std::string matching = "exact";     ///< exact, kdtree (the same matches)
+  double nearest = 0.15;              ///< m, depth range that is looked at
+  double farthest = 2.0;              ///< m
+  int copies = 1;                     ///< of each model at most, in one scene
+  bool sweep = true;                  ///< also try all orientations on each cluster
+  double accept_score = 0.85;         ///< at least; 0.89 in a clean image of one view (measured)
   double accept_inlier_ratio = 0.75;  ///< with paper
-  double explained_margin = 0.008;    ///< m, points this near to a stone whose pose is known are its own
-  double bias_sigma = 0.0005;   ///< m, smooth error of a depth image, where no table shows what it is ...
-  double bias_length = 32.0;    ///< px, ... and how far it reaches
-  double covariance_scale = 1;  ///< of standard deviations: calibrated on the benchmark
-  double view_shift = 0.001;    ///< m, standard deviation an axis of a further view's reported pose ...
-  double view_turn = 0.003;     ///< rad, ... and of its rotation
-  bool trace = false;           ///< keep what each stage saw
+  double bias_sigma = 0.0005;  ///< m, smooth error of a depth image, where no table shows what it is ...
+  bool trace = false;          ///< keep what each stage saw
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(DetectionOptions& options);
@@ -144,3 +125,5 @@ class DetectionModels {
                                                    const SceneKnowledge& known = {});
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

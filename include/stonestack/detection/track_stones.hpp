@@ -6,6 +6,8 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// What became of a stone that was placed before.
@@ -32,7 +34,6 @@ struct TrackResult {
 /// When a stone counts as moved or fallen.
 struct TrackOptions {
   double moved_shift = 0.003;  ///< m
-  double moved_turn = 0.035;   ///< rad
   double fallen_drop = 0.015;  ///< m, of the centre, towards the table
 };
 [[nodiscard]] FieldList fields(TrackOptions& options);
@@ -46,3 +47,5 @@ struct TrackOptions {
                                        const TrackOptions& limits = {});
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

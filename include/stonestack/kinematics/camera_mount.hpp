@@ -3,9 +3,10 @@
 #include <span>
 #include <vector>
 
-#include "stonestack/core/options.hpp"
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/geometry/pose.hpp"
+
+#pragma GCC visibility push(default)
 
 namespace stonestack::kinematics {
 
@@ -22,15 +23,6 @@ struct MountView {
   std::vector<SeenMark> marks;
 };
 
-/// How sure the parts are, one sigma along or about each axis.
-struct MountOptions {
-  double prior_translation = 0.002;  ///< m, of the mount as it was calibrated
-  double prior_rotation = 0.009;     ///< rad
-  double mark_sigma = 0.0006;        ///< m, of a seen mark (detection's median error)
-  double table_sigma = 0.0007;       ///< m, of the seen table 0.15 m beside the view's middle
-};
-[[nodiscard]] FieldList fields(MountOptions& options);
-
 /// The mount that the views agree on.
 struct MountRefinement {
   Pose T_T_C = Pose::Identity();
@@ -44,7 +36,8 @@ struct MountRefinement {
 /// what the views do not tell stays as it was. Two views that differ by half a turn about the optical axis
 /// fix all but the turn about it. Weighted least squares over mount and marks.
 /// Throws InvalidArgument without a view.
-[[nodiscard]] MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C,
-                                                  const MountOptions& options = {});
+[[nodiscard]] MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

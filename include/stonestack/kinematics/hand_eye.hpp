@@ -3,8 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
+
+#pragma GCC visibility push(default)
 
 namespace stonestack::kinematics {
 
@@ -35,16 +36,6 @@ struct HandEyeSolution {
   HandEyeResidual residual;
 };
 
-/// Limits and weights of the calibration.
-struct HandEyeOptions {
-  double least_turn = 0.17;          ///< rad, between two stations that count as a motion
-  double least_spread = 0.2;         ///< of the motions' axes: 0 all parallel, 1 evenly spread
-  double noise_translation = 0.001;  ///< m, of one station; weighs translation against rotation
-  double noise_rotation = 0.003;     ///< rad
-  double inverted_ratio = 3.0;       ///< how much better an inverted reading fits before it is pointed out
-};
-[[nodiscard]] FieldList fields(HandEyeOptions& options);
-
 /// All methods, and what looks wrong.
 struct HandEyeResult {
   std::vector<HandEyeSolution> solutions;  ///< the joint refinement first
@@ -55,15 +46,15 @@ struct HandEyeResult {
 /// 1999 (dual quaternions), and a joint refinement of camera and target pose that starts from the best of
 /// them (robust least squares over the stations). Throws InvalidArgument for fewer than three stations, or
 /// when their rotations do not fix the result (all about one axis).
-[[nodiscard]] HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount mount,
-                                               const HandEyeOptions& options = {});
+[[nodiscard]] HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount mount);
 
 /// How well a known transform agrees with stations.
 [[nodiscard]] HandEyeResidual hand_eye_residual(std::span<const HandEyePair> pairs, CameraMount mount,
                                                 const Pose& T_A_C);
 
 /// True if the inverse of T_A_C agrees with the stations much better than T_A_C does.
-[[nodiscard]] bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const Pose& T_A_C,
-                                  const HandEyeOptions& options = {});
+[[nodiscard]] bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const Pose& T_A_C);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// What a simulated arm and camera err by, standard deviations of each station.
@@ -13,7 +15,6 @@ struct HandEyeNoise {
   double target_translation = 0.0003;  ///< m, of a board half a metre away
   double target_rotation = 0.0010;     ///< rad
 };
-[[nodiscard]] FieldList fields(HandEyeNoise& noise);
 
 /// Stations of a hand with a camera that looks at a board on the table from all sides, 0.4 to 0.7 m away and
 /// up to 54 deg off its normal, turned about its axis: what to record for a calibration. With kOnBase the
@@ -22,3 +23,5 @@ struct HandEyeNoise {
                                                          const HandEyeNoise& noise, Random random);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -7,9 +7,11 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
-/// Options of grasp, transit, approach and placing. Sources: facts/robot.md.
+/// Options of grasp, transit, approach and placing. Measured in the simulated cell, where no source is named.
 struct MotionOptions {
   double speed_scale = 0.5;   ///< of the joint velocity limits
   double acceleration = 1.4;  ///< rad/s^2
@@ -18,28 +20,17 @@ struct MotionOptions {
   double near_speed = 0.35;         ///< m/s, the same where the tool is near a stone or another object
   double near_distance = 0.05;      ///< m between tool (or what it holds) and object that are near
   double approach = 0.10;           ///< m, straight approach and retreat
-  double lift = 0.10;               ///< m
   double descent_speed = 0.005;     ///< m/s, guarded
-  double descent_length = 0.020;    ///< m above the expected contact where the guarded part starts
   double descent_past = 0.015;      ///< m past the expected contact where it gives up at the latest
-  double descent_padding = 0.001;   ///< m, hand and arm to objects, past the expected contact
   double transit_padding = 0.010;   ///< m
   double approach_padding = 0.002;  ///< m
-  double contact_zone = 0.015;    ///< m: so near to where it lies or will lie, a held stone may touch others
-  double approach_speed = 0.10;   ///< m/s of the tool on straight approaches, lifts and retreats
-  double finger_speed = 0.08;     ///< m/s, opening in free space
-  double grip_speed = 0.03;       ///< m/s, closing on the stone and letting go of it
-  double loosen = 0.006;          ///< m, opened at grip_speed before the hand opens for the retreat
-  double least_threshold = 5.0;   ///< N, contact at the descent
-  double threshold_share = 0.35;  ///< of the stone's weight, contact at the descent: what the arm's own
-                                  ///< motion makes the wrist feel grows with the mass that hangs there
-  double early_threshold = 20.0;  ///< N, contact while the stone is lowered towards the guarded descent
-  double least_held = 0.6;        ///< share of the stone's weight that the wrist must feel after the lift
-  double largest_swing = 0.020;  ///< m, level, between where the stone pulls at the wrist and where it should
-  double force_noise = 0.15;     ///< N, one sigma of the force sensor; the threshold is at least six
+  double approach_speed = 0.10;     ///< m/s of the tool on straight approaches, lifts and retreats
+  double least_threshold = 5.0;     ///< N, contact at the descent
+  double early_threshold = 20.0;    ///< N, contact while the stone is lowered towards the guarded descent
+  double force_noise = 0.15;        ///< N, one sigma of the force sensor; the threshold is at least six
   bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
   int alternatives = 3;          ///< complete plans to choose the quickest from
-  double planning_seconds = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
+  double planning_effort = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(MotionOptions& options);
@@ -59,7 +50,7 @@ struct PlanStep {
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
-/// `least_threshold`, six times `force_noise` and `threshold_share` of its weight. Throws InvalidArgument for
+/// `least_threshold`, six times `force_noise` and 35 % of its weight. Throws InvalidArgument for
 /// a mass that is none.
 [[nodiscard]] double contact_threshold(double mass, const MotionOptions& options = {});
 
@@ -119,3 +110,5 @@ struct PickAndPlaceTask {
 [[nodiscard]] bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// A joint path from `start` to one of `goals` whose every straight piece `checker.motion_is_free`; empty if
@@ -12,7 +14,7 @@ namespace stonestack::motion {
 /// first; then RRT-Connect (OMPL) to all goals at once, again and again for shorter paths until that brings
 /// nothing, and the shortest is kept after bounded shortcutting. A goal equal to `start` gives a path of one
 /// point. Deterministic for options.seed whatever the load of the machine: the effort is bounded by a number
-/// of checks that stands for options.planning_seconds; where no path at all was found, for `first_seconds` if
+/// of checks that stands for options.planning_effort; where no path at all was found, for `first_seconds` if
 /// that is less. Throws InvalidArgument for numbers that are not finite, Interrupted.
 [[nodiscard]] std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints& start,
                                                  std::span<const Joints> goals,
@@ -30,3 +32,5 @@ namespace stonestack::motion {
 [[nodiscard]] double length(const JointPath& path);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

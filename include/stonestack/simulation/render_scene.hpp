@@ -6,6 +6,8 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 
 /// Where the camera of a rendered scene stands: it looks at the middle of the field.
@@ -13,7 +15,6 @@ struct SceneOptions {
   SimulationOptions simulation;
   double distance = 0.7;   ///< m from the camera to what it looks at
   double tilt = 0.174533;  ///< rad off the vertical (10 deg)
-  double azimuth = -1.0;   ///< rad, from which side; negative: drawn from the seed
 };
 /// Without those of `simulation`, which have a list of their own.
 [[nodiscard]] FieldList fields(SceneOptions& options);
@@ -35,3 +36,5 @@ struct SimulatedScene {
 void write_scene(const std::string& folder, const SimulatedScene& scene, const std::vector<Stone>& stones);
 
 }  // namespace stonestack::simulation
+
+#pragma GCC visibility pop

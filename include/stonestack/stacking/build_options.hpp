@@ -10,14 +10,6 @@ namespace stonestack::stacking {
 
 /// Options of the whole loop.
 struct BuildOptions {
-  BuildOptions() {
-    search.largest_tilt = 1.0;  // one grasp serves pick and place: turned little, as in the paper
-    // Measured with the camera refined, planned against measured poses of `stonestack run`, seeds 1 and 7:
-    // 0.5 to 1.8 mm and 0.4 to 1.2 deg in all for stones that hold at once.
-    search.placement_sigma_translation = 0.0015;
-    search.placement_sigma_rotation = 0.015;
-    search.com_sigma = 0.001;  // centres of mass are known to 2 mm, say evenly in a ball: 0.9 mm an axis
-  }
   DetectionOptions detection;
   SearchOptions search;
   MotionOptions motion;

@@ -10,6 +10,8 @@
 #include "stonestack/stacking/run_memory.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Host seconds for which the arm waited (detection, search, planning) and arm seconds (motion, by the cell's
@@ -46,3 +48,5 @@ struct BuildHooks {
                                     const BuildOptions& options, const BuildHooks& hooks = {});
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -121,9 +121,6 @@ struct RunEnded {
   RunEnd end = RunEnd::kAllPlaced;
   std::string reason;
 };
-struct RunFailed {  ///< by what nobody foresaw
-  std::string reason;
-};
 
 // Steps of a motion
 struct StepBegun {
@@ -151,7 +148,7 @@ using Event =
                  SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned, PosesRefused,
                  GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, PlaceBegun, SetDownBegun,
                  FingertipGrasp, MotionRefused, PlacementJudged, FrictionUpdated, StoneToppled, RunEnded,
-                 RunFailed, StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
+                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
 using Listener = std::function<void(const Event&)>;
 
 /// A line for a person; empty for an event that is for the journal only.

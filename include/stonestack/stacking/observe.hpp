@@ -11,6 +11,8 @@
 #include "stonestack/stacking/world_estimate.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// T_W_C from what the arm reports: the chain of eq. (1), T_W_R * T_R_F * T_F_T * T_T_C.
@@ -71,3 +73,5 @@ struct Sighting {
                                                   const DetectionOptions& options);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "geometry/camera_check.hpp"
+#include "hardware/constants.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -12,30 +13,27 @@ namespace stonestack::hardware {
 
 FieldList fields(CameraSettings& o) {
   const FieldRange pixels{1, 16384}, length{0.0, 1e5}, centre{-1e5, 1e5}, lens{-100.0, 100.0};
-  return {
-      field("depth_scale", o.depth_scale, {0.0, 1e6}, "1/m", "TUM 5000, Open3D and D4xx 1000, SR300 8000"),
-      field("width", o.width, pixels, "", "calibration"),
-      field("height", o.height, pixels, "", "calibration"),
-      field("fx", o.fx, length, "pixel", "calibration"),
-      field("fy", o.fy, length, "pixel", "calibration"),
-      field("cx", o.cx, centre, "pixel", "calibration"),
-      field("cy", o.cy, centre, "pixel", "calibration"),
-      field("distortion", o.distortion, "none, brown_conrady or inverse_brown_conrady"),
-      field("k1", o.k1, lens, "", "calibration"),
-      field("k2", o.k2, lens, "", "calibration"),
-      field("p1", o.p1, lens, "", "calibration"),
-      field("p2", o.p2, lens, "", "calibration"),
-      field("k3", o.k3, lens, "", "calibration"),
-  };
+  return user(FieldList{
+      field("depth_scale", o.depth_scale, {0.0, 1e6}, "1/m",
+            "counts a metre: TUM 5000, Open3D and D4xx 1000, SR300 8000"),
+      field("width", o.width, pixels, "", "of the image in pixels"),
+      field("height", o.height, pixels, "", "of the image in pixels"),
+      field("fx", o.fx, length, "pixel", "focal length"),
+      field("fy", o.fy, length, "pixel", "focal length"),
+      field("cx", o.cx, centre, "pixel", "optical centre"),
+      field("cy", o.cy, centre, "pixel", "optical centre"),
+      field("distortion", o.distortion, "of the lens: none, brown_conrady or inverse_brown_conrady"),
+      field("k1", o.k1, lens, "", "radial distortion"),
+      field("k2", o.k2, lens, "", "radial distortion"),
+      field("p1", o.p1, lens, "", "tangential distortion"),
+      field("p2", o.p2, lens, "", "tangential distortion"),
+      field("k3", o.k3, lens, "", "radial distortion"),
+  });
 }
 
 FieldList fields(FrameCheckOptions& o) {
-  return {
-      field("least_valid", o.least_valid, {0.0, 1.0}, "", "ours: share of the pixels"),
-      field("nearest", o.nearest, {0.0, 10.0}, "m", "ours"),
-      field("farthest", o.farthest, {0.1, 1000.0}, "m", "ours"),
-      field("refuse_equal_image", o.refuse_equal_image, "false for a simulated camera without noise"),
-  };
+  return {field("refuse_equal_image", o.refuse_equal_image,
+                "true: an image equal to the last is an error; false for a simulated camera without noise")};
 }
 
 CameraIntrinsics to_intrinsics(const CameraSettings& s) {
@@ -82,15 +80,14 @@ DepthFrame FrameCheck::pass(DepthFrame frame) {
     if (z > 0 && std::isfinite(z)) depths.push_back(z);
   const auto pixels = static_cast<double>(std::max<std::size_t>(1, frame.image.z.size()));
   const double share = static_cast<double>(depths.size()) / pixels;
-  if (depths.empty() || share < options_.least_valid)
-    fail(concat("only ", 100.0 * share, " % of the pixels have a depth (least ", 100.0 * options_.least_valid,
-                " %)"),
+  if (depths.empty() || share < kMinValid)
+    fail(concat("only ", 100.0 * share, " % of the pixels have a depth (least ", 100.0 * kMinValid, " %)"),
          "see what covers the camera or dazzles it");
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
   const double median = static_cast<double>(*middle);
-  if (median < options_.nearest || median > options_.farthest)
-    fail(concat("median depth ", median, " m is outside ", options_.nearest, " to ", options_.farthest, " m"),
+  if (median < kNearest || median > kFarthest)
+    fail(concat("median depth ", median, " m is outside ", kNearest, " to ", kFarthest, " m"),
          "check depth_scale");
   const std::string_view bytes(reinterpret_cast<const char*>(frame.image.z.data()),
                                frame.image.z.size() * sizeof(float));

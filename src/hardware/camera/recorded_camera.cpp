@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "hardware/camera/recording.hpp"
-#include "hardware/camera/z16.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 
@@ -11,10 +11,10 @@ namespace stonestack::hardware {
 
 FieldList fields(RecordedCameraOptions& o) {
   FieldList own = {
-      field("path", o.path, "a folder, a cloud, or a file of raw frames"),
-      field("format", o.format, "auto, tum, open3d, clouds, z16 or v4l2"),
-      field("rate", o.rate, {0.01, 1000.0}, "1/s", "ours: for recordings without times"),
-      field("loop", o.loop, "ours"),
+      user(field("path", o.path, "of the recording: a folder, a cloud, or a file of raw frames")),
+      user(field("format", o.format, "auto, tum, open3d, clouds, z16 or v4l2")),
+      field("rate", o.rate, {0.01, 1000.0}, "1/s", "of recordings without times"),
+      field("loop", o.loop, "true: after the last frame comes the first"),
   };
   return join({own, fields(o.camera), fields(o.check)});
 }

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "hardware/camera/frame_stream.hpp"
+#include "protocol/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
@@ -10,11 +10,11 @@ namespace stonestack::hardware {
 
 FieldList fields(StreamCameraOptions& o) {
   FieldList own = {
-      field("address", o.address, "numeric IPv4"),
-      field("port", o.port, {0, 65535}, "", "ours"),
-      field("connect_timeout", o.connect_timeout, {0.05, 60.0}, "s", "ours"),
-      field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "ours"),
-      field("attempts", o.attempts, {1, 10}, "", "ours"),
+      user(field("address", o.address, "of the server, numeric IPv4")),
+      user(field("port", o.port, {0, 65535}, "", "of the server")),
+      field("connect_timeout", o.connect_timeout, {0.05, 60.0}, "s", "until the server accepts a connection"),
+      field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "until the next frame"),
+      field("attempts", o.attempts, {1, 10}, "", "of a connection"),
   };
   return join({own, fields(o.check)});
 }

@@ -7,7 +7,8 @@
 #include <cstring>
 
 #include "hardware/camera/v4l2_calls.hpp"
-#include "hardware/camera/z16.hpp"
+#include "hardware/constants.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::hardware {
@@ -34,10 +35,9 @@ v4l2_buffer make_buffer(unsigned index) {
 
 FieldList fields(V4l2CameraOptions& o) {
   FieldList own = {
-      field("device", o.device, "the depth node, see `v4l2-ctl --list-devices`"),
-      field("buffers", o.buffers, {2, 32}, "", "ours"),
-      field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "ours"),
-      field("record", o.record, "folder that keeps what the driver gives, to be played as `recorded`"),
+      user(field("device", o.device, "path of the depth node, see `v4l2-ctl --list-devices`")),
+      field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "until the next frame"),
+      field("record", o.record, "folder for what the driver gives, to be played as `recorded`; empty: none"),
   };
   return join({own, fields(o.camera), fields(o.check)});
 }
@@ -116,7 +116,7 @@ void V4l2Stream::set_format() {
 
 void V4l2Stream::map_buffers() {
   v4l2_requestbuffers request{};
-  request.count = static_cast<std::uint32_t>(options_.buffers);
+  request.count = static_cast<std::uint32_t>(kBuffers);
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (calls_->control(VIDIOC_REQBUFS, &request) < 0 || request.count < 2)

@@ -1,6 +1,7 @@
 #include "hardware/robotiq/ft_link.hpp"
 
-#include "hardware/robotiq/modbus_frame.hpp"
+#include "hardware/constants.hpp"
+#include "protocol/modbus_frame.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/serial.hpp"
 #include "stonestack/core/socket.hpp"
@@ -80,7 +81,7 @@ void start_stream(FtLink& link, const FtSensorOptions& options, Deadline deadlin
 
 FtLink open_link(const FtSensorOptions& options, Deadline deadline) try {
   if (options.link == "serial")
-    return {std::make_unique<SerialPort>(SerialPort::open(options.device, options.baud)),
+    return {std::make_unique<SerialPort>(SerialPort::open(options.device, kSensorBaud)),
             FtParser(FtParser::Format::kSerial),
             {}};
   require(options.link == "ur_cap", "the link of a force sensor is serial or ur_cap, not '", options.link,
@@ -117,7 +118,7 @@ FtLink start_ft_link(const FtSensorOptions& options, Deadline deadline) {
       ft_name(options),
       last.empty() ? std::string("sends nothing") : "sends no valid frame, last " + modbus::hex_text(last),
       options.link == "serial"
-          ? concat("check power, the line, and ", options.baud, " baud; unit ", options.unit)
+          ? concat("check power, the line, and ", kSensorBaud, " baud; unit ", options.unit)
           : "check that the sensor's cap is installed and the sensor is connected");
 }
 

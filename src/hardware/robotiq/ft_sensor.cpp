@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "hardware/constants.hpp"
 #include "hardware/robotiq/ft_link.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -26,23 +27,20 @@ std::chrono::duration<double> seconds(double value) {
 
 FieldList fields(FtSensorOptions& o) {
   return {
-      field("link", o.link, "serial or ur_cap"),
-      field("device", o.device, "serial: path of the line"),
-      field("baud", o.baud, {9600, 921600}, "", "Robotiq manual"),
-      field("unit", o.unit, {1, 247}, "", "Robotiq manual"),
-      field("address", o.address, "ur_cap: numeric IPv4"),
-      field("port", o.port, {1, 65535}, "", "Robotiq's UR cap"),
-      field("start_timeout", o.start_timeout, {0.5, 60.0}, "s", "ours"),
-      field("listen", o.listen, {0.02, 10.0}, "s", "Robotiq's driver"),
-      field("stale", o.stale, {0.01, 1.0}, "s", "ours: five readings"),
-      field("silence", o.silence, {0.1, 10.0}, "s", "ours"),
-      field("zero_samples", o.zero_samples, {1, 1000}, "", "ours"),
-      field("zero_timeout", o.zero_timeout, {0.1, 30.0}, "s", "ours"),
-      field("zero_spread", o.zero_spread, {0.1, 100.0}, "N", "ours"),
-      field("largest_force", o.largest_force, {1.0, 1000.0}, "N", "Robotiq data sheet"),
-      field("largest_torque", o.largest_torque, {0.1, 100.0}, "Nm", "Robotiq data sheet"),
-      field("stuck_samples", o.stuck_samples, {0, 100000}, "", "ours: one second"),
-      field("yaw", o.yaw, {-3.2, 3.2}, "rad", "how the sensor is mounted"),
+      user(field("link", o.link, "serial or ur_cap")),
+      user(field("device", o.device, "of link serial: path of the line")),
+      field("unit", o.unit, {1, 247}, "", "Modbus unit; Robotiq manual: 9"),
+      user(field("address", o.address, "of link ur_cap: the robot's controller, numeric IPv4")),
+      field("port", o.port, {1, 65535}, "", "of Robotiq's UR cap"),
+      field("start_timeout", o.start_timeout, {0.5, 60.0}, "s", "until the first reading"),
+      field("listen", o.listen, {0.02, 10.0}, "s",
+            "that a serial line is listened to before it is spoken to"),
+      field("stale", o.stale, {0.01, 1.0}, "s", "older readings are an error"),
+      user(field("largest_force", o.largest_force, {1.0, 1000.0}, "N", "on an axis; FT150 150, FT300 300")),
+      user(field("largest_torque", o.largest_torque, {0.1, 100.0}, "Nm", "on an axis; FT150 15, FT300 30")),
+      field("stuck_samples", o.stuck_samples, {0, 100000}, "",
+            "equal readings in a row that mean a dead sensor; 0: never"),
+      user(field("yaw", o.yaw, {-3.2, 3.2}, "rad", "about z, from the flange's axes to the sensor's")),
   };
 }
 
@@ -108,7 +106,7 @@ void RobotiqFtSensor::Stream::drain() {
         const std::lock_guard lock(mutex);
         health.bad_bytes = link.parser.bad_bytes();
       }
-      if (!lost && clock.seconds() - last_heard < options.silence) continue;
+      if (!lost && clock.seconds() - last_heard < kSilence) continue;
       restart();
     } catch (const std::exception& error) {
       const std::lock_guard lock(mutex);
@@ -201,26 +199,26 @@ Wrench RobotiqFtSensor::read() {
 
 void RobotiqFtSensor::zero() {
   const FtSensorOptions& o = stream_->options;
-  const Deadline deadline = Deadline::in(o.zero_timeout);
+  const Deadline deadline = Deadline::in(kZeroTimeout);
   Wrench mean;
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
-  for (int i = 0; i < o.zero_samples; ++i) {
+  for (int i = 0; i < kZeroSamples; ++i) {
     throw_if_interrupted();
     if (deadline.over())
       throw DeviceError(
           stream_->name,
-          concat("gave ", i, " of ", o.zero_samples, " readings for its zero in ", o.zero_timeout, " s"),
+          concat("gave ", i, " of ", kZeroSamples, " readings for its zero in ", kZeroTimeout, " s"),
           "check the sensor's rate");
     const Wrench wrench = stream_->next(o.stale);
-    mean.force += wrench.force / o.zero_samples;
-    mean.torque += wrench.torque / o.zero_samples;
+    mean.force += wrench.force / kZeroSamples;
+    mean.torque += wrench.torque / kZeroSamples;
     low = low.cwiseMin(wrench.force);
     high = high.cwiseMax(wrench.force);
   }
-  if ((high - low).maxCoeff() > o.zero_spread)
+  if ((high - low).maxCoeff() > kZeroSpread)
     throw DeviceError(stream_->name,
                       concat("is not at rest: readings spread over ", (high - low).maxCoeff(), " N (allowed ",
-                             o.zero_spread, " N)"),
+                             kZeroSpread, " N)"),
                       "let the arm come to rest before zeroing");
   stream_->zero = mean;
 }

@@ -8,22 +8,21 @@ namespace stonestack::hardware {
 FieldList fields(ModbusOptions& o) {
   return {
       field("link", o.link, "tcp or rtu"),
-      field("address", o.address, "tcp: numeric IPv4"),
-      field("port", o.port, {1, 65535}, "", "Modbus standard"),
-      field("device", o.device, "rtu: path of the serial line"),
-      field("baud", o.baud, {9600, 921600}, "", "Robotiq manual: gripper 115200, sensor 19200"),
+      user(field("address", o.address, "over TCP: numeric IPv4")),
+      field("port", o.port, {1, 65535}, "", "over TCP; the standard's is 502"),
+      user(field("device", o.device, "over a serial line: its path")),
       field("unit", o.unit, {0, 255}, "", "Robotiq manual: 2 over TCP, 9 on a serial line"),
-      field("connect_timeout", o.connect_timeout, {0.01, 60.0}, "s", "ours"),
-      field("reply_timeout", o.reply_timeout, {0.01, 10.0}, "s", "ours"),
-      field("attempts", o.attempts, {1, 10}, "", "ours"),
-      field("quiet", o.quiet, {0.002, 0.5}, "s", "ours: 3.5 characters at 19200 baud are 2 ms"),
+      field("connect_timeout", o.connect_timeout, {0.01, 60.0}, "s", "until the device accepts a connection"),
+      field("reply_timeout", o.reply_timeout, {0.01, 10.0}, "s", "of each attempt"),
+      field("attempts", o.attempts, {1, 10}, "", "of each request, the first one included"),
+      field("quiet", o.quiet, {0.002, 0.5}, "s", "silence on a serial line before a request is repeated"),
   };
 }
 
 struct ModbusClient::Link {
   std::string name;
   ModbusOptions options;
-  std::unique_ptr<modbus::Transport> transport;
+  std::unique_ptr<ModbusTransport> transport;
   long repeated = 0;
 
   [[nodiscard]] modbus::Reply call(const modbus::Request& request);
@@ -31,10 +30,10 @@ struct ModbusClient::Link {
 
 namespace {
 
-std::unique_ptr<modbus::Transport> make_transport(const std::string& name, const ModbusOptions& options) {
+std::unique_ptr<ModbusTransport> make_transport(const std::string& name, const ModbusOptions& options) {
   require(options.link == "tcp" || options.link == "rtu", name, ": link must be tcp or rtu, got '",
           options.link, "'");
-  return options.link == "tcp" ? modbus::make_tcp_transport(options) : modbus::make_rtu_transport(options);
+  return options.link == "tcp" ? make_modbus_tcp(options) : make_modbus_rtu(options);
 }
 
 bool may_pass(std::uint8_t exception) {
@@ -57,7 +56,7 @@ modbus::Reply ModbusClient::Link::call(const modbus::Request& request) {
       ++repeated;
       transport->recover();
     }
-    modbus::Attempt result;
+    ModbusAttempt result;
     try {
       result = transport->exchange(request);
     } catch (const DeviceError& error) {  // the link could not be made again

@@ -6,6 +6,7 @@
 #include <functional>
 #include <thread>
 
+#include "hardware/constants.hpp"
 #include "hardware/robotiq/gripper_words.hpp"
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/core/clock.hpp"
@@ -40,22 +41,22 @@ ModbusOptions resolve(const ThreeFingerOptions& options, const GripperLayout& la
 FieldList fields(ThreeFingerOptions& o) {
   const FieldRange seconds{0.05, 120.0};
   FieldList own = {
-      field("preset", o.preset, "register layout: tcp2018, tcp2014 or rtu"),
-      field("unit", o.unit, {-1, 255}, "", "Robotiq manual; -1: of the preset"),
-      field("mode", o.mode, "basic, pinch, wide or scissor"),
-      field("largest_opening", o.largest_opening, {0.01, 0.3}, "m", "data sheet"),
-      field("open_count", o.open_count, {0.0, 255.0}, "count", "calibrate with a gauge"),
-      field("closed_count", o.closed_count, {0.0, 255.0}, "count", "calibrate with a gauge"),
-      field("wide_spacing", o.wide_spacing, {0.01, 0.2}, "m", "Robotiq's model of the hand: fingers B and C"),
-      field("wide_count", o.wide_count, {0.0, 255.0}, "count", "Robotiq manual: 0x89 in basic mode"),
-      field("narrow_spacing", o.narrow_spacing, {0.01, 0.2}, "m", "ours: fingers side by side"),
-      field("narrow_count", o.narrow_count, {0.0, 255.0}, "count", "ours; calibrate with a gauge"),
-      field("object_margin", o.object_margin, {0.0, 100.0}, "count", "ours"),
-      field("activation_timeout", o.activation_timeout, seconds, "s", "ours: it takes 5 to 10 s"),
-      field("mode_timeout", o.mode_timeout, seconds, "s", "Robotiq manual: fault after 20 s"),
-      field("echo_timeout", o.echo_timeout, seconds, "s", "ours"),
-      field("move_margin", o.move_margin, seconds, "s", "ours"),
-      field("poll", o.poll, {0.001, 0.1}, "s", "ours: at least 10 Hz while holding"),
+      user(field("preset", o.preset, "register layout: tcp2018, tcp2014 or rtu")),
+      field("unit", o.unit, {-1, 255}, "", "Modbus unit; -1: of the preset"),
+      field("mode", o.mode, "of the fingers: basic, pinch, wide or scissor"),
+      field("largest_opening", o.largest_opening, {0.01, 0.3}, "m",
+            "between the pads at open_count; data sheet"),
+      user(field("open_count", o.open_count, {0.0, 255.0}, "count",
+                 "request that opens fully; calibrate with a gauge")),
+      user(field("closed_count", o.closed_count, {0.0, 255.0}, "count",
+                 "request at which the pads meet; calibrate with a gauge")),
+      user(field("narrow_count", o.narrow_count, {0.0, 255.0}, "count",
+                 "of the scissor, fingers B and C side by side; calibrate with a gauge")),
+      field("activation_timeout", o.activation_timeout, seconds, "s", "it takes 5 to 10 s"),
+      field("echo_timeout", o.echo_timeout, seconds, "s",
+            "until the gripper must repeat a request; then it is sent once more"),
+      field("move_margin", o.move_margin, seconds, "s", "beyond stroke / speed until a move has failed"),
+      field("poll", o.poll, {0.001, 0.1}, "s", "between readings of the status"),
   };
   FieldList wire;
   for (auto& f : fields(o.modbus))
@@ -170,7 +171,7 @@ GripperState ThreeFingerGripper::Link::judge(const ThreeFingerStatus& status) co
   if (!commanded || !echoes(status) || status.motion == Motion::kMoving) return state;
   const auto held = [&](std::size_t i) {
     const int request = last.individual_fingers ? last.axes[i].position : last.axes[0].position;
-    return axes[i].object == Object::kContactClosing && axes[i].position <= request - options.object_margin;
+    return axes[i].object == Object::kContactClosing && axes[i].position <= request - kObjectMargin;
   };
   state.object = held(0) && (held(1) || held(2));
   return state;
@@ -234,7 +235,7 @@ void ThreeFingerGripper::set_mode(GripperMode mode) {
   GripperRequest request;
   request.mode = mode;
   link.write(request);
-  link.wait(link.options.mode_timeout, "the change of mode",
+  link.wait(kModeTimeout, "the change of mode",
             [&](const ThreeFingerStatus& s) { return s.stage == Stage::kReady && s.mode == mode; });
 }
 
@@ -262,15 +263,15 @@ GripperState ThreeFingerGripper::move(double opening, double speed, double force
 void ThreeFingerGripper::spread(double spacing) {
   Link& link = *link_;
   const ThreeFingerOptions& o = link.options;
-  require(std::isfinite(spacing) && spacing >= std::min(o.narrow_spacing, o.wide_spacing) - 1e-9 &&
-              spacing <= std::max(o.narrow_spacing, o.wide_spacing) + 1e-9,
-          "fingers B and C go from ", o.narrow_spacing, " to ", o.wide_spacing, " m apart, asked for ",
-          spacing, " m");
+  require(std::isfinite(spacing) && spacing >= std::min(kNarrowSpacing, kWideSpacing) - 1e-9 &&
+              spacing <= std::max(kNarrowSpacing, kWideSpacing) + 1e-9,
+          "fingers B and C go from ", kNarrowSpacing, " to ", kWideSpacing, " m apart, asked for ", spacing,
+          " m");
   const ThreeFingerStatus status = link.read();
   link.require_ready(status);
-  const double share = (spacing - o.wide_spacing) / (o.narrow_spacing - o.wide_spacing);
-  const int count = static_cast<int>(std::lround(o.wide_count + share * (o.narrow_count - o.wide_count)));
-  const int now = link.scissor.value_or(static_cast<int>(std::lround(o.wide_count)));
+  const double share = (spacing - kWideSpacing) / (kNarrowSpacing - kWideSpacing);
+  const int count = static_cast<int>(std::lround(kWideCount + share * (o.narrow_count - kWideCount)));
+  const int now = link.scissor.value_or(static_cast<int>(std::lround(kWideCount)));
   if (count == now) return;
   GripperRequest request;
   request.mode = status.mode;
@@ -281,7 +282,7 @@ void ThreeFingerGripper::spread(double spacing) {
   link.scissor = count;
   link.move(request);
   // The gripper's status speaks of the three fingers; the scissor has its own.
-  link.wait(o.mode_timeout, "drawing fingers B and C together or apart",
+  link.wait(kModeTimeout, "drawing fingers B and C together or apart",
             [](const ThreeFingerStatus& s) { return s.axes[3].object != Object::kMoving; });
 }
 

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "hardware/constants.hpp"
 #include "hardware/ur/rtde_session.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/log.hpp"
@@ -162,8 +163,8 @@ struct RtdeClient::Link {
     last_time = time;
     ++counts.accepted;
     ++session_packets;
-    booted = booted || time > options.booted_time ||
-             static_cast<double>(session_packets) >= options.booted_data * current.frequency;
+    booted = booted || time > kBootedTime ||
+             static_cast<double>(session_packets) >= kBootedData * current.frequency;
     newest = RtdeSample(current.outputs, std::move(values), host_seconds());
     have_sample = true;
     changed.notify_all();
@@ -271,17 +272,17 @@ double RtdeClient::now() const {
 
 FieldList fields(RtdeOptions& o) {
   return {
-      field("frequency", o.frequency, {0, 500}, "Hz", "0: the control rate"),
-      field("connect_timeout", o.connect_timeout, {0.05, 60}, "s", "ours"),
-      field("reply_timeout", o.reply_timeout, {0.05, 60}, "s", "ours"),
-      field("stale_after", o.stale_after, {0.01, 5}, "s", "ours"),
-      field("silent_after", o.silent_after, {0.05, 30}, "s", "ours"),
-      field("attempts", o.attempts, {1, 100}, "", "ours"),
-      field("retry_pause", o.retry_pause, {0.01, 30}, "s", "ours"),
-      field("in_use_attempts", o.in_use_attempts, {1, 100}, "", "ours"),
-      field("booted_time", o.booted_time, {0, 600}, "s", "UR client library"),
-      field("booted_data", o.booted_data, {0.01, 60}, "s", "UR client library: two seconds"),
-      field("boot_timeout", o.boot_timeout, {0.1, 600}, "s", "ours"),
+      field("frequency", o.frequency, {0, 500}, "Hz", "of the states; 0: the control rate, 125 or 500"),
+      field("connect_timeout", o.connect_timeout, {0.05, 60}, "s",
+            "until the controller accepts a connection"),
+      field("reply_timeout", o.reply_timeout, {0.05, 60}, "s", "until it answers a step of the setup"),
+      field("stale_after", o.stale_after, {0.01, 5}, "s", "older states are refused"),
+      field("silent_after", o.silent_after, {0.05, 30}, "s", "silence after which the link is set up again"),
+      field("attempts", o.attempts, {1, 100}, "", "of the first connection"),
+      field("retry_pause", o.retry_pause, {0.01, 30}, "s", "between attempts"),
+      field("in_use_attempts", o.in_use_attempts, {1, 100}, "",
+            "while registers are in use: a dying connection frees them late"),
+      field("boot_timeout", o.boot_timeout, {0.1, 600}, "s", "until a controller that boots is ready"),
   };
 }
 

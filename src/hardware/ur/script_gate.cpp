@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "hardware/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 
@@ -36,9 +37,9 @@ std::string find_fault(const JointTrajectory& trajectory, const Joints& q, const
                        const ScriptContext& context) {
   if (auto fault = malformed(trajectory); !fault.empty()) return fault;
   const double gap = (trajectory.q.front() - q).cwiseAbs().maxCoeff();
-  if (!(gap <= context.options.start_tolerance))
-    return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ",
-                  context.options.start_tolerance, ")");
+  if (!(gap <= kStartTolerance))
+    return concat("the trajectory starts ", gap, " rad from where the arm is (allowed ", kStartTolerance,
+                  ")");
   const double dt = 1.0 / context.version.control_rate();
   JointState before{trajectory.q.front(), Joints::Zero()};  // at rest, and after the last step again
   const auto steps = static_cast<long>(std::ceil(trajectory.duration() / dt));
@@ -46,7 +47,7 @@ std::string find_fault(const JointTrajectory& trajectory, const Joints& q, const
     const double t = static_cast<double>(i) * dt;
     JointState now = sample(trajectory, t);
     if (i > steps) now.qd.setZero();
-    auto fault = find_bad_step(before, now, t, dt, robot, context.options.speed_margin);
+    auto fault = find_bad_step(before, now, t, dt, robot, kSpeedMargin);
     if (!fault.empty()) return fault;
     before = now;
   }
@@ -55,20 +56,14 @@ std::string find_fault(const JointTrajectory& trajectory, const Joints& q, const
 
 FieldList fields(ScriptOptions& o) {
   return {
-      field("lookahead", o.lookahead, {0.03, 0.2}, "s", "UR script manual: servoj"),
-      field("gain", o.gain, {100, 2000}, "", "UR script manual: servoj"),
-      field("stop_acceleration", o.stop_acceleration, {0.1, 20}, "rad/s^2", "ours"),
-      field("hold_lag", o.hold_lag, {0.001, 0.5}, "rad", "ours"),
-      field("arrived", o.arrived, {1e-5, 0.01}, "rad", "ours"),
-      field("heartbeat_rate", o.heartbeat_rate, {1, 50}, "Hz", "ours"),
-      field("force_stale", o.force_stale, {0.02, 1}, "s", "ours"),
-      field("force_samples", o.force_samples, {1, 1000}, "", "ours"),
-      field("contact_samples", o.contact_samples, {1, 100}, "", "hardware/arm.hpp"),
-      field("comply_time", o.comply_time, {0, 5}, "s", "ours"),
-      field("comply_force", o.comply_force, {0, 60}, "N", "ours"),
-      field("comply_speed", o.comply_speed, {0.001, 0.1}, "m/s", "ours"),
-      field("start_tolerance", o.start_tolerance, {0, 0.05}, "rad", "hardware/arm.hpp"),
-      field("speed_margin", o.speed_margin, {1, 1.1}, "", "ours"),
+      field("stop_acceleration", o.stop_acceleration, {0.1, 20}, "rad/s^2", "of a stop on the controller"),
+      field("heartbeat_rate", o.heartbeat_rate, {1, 50}, "Hz",
+            "a host that is heard of less often is dead: the program stops"),
+      field("force_stale", o.force_stale, {0.02, 1}, "s",
+            "a guarded motion stops when no new force reading arrives for so long"),
+      field("contact_samples", o.contact_samples, {1, 100}, "",
+            "readings in a row above the threshold that are contact"),
+      field("comply_time", o.comply_time, {0, 5}, "s", "force mode after contact; 0: just stop"),
   };
 }
 

@@ -1,5 +1,7 @@
 #include "hardware/ur/script_guard.hpp"
 
+#include "hardware/constants.hpp"
+
 namespace stonestack::hardware {
 namespace {
 
@@ -48,7 +50,7 @@ void define_guard(ScriptLines& out, const ScriptGuard& guard) {
 }
 
 void take_zero(ScriptLines& out) {
-  const int samples = out.options().force_samples;
+  const int samples = kForceSamples;
   out.add(1, "local sum = 0.0");
   out.add(1, "local taken = 0");
   out.add(1, "while (taken < ", samples, ") and (stk_end == 0):");
@@ -74,9 +76,9 @@ void comply(ScriptLines& out, const ScriptGuard& guard) {
   out.add(2, "sleep(", to_script(kStandstill), ")");
   if (out.context().version.has(kDamping3, kDamping5))
     out.add(2, "force_mode_set_damping(", to_script(kDamping), ")");
-  out.add(2, "force_mode(", to_script(T_B_task), ", [0, 0, 1, 0, 0, 0], [0.0, 0.0, ",
-          to_script(o.comply_force), ", 0.0, 0.0, 0.0], 2, [", side, ", ", side, ", ",
-          to_script(o.comply_speed), ", ", side, ", ", side, ", ", side, "])");
+  out.add(2, "force_mode(", to_script(T_B_task), ", [0, 0, 1, 0, 0, 0], [0.0, 0.0, ", to_script(kComplyForce),
+          ", 0.0, 0.0, 0.0], 2, [", side, ", ", side, ", ", to_script(kComplySpeed), ", ", side, ", ", side,
+          ", ", side, "])");
   out.add(2, "local left = ", to_script(o.comply_time));
   out.add(2, "while left > 0.0:");
   out.add(3, "sync()");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "hardware/constants.hpp"
 #include "hardware/ur/run_program.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -43,6 +44,7 @@ struct UrArm::Device {
     if (auto reason = link.stop_reason(); !reason.empty())
       return "there was a stop, and nobody has looked and re-armed: " + reason;
     if (now.program_running) return "another program runs on the controller; stop it first";
+    if (now.is_held()) return "another program is paused on the controller; stop it first";
     return {};
   }
 
@@ -171,7 +173,9 @@ void UrArm::stop() {
   const Deadline deadline = Deadline::in(device_->link.options.stop_timeout);
   while (!deadline.over()) {
     const UrStatus now = device_->link.next_status();
-    if (!now.program_running && now.qd.cwiseAbs().maxCoeff() < device_->link.options.standstill) return;
+    if (!now.program_running && !now.is_held() &&
+        now.qd.cwiseAbs().maxCoeff() < kStandstillSpeed)
+      return;
     if (!find_safety_stop(now).empty()) return;  // the safety system has stopped it
   }
   device_->link.starve("a stop was not obeyed");
@@ -215,19 +219,17 @@ std::vector<std::string> UrArm::missing_outputs() const {
 FieldList fields(UrArmOptions& o) {
   constexpr FieldRange kPort{0, 65535};
   return join(
-      {{field("address", o.address, "of the controller"), field("rtde_port", o.rtde_port, kPort, "", "UR"),
-        field("primary_port", o.primary_port, kPort, "", "UR"),
-        field("secondary_port", o.secondary_port, kPort, "", "UR"),
-        field("realtime_port", o.realtime_port, kPort, "", "UR"),
-        field("dashboard_port", o.dashboard_port, kPort, "", "UR"),
-        field("start_timeout", o.start_timeout, {0.1, 60}, "s", "ours"),
-        field("end_grace", o.end_grace, {0.05, 10}, "s", "ours"),
-        field("time_factor", o.time_factor, {1, 100}, "", "ours"),
-        field("time_slack", o.time_slack, {0.1, 600}, "s", "ours"),
-        field("pause_limit", o.pause_limit, {0, 86400}, "s", "ours"),
-        field("heartbeat_period", o.heartbeat_period, {0.002, 0.05}, "s", "ours"),
-        field("stop_timeout", o.stop_timeout, {0.1, 60}, "s", "ours"),
-        field("standstill", o.standstill, {1e-4, 0.1}, "rad/s", "ours")},
+      {{user(field("address", o.address, "of the controller, in numbers")),
+        field("rtde_port", o.rtde_port, kPort, "", "RTDE"),
+        field("primary_port", o.primary_port, kPort, "", "scripts"),
+        field("secondary_port", o.secondary_port, kPort, "", "scripts, tried next"),
+        field("realtime_port", o.realtime_port, kPort, "", "scripts, tried last; 0 leaves a port out"),
+        field("dashboard_port", o.dashboard_port, kPort, "", "Dashboard server"),
+        field("start_timeout", o.start_timeout, {0.1, 60}, "s", "until a program reports that it runs"),
+        field("end_grace", o.end_grace, {0.05, 10}, "s", "that a program may be over without an end state"),
+        field("time_slack", o.time_slack, {0.1, 600}, "s", "that a motion may take longer than planned"),
+        field("pause_limit", o.pause_limit, {0, 86400}, "s", "that a user may pause a motion"),
+        field("stop_timeout", o.stop_timeout, {0.1, 60}, "s", "until the arm stands still after a stop")},
        nest("rtde", fields(o.rtde)),
        nest("script", fields(o.script))});
 }

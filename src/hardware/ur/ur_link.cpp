@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "hardware/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
@@ -77,7 +78,7 @@ void UrLink::send_force(const Eigen::Vector3d& force) {
 /// Keeps the watchdog of running programs content and notes every stop, whether something moves or not. While
 /// the link is down it goes on trying: the client sets the link up anew.
 void UrLink::beat() {
-  const auto period = std::chrono::duration<double>(options.heartbeat_period);
+  const auto period = std::chrono::duration<double>(kHeartbeatPeriod);
   std::unique_lock lock(ending_mutex_);
   while (!ending_changed_.wait_for(lock, period, [this] { return ending_; })) {
     lock.unlock();
@@ -108,7 +109,7 @@ void UrLink::starve(const std::string& reason) {
 
 void UrLink::rearm() {
   const UrStatus now = next_status();
-  if (starved_ && now.program_running)
+  if (starved_ && (now.program_running || now.is_held()))
     throw DeviceError("UR arm at " + options.address, "a program still runs that could not be stopped",
                       "stop it on the pendant");
   if (const auto stop = find_safety_stop(now); !stop.empty())

@@ -5,6 +5,8 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// What a depth image means, which neither V4L2 nor a PNG tells. The scale is never guessed: 5000 in place of
@@ -28,9 +30,6 @@ struct CameraSettings {
 
 /// What makes a frame worth looking at.
 struct FrameCheckOptions {
-  double least_valid = 0.02;       ///< share of pixels with a depth
-  double nearest = 0.05;           ///< m, of the median depth: nearer means a wrong scale
-  double farthest = 10.0;          ///< m
   bool refuse_equal_image = true;  ///< a camera with noise never sends the same image twice
 };
 [[nodiscard]] FieldList fields(FrameCheckOptions& options);
@@ -54,3 +53,5 @@ class FrameCheck {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

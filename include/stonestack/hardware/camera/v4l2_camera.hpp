@@ -4,13 +4,14 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct V4l2CameraOptions {
   std::string device = "/dev/video0";  ///< the depth node: an SR300 and a D4xx have several
   CameraSettings camera;               ///< V4L2 carries neither scale nor intrinsics
-  int buffers = 4;
-  double frame_timeout = 2.0;  ///< s
+  double frame_timeout = 2.0;          ///< s
   std::string record;  ///< folder that keeps what the driver gives, as it came; empty: nothing is kept
   FrameCheckOptions check;
 };
@@ -36,3 +37,5 @@ class V4l2Camera final : public DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

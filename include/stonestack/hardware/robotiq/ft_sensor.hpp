@@ -5,6 +5,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/hardware/force_torque.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Robotiq's FT150 and FT300: a stream of 100 readings a second, either on a serial line or from the UR cap's
@@ -12,21 +14,16 @@ namespace stonestack::hardware {
 struct FtSensorOptions {
   std::string link = "serial";        ///< serial or ur_cap
   std::string device;                 ///< serial: path of the line
-  int baud = 19200;                   ///< serial
   int unit = 9;                       ///< serial
   std::string address = "127.0.0.1";  ///< ur_cap: the robot's controller
   int port = 63351;                   ///< ur_cap
   double start_timeout = 3.0;         ///< s until the first reading
   double listen = 0.16;               ///< s that a serial line is listened to before it is spoken to
   double stale = 0.05;                ///< s: an older reading is an error
-  double silence = 0.5;               ///< s without a reading until the stream is started anew
-  int zero_samples = 20;
-  double zero_timeout = 2.0;     ///< s
-  double zero_spread = 5.0;      ///< N between readings while zeroing; more is not at rest
-  double largest_force = 150.0;  ///< N on an axis: FT150; 300 for the FT300
-  double largest_torque = 15.0;  ///< Nm on an axis: FT150; 30 for the FT300
-  int stuck_samples = 100;       ///< equal readings running that mean a dead sensor; 0: never
-  double yaw = 0.0;              ///< rad about z, from the flange's axes to the sensor's
+  double largest_force = 150.0;       ///< N on an axis: FT150; 300 for the FT300
+  double largest_torque = 15.0;       ///< Nm on an axis: FT150; 30 for the FT300
+  int stuck_samples = 100;            ///< equal readings running that mean a dead sensor; 0: never
+  double yaw = 0.0;                   ///< rad about z, from the flange's axes to the sensor's
 };
 [[nodiscard]] FieldList fields(FtSensorOptions& options);
 
@@ -64,3 +61,5 @@ class RobotiqFtSensor final : public ForceTorqueSensor {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "stonestack/core/options.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// How to reach a Modbus device, and how patiently.
@@ -14,7 +16,6 @@ struct ModbusOptions {
   std::string address = "127.0.0.1";  ///< tcp: numeric IPv4
   int port = 502;                     ///< tcp
   std::string device;                 ///< rtu: path of the serial line
-  int baud = 115200;                  ///< rtu
   int unit = 2;                       ///< unit (slave) id; a reply by another one is refused
   double connect_timeout = 2.0;       ///< s
   double reply_timeout = 0.3;         ///< s, each attempt
@@ -53,3 +54,5 @@ class ModbusClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

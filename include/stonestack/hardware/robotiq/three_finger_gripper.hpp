@@ -7,6 +7,8 @@
 #include "stonestack/hardware/gripper.hpp"
 #include "stonestack/hardware/robotiq/modbus.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Robotiq's adaptive 3-finger gripper over Modbus (instruction manual, "Control"; registers of 16 bits, the
@@ -32,13 +34,8 @@ struct ThreeFingerOptions {
   double largest_opening = 0.155;    ///< m between the pads at `open_count`
   double open_count = 0.0;           ///< request that opens fully
   double closed_count = 255.0;       ///< request at which the pads meet
-  double wide_spacing = 0.073;       ///< m between the pads of B and C at `wide_count`
-  double wide_count = 137.0;         ///< of the scissor
-  double narrow_spacing = 0.042;     ///< m at `narrow_count`
   double narrow_count = 220.0;       ///< of the scissor
-  double object_margin = 6.0;        ///< counts short of the request that an object needs at least
   double activation_timeout = 20.0;  ///< s
-  double mode_timeout = 25.0;        ///< s
   double echo_timeout = 1.0;         ///< s until the gripper must repeat a request; then it is sent once more
   double move_margin = 2.0;          ///< s beyond stroke / speed
   double poll = 0.02;                ///< s between readings of the status
@@ -115,3 +112,5 @@ class ThreeFingerGripper final : public Gripper {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -8,7 +8,9 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/core/socket.hpp"
-#include "stonestack/hardware/ur/rtde_wire.hpp"
+#include "stonestack/protocol/rtde_wire.hpp"
+
+#pragma GCC visibility push(default)
 
 namespace stonestack::hardware {
 
@@ -31,8 +33,6 @@ struct RtdeOptions {
   int attempts = 3;              ///< of the first connection
   double retry_pause = 0.5;      ///< s between attempts
   int in_use_attempts = 5;       ///< a dying connection frees its registers late
-  double booted_time = 40.0;     ///< s of the controller's clock after which it has booted
-  double booted_data = 1.0;      ///< s of data that also show it
   double boot_timeout = 10.0;    ///< s for that
 };
 [[nodiscard]] FieldList fields(RtdeOptions& options);
@@ -102,3 +102,5 @@ class RtdeClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

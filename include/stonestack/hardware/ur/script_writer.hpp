@@ -4,8 +4,10 @@
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/hardware/ur/version.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/protocol/ur_version.hpp"
+
+#pragma GCC visibility push(default)
 
 /// URScript for one motion each. The controller keeps the time: a program holds the whole trajectory, follows
 /// it with servoj at every control step, and stops by itself when the host falls silent. It reports in
@@ -28,24 +30,16 @@ enum class ScriptEnd {
   kContact = 2,
   kNoContact = 3,
   kStaleForce = 4,  ///< the streamed force stopped changing its counter
+  kFellBehind = 5,  ///< the arm was too far from where the path had it
 };
 
 struct ScriptOptions {
-  double lookahead = 0.04;         ///< s, servoj; 0.1 cuts corners by 3e-3 rad, this by less than 1e-3
-  double gain = 300;               ///< servoj
   double stop_acceleration = 2.0;  ///< rad/s^2, stopj
-  double hold_lag = 0.02;          ///< rad beyond the normal tracking delay; the path waits for a slower arm
-  double arrived = 0.002;          ///< rad at the end of the path
   double heartbeat_rate = 10;      ///< Hz below which the controller stops the program
   double force_stale = 0.05;       ///< s without a new force sample that stop a guarded motion: as old as a
                                    ///< ForceTorqueSensor's reading may be
-  int force_samples = 10;          ///< whose mean is the force at the start
   int contact_samples = 2;         ///< running, above the threshold
   double comply_time = 0.0;        ///< s of force mode after contact; 0: just stop
-  double comply_force = 10.0;      ///< N along the direction while complying
-  double comply_speed = 0.01;      ///< m/s
-  double start_tolerance = 0.01;   ///< rad between the first knot and the arm
-  double speed_margin = 1.01;      ///< times the joint speed limit
 };
 [[nodiscard]] FieldList fields(ScriptOptions& options);
 
@@ -90,3 +84,5 @@ struct ScriptGuard {
 [[nodiscard]] std::string script_line(const std::string& script, int number);
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

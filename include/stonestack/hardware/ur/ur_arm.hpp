@@ -8,6 +8,8 @@
 #include "stonestack/hardware/ur/script_writer.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Where a UR controller is and how patient to be with it. Ports are the vendor's.
@@ -18,14 +20,11 @@ struct UrArmOptions {
   int secondary_port = 30002;  ///< tried next
   int realtime_port = 30003;   ///< tried last; 0 leaves one out
   int dashboard_port = 29999;
-  double start_timeout = 1.0;      ///< s until a program has written its run id
-  double end_grace = 0.3;          ///< s that a program may be over without an end state
-  double time_factor = 1.5;        ///< times the trajectory's duration, at the speed that the slider leaves
-  double time_slack = 3.0;         ///< s on top
-  double pause_limit = 300.0;      ///< s that a user may pause a motion
-  double heartbeat_period = 0.02;  ///< s
-  double stop_timeout = 2.0;       ///< s until the arm stands
-  double standstill = 0.01;        ///< rad/s below which the arm stands
+  double start_timeout = 1.0;  ///< s until a program has written its run id
+  double end_grace = 0.3;      ///< s that a program may be over without an end state
+  double time_slack = 3.0;     ///< s on top
+  double pause_limit = 300.0;  ///< s that a user may pause a motion
+  double stop_timeout = 2.0;   ///< s until the arm stands
   RtdeOptions rtde;
   ScriptOptions script;
 };
@@ -47,9 +46,9 @@ class UrArm : public Arm {
   ~UrArm() override;
 
   [[nodiscard]] ArmState state() override;
-  /// kStopped: protective or emergency stop, paused for too long, killed, not done in time, died of an error
-  /// (with its line). kRefused: not started, nothing has moved. kLost: the link broke; the controller's
-  /// watchdog has stopped the arm.
+  /// kStopped: protective or emergency stop, paused for too long, moved by hand in a pause, too far from its
+  /// path, killed, not done in time, died of an error (with its line). kRefused: not started, nothing has
+  /// moved. kLost: the link broke; the controller's watchdog has stopped the arm.
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
   void stop() override;
@@ -69,3 +68,5 @@ class UrArm : public Arm {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop
