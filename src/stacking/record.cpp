@@ -1,8 +1,6 @@
 #include "stacking/record.hpp"
 
 #include "stacking/arrangement.hpp"
-#include "stonestack/core/error.hpp"
-#include "stonestack/core/log.hpp"
 
 namespace stonestack::stacking {
 
@@ -30,12 +28,7 @@ void Recorder::hear(const Event& event) {
     result_.ended = ended->reason;
   }
   result_.events.push_back(event);
-  try {
-    record(hooks_.journal, event, *models_.catalogue);
-  } catch (const FileError& error) {
-    if (!std::holds_alternative<RunEnded>(event)) throw;
-    log_warning(error.what());  // nothing moves any more: this costs a line, not the result
-  }
+  record(hooks_.journal, event, *models_.catalogue);
   if (hooks_.listener) hooks_.listener(event);
 }
 
