@@ -21,5 +21,7 @@ inline constexpr double kLoosen = 0.006;
 /// Share of the stone's weight that counts as contact during the guarded descent: what the wrist feels of the
 /// arm's own motion grows with the load. Measured: bench descent.
 inline constexpr double kThresholdShare = 0.35;
+/// Complete plans to choose the quickest from. Measured: bench motion.
+inline constexpr int kPlans = 3;
 
 }  // namespace stonestack::motion
