@@ -3,6 +3,9 @@
 // Constants of this room, with unit and source: numbers that nothing needs to set.
 namespace stonestack::hardware {
 
+/// Time limit of a connection to a Modbus device or a camera server, s. Design choice.
+inline constexpr double kConnectTimeout = 2.0;
+
 // UR arm
 /// Allowed share of the trajectory's duration at the speed that the slider leaves. Design choice.
 inline constexpr double kTimeFactor = 1.5;
