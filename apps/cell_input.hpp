@@ -4,8 +4,8 @@
 
 #include "rooms.hpp"
 #include "simulated_run.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/hardware/cell_file.hpp"
-#include "stonestack/simulation/simulated_servers.hpp"
 
 namespace stonestack::apps {
 

@@ -9,6 +9,7 @@
 #include "geometry/pose_json.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/physics/stack_problem.hpp"
 #include "stonestack/report/run_report.hpp"
@@ -152,6 +153,8 @@ void check_tower(CheckCommand& command) {
   command.common.settings.apply({});
   require(std::isfinite(command.friction) && command.friction > 0.0, "friction must be positive, got ",
           command.friction);
+  require_readable(command.input);
+  if (!command.picture.empty()) require_writable(command.picture);
   const Catalogue catalogue = command.common.read();
   const Stack stack = read_stack(command.input, catalogue);
   ShapeList shapes(catalogue.stones.size());

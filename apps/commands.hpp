@@ -21,6 +21,5 @@ void add_simulate(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
-void add_bench(CLI::App& app);
 
 }  // namespace stonestack::apps

@@ -10,7 +10,7 @@
 
 namespace stonestack::apps {
 
-void CommonOptions::register_bench(CLI::App& command) {
+void CommonOptions::register_draw(CLI::App& command) {
   command
       .add_option("--catalogue", catalogue, "Folder of stones (default: the six that come with stonestack)")
       ->type_name("DIR");
@@ -22,7 +22,7 @@ void CommonOptions::register_bench(CLI::App& command) {
 }
 
 void CommonOptions::register_on(CLI::App& command) {
-  register_bench(command);
+  register_draw(command);
   command.add_flag("--json", json, "Result as JSON on stdout");
   command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
 }
@@ -33,6 +33,12 @@ void CommonOptions::begin() const {
 
 Catalogue CommonOptions::read() const {
   return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
+}
+
+void require_stones(const Catalogue& catalogue, int count, const CLI::Option* asked) {
+  const auto all = static_cast<int>(catalogue.stones.size());
+  require(count <= all || asked == nullptr || asked->count() == 0, "--per-run ", count, ": ", catalogue.path,
+          " has ", all, " stones");
 }
 
 std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& hand,

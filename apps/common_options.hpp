@@ -20,12 +20,15 @@ struct CommonOptions {
 
   /// --catalogue, --seed, --json, --quiet, --set, --config.
   void register_on(CLI::App& command);
-  /// The same for a benchmark, which prints a table: no --json, no --quiet.
-  void register_bench(CLI::App& command);
+  /// The same but for what a benchmark takes otherwise: no --json, no --quiet.
+  void register_draw(CLI::App& command);
   /// Applies --quiet; call first in a callback.
   void begin() const;
   [[nodiscard]] Catalogue read() const;
 };
+
+/// Throws InvalidArgument if the user asked by the flag `asked` for more stones than the catalogue has.
+void require_stones(const Catalogue& catalogue, int count, const CLI::Option* asked);
 
 /// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
 /// What the hand of that cell or the arm cannot carry (`unfit_for_hand`) is not drawn but named in the log;

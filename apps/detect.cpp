@@ -9,8 +9,10 @@
 #include "scene_input.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/detection/table_frame.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack::apps {
@@ -120,15 +122,17 @@ void detect(DetectCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("detection", fields(command.options)));
+  if (!command.trace.empty()) require_writable(command.trace + "/stages.json");
   const Catalogue catalogue = command.common.read();
   const auto wanted = wanted_stones(catalogue, command.stones);
   const auto views = read_views(command);
+  if (views.front().world)
+    check_level(views.front(), find_table(views.front().image, command.options), command.inputs.front());
   log_info(concat("preparing ", catalogue.stones.size(), " stones"));
   command.options.trace = !command.trace.empty();
   const DetectionModels models(catalogue.stones, command.options);
   const Stopwatch watch;
   const DetectionResult result = detect_in(views, models, wanted, command.options);
-  check_level(views.front(), result.table_C, command.inputs.front());
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
   if (!result.detections.empty() && !result.note.empty())
     log_warning(command.inputs.front() + ": " + result.note);

@@ -1,20 +1,21 @@
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
 #include <sstream>
+#include <utility>
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "experiment_variants.hpp"
+#include "run_folder.hpp"
 #include "scene_input.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
+#include "stonestack/experiment/variants.hpp"
 #include "stonestack/report/experiment_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -55,7 +56,14 @@ void write_record(const Experiment& experiment, const std::string& folder) {
 struct Performed {
   Experiment experiment;
   bool interrupted = false;
+  std::string unwritten;  ///< what of the last run's record could not be written; empty: nothing
 };
+
+/// Ends the command where the runs were not all done.
+void throw_if_cut_short(const Performed& performed) {
+  if (performed.interrupted) throw Interrupted();
+  if (!performed.unwritten.empty()) throw Error(performed.unwritten, ExitCode::kUnreadable);
+}
 
 SimulatedRun run_number(int k, const SimulatedRun& settings, int seed) {
   SimulatedRun run = settings;
@@ -102,8 +110,12 @@ std::vector<ExperimentRun> runs_done(const ExperimentCommand& command, const Sim
                                      const Catalogue& catalogue, const RobotModel& robot,
                                      const std::string& folder) {
   std::vector<ExperimentRun> runs;
-  if (std::filesystem::exists(folder + "/experiment.json"))
-    runs = read_experiment(folder + "/experiment.json").runs;
+  if (std::filesystem::exists(folder + "/experiment.json")) {
+    Experiment there = read_experiment(folder + "/experiment.json");
+    require(there.per_run == command.per_run, folder, " was made with --per-run ", there.per_run, ", not ",
+            command.per_run, "; repeat the command that began it");
+    runs = std::move(there.runs);
+  }
   require(runs.size() <= static_cast<std::size_t>(command.runs), folder, " holds ", runs.size(),
           " runs already; ask for more with --runs");
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -118,12 +130,8 @@ std::vector<ExperimentRun> runs_done(const ExperimentCommand& command, const Sim
             "; repeat the command that began it");
   }
   const std::string next = concat(folder, "/run-", runs.size() + 1);
-  if (std::filesystem::exists(next)) {
-    std::string aside = next + "-interrupted";
-    for (int n = 2; std::filesystem::exists(aside); ++n) aside = concat(next, "-interrupted-", n);
-    std::filesystem::rename(next, aside);
-    log_info(concat(next, " was not finished; it is kept as ", aside));
-  }
+  if (std::filesystem::exists(next))
+    log_info(concat(next, " was not finished; it is kept as ", put_aside(next)));
   if (!runs.empty()) log_info(concat(runs.size(), " runs are there already"));
   return runs;
 }
@@ -132,6 +140,7 @@ std::vector<ExperimentRun> runs_done(const ExperimentCommand& command, const Sim
 /// that was under way then tells nothing about the design: its folder stays, but it is not counted.
 Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& settings,
                        const Catalogue& catalogue, const RobotModel& robot, const std::string& folder) {
+  const auto shapes = make_contact_shapes(catalogue.stones);  // held, so that all runs find them
   Performed performed;
   Experiment& experiment = performed.experiment;
   experiment.per_run = command.per_run;
@@ -140,36 +149,50 @@ Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& set
   const SurvivalOptions survival;
   experiment.survival_seconds = survival.seconds;
   if (command.go_on) experiment.runs = runs_done(command, settings, catalogue, robot, folder);
+  // Before the first run ends, too: what --continue must agree with.
+  write_file(folder + "/experiment.json", experiment_json(experiment));
   for (int k = static_cast<int>(experiment.runs.size()) + 1; k <= command.runs; ++k) {
     const SimulatedRun run = run_number(k, settings, command.common.seed);
     const auto present = draw_stones(catalogue, command.per_run, run.seed, hand_of(CellLayout{}), robot);
     log_info(concat("run ", k, " of ", command.runs));
     FinishedRun done;
     try {
-      done = perform(run, catalogue, robot, present, concat(folder, "/run-", k),
-                     command.survival ? &survival : nullptr);
-      performed.interrupted = done.report.result.end == RunResult::End::kInterrupted;
+      const RecordFolder place(concat(folder, "/run-", k));
+      done = perform(run, catalogue, robot, present, place, command.survival ? &survival : nullptr);
+      performed.unwritten = done.unwritten;
+      performed.interrupted = interrupt_noted();
     } catch (const Interrupted&) {
       performed.interrupted = true;
+    } catch (const FileError& error) {
+      performed.unwritten = error.what();
     }
     if (performed.interrupted) {
       log_info(concat("interrupted; run ", k, " is not counted"));
       break;
     }
+    if (!performed.unwritten.empty()) {
+      log_info(concat("the record of run ", k, " is not whole; it is not counted"));
+      break;
+    }
     experiment.runs.push_back({done.report, done.survival});
-    write_record(experiment, folder);
+    try {
+      write_record(experiment, folder);
+    } catch (const FileError& error) {
+      performed.unwritten = error.what();
+      break;
+    }
     log_info(concat("run ", k, ": height ", judged_height(experiment.runs.back()), "; ",
                     done.report.result.ended));
   }
   return performed;
 }
 
-std::string out_folder(const ExperimentCommand& command) {
-  if (!command.out.empty()) return command.out;
-  const std::time_t now = std::time(nullptr);
-  char stamp[32];
-  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", std::localtime(&now));
-  return concat("experiments/", stamp, "-seed", command.common.seed);
+RecordFolder out_folder(const ExperimentCommand& command) {
+  if (command.out.empty()) return RecordFolder::make_new(stamped_name("experiments", command.common.seed));
+  RecordFolder folder(command.out);
+  require(command.go_on || folder.made(), command.out,
+          " is there already; go on with it by --continue, or name another folder with --out");
+  return folder;
 }
 
 std::string comparison_row(const Variant& variant, const Experiment& experiment) {
@@ -225,7 +248,7 @@ void compare(ExperimentCommand& command, const std::vector<Variant>& variants, c
       std::cerr << row;
       write_file(folder + "/comparison.txt", table);
     }
-    if (done.interrupted) throw Interrupted();
+    throw_if_cut_short(done);
   }
   std::cerr << '\n' << table << "record: " << folder << '\n';
 }
@@ -238,19 +261,18 @@ void experiment(ExperimentCommand& command) {
       choose_stones(command.common.read(), command.stones, command.common.seed, robot);
   const auto variants = variants_of(command);
   check_command(command, catalogue, variants);
-  const std::string folder = out_folder(command);
   require(!command.go_on || !command.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
-  require(command.go_on || !std::filesystem::exists(folder), folder,
-          " is there already; go on with it by --continue, or name another folder with --out");
+  const RecordFolder place = out_folder(command);
+  const std::string& folder = place.path();
   if (!variants.empty()) return compare(command, variants, catalogue, robot, folder);
-  const auto [done, interrupted] = perform_runs(command, command.run, catalogue, robot, folder);
-  if (!done.runs.empty()) {
+  const Performed performed = perform_runs(command, command.run, catalogue, robot, folder);
+  if (const Experiment& done = performed.experiment; !done.runs.empty()) {
     std::cerr << '\n'
               << experiment_table(done) << "record: " << folder
               << " (figure5.svg, runs.csv, a folder a run)\n";
     if (command.common.json) std::cout << experiment_json(done);
   }
-  if (interrupted) throw Interrupted();
+  throw_if_cut_short(performed);
 }
 
 }  // namespace

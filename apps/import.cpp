@@ -33,7 +33,7 @@ namespace {
 
 constexpr std::size_t kLargestFile = 64U << 20U;
 constexpr rlim_t kMemory = 1U << 30U;     // bytes
-constexpr rlim_t kProcessorSeconds = 10;  // facts: assimp needs 0.1 s to start, hostile files never end
+constexpr rlim_t kProcessorSeconds = 10;  // assimp needs 0.1 s to start, hostile files never end
 constexpr rlim_t kLargestResult = 256U << 20U;
 constexpr rlim_t kOpenFiles = 3;  // stdin, stdout, stderr: nothing else can be opened
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/motion/scene_problem.hpp"
 #include "stonestack/report/plan_preview.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -167,9 +167,9 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
   const RobotModel robot = cell_robot ? *cell_robot : read_robot(robot_name.empty() ? "ur10" : robot_name);
   const Joints q_start = command.start.empty() ? home_joints() : parse_start(command.start, robot);
   const SceneFile file = read_scene_file(command.scene);
-  Belief belief;
-  for (const auto& item : file.stack) belief.stack.push_back({catalogue.index(item.stone), item.T_W_O});
-  for (const auto& item : file.stones) belief.loose.push_back({catalogue.index(item.stone), item.T_W_O});
+  Arrangement arrangement;
+  for (const auto& item : file.stack) arrangement.stack.push_back({catalogue.index(item.stone), item.T_W_O});
+  for (const auto& item : file.stones) arrangement.loose.push_back({catalogue.index(item.stone), item.T_W_O});
   const std::vector<PairPadding> cell_paddings = layout.paddings;
   layout.obstacles.insert(layout.obstacles.end(), file.obstacles.begin(), file.obstacles.end());
   for (PairPadding pair : file.paddings) {  // a scene may ask for more room than the cell, not for less
@@ -177,14 +177,17 @@ Planned make_plan(const PlanCommand& command, const Catalogue& catalogue,
       if (of_cell.b == pair.b) pair.m = std::max(pair.m, of_cell.m);
     layout.paddings.push_back(pair);
   }
-  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
+  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, arrangement);
   std::string refusals;
   for (const NamedPose& target : targets) {
     throw_if_interrupted();
     const int stone = catalogue.index(target.stone);
-    Planned planned{scene, make_task(catalogue, belief, stone, target.T_W_O, q_start), {}};
-    planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
-    if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
+    Planned planned{scene, make_task(catalogue, arrangement, stone, target.T_W_O, q_start), {}};
+    planned.plan.reason = scene_problem(planned.scene, planned.task);
+    if (planned.plan.reason.empty()) {
+      planned.plan = plan_pick_and_place(planned.scene, planned.task, command.options);
+      if (planned.plan.status == PickAndPlacePlan::Status::kPlanned) return planned;
+    }
     const std::string refusal = concat(target.stone, ": ", planned.plan.reason);
     if (refusals.find(refusal) == std::string::npos) refusals += (refusals.empty() ? "" : "; ") + refusal;
   }
@@ -225,8 +228,13 @@ void plan(PlanCommand& command) {
   command.common.begin();
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("motion", fields(command.options)));
+  const auto targets = read_targets(command);
+  require_readable(command.scene);
+  for (const std::string& path : {command.csv, command.plot})
+    if (!path.empty()) require_writable(path);
+  if (!command.frames.empty()) require_writable(command.frames + "/00_start.png");
   const Catalogue catalogue = command.common.read();
-  const Planned planned = make_plan(command, catalogue, read_targets(command));
+  const Planned planned = make_plan(command, catalogue, targets);
   const PickAndPlacePlan& plan = planned.plan;
   write_files(command, planned);
   if (command.common.json) {

@@ -8,6 +8,7 @@
 #include "settings.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/stone/catalogue.hpp"
@@ -57,6 +58,7 @@ void render(RenderCommand& command) {
       join({nest("scene", fields(command.options)), nest("simulation", fields(command.options.simulation))}));
   if (command.tilt_degrees >= 0) command.options.tilt = command.tilt_degrees * kDegree;
   if (command.no_noise) command.options.simulation.sensor_noise = false;
+  require_writable(command.out + "/scene.yaml");
   const Catalogue catalogue =
       read_catalogue(command.catalogue.empty() ? data_path("stones") : command.catalogue);
   const SimulatedScene scene =

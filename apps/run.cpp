@@ -1,5 +1,3 @@
-#include <ctime>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -7,8 +5,10 @@
 #include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "run_folder.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
@@ -21,6 +21,7 @@ struct RunCommand {
   std::string cell;
   bool execute = false;
   int per_run = 4;
+  const CLI::Option* asked_per_run = nullptr;
   SimulatedRun run;
   std::optional<CellFile> file;     ///< of --cell
   std::optional<RobotModel> model;  ///< of --robot, without --cell
@@ -34,36 +35,29 @@ void check_permission(const RunCommand& command, const CellFile& file) {
           "`, clear it of people, and add --execute");
 }
 
-RunReport build_tower_for(RunCommand& command, const Catalogue& catalogue, const std::string& folder) {
-  const auto draw = [&](const CellLayout& layout, const RobotModel& robot) {
-    return draw_stones(catalogue, command.per_run, command.common.seed, hand_of(layout), robot);
-  };
-  if (command.cell.empty()) {
-    const RobotModel& robot = *command.model;
-    return perform(command.run, catalogue, robot, draw(CellLayout{}, robot), folder).report;
-  }
+/// What can be refused before a folder is made.
+void check_command(const RunCommand& command, const Catalogue& catalogue) {
+  require_stones(catalogue, command.per_run, command.asked_per_run);
+  if (!command.file) return;
   const CellFile& file = *command.file;
   require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
           ", ", file.cell.robot);
-  if (file.simulate) {
-    const RobotModel robot = read_cell_robot(file.cell);
-    const auto present = draw(to_layout(file.cell), robot);
-    return perform(command.run, catalogue, robot, present, folder, nullptr, &file).report;
-  }
-  check_permission(command, file);
-  return perform_real(command.run, catalogue, file, folder);
+  if (!file.simulate) check_permission(command, file);
 }
 
-/// runs/20261121-143000-seed1, not yet there.
-std::string run_folder(const RunCommand& command) {
-  if (!command.out.empty()) return command.out;
-  const std::time_t now = std::time(nullptr);
-  char stamp[32];
-  std::strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", std::localtime(&now));
-  std::string folder = concat("runs/", stamp, "-seed", command.common.seed);
-  for (int n = 2; std::filesystem::exists(folder); ++n)
-    folder = concat("runs/", stamp, "-seed", command.common.seed, "-", n);
-  return folder;
+FinishedRun build_tower_for(const RunCommand& command, const Catalogue& catalogue,
+                            const RecordFolder& folder) {
+  const auto draw = [&](const CellLayout& layout, const RobotModel& robot) {
+    return draw_stones(catalogue, command.per_run, command.common.seed, hand_of(layout), robot);
+  };
+  if (!command.file) {
+    const RobotModel& robot = *command.model;
+    return perform(command.run, catalogue, robot, draw(CellLayout{}, robot), folder);
+  }
+  const CellFile& file = *command.file;
+  if (!file.simulate) return perform_real(command.run, catalogue, file, folder);
+  const RobotModel robot = read_cell_robot(file.cell);
+  return perform(command.run, catalogue, robot, draw(to_layout(file.cell), robot), folder, nullptr, &file);
 }
 
 ExitCode exit_code(const RunResult& result) {
@@ -88,6 +82,8 @@ ExitCode exit_code(const RunResult& result) {
 
 void run(RunCommand& command) {
   command.common.begin();
+  require(!command.execute || !command.cell.empty(), "--execute moves a real robot: name its cell with ",
+          "--cell FILE, or leave --execute out for the simulated cell");
   command.run.seed = command.common.seed;
   spread_seed(command.run);
   FieldList list = fields(command.run);
@@ -97,13 +93,19 @@ void run(RunCommand& command) {
   command.common.settings.apply(list);
   if (command.cell.empty()) command.model = read_robot(command.robot);  // a wrong name before all else
   const Catalogue catalogue = command.common.read();
-  const std::string folder = run_folder(command);
-  const RunReport report = build_tower_for(command, catalogue, folder);
-  std::cerr << run_table(report) << "picture: " << report.picture << "\nreport:  " << folder
-            << "/report.html\n";
+  check_command(command, catalogue);
+  const RecordFolder folder = take_run_folder(command.out, command.common.seed);
+  const auto [report, survival, unwritten] = build_tower_for(command, catalogue, folder);
+  std::cerr << run_table(report);
+  if (!report.picture.empty()) std::cerr << "picture: " << report.picture << '\n';
+  std::cerr << (unwritten.empty() ? "report:  " : "record:  ") << folder.path()
+            << (unwritten.empty() ? "/report.html\n" : "\n");
   if (command.common.json) std::cout << run_json(report);
-  if (const ExitCode code = exit_code(report.result); code != ExitCode::kDone)
-    throw Error(report.result.ended, code);
+  const ExitCode code = exit_code(report.result);
+  if (!unwritten.empty() && code == ExitCode::kDone) throw Error(unwritten, ExitCode::kUnreadable);
+  if (!unwritten.empty()) log_error(unwritten);
+  if (code != ExitCode::kDone) throw Error(report.result.ended, code);
+  throw_if_interrupted();
 }
 
 }  // namespace
@@ -124,9 +126,10 @@ void add_run(CLI::App& app) {
          "obstacles that the arm must not touch")
       ->type_name("FILE");
   sub->add_flag("--execute", command->execute, "Yes, move the real robot that --cell names");
-  sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  command->asked_per_run =
+      sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
+          ->check(CLI::Range(1, 100))
+          ->capture_default_str();
   command->common.settings.bind(
       sub->add_option("--height", command->run.build.most_stones, "Stop at this height (0: all stones)")
           ->check(CLI::Range(0, 100)),

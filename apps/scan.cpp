@@ -8,6 +8,7 @@
 #include "commands.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
@@ -153,6 +154,7 @@ void scan(const ScanCommand& command) {
   if (command.quiet) set_log_level(LogLevel::kWarning);
   const std::vector<Task> list = tasks(command);
   check_names(list, command);
+  require_writable(command.catalogue + "/stone.yaml");
   nlohmann::json stones = nlohmann::json::array(), failed = nlohmann::json::array();
   const Stopwatch watch;
   for (std::size_t n = 0; n < list.size(); ++n) {
@@ -174,9 +176,8 @@ void scan(const ScanCommand& command) {
                      2)
               << '\n';
   if (!failed.empty())
-    throw Error(concat(failed.size(), " of ", list.size(),
-                       " could not be made a stone, see above; the others"
-                       " are stored"),
+    throw Error(concat(failed.size(), " of ", list.size(), " could not be made a stone, see above; ",
+                       stones.empty() ? "none is stored" : "the others are stored"),
                 ExitCode::kUnreadable);
 }
 

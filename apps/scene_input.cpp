@@ -1,9 +1,14 @@
 #include "scene_input.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -14,7 +19,8 @@
 namespace stonestack::apps {
 namespace {
 
-constexpr float kNearestSeen = 0.10F;  // m
+constexpr float kAboutTable = 0.10F;   // m from z = 0: where most of a world-frame cloud lies
+constexpr double kBehind = 0.01;       // share of points behind the camera that noise may explain
 constexpr double kCameraHeight = 0.8;  // m above the middle of a world-frame cloud
 constexpr double kMostTilt = 0.35;     // rad, of the table in W: more is another frame
 
@@ -29,11 +35,37 @@ Pose camera_above(const Cloud& cloud_W) {
   return T_W_C;
 }
 
-/// A camera sees nothing nearer than 10 cm; a table at z = 0 puts most of a cloud below that.
+/// A camera sees nothing nearer than 10 cm; a table at z = 0 has most of a cloud nearer than that to z = 0.
 bool in_world_frame(const Cloud& solid) {
-  const auto below = std::count_if(solid.points.begin(), solid.points.end(),
-                                   [](const Eigen::Vector3f& p) { return p.z() < kNearestSeen; });
-  return 2 * static_cast<std::size_t>(below) > solid.points.size();
+  const auto near = std::count_if(solid.points.begin(), solid.points.end(),
+                                  [](const Eigen::Vector3f& p) { return std::abs(p.z()) < kAboutTable; });
+  return 2 * static_cast<std::size_t>(near) > solid.points.size();
+}
+
+/// Refuses a cloud that no camera at its origin, looking along z, can have seen.
+void refuse_behind_camera(const Cloud& cloud, const std::string& path) {
+  float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+  std::size_t behind = 0, all = 0;
+  for (const auto& p : cloud.points) {
+    if (!p.allFinite()) continue;
+    lowest = std::min(lowest, p.z()), highest = std::max(highest, p.z());
+    behind += p.z() <= 0.0F ? 1 : 0;
+    ++all;
+  }
+  if (static_cast<double>(behind) <= kBehind * static_cast<double>(all)) return;
+  const std::string range = concat("z runs from ", 0.01 * std::round(100.0 * lowest), " to ",
+                                   0.01 * std::round(100.0 * highest), " m");
+  if (behind == all)
+    throw FileError(path,
+                    concat("lies behind the camera: ", range, "; its axes are OpenGL's (y up, z backwards)"),
+                    "change the sign of y and z, which gives the optical frame (x right, y down, z forward)");
+  throw FileError(
+      path,
+      concat("is neither in the camera's frame nor in the world's: ", range, ", ",
+             std::lround(100.0 * static_cast<double>(behind) / static_cast<double>(all)),
+             " % of it behind the camera, and most of it not about z = 0"),
+      "give it in the camera's optical frame (x right, y down, z forward), or with z up and the table "
+      "at z = 0");
 }
 
 /// A cloud in metres.
@@ -67,6 +99,7 @@ SceneView view_of_cloud(const std::string& path, const std::string& camera_pose,
     const Cloud cloud_C = transformed(solid, view.T_W_C->inverse());
     view.image = to_depth_image(cloud_C, camera_for(cloud_C));
   } else {
+    refuse_behind_camera(solid, path);
     if (!camera_pose.empty()) view.T_W_C = parse_pose(camera_pose);
     view.image = to_depth_image(cloud, camera ? *camera : camera_for(cloud));
   }
@@ -162,6 +195,10 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
   return numbers;
 }
 
+void require_readable(const std::string& path) {
+  if (::access(path.c_str(), R_OK) != 0) throw FileError(path, std::strerror(errno), "check the path");
+}
+
 bool is_scene_file(const std::string& path) {
   const auto extension = std::filesystem::path(path).extension();
   return extension == ".yaml" || extension == ".yml";
@@ -211,6 +248,7 @@ SceneView read_view(const std::string& path, const std::string& camera_pose, boo
   } else if (!scene.cloud_file.empty()) {
     const Cloud cloud = read_cloud(scene.cloud_file);
     refuse_mirrored(cloud, scene.cloud_file);
+    refuse_behind_camera(cloud, scene.cloud_file);
     const auto fitted = scene.camera ? scene.camera : fit_camera(cloud);
     view.image = to_depth_image(cloud, fitted ? *fitted : camera_for(cloud));
   } else {
@@ -229,16 +267,6 @@ void check_level(const SceneView& view, const std::optional<Plane>& table_C, con
         path,
         concat("was taken as in the world frame, but its table leans ", std::lround(tilt * 57.3), " deg"),
         "give it in the camera's optical frame (x right, y down, z forward), or with z up");
-}
-
-Pose camera_over_table(const std::optional<Plane>& table_C, const std::string& path) {
-  if (!table_C) throw FileError(path, "shows no table and has no camera pose", "give --camera-pose");
-  const Eigen::Vector3d z_C = table_C->normal;
-  const Eigen::Vector3d x_C = (Eigen::Vector3d::UnitX() - z_C.x() * z_C).normalized();
-  Pose T_C_W = Pose::Identity();
-  T_C_W.linear() << x_C, z_C.cross(x_C), z_C;
-  T_C_W.translation() = table_C->offset * z_C;
-  return T_C_W.inverse();
 }
 
 }  // namespace stonestack::apps

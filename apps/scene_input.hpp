@@ -15,7 +15,7 @@ namespace stonestack::apps {
 struct SceneView {
   DepthImage image;
   std::optional<Pose> T_W_C;
-  bool world = false;  ///< of a cloud in W: no camera took it, T_W_C is one that we put above it
+  bool world = false;  ///< of a cloud in W: no camera took it, T_W_C is one that is put above it
 };
 
 /// What a depth image, a recording or a cloud does not say of itself.
@@ -39,8 +39,9 @@ void register_depth_input(CLI::App& command, DepthInput& input);
 /// A depth view from a scene file (depth image or cloud in it), a 16-bit depth PNG, a recording (folder in
 /// the layout of BOP, Open3D or TUM), or from a cloud (PLY, PCD). A cloud is in the camera frame, unless
 /// `world` says otherwise or it cannot be: not organised like a depth camera's, no `camera_pose` given, and
-/// most of it lower than z = 10 cm (a table at z = 0). Throws FileError, also for a mirrored cloud, and
-/// InvalidArgument for a part of `depth` that this kind of file has no use for.
+/// most of it within 10 cm of z = 0 (a table there). Throws FileError, also for a mirrored cloud and for one
+/// that lies behind the camera (OpenGL's axes), and InvalidArgument for a part of `depth` that this kind of
+/// file has no use for.
 [[nodiscard]] SceneView read_view(const std::string& path, const std::string& camera_pose, bool world = false,
                                   const DepthInput& depth = {});
 
@@ -48,9 +49,9 @@ void register_depth_input(CLI::App& command, DepthInput& input);
 /// its z does not point up.
 void check_level(const SceneView& view, const std::optional<Plane>& table_C, const std::string& path);
 
-/// T_W_C of a camera whose pose nobody gave: the table it sees is z = 0, the point below the camera is the
-/// origin, image x runs along world x. Throws FileError when no table was seen.
-[[nodiscard]] Pose camera_over_table(const std::optional<Plane>& table_C, const std::string& path);
+/// Throws FileError unless a file or folder of that name is there and may be read: for a check before shapes
+/// are built, which takes seconds.
+void require_readable(const std::string& path);
 
 /// True for .yaml and .yml.
 [[nodiscard]] bool is_scene_file(const std::string& path);

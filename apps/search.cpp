@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -10,11 +11,13 @@
 #include "geometry/pose_json.hpp"
 #include "scene_input.hpp"
 #include "search/search_context.hpp"
+#include "search_scene.hpp"
 #include "search_trace.hpp"
 #include "stacking/reach.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/core/time_limit.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
@@ -38,10 +41,12 @@ struct SearchCommand {
   std::string out;
   std::string trace;
   std::string robot;
+  bool world = false;
   int levels = 1;
   SearchOptions options;
   DetectionOptions detection;
   MotionOptions motion;
+  DepthInput depth;
 };
 
 /// What was found: the next placement, or one a level; other poses for the first, should the arm refuse it.
@@ -50,45 +55,6 @@ struct Found {
   std::string reason;
   bool repeatable = true;  ///< not ended by the clock or the user: the same seed gives the same
 };
-
-/// What the search starts from, by whatever way it was given.
-SearchProblem read_problem(const SearchCommand& command, const Catalogue& catalogue,
-                           const ShapeList& shapes) {
-  SearchProblem problem;
-  problem.shapes = &shapes;
-  problem.site = command.site.empty() ? CellLayout{}.site : parse_point(command.site);
-  if (command.input.empty()) {
-    require(!command.stones.empty(), "no scene and no stones; give SCENE or --stones a,b,c");
-    for (const auto& name : split(command.stones, ','))
-      problem.available.push_back({catalogue.index(name), Pose::Identity()});
-    return problem;
-  }
-  if (is_scene_file(command.input)) {
-    const SceneFile scene = read_scene_file(command.input);
-    for (const auto& item : scene.stack)
-      problem.stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
-    for (const auto& item : scene.stones)
-      problem.available.push_back({catalogue.index(item.stone), item.T_W_O});
-    if (!problem.stack.stones.empty() || !problem.available.empty()) return problem;
-    if (scene.depth_file.empty() && scene.cloud_file.empty())
-      throw FileError(command.input, "has no stones, no depth and no cloud",
-                      "add stones with their poses or a view of them");
-  }
-  const DetectionModels models(catalogue.stones, command.detection);
-  const SceneView view = read_view(command.input, command.camera_pose);
-  const DetectionResult seen = detect_stones(view.image, models, {}, command.detection);
-  check_level(view, seen.table_C, command.input);
-  if (seen.detections.empty())
-    throw Error(command.input + ": nothing detected: " + seen.note, ExitCode::kNothingDetected);
-  std::vector<PlacedStone> placed;
-  const Pose T_W_C = view.T_W_C ? *view.T_W_C : camera_over_table(seen.table_C, command.input);
-  for (const auto& found : seen.detections) placed.push_back({found.stone, T_W_C * found.T_C_O});
-  const Belief belief = sort_by_site(shapes, problem.site, placed);
-  problem.stack.stones = belief.stack;
-  problem.available = belief.loose;
-  log_info(concat(belief.stack.size(), " stones stand at the site, ", belief.loose.size(), " lie loose"));
-  return problem;
-}
 
 /// A stack that was measured a little off is built on as it comes to rest, so that placements touch what is
 /// told of below them. One that does not stand is left to the search to refuse.
@@ -169,16 +135,16 @@ void ask_the_arm(const SearchCommand& command, const Catalogue& catalogue, Searc
   if (command.robot.empty()) return;
   require(!command.input.empty(), "--robot asks how stones are reached where they lie; give a SCENE");
   const RobotModel robot = read_robot(command.robot);
-  const Belief belief{problem->stack.stones, problem->available};
+  const Arrangement arrangement{problem->stack.stones, problem->available};
   CellLayout layout;
   if (is_scene_file(command.input)) {
     const SceneFile file = read_scene_file(command.input);
     layout.obstacles = file.obstacles;
     layout.paddings = file.paddings;
   }
-  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
+  const PlanningScene scene = make_planning_scene(layout, robot, catalogue, arrangement);
   leave_what_is_too_heavy(scene, catalogue, *problem);
-  const auto reach = std::make_shared<Reach>(belief, scene, catalogue, command.motion);
+  const auto reach = std::make_shared<Reach>(arrangement, scene, catalogue, command.motion);
   problem->reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {
     return reach->in_one_go(stone, T_W_O, below);
   };
@@ -189,7 +155,6 @@ Found find(const SearchCommand& command, const Catalogue& catalogue, const Searc
   const auto progress = [](const std::string& line) { log_progress(line); };
   if (command.levels > 1) {
     found.placements = plan_tower(problem, command.levels, command.options, &found.reason, progress);
-    found.repeatable = command.options.budget == 0.0 && !interrupt_noted();
     return found;
   }
   SearchOptions options = command.options;
@@ -197,34 +162,117 @@ Found find(const SearchCommand& command, const Catalogue& catalogue, const Searc
   SearchResult result = find_next_pose(problem, options, progress);
   if (!command.trace.empty()) write_trace(command.trace, catalogue, result);
   found.reason = result.reason;
-  found.repeatable = command.options.budget == 0.0 && !interrupt_noted();
   if (result.best.empty()) return found;
   found.placements.push_back(result.best.front());
   found.alternatives.assign(result.best.begin() + 1, result.best.end());
   return found;
 }
 
-void print(const SearchCommand& command, const Catalogue& catalogue, const SearchProblem& problem,
+/// A word as a shell takes it.
+std::string quoted(const std::string& word) {
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string("_-./,:=+@%").find(c) < 12;
+  };
+  if (!word.empty() && std::all_of(word.begin(), word.end(), plain)) return word;
+  std::string result = "'";
+  for (const char c : word) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+/// What to type next, for a result that was found in a view; empty for others.
+std::string next_command(const SearchCommand& command, const SearchStart& start) {
+  if (!start.seen) return {};
+  const auto with = [](const char* name, const std::string& value) {
+    return value.empty() ? std::string() : concat(' ', name, ' ', quoted(value));
+  };
+  const std::string catalogue = with("--catalogue", command.common.catalogue);
+  if (!command.out.empty()) return concat("stonestack check ", quoted(command.out), catalogue);
+  const std::string again = concat("stonestack search ", quoted(command.input), catalogue,
+                                   with("--camera-pose", command.camera_pose),
+                                   command.world ? " --world" : "", with("--site", command.site));
+  if (start.frame == "camera_pose" && command.robot.empty())
+    return again + " --robot ur10 --json > next.json";
+  return concat(again, with("--robot", command.robot), " --out tower.yaml --picture tower.png");
+}
+
+void print_text(const SearchCommand& command, const Catalogue& catalogue, const SearchStart& start,
+                const Found& found) {
+  if (start.seen) {
+    std::printf("frame  %s", start.frame_text.c_str());
+    if (start.T_W_C) {
+      const Eigen::Vector3d p = start.T_W_C->translation();
+      std::printf("; camera at %.3f %.3f %.3f m", p.x(), p.y(), p.z());
+    }
+    std::printf("\nstack  %s\n", start.site_text.c_str());
+  }
+  print_table(catalogue, found.placements);
+  if (start.seen && !found.placements.empty())
+    std::printf("next   %s\n", next_command(command, start).c_str());
+}
+
+nlohmann::json frame_json(const SearchStart& start) {
+  nlohmann::json frame = {{"defined_by", start.frame}, {"text", start.frame_text}, {"T_W_C", nullptr}};
+  if (start.T_W_C) frame["T_W_C"] = pose_json(*start.T_W_C);
+  return frame;
+}
+
+void print(const SearchCommand& command, const Catalogue& catalogue, const SearchStart& start,
            const Found& found) {
-  if (!command.common.json) return print_table(catalogue, found.placements);
-  nlohmann::json stack = nlohmann::json::array();
-  for (const PlacedStone& placed : problem.stack.stones)
-    stack.push_back({{"stone", catalogue.stones[static_cast<std::size_t>(placed.stone)].name},
-                     {"T_W_O", pose_json(placed.T_W_O)}});
+  clear_progress();
+  if (!command.common.json) return print_text(command, catalogue, start, found);
+  const auto stones = [&](const std::vector<PlacedStone>& list) {
+    nlohmann::json array = nlohmann::json::array();
+    for (const PlacedStone& placed : list)
+      array.push_back({{"stone", catalogue.stones[static_cast<std::size_t>(placed.stone)].name},
+                       {"T_W_O", pose_json(placed.T_W_O)}});
+    return array;
+  };
   const auto list = [&](const std::vector<Placement>& placements) {
     nlohmann::json array = nlohmann::json::array();
     for (const auto& p : placements) array.push_back(placement_json(catalogue, p));
     return array;
   };
+  const SearchProblem& problem = start.problem;
   std::cout << nlohmann::json{{"schema", "stonestack.search/1"},
+                              {"frame", frame_json(start)},
+                              {"site", {{"x", problem.site.x()}, {"y", problem.site.y()}}},
                               {"placements", list(found.placements)},
                               {"alternatives", list(found.alternatives)},
-                              {"stack", stack},
+                              {"stack", stones(problem.stack.stones)},
+                              {"loose", stones(problem.available)},
+                              {"next", found.placements.empty() ? "" : next_command(command, start)},
                               {"reason", found.reason},
                               {"repeatable", found.repeatable},
                               {"seed", command.common.seed}}
                    .dump(2)
             << '\n';
+}
+
+/// All that the budget covers: catalogue, view, shapes, arm and search. Where the time is over before there
+/// is a result the start is empty, or as far as it came.
+Found find_in_time(const SearchCommand& command, const Clock& clock, Catalogue* catalogue,
+                   SearchStart* start) {
+  const TimeLimit limit(command.options.budget, clock);
+  Found found;
+  try {
+    *catalogue = command.common.read();
+    *start = read_start({command.input,
+                         command.camera_pose,
+                         command.stones,
+                         command.site,
+                         command.world,
+                         !command.robot.empty(),
+                         {}},
+                        *catalogue, command.detection);
+    let_come_to_rest(command.options, &start->problem);
+    ask_the_arm(command, *catalogue, &start->problem);
+    found = find(command, *catalogue, start->problem);
+  } catch (const Interrupted&) {
+    if (!limit.is_over()) throw;
+    found.reason = kTimeOver;
+  }
+  found.repeatable = command.options.budget == 0.0 && !interrupt_noted();
+  return found;
 }
 
 void search(SearchCommand& command) {
@@ -235,14 +283,18 @@ void search(SearchCommand& command) {
       join({nest("search", fields(command.options)), nest("detection", fields(command.detection)),
             nest("motion", fields(command.motion))}));
   require(command.trace.empty() || command.levels == 1, "--trace tells of one level; give --levels 1");
-  const Catalogue catalogue = command.common.read();
-  const ShapeList shapes = make_contact_shapes(catalogue.stones);
-  SearchProblem problem = read_problem(command, catalogue, shapes);
-  let_come_to_rest(command.options, &problem);
-  ask_the_arm(command, catalogue, &problem);
-  const Found found = find(command, catalogue, problem);
+  if (!command.input.empty()) require_readable(command.input);
+  if (!command.robot.empty()) (void)read_robot(command.robot);
+  for (const std::string& path : {command.out, command.picture})
+    if (!path.empty()) require_writable(path);
+  if (!command.trace.empty()) require_writable(command.trace + "/candidates.json");
+  Catalogue catalogue;
+  SearchStart start;
+  const auto clock = make_steady_clock();
+  const Found found = find_in_time(command, *clock, &catalogue, &start);
+  const SearchProblem& problem = start.problem;
   write_outputs(command, catalogue, tower_of(problem, found.placements), problem.site);
-  print(command, catalogue, problem, found);
+  print(command, catalogue, start, found);
   throw_if_interrupted();
   if (found.placements.empty()) throw Error("no stable pose: " + found.reason, ExitCode::kNoStablePose);
   if (!found.repeatable)
@@ -261,10 +313,14 @@ void add_search(CLI::App& app) {
                   "Point cloud (PLY, PCD) or scene file; without it, --stones plans from the empty table");
   sub->add_option("--camera-pose", command->camera_pose,
                   "The cloud is in the camera frame, taken from here: x,y,z,qx,qy,qz,qw or a scene file");
+  register_depth_input(*sub, command->depth);
+  sub->add_flag("--world", command->world, "The cloud is in the world frame (z up, table at z = 0)");
   sub->add_option("--stones", command->stones,
                   "Stones to plan with when there is no scene, by name, comma-separated");
-  sub->add_option("--site", command->site,
-                  "Where the tower stands, x,y in metres (default: the cell's site)");
+  sub->add_option(
+      "--site", command->site,
+      "Where the tower stands, x,y in metres (default: the cell's site; for a cloud alone where one "
+      "stands, else the best place in view)");
   sub->add_option("--robot", command->robot,
                   "Only poses to which this arm (name, URDF or YAML) brings the stones from where they lie");
   sub->add_option("--levels", command->levels, "Plan on as if each placement had succeeded")
@@ -279,13 +335,13 @@ void add_search(CLI::App& app) {
           ->check(CLI::Range(1e-3, 2.0))
           ->capture_default_str(),
       "search.friction");
-  command->common.settings.bind(
-      sub->add_option(
-             "--budget", command->options.budget,
-             "Seconds after which it ends with the best so far (may differ from run to run); 0: none")
-          ->check(CLI::NonNegativeNumber)
-          ->capture_default_str(),
-      "search.budget");
+  command->common.settings.bind(sub->add_option("--budget", command->options.budget,
+                                                "Seconds after which it ends with the best so far, loading "
+                                                "and detection included (may differ from "
+                                                "run to run); 0: none")
+                                    ->check(CLI::NonNegativeNumber)
+                                    ->capture_default_str(),
+                                "search.budget");
   sub->add_option("--trace", command->trace,
                   "Write every candidate here: path to contact, polygon, terms, outcome")
       ->type_name("DIR");
@@ -298,9 +354,13 @@ void add_search(CLI::App& app) {
       "  stonestack search scene.ply --camera-pose 0.7,-0.18,0.7,1,0,0,0 --json\n"
       "  stonestack search scene.yaml --site 0.7,0.28 --method paper\n"
       "  stonestack search scene.yaml --robot ur10 --json > next.json    # for stonestack plan --search\n"
-      "A cloud without --camera-pose is taken to be in the world frame (z up, table at z = 0), unless it is "
-      "organised as a\n"
-      "depth camera's: then the table that is seen becomes z = 0. A stack in a scene file is built on, from "
+      "  stonestack search scene.ply                # a cloud alone: on the tower in view, or the best "
+      "place\n"
+      "A cloud without --camera-pose is taken as in the camera's frame, and the table that is seen becomes z "
+      "= 0;\n"
+      "or as in the world frame (z up, table at z = 0), if most of it lies about z = 0. --robot needs the "
+      "camera's "
+      "pose,\nor --world for a cloud in the cell's frame. A stack in a scene file is built on, from "
       "its last "
       "stone up.\nWithout --robot a stone may be turned any way up, as search.largest_tilt limits what one "
       "grasp "

@@ -1,11 +1,10 @@
 #include "search_trace.hpp"
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 
 namespace stonestack::apps {
@@ -36,15 +35,10 @@ nlohmann::json candidate_json(const Catalogue& catalogue, const CandidateTrace& 
 }  // namespace
 
 void write_trace(const std::string& folder, const Catalogue& catalogue, const SearchResult& result) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
   const std::string path = folder + "/candidates.json";
   nlohmann::json list = nlohmann::json::array();
   for (const CandidateTrace& candidate : result.trace) list.push_back(candidate_json(catalogue, candidate));
-  std::ofstream file(path);
-  file << nlohmann::json{{"schema", "stonestack.trace/1"}, {"candidates", list}}.dump(1) << '\n';
-  file.close();
-  if (!file) throw FileError(path, "cannot be written", "choose a folder that can be");
+  write_file(path, nlohmann::json{{"schema", "stonestack.trace/1"}, {"candidates", list}}.dump(1) + "\n");
   log_info(concat("wrote ", path, ": ", list.size(), " candidates"));
 }
 

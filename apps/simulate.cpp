@@ -23,6 +23,7 @@ struct SimulateCommand {
   CommonOptions common;
   std::string cell;
   int per_run = 4;
+  const CLI::Option* asked_per_run = nullptr;
   double seconds = 0.0;
   std::vector<std::string> only;  // of kDevices; empty: all
   SimulationOptions simulation;
@@ -43,11 +44,15 @@ void simulate(SimulateCommand& command) {
       join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers))}));
   file.servers.devices = served(command.only);
   const RobotModel robot = read_robot(file.cell.robot);
+  log_info(concat("making the simulated cell of ", file.path, ", seed ", command.common.seed,
+                  "; its devices are served when this is done"));
   const Catalogue catalogue = command.common.read();
+  require_stones(catalogue, command.per_run, command.asked_per_run);
   RobotModel any = robot;  // served to whoever comes, with a hand of their own
   any.payload = std::numeric_limits<double>::infinity();
   const auto present = draw_stones(catalogue, command.per_run, command.common.seed, make_robotiq_3f(), any);
-  SimulatedCell world(catalogue.stones, present, robot, to_layout(file.cell), command.simulation);
+  SimulatedCell world(catalogue.stones, present, robot, true_layout(to_layout(file.cell), file.servers),
+                      command.simulation);
   const SimulatedServers servers(world, robot, file.servers);
   std::cout << servers.text() << std::flush;
   log_info("serving until Ctrl-C");
@@ -73,16 +78,18 @@ void add_simulate(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember(kDevices))
       ->type_name("DEVICE");
-  sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
+  command->asked_per_run =
+      sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
+          ->check(CLI::Range(1, 100))
+          ->capture_default_str();
   sub->add_option("--seconds", command->seconds, "End after so long (0: at Ctrl-C)")
       ->check(CLI::NonNegativeNumber);
   command->common.register_on(*sub);
   sub->footer(
       "The protocols are the real ones, for other people's clients, too; docs/clients.md says which were\n"
       "tried, and how. Everything listens on loopback. What devices are like and what goes wrong with them\n"
-      "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell --expert` lists\n"
+      "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell "
+      "--expert` lists\n"
       "them, docs/failure-modes.md explains the faults.\n"
       "Examples:\n"
       "  stonestack simulate --cell simulated-ur10\n"

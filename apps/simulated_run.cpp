@@ -1,6 +1,7 @@
 #include "simulated_run.hpp"
 
-#include <filesystem>
+#include <exception>
+#include <functional>
 
 #include "cell_input.hpp"
 #include "stonestack/core/error.hpp"
@@ -11,20 +12,6 @@
 
 namespace stonestack::apps {
 namespace {
-
-/// Does what the run reports stand in the simulated world's own state, with the arm away?
-TruthReport judge(const SimulatedCell& world, const RunResult& result) {
-  const StandOptions options = tower_bounds();
-  const TowerVerdict verdict = world.judge_tower(options);
-  TruthReport truth;
-  truth.height = verdict.stand.standing;
-  truth.stands = verdict.stand.stands && truth.height >= result.height;
-  truth.seconds = options.seconds;
-  truth.shift = verdict.stand.shift;
-  truth.turn = verdict.stand.turn;
-  truth.note = verdict.stand.reason;
-  return truth;
-}
 
 void draw_truth(const Truth& truth, const Catalogue& catalogue, const std::vector<int>& present,
                 const CellLayout& layout, const std::string& path) {
@@ -39,23 +26,9 @@ void draw_truth(const Truth& truth, const Catalogue& catalogue, const std::vecto
   write_png(path, draw(meshes, view_of_site(layout.site, top)));
 }
 
-}  // namespace
-
-void spread_seed(SimulatedRun& run) {
-  run.build.search.seed = run.build.detection.seed = run.build.motion.seed = run.simulation.seed = run.seed;
-}
-
-FieldList fields(SimulatedRun& run) {
-  return join({fields(run.build), nest("simulation", fields(run.simulation))});
-}
-
-namespace {
-
-/// What is known before anything is done; the folder must not hold a run yet.
+/// What is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                      const std::vector<int>& present, const std::string& folder) {
-  require(!std::filesystem::exists(folder + "/journal.jsonl"), folder,
-          " holds a run already; name another folder with --out, or remove it");
+                      const std::vector<int>& present) {
   RunReport report;
   report.version = program_version();
   report.robot = robot.name;
@@ -72,8 +45,13 @@ void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogu
            const RobotModel& robot, const std::string& folder) {
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
+  log_info("record in " + folder);
   report.result = build_tower(cell, catalogue, robot, run.build,
-                              {[](const std::string& line) { log_info(line); }, &journal});
+                              {[&](const Event& event) {
+                                 if (const std::string line = to_text(event, catalogue); !line.empty())
+                                   log_info(line);
+                               },
+                               &journal, folder});
 }
 
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
@@ -89,55 +67,84 @@ void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile&
   build(report, hardware.cell(), run, catalogue, robot, folder);
 }
 
-void close_report(const RunReport& report, const std::string& folder) {
-  write_file(folder + "/result.json", run_json(report));
-  write_file(folder + "/report.html", run_html(report));
+/// Keeps what goes wrong first in `problem` instead of throwing it: the tower stands, and the caller goes on
+/// to report it.
+void attempt(std::string& problem, const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const std::exception& error) {
+    if (problem.empty()) problem = error.what();
+  }
+}
+
+void write_report(std::string& problem, const RunReport& report, const std::string& folder) {
+  attempt(problem, [&] { write_file(folder + "/result.json", run_json(report)); });
+  attempt(problem, [&] { write_file(folder + "/report.html", run_html(report)); });
+}
+
+using DrawPicture = std::function<void(const std::string& path)>;
+
+/// What cannot be made again first, the largest last: a disk that fills up costs the picture.
+void close_report(FinishedRun& done, const std::string& folder, const DrawPicture& draw_picture) {
+  write_report(done.unwritten, done.report, folder);
+  if (!draw_picture) return;
+  const std::string picture = folder + "/tower.png";
+  attempt(done.unwritten, [&] {
+    draw_picture(picture);
+    done.report.picture = picture;
+  });
+  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, folder);
 }
 
 }  // namespace
 
 FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                    const std::vector<int>& present, const std::string& folder,
+                    const std::vector<int>& present, const RecordFolder& folder,
                     const SurvivalOptions* survival, const CellFile* file) {
   FinishedRun done;
   RunReport& report = done.report;
-  report = open_report(run, catalogue, robot, present, folder);
+  report = open_report(run, catalogue, robot, present);
   log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
-                  " stones; record in ", folder));
-  const CellLayout layout = file == nullptr ? CellLayout{} : to_layout(file->cell);
+                  " stones"));
+  const CellLayout layout =
+      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell), file->servers);
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
   if (file == nullptr) {
-    build(report, world.cell(), run, catalogue, robot, folder);
+    build(report, world.cell(), run, catalogue, robot, folder.path());
   } else {
-    build_over_sockets(report, world, *file, run, catalogue, robot, folder);
+    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path());
   }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
+    std::string later;  // what cannot be written now is tried, and told of, again below
+    write_report(later, report, folder.path());
     log_info("judging the tower in the true world");
-    report.truth = judge(world, report.result);
-    if (survival != nullptr) done.survival = world.try_tower(*survival);
+    try {
+      report.truth = judge_run(world, report.result);
+      if (survival != nullptr) done.survival = try_tower(world, *survival);
+    } catch (const Interrupted&) {  // what was built is reported, without a verdict
+      log_info("interrupted before the tower was judged");
+    }
   }
-  report.picture = folder + "/tower.png";
-  draw_truth(world.truth(), catalogue, present, layout, report.picture);
-  close_report(report, folder);
+  close_report(done, folder.path(),
+               [&](const std::string& path) { draw_truth(world.truth(), catalogue, present, layout, path); });
   return done;
 }
 
-RunReport perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
-                       const std::string& folder) {
+FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
+                         const RecordFolder& folder) {
   const RobotModel robot = read_cell_robot(file.cell);
-  RunReport report = open_report(run, catalogue, robot, {}, folder);
-  log_info(concat("cell ", file.path, ": arm at ", file.cell.arm.address, "; record in ", folder));
+  FinishedRun done;
+  done.report = open_report(run, catalogue, robot, {});
+  log_info(concat("cell ", file.path, ": arm at ", file.cell.arm.address));
   HardwareCell hardware(file.cell);
   hardware.activate_gripper();
-  build(report, hardware.cell(), run, catalogue, robot, folder);
-  const auto& stack = report.result.belief.stack;
-  if (!stack.empty()) {
-    report.picture = folder + "/tower.png";
-    write_png(report.picture,
-              draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell).site, 0.3)));
-  }
-  close_report(report, folder);
-  return report;
+  build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
+  const auto stack = at_rest(done.report.result.world).stack;
+  const auto draw_stack = [&](const std::string& path) {
+    write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell).site, 0.3)));
+  };
+  close_report(done, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
+  return done;
 }
 
 }  // namespace stonestack::apps

@@ -3,8 +3,9 @@
 #include <vector>
 
 #include "rooms.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
+#include "stonestack/report/record_folder.hpp"
 #include "stonestack/report/run_report.hpp"
-#include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 /// One run of the loop, with its record: what `run` does once and `experiment` often.
@@ -12,32 +13,23 @@ namespace stonestack::apps {
 
 struct CellFile;
 
-struct SimulatedRun {
-  int seed = 1;  ///< of the cell, detection, search and motion
-  BuildOptions build;
-  SimulationOptions simulation;
-};
-/// Gives `run.seed` to every part.
-void spread_seed(SimulatedRun& run);
-/// The options of a run: build, simulation.*
-[[nodiscard]] FieldList fields(SimulatedRun& run);
-
-/// The report, and how the tower fares when it is tried further (`survival` null: not tried).
+/// What a run came to.
 struct FinishedRun {
   RunReport report;
-  Survival survival;
+  Survival survival;      ///< how the tower fares when it is tried further; empty: not tried
+  std::string unwritten;  ///< the first file of the record that could not be written, and why; empty: none
 };
 
-/// Builds a tower of the stones `present` (indices into the catalogue) and writes journal, options, picture,
-/// result.json and report.html into `folder`. With `file` the simulated devices are served on sockets, and
-/// the loop uses the real backends. Throws InvalidArgument when the folder holds a run already.
+/// Builds a tower of the stones `present` (indices into the catalogue) and writes options, journal,
+/// result.json, report.html and picture into `folder`, in this order. With `file` the simulated devices are
+/// served on sockets, and the loop uses the real backends.
 [[nodiscard]] FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
                                   const RobotModel& robot, const std::vector<int>& present,
-                                  const std::string& folder, const SurvivalOptions* survival = nullptr,
+                                  const RecordFolder& folder, const SurvivalOptions* survival = nullptr,
                                   const CellFile* file = nullptr);
 /// The same with the devices of a real cell: there is no truth to judge by, and the picture shows what was
 /// measured last. The caller has asked for the permission to move.
-[[nodiscard]] RunReport perform_real(const SimulatedRun& run, const Catalogue& catalogue,
-                                     const CellFile& file, const std::string& folder);
+[[nodiscard]] FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue,
+                                       const CellFile& file, const RecordFolder& folder);
 
 }  // namespace stonestack::apps

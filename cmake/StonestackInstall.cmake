@@ -1,6 +1,7 @@
-# Install and export: find_package(stonestack) gives stonestack::stonestack. tests/install proves it from outside.
+# Install and export: find_package(stonestack) gives stonestack::stonestack. tests/house/consumer proves it from outside.
 include(CMakePackageConfigHelpers)
 install(TARGETS stonestack EXPORT stonestackTargets FILE_SET HEADERS)
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/data/" DESTINATION "${CMAKE_INSTALL_DATADIR}/stonestack")
 install(EXPORT stonestackTargets NAMESPACE stonestack:: DESTINATION "${CMAKE_INSTALL_LIBDIR}/cmake/stonestack")
 file(WRITE "${CMAKE_BINARY_DIR}/stonestackConfig.cmake" [=[

@@ -1,7 +1,10 @@
-# How the house is built: one library target, made of one object library a room.
+# How the house is built: one library target, made of one object library a room. Symbols are hidden but for those of
+# public headers; stonestack_internal is an archive of the same objects, with all of them.
 #
 #   stonestack_room(NAME core SOURCES error.cpp ... [LINK targets...] [SYSTEM_INCLUDE dirs...])
 #     in src/<room>/CMakeLists.txt: compiles the room and adds it to libstonestack.
+#   stonestack_install_program(TARGET)
+#     a program that finds libstonestack from where it lies itself, wherever the prefix is moved to.
 #   stonestack_tests(core error_test.cpp ...)
 #     in tests/<room>/CMakeLists.txt: one test executable a room, test_<room>.
 
@@ -20,7 +23,7 @@ endif()
 macro(stonestack_library)
   set(CMAKE_CXX_EXTENSIONS OFF)
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-  set(CMAKE_CXX_VISIBILITY_PRESET default)
+  set(CMAKE_CXX_VISIBILITY_PRESET hidden)  # public headers say what is not
   add_library(stonestack)
   add_library(stonestack::stonestack ALIAS stonestack)
   file(GLOB_RECURSE STONESTACK_HEADERS CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/stonestack/*.hpp")
@@ -28,6 +31,10 @@ macro(stonestack_library)
     BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${STONESTACK_HEADERS})
   target_compile_features(stonestack PUBLIC cxx_std_20)
   target_link_libraries(stonestack PUBLIC Eigen3::Eigen PRIVATE $<BUILD_INTERFACE:stonestack_settings>)
+  # The same objects as an archive, for tests and measurements of what the shared library hides.
+  add_library(stonestack_internal STATIC)
+  target_include_directories(stonestack_internal PUBLIC "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
+  target_link_libraries(stonestack_internal PUBLIC stonestack_settings Eigen3::Eigen)
   set_target_properties(stonestack PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON VERSION ${PROJECT_VERSION}
     SOVERSION ${PROJECT_VERSION_MAJOR})
 endmacro()
@@ -41,17 +48,25 @@ function(stonestack_room)
   target_link_libraries(${target} PRIVATE stonestack_settings Eigen3::Eigen ${ROOM_LINK})
   target_sources(stonestack PRIVATE $<TARGET_OBJECTS:${target}>)
   target_link_libraries(stonestack PRIVATE $<BUILD_INTERFACE:${ROOM_LINK}>)
+  target_sources(stonestack_internal PRIVATE $<TARGET_OBJECTS:${target}>)
+  target_link_libraries(stonestack_internal PRIVATE ${ROOM_LINK})
+endfunction()
+
+function(stonestack_install_program target)
+  file(RELATIVE_PATH to_library "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/${to_library}")
+  install(TARGETS ${target})
 endfunction()
 
 function(stonestack_tests room)
   set(target test_${room})
   add_executable(${target} ${ARGN})
-  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/src" "${PROJECT_SOURCE_DIR}/tests")
+  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${target} PRIVATE
     STONESTACK_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STONESTACK_BINARY="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/stonestack")
   if(TARGET stonestack_programs)
     add_dependencies(${target} stonestack_programs)
   endif()
-  target_link_libraries(${target} PRIVATE stonestack stonestack_settings GTest::gmock GTest::gtest_main)
+  target_link_libraries(${target} PRIVATE stonestack_internal GTest::gmock GTest::gtest_main)
   gtest_discover_tests(${target} TEST_PREFIX "${room}." DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 900 LABELS ${room})
 endfunction()

@@ -2,6 +2,8 @@
 
 #include <csignal>
 
+#include "stonestack/core/time_limit.hpp"
+
 namespace stonestack::core {
 namespace {
 volatile std::sig_atomic_t interrupt_flag = 0;
@@ -12,7 +14,7 @@ void note_interrupt() noexcept {
 }
 
 bool interrupt_noted() noexcept {
-  return interrupt_flag != 0;
+  return interrupt_flag != 0 || time_is_over();
 }
 
 void throw_if_interrupted() {

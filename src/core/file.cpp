@@ -24,6 +24,26 @@ struct Descriptor {
   }
 };
 
+[[noreturn]] void cannot_write(const std::string& path, const std::string& problem) {
+  throw FileError(path, "cannot be written: " + problem, "check the folder, its rights and the disk");
+}
+
+bool is_device(const std::string& path) {
+  struct stat about {};
+  return ::stat(path.c_str(), &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
+}
+
+/// False, with errno, where the disk refuses.
+bool put_all(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t put = ::write(fd, content.data(), content.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) return false;
+    content.remove_prefix(static_cast<std::size_t>(put));
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path, std::size_t largest) {
@@ -47,29 +67,35 @@ std::string read_file(const std::string& path, std::size_t largest) {
 
 void write_file(const std::string& path, std::string_view content) {
   const std::filesystem::path target(path);
-  std::error_code ignored;
-  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), ignored);
-  const std::string part = concat(path, ".part-", ::getpid());
-  {
-    const Descriptor file(::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    if (file.fd < 0)
-      throw FileError(path, concat("cannot be written: ", std::strerror(errno)), "check folder and rights");
-    for (std::size_t done = 0; done < content.size();) {
-      const ssize_t put = ::write(file.fd, content.data() + done, content.size() - done);
-      if (put < 0 && errno == EINTR) continue;
-      if (put <= 0) {
-        const std::string problem = std::strerror(errno);
-        ::unlink(part.c_str());
-        throw FileError(path, concat("cannot be written: ", problem), "check the disk");
-      }
-      done += static_cast<std::size_t>(put);
-    }
+  std::error_code failed;
+  if (target.has_parent_path()) std::filesystem::create_directories(target.parent_path(), failed);
+  if (failed) cannot_write(path, concat("its folder cannot be made: ", failed.message()));
+  if (is_device(path)) {  // a device or a pipe takes bytes; a rename would put a file in its place
+    const Descriptor device(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (device.fd < 0 || !put_all(device.fd, content)) cannot_write(path, std::strerror(errno));
+    return;
   }
-  if (::rename(part.c_str(), path.c_str()) != 0) {
+  const std::string part = concat(path, ".part-", ::getpid());
+  const Descriptor file(::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
+  if (file.fd < 0) cannot_write(path, std::strerror(errno));
+  // Before the rename: after a power cut the name must not stand for an empty file.
+  if (!put_all(file.fd, content) || ::fsync(file.fd) != 0 || ::rename(part.c_str(), path.c_str()) != 0) {
     const std::string problem = std::strerror(errno);
     ::unlink(part.c_str());
-    throw FileError(path, concat("cannot be written: ", problem), "check folder and rights");
+    cannot_write(path, problem);
   }
+}
+
+void require_writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (is_device(path)) return;
+  if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
+  fs::path folder = fs::absolute(path, ignored).lexically_normal().parent_path();
+  while (folder.has_relative_path() && !fs::exists(folder, ignored)) folder = folder.parent_path();
+  if (!fs::is_directory(folder, ignored)) cannot_write(path, concat(folder.string(), " is not a folder"));
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    cannot_write(path, concat("the folder ", folder.string(), " takes no files: ", std::strerror(errno)));
 }
 
 }  // namespace stonestack::core

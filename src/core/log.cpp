@@ -5,32 +5,41 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdlib>
 #include <iostream>
 #include <mutex>
+#include <string_view>
 
 namespace stonestack::core {
 namespace {
 
 std::atomic<bool> progress_open{false};
 
+/// Colours on a terminal, unless the user asked for none (https://no-color.org).
+spdlog::color_mode colours() {
+  const char* none = std::getenv("NO_COLOR");
+  return none != nullptr && *none != '\0' ? spdlog::color_mode::never : spdlog::color_mode::automatic;
+}
+
+/// A terminal on which a line can be written over.
+bool can_overwrite() {
+  const char* kind = std::getenv("TERM");
+  return isatty(STDERR_FILENO) != 0 && kind != nullptr && std::string_view(kind) != "dumb";
+}
+
 spdlog::logger& sink() {
   static const auto logger = [] {
-    auto made = std::make_shared<spdlog::logger>("stonestack",
-                                                 std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+    auto made = std::make_shared<spdlog::logger>(
+        "stonestack", std::make_shared<spdlog::sinks::stderr_color_sink_mt>(colours()));
     made->set_pattern("%^%l%$: %v");
     return made;
   }();
   return *logger;
 }
 
-/// Ends an open progress line before an ordinary line is written.
-void close_progress() {
-  if (progress_open.exchange(false)) std::cerr << '\n';
-}
-
 void write(spdlog::level::level_enum level, std::string_view line) {
   if (!sink().should_log(level)) return;
-  close_progress();
+  clear_progress();
   sink().log(level, "{}", line);
 }
 
@@ -56,11 +65,15 @@ void log_error(std::string_view line) {
 }
 
 void log_progress(std::string_view line) {
-  static const bool terminal = isatty(STDERR_FILENO) != 0;
-  if (!terminal) return log_info(line);
+  static const bool overwrites = can_overwrite();
+  if (!overwrites) return log_info(line);
   if (!sink().should_log(spdlog::level::info)) return;
   std::cerr << "\r\x1b[2K" << line << std::flush;
   progress_open = true;
+}
+
+void clear_progress() {
+  if (progress_open.exchange(false)) std::cerr << "\r\x1b[2K" << std::flush;
 }
 
 }  // namespace stonestack::core

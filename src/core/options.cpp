@@ -9,6 +9,7 @@
 
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/spelling.hpp"
 
 namespace stonestack::core {
 namespace {
@@ -24,21 +25,6 @@ std::string range_text(const Field& f) {
                 f.unit.empty() ? "" : " " + f.unit);
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      diagonal = above;
-    }
-  }
-  return row.back();
-}
-
 /// How far a name as typed is from that of a field; the group in front may be left out.
 std::size_t name_distance(std::string_view typed, std::string_view name) {
   const std::size_t whole = edit_distance(typed, name);
@@ -51,7 +37,8 @@ std::string nearest_names(const FieldList& list, std::string_view name) {
   std::multimap<std::size_t, std::string> ranked;
   for (const auto& f : list) ranked.emplace(name_distance(name, f.name), f.name);
   std::vector<std::string> nearest;
-  for (auto it = ranked.begin(); it != ranked.end() && nearest.size() < 3; ++it) nearest.push_back(it->second);
+  for (auto it = ranked.begin(); it != ranked.end() && nearest.size() < 3; ++it)
+    nearest.push_back(it->second);
   std::string text;
   for (std::size_t i = 0; i < nearest.size(); ++i)
     text += concat(i == 0 ? "" : i + 1 < nearest.size() ? ", " : " or ", nearest[i]);
@@ -145,9 +132,9 @@ void read_fields(const FieldList& list, const std::string& path, const FieldList
     yaml::for_each_scalar(
         root, [&](const std::string& name, const std::string& text) { assign(find(all, name), text); });
   } catch (const InvalidArgument& problem) {
-    throw FileError(
-        path, problem.what(),
-        "`stonestack config show --expert` lists every option with its range, `config cell --expert` those of cells");
+    throw FileError(path, problem.what(),
+                    "`stonestack config show --expert` lists every option with its range, `config cell "
+                    "--expert` those of cells");
   }
 }
 
@@ -162,8 +149,8 @@ std::string write_fields(const FieldList& list) {
   std::string text;
   for (const auto& f : list) {
     const bool number = std::holds_alternative<double*>(f.value) || std::holds_alternative<int*>(f.value);
-    text +=
-        concat(f.name, ": ", field_text(f), "  #", number ? " " + range_text(f) : "", " ", f.description, "\n");
+    text += concat(f.name, ": ", field_text(f), "  #", number ? " " + range_text(f) : "", " ", f.description,
+                   "\n");
   }
   return text;
 }

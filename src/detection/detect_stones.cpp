@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "detection/accept.hpp"
-#include "detection/depth_scale.hpp"
-#include "detection/describe.hpp"
-#include "detection/identity.hpp"
-#include "detection/joint_refine.hpp"
-#include "detection/likeness.hpp"
-#include "detection/search_in_turns.hpp"
+#include "detection/features/describe.hpp"
+#include "detection/hypotheses/depth_scale.hpp"
+#include "detection/hypotheses/joint_refine.hpp"
+#include "detection/hypotheses/search_in_turns.hpp"
+#include "detection/judge/accept.hpp"
+#include "detection/judge/identity.hpp"
+#include "detection/judge/likeness.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/trace.hpp"
 

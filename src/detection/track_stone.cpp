@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "detection/candidates.hpp"
-#include "detection/joint_refine.hpp"
-#include "detection/models.hpp"
+#include "detection/features/models.hpp"
+#include "detection/hypotheses/candidates.hpp"
+#include "detection/hypotheses/joint_refine.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 

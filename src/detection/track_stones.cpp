@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "detection/constants.hpp"
-#include "detection/models.hpp"
-#include "detection/preprocess.hpp"
+#include "detection/features/models.hpp"
+#include "detection/scene/preprocess.hpp"
 
 namespace stonestack::detection {
 namespace {

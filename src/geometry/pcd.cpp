@@ -175,8 +175,7 @@ class Body {
       if (expanded_.size() != expected) cursor.fail("the compressed data are damaged", "make the file again");
       data_ = expanded_;
     }
-    if (cursor.bytes_left() > 0)
-      cursor.fail(concat(cursor.bytes_left(), " bytes stand after the points"), kRemedy);
+    refuse_rest(header);
     lay_out(header, count);
   }
 
@@ -207,6 +206,15 @@ class Body {
       stride_.push_back(by_field ? field.bytes() : header.record());
       before += field.bytes();
     }
+  }
+
+  /// Bytes after the points are an error, but for the zeros with which older PCL ends compressed files.
+  void refuse_rest(const Header& header) {
+    const std::size_t count = cursor_.bytes_left();
+    const std::string_view rest = cursor_.next_bytes(count);
+    const bool padding =
+        header.data == "binary_compressed" && rest.find_first_not_of('\0') == std::string_view::npos;
+    if (count > 0 && !padding) cursor_.fail(concat(count, " bytes stand after the points"), kRemedy);
   }
 
   FileCursor& cursor_;

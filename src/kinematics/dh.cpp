@@ -118,7 +118,7 @@ std::string derive_dh(RobotModel& robot) {
   if (-robot.a2 < kGapTolerance || -robot.a3 < kGapTolerance)
     return concat("upper arm and forearm have lengths ", -robot.a2, " and ", -robot.a3, " m");
 
-  // x axes of the DH frames at zero joint angles, by their definitions (facts: twists 90, 0, 0, 90, -90, 0).
+  // x axes of the DH frames at zero joint angles, by their definitions (twists 90, 0, 0, 90, -90, 0).
   const Eigen::Vector3d z0 = axes[0].n;
   const Eigen::Vector3d x1 = z0.cross(n).normalized();
   const Eigen::Vector3d x2 = (p_shoulder - p_elbow).normalized();

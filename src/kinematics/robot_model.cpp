@@ -40,7 +40,7 @@ void read_extras(const fs::path& yaml, RobotModel& robot, FieldList more) {
   const Calibration nominal = nominal_calibration(robot);
   Calibration measured = nominal;
   read_fields(join({{field("payload", robot.payload, {0.1, 200.0}, "kg", "data sheet"),
-                     field("acceleration", acceleration, {0.01, 100.0}, "rad/s^2", "facts: not public")},
+                     field("acceleration", acceleration, {0.01, 100.0}, "rad/s^2", "UR states none")},
                     fields(measured),
                     std::move(more)}),
               yaml.string());

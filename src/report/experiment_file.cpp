@@ -4,6 +4,7 @@
 #include "geometry/json_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/report/experiment_report.hpp"
+#include "stonestack/report/run_report.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -50,7 +51,7 @@ RunResult::End end_of(const std::string& text, const std::string& path) {
 PlacementRecord::Outcome outcome_of(const std::string& text, const std::string& path) {
   using Outcome = PlacementRecord::Outcome;
   return named(std::array{Outcome::kPlaced, Outcome::kMoved, Outcome::kFallen, Outcome::kNotPicked,
-                          Outcome::kDropped, Outcome::kLost, Outcome::kTakenOff, Outcome::kTurnedOver},
+                          Outcome::kDropped, Outcome::kLost, Outcome::kUnstacked, Outcome::kReoriented},
                text, path);
 }
 

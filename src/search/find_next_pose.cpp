@@ -17,7 +17,7 @@ void search(const SearchContext& context, SearchResult* result) {
       default_search(context, result);
     }
   } catch (const Interrupted&) {
-    if (result->best.empty()) result->reason = "interrupted before a pose was found";
+    if (result->best.empty()) result->reason = why_interrupted();
   }
   if (result->best.empty() && context.out_of_time()) result->reason = kTimeOver;
   result->seconds = context.watch.seconds();
@@ -27,6 +27,7 @@ void search(const SearchContext& context, SearchResult* result) {
 std::optional<SearchProblem> let_stand(const SearchProblem& problem, const SearchOptions& options,
                                        SearchResult* result) {
   check_problem(problem, options);
+  if (problem.stack_is_at_rest) return problem;
   try {
     const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result->reason);
     if (!stack) return std::nullopt;
@@ -34,7 +35,7 @@ std::optional<SearchProblem> let_stand(const SearchProblem& problem, const Searc
     standing.stack = *stack;
     return standing;
   } catch (const Interrupted&) {
-    result->reason = "interrupted before a pose was found";
+    result->reason = why_interrupted();
     return std::nullopt;
   }
 }

@@ -29,7 +29,7 @@ std::vector<Placement> plan_greedily(SearchProblem problem, int levels, const Se
     std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == next.stone; });
     tower.push_back(next);
   }
-  if (why->empty() && interrupt_noted()) *why = "interrupted";
+  if (why->empty() && interrupt_noted()) *why = time_is_over() ? kTimeOver : "interrupted";
   return tower;
 }
 
@@ -40,7 +40,7 @@ std::vector<Placement> plan_whole(const SearchProblem& problem, int levels, cons
   try {
     search.run();
   } catch (const Interrupted&) {
-    *why = "interrupted";
+    *why = time_is_over() ? kTimeOver : "interrupted";
   }
   std::vector<Placement> tower;
   const int top = search.best() > 0 ? search.best() : search.highest();
@@ -72,7 +72,7 @@ std::vector<Placement> plan_tower(SearchProblem problem, int levels, const Searc
                        : plan_whole(problem, levels, options, report, &why);
     }
   } catch (const Interrupted&) {
-    why = "interrupted before a pose was found";
+    why = why_interrupted();
   }
   if (reason != nullptr) *reason = why;
   return tower;

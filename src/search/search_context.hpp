@@ -1,6 +1,8 @@
 #pragma once
 #include "search/proposals.hpp"
 #include "stonestack/core/clock.hpp"
+#include "stonestack/core/export.hpp"
+#include "stonestack/core/time_limit.hpp"
 
 namespace stonestack::search {
 
@@ -16,7 +18,7 @@ struct SearchContext {
 
   [[nodiscard]] const ShapeList& shapes() const { return *problem->shapes; }
   [[nodiscard]] bool out_of_time() const {
-    return options->budget > 0.0 && watch.seconds() >= options->budget;
+    return time_is_over() || (options->budget > 0.0 && watch.seconds() >= options->budget);
   }
   void say(const std::string& line) const {
     if (report) report(line);
@@ -34,18 +36,24 @@ struct SearchContext {
 
 /// Why nothing, or no more, was found where `budget` ended the search.
 inline constexpr const char* kTimeOver = "the time was over before a pose was found";
+/// Why a search was interrupted before it found anything: the time, or the user.
+[[nodiscard]] inline const char* why_interrupted() {
+  return time_is_over() ? kTimeOver : "interrupted before a pose was found";
+}
 /// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
 inline constexpr double kStill = 1e-7;
 /// s: the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact).
 inline constexpr double kVerdictStep = 1.0 / 480.0;
 
 /// Throws InvalidArgument for stones and options that cannot be.
-void check_problem(const SearchProblem& problem, const SearchOptions& options);
+STONESTACK_EXPORT void check_problem(const SearchProblem& problem, const SearchOptions& options);
 /// The stack as it comes to rest, if it stands as given (to the letter where it moves by less than 0.1 mm and
 /// 2 mrad); else the stack that results when each stone in turn is let down from just above its given pose,
 /// provided that it ends near there (5 mm, 5 deg) and stands; else empty with the reason. Measured poses are
 /// off by a millimetre: a tower measured so may not stand to the letter, or hover above its contacts.
-[[nodiscard]] std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
-                                                  const SearchOptions& options, std::string* reason);
+[[nodiscard]] STONESTACK_EXPORT std::optional<Stack> standing_stack(const ShapeList& shapes,
+                                                                    const Stack& stack,
+                                                                    const SearchOptions& options,
+                                                                    std::string* reason);
 
 }  // namespace stonestack::search

@@ -1,6 +1,5 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 
-#include "simulation/judge_tower.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
@@ -60,10 +59,6 @@ FieldList fields(SimulationOptions& o) {
       field("clearance", o.clearance, {0.0, 0.3}, "m",
             "between loose stones at the start; a finger and a half by default"),
   };
-}
-
-StandOptions tower_bounds() {
-  return {.seconds = 60.0, .largest_shift = 0.005, .largest_turn = 0.0523599};  // 3 deg
 }
 
 struct SimulatedCell::Parts {
@@ -141,12 +136,12 @@ void SimulatedCell::unlock() {
   parts_->arm.unlock();
 }
 
-TowerVerdict SimulatedCell::judge_tower(const StandOptions& options) const {
-  return judge_true_tower(parts_->world, parts_->believed.site, options);
+const TrueWorld& SimulatedCell::world() const {
+  return parts_->world;
 }
 
-Survival SimulatedCell::try_tower(const SurvivalOptions& options, const StandOptions& bounds) const {
-  return try_true_tower(parts_->world, parts_->believed.site, options, bounds);
+const Eigen::Vector2d& SimulatedCell::site() const {
+  return parts_->believed.site;
 }
 
 }  // namespace stonestack::simulation

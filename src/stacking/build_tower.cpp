@@ -2,299 +2,156 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <future>
+#include <nlohmann/json.hpp>
+#include <utility>
 
-#include "stacking/builder.hpp"
-#include "stacking/steady.hpp"
+#include "stacking/learn.hpp"
+#include "stacking/plan_motion.hpp"
+#include "stacking/record.hpp"
+#include "stacking/workcell.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "stonestack/stacking/choose_action.hpp"
+#include "stonestack/stacking/state_file.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kBackAwaySpeed = 0.05;  // m/s
-constexpr double kOpeningError = 0.003;  // m: fingers may be open that much wider than the hand says
+/// World and memory: all that the next decision depends on.
+struct Known {
+  WorldEstimate world;
+  RunMemory memory;
+};
 
-/// Where a stone that fell off the tower may have rolled to and the look at the field does not reach.
-std::vector<Eigen::Vector3d> beside_the_site(const CellLayout& layout) {
-  constexpr double kBeside = 0.22;  // m
-  std::vector<Eigen::Vector3d> places;
-  for (const auto& [x, y] : {std::pair(0, 1), std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1)})
-    places.emplace_back(layout.site.x() + kBeside * x, layout.site.y() + kBeside * y, 0.04);
-  return places;
+/// Does it belong to the progress of a search, which may also be heard while the arm moves?
+bool is_of_search(const Event& event) {
+  return std::holds_alternative<SearchProgress>(event) || std::holds_alternative<SearchedAtFriction>(event) ||
+         std::holds_alternative<PlanHolds>(event) || std::holds_alternative<PlanBroken>(event);
 }
 
-/// Unit, W: where a straight path takes the tool.
-Eigen::Vector3d way_of_tool(const PlanningScene& scene, const JointPath& path) {
-  const auto p_W = [&](const Joints& q) -> Eigen::Vector3d {
-    return (scene.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+Decision decide(Workcell& w, const Known& known, const Listener& listener) {
+  const Stopwatch watch;
+  Decision decision = choose_action(known.world, known.memory, w.models, w.options, listener);
+  w.seconds.search += watch.seconds();
+  return decision;
+}
+
+RunMemory learn_timed(Workcell& w, RunMemory memory, const WorldEstimate& seen) {
+  const Stopwatch watch;
+  memory = learn(std::move(memory), seen, w.models, w.options, w.tell);
+  w.seconds.search += watch.seconds();
+  return memory;
+}
+
+/// Observes and learns. While the arm moves the next action is chosen for the world as predicted; what the
+/// search found for it is kept if the prediction comes true.
+Known observe_and_learn(Workcell& w, const Expectation& expected, RunMemory memory) {
+  std::optional<SearchOutcome> ahead;
+  const auto while_moving = [&](const WorldEstimate& predicted) {
+    const Known then{predicted, learn(memory, predicted, w.models, w.options, {})};
+    if (then.memory.failure || predicted.loose.empty()) return;
+    ahead = decide(w, then, [&](const Event& event) {
+              if (is_of_search(event)) w.tell(event);
+            }).memory.search;
   };
-  return (p_W(path.back()) - p_W(path.front())).normalized();
+  Observation seen = observe(w, expected, while_moving);
+  const std::size_t judged = memory.records.size();
+  Known known{std::move(seen.world), {}};
+  known.memory = learn_timed(w, std::move(memory), known.world);
+  const auto& records = known.memory.records;
+  const bool as_meant =
+      records.size() == judged || records.back().outcome == PlacementRecord::Outcome::kPlaced;
+  if (seen.as_predicted && as_meant) known.memory.search = std::move(ahead);
+  return known;
+}
+
+/// Where `run.save_states` asks for it: STATES_FOLDER/state-001.json and so on.
+class StateWriter {
+ public:
+  StateWriter(const Workcell& w, std::string folder) : w_(w), folder_(std::move(folder)) {}
+  void write(const Known& known) {
+    if (!w_.options.save_states || folder_.empty()) return;
+    char name[32];
+    std::snprintf(name, sizeof name, "/state-%03d.json", ++count_);
+    write_state(folder_ + name, known.world, known.memory, w_.models, w_.options);
+  }
+
+ private:
+  const Workcell& w_;
+  std::string folder_;
+  int count_ = 0;
+};
+
+/// The loop.
+Stop build(Workcell& w, StateWriter& states, Journal* journal) {
+  Expectation at_first;
+  at_first.first = true;
+  Known known = observe_and_learn(w, at_first, make_memory(w.options));
+  for (;;) {
+    states.write(known);
+    const auto [action, memory, why] = decide(w, known, w.tell);
+    if (const auto* stop = std::get_if<Stop>(&action)) return *stop;
+    const MotionPlan plan = plan_motion(w, known.world, action, memory);
+    if (!plan.found) {
+      known.memory = remember_refusal(memory, action, plan);
+      continue;
+    }
+    const ExecutionResult done = execute(w, action, plan, known.world.stack.size(), journal);
+    known.memory = remember(memory, known.world, action, plan, done);
+    if (known.memory.failure)
+      known.memory = learn_of_stop(known.memory, w.models, w.tell);
+    else
+      known = observe_and_learn(w, expected_after(known.world, known.memory, action), known.memory);
+  }
+}
+
+/// The end of a run. Nothing moves any more: a disk that refuses costs the journal's last line, not the result.
+void tell_end(Workcell& w, const Stop& stop) {
+  try {
+    w.tell(RunEnded{stop.end, stop.reason});
+  } catch (const FileError& error) {
+    log_warning(error.what());
+  }
+}
+
+/// An arm that does not answer any more is part of the reason.
+Stop stop_arm(Arm& arm, RunEnd end, std::string reason) {
+  try {
+    arm.stop();
+  } catch (const Error& problem) {
+    reason += concat("; the arm did not confirm a stop: ", problem.what());
+  }
+  return {end, reason};
 }
 
 }  // namespace
 
-Look Builder::look_at(const Eigen::Vector3d& p_W_target, bool all_unknown) {
-  return look_from(look_poses(cell_.layout, p_W_target, options_.look_distance), all_unknown);
-}
-
-PlanningScene Builder::scene_of_look() const {
-  PlanningScene scene = make_planning_scene(cell_.layout, robot_, catalogue_, belief_);
-  // Fingers that let a stone go beside another were opened no further than there was room.
-  scene.opening = std::min(scene.opening, cell_.gripper.state().opening + kOpeningError);
-  return scene;
-}
-
-void Builder::step_clear(const PlanningScene& scene) {
-  const auto out = way_out(scene, cell_.arm.state().q, options_.motion);
-  if (!out || out->size() < 2) return;  // without a way out the look finds no way, and says so
-  report("the hand stands too near to something to go on: it backs away first");
-  record("step", "{\"name\": \"back away\"}");
-  TimingLimits limits = timing_limits(robot_, options_.motion);
-  limits.tool_speed = kBackAwaySpeed;
-  GuardedMotion away;
-  away.trajectory = time_path(*out, limits, robot_, scene.T_F_T);
-  away.n_W_direction = way_of_tool(scene, *out);
-  away.threshold = options_.motion.early_threshold;
-  const MotionResult moved = cell_.arm.follow_guarded(away);
-  if (moved.status == MotionResult::Status::kNoContact) return;
-  throw DeviceError("arm", "stopped as the hand backed away from what it is near: " + moved.reason,
-                    "look at the cell and free the hand");
-}
-
-std::optional<JointTrajectory> Builder::find_way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown) {
-  PlanningScene scene = scene_of_look();
-  if (all_unknown) {
-    scene.objects.push_back(unseen_field(cell_.layout));
-    scene.objects.push_back(unseen_site(cell_.layout));
-  }
-  const double start = cell_.clock.now();
-  step_clear(scene);
-  result_.seconds.motion += cell_.clock.now() - start;
-  const Stopwatch watch;
-  auto way = stacking::find_way_to_look(cell_, scene, T_W_C, options_.motion);
-  result_.seconds.planning += watch.seconds();
-  return way;
-}
-
-JointTrajectory Builder::way_to_look(const std::vector<Pose>& T_W_C, bool all_unknown) {
-  if (auto way = find_way_to_look(T_W_C, all_unknown)) return *std::move(way);
-  throw DeviceError("arm", concat("none of ", T_W_C.size(), " camera poses can be reached"),
-                    "check the cell's layout: site, field and robot base");
-}
-
-Look Builder::look_from(const std::vector<Pose>& T_W_C, bool all_unknown) {
-  return look_along(way_to_look(T_W_C, all_unknown));
-}
-
-Look Builder::look_along(const JointTrajectory& way, const std::function<void()>& meanwhile) {
-  double moved = 0.0;
-  const auto go = [&] {
-    const double start = cell_.clock.now();
-    try {
-      Look look = stacking::look_along(cell_, robot_, way);
-      moved = cell_.clock.now() - start;
-      return look;
-    } catch (...) {  // stopped at once, whatever else is still being done
-      try {
-        cell_.arm.stop();
-      } catch (const Error& problem) {
-        log_warning(problem.what());  // what ended the motion is told by the caller
-      }
-      throw;
-    }
-  };
-  const StageSeconds before = result_.seconds;
-  std::future<Look> coming;
-  if (meanwhile) {
-    coming = std::async(std::launch::async, go);
-    meanwhile();  // if it throws, the future waits until the arm has stopped
-  }
-  Look look = coming.valid() ? coming.get() : go();
-  double left = moved;  // of the motion, beside which nobody waited for anything
-  for (double StageSeconds::*stage : {&StageSeconds::detection, &StageSeconds::search}) {
-    const double beside = std::min(left, result_.seconds.*stage - before.*stage);
-    result_.seconds.*stage -= beside;
-    result_.seconds.beside_motion += beside;
-    left -= beside;
-  }
-  result_.seconds.motion += moved;
-  return look;
-}
-
-std::optional<Look> Builder::look_if_possible(const Eigen::Vector3d& p_W_target) {
-  const PlanningScene scene = scene_of_look();
-  const Pose T_C_F = (cell_.layout.T_F_T * cell_.layout.T_T_C).inverse();
-  for (const Pose& T_W_C : look_poses(cell_.layout, p_W_target, options_.look_distance))
-    if (plan_transit(scene, cell_.arm.state().q, Pose(T_W_C * T_C_F), options_.motion))
-      return look_from({T_W_C}, false);
-  return std::nullopt;
-}
-
-std::vector<int> Builder::out_of_sight() const {
-  std::vector<int> missing;
-  const auto here = [&](const std::vector<PlacedStone>& list, int stone) {
-    return std::any_of(list.begin(), list.end(), [&](const PlacedStone& s) { return s.stone == stone; });
-  };
-  for (const auto& [stone, place] : seen_before_)
-    if (!here(belief_.stack, stone) && !here(belief_.loose, stone) && !gone_.contains(stone))
-      missing.push_back(stone);
-  return missing;
-}
-
-Eigen::Vector3d Builder::com_of(const PlacedStone& stone) const {
-  return stone.T_W_O * shapes_[static_cast<std::size_t>(stone.stone)]->mass.p_O_M;
-}
-
-void Builder::look_around(bool as_planned) {
-  refused_.clear();
-  no_pick_.clear();
-  ahead_.reset();
-  const bool first = seen_before_.empty();
-  const Eigen::Vector3d field(cell_.layout.field_centre.x(), cell_.layout.field_centre.y(), 0.05);
-  const Eigen::Vector2d& site = cell_.layout.site;
-  const std::vector<PlacedStone> expected = belief_.stack;
-  Belief before = belief_;
-  std::vector<Look> looks;
-  if (expected.empty()) {
-    looks.push_back(look_at(field, first));
-    if (first && options_.refine_camera) before = refine_camera(looks);
-    if (first) look_at_site(looks);
-  } else {
-    // The tower first: what comes next hangs on it, and the field rarely shows anything new.
-    looks.push_back(look_at({site.x(), site.y(), top_height(shapes_, expected) - 0.03}, false));
-    const auto way = way_to_look(look_poses(cell_.layout, field, options_.look_distance), false);
-    looks.push_back(look_along(way, [&] {
-      if (as_planned) search_on_tower(looks.front());
-    }));
-  }
-
-  // What no first look showed may come to light when others are taken away, but is not worth a search in all
-  // looks together after each of them.
-  std::vector<int> wanted, together;
-  for (int i = 0; i < static_cast<int>(catalogue_.stones.size()); ++i) {
-    wanted.push_back(i);
-    if (first || seen_before_.contains(i)) together.push_back(i);
-  }
-  const auto see = [&] {
-    const Stopwatch watch;
-    const auto sightings = find_in_looks(looks, models_, wanted, together, before, options_.detection);
-    belief_ = believe(shapes_, cell_.layout,
-                      first && site_ == SiteView::kTaken ? standing(sightings) : expected, sightings);
-    if (!options_.measure_placed) believe_the_plan(belief_.stack, expected);
-    belief_.stack = steadied(shapes_, Stack{belief_.stack}, options_.most_friction).stones;
-    forget_reach();
-    result_.seconds.detection += watch.seconds();
-    report_doubtful(sightings);
-  };
-  see();
-  keep_ahead();
-  const auto look_for = [&](int stone, const Eigen::Vector3d& p_W, const char* where) {
-    report(concat("looking for ", name(stone), where));
-    auto look = look_if_possible(p_W);
-    if (!look) return;
-    looks.push_back(std::move(*look));
-    see();
-    keep_ahead();
-  };
-  // What slipped out of the hand rolls from where it was lifted, beyond the rim of the field perhaps.
-  for (const int stone : out_of_sight())
-    if (const auto missing = out_of_sight();
-        std::find(missing.begin(), missing.end(), stone) != missing.end())
-      look_for(stone, seen_before_[stone], " where it was");  // unless the look for another showed it
-  for (const auto& beside : beside_the_site(cell_.layout)) {
-    if (out_of_sight().empty()) break;
-    look_for(out_of_sight().front(), beside, " beside the site");
-  }
-  for (const int stone : out_of_sight()) gone_.insert(stone);
-  for (const auto* list : {&belief_.stack, &belief_.loose})
-    for (const PlacedStone& stone : *list) {
-      seen_before_[stone.stone] = com_of(stone);
-      gone_.erase(stone.stone);
-    }
-  report(describe(catalogue_, belief_));
-  record("observed", belief_json(catalogue_, belief_));
-  report_moved(expected);
-}
-
-void Builder::report_moved(const std::vector<PlacedStone>& expected) const {
-  for (const auto& before : expected) {
-    const auto now = std::find_if(belief_.stack.begin(), belief_.stack.end(),
-                                  [&](const PlacedStone& s) { return s.stone == before.stone; });
-    if (now == belief_.stack.end()) {
-      report(concat(name(before.stone), " is no longer on the stack"));
-      continue;
-    }
-    const double shift = difference(now->T_W_O, before.T_W_O).translation;
-    if (shift <= options_.moved_shift) continue;
-    report(
-        concat(name(before.stone), " of the stack is ", std::lround(1000 * shift), " mm from where it was"));
-    record("moved", concat("{\"stone\": \"", name(before.stone), "\", \"shift_m\": ", shift, "}"));
-  }
-}
-
-FieldList fields(BuildOptions& o) {
-  return join(
-      {nest("detection", fields(o.detection)), nest("search", fields(o.search)),
-       nest("motion", fields(o.motion)),
-       nest("run",
-            {user(field("most_stones", o.most_stones, {0, 100}, "",
-                        "height at which the run ends; 0: all stones that are seen")),
-             user(field("look_distance", o.look_distance, {0.3, 1.2}, "m",
-                        "from the camera to what it looks at; SR300: 0.2 to 1.5 m")),
-             field("most_friction", o.most_friction, {0, 2}, "",
-                   "the search starts at search.friction and climbs to this while it finds no sure pose"),
-             user(field("most_failures", o.most_failures, {1, 100}, "",
-                        "placements that may fail before the run ends; the paper: 1")),
-             field("refine_camera", o.refine_camera,
-                   "true: the camera's mount is refined from two first views"),
-             field("measure_placed", o.measure_placed,
-                   "false: placed stones are taken to lie as planned, if they are seen near there"),
-             field("correct_aim", o.correct_aim,
-                   "true: placements are corrected by the mean error of earlier ones"),
-             user(field("most_turned_over", o.most_turned_over, {0, 100}, "",
-                        "stones that may be reoriented because no grasp serves both ends; the paper: 0")),
-             user(field("most_taken_off", o.most_taken_off, {0, 100}, "",
-                        "stones that may be unstacked to try another tower; the paper: 0")),
-             user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
-                        "tries to pick a stone that the gripper misses or drops"))})});
-}
-
-std::string to_text(PlacementRecord::Outcome outcome) {
-  switch (outcome) {
-    case PlacementRecord::Outcome::kPlaced:
-      return "placed";
-    case PlacementRecord::Outcome::kMoved:
-      return "moved";
-    case PlacementRecord::Outcome::kFallen:
-      return "fallen";
-    case PlacementRecord::Outcome::kNotPicked:
-      return "not picked";
-    case PlacementRecord::Outcome::kDropped:
-      return "dropped";
-    case PlacementRecord::Outcome::kLost:
-      return "lost";
-    case PlacementRecord::Outcome::kTakenOff:
-      return "taken off";
-    case PlacementRecord::Outcome::kTurnedOver:
-      return "turned over";
-  }
-  return "unknown";
-}
-
 RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                       const BuildOptions& options, const BuildHooks& hooks) {
-  Builder builder(cell, catalogue, robot, options, hooks);
+  const Models models = make_models(catalogue, robot, cell.layout);
+  const DetectionModels detection(catalogue.stones, options.detection);
+  Recorder recorder(models, hooks);
+  Workcell workcell{cell,    models, detection,
+                    options, recorder.result().seconds, [&](const Event& event) { recorder.hear(event); }};
+  StateWriter states(workcell, hooks.states_folder);
+  Stop ended;
   try {
-    return builder.run();
+    ended = build(workcell, states, hooks.journal);
   } catch (const Interrupted&) {
-    return builder.stopped(RunResult::End::kInterrupted, "interrupted by the user");
+    ended = stop_arm(cell.arm, RunEnd::kInterrupted, "interrupted by the user");
   } catch (const DeviceError& error) {
-    return builder.stopped(RunResult::End::kStopped, error.what());
+    ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
+  } catch (const FileError& error) {  // of the journal: without it nothing moves, but what stands is reported
+    ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
+  } catch (const std::exception& error) {
+    tell_end(workcell, {RunEnd::kFailed, error.what()});
+    throw;
   }
+  tell_end(workcell, ended);
+  return std::move(recorder.result());
 }
 
 }  // namespace stonestack::stacking

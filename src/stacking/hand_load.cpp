@@ -6,7 +6,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kPalm = -0.14;           // m, along z of T: middle of palm and fingers
-constexpr double kSensorMiddle = 0.0205;  // m, along z of F (facts/robot.md: FT150, 41 mm high)
+constexpr double kSensorMiddle = 0.0205;  // m, along z of F (half of 41 mm, the height of an FT150)
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "stacking/constants.hpp"
+#include "stacking/record.hpp"
 #include "stacking/way_back.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
@@ -28,7 +29,7 @@ using Status = ExecutionResult::Status;
 }  // namespace
 
 void Hands::intend(const PlanStep& step) const {
-  if (journal != nullptr) journal->record("step", concat("{\"name\": \"", step.name, "\"}"));
+  record(journal, StepBegun{step.name});
 }
 
 void Hands::set_payload(bool holding) const {
@@ -66,9 +67,7 @@ ExecutionResult Hands::check_hold(const PlanStep& lift) const {
   const WristLoad load = wrist.feel();
   const double expected = kGravity * stone.mass.mass;
   const double off = swing(load);
-  if (journal != nullptr)
-    journal->record(
-        "hold", concat("{\"weight\": ", load.weight, ", \"expected\": ", expected, ", \"off\": ", off, "}"));
+  record(journal, HoldMeasured{load.weight, expected, off});
   if (load.weight < kMinHeldShare * expected) {
     const std::string why =
         concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
@@ -93,10 +92,7 @@ ExecutionResult Hands::check_carried(const PlanStep* lift, const PlanStep& next)
   const CarriedLoad carried = feel_carried(wrist, cell, expected, kMinHeldShare);
   const double off = swing(carried.load);
   hangs = carried.load.weight;
-  if (journal != nullptr)
-    journal->record("carried", concat("{\"weight\": ", hangs, ", \"expected\": ", expected,
-                                      ", \"off\": ", off, ", \"doubt\": ", carried.load.doubt,
-                                      ", \"held\": ", carried.held ? "true" : "false", "}"));
+  record(journal, CarriedMeasured{hangs, expected, off, carried.load.doubt, carried.held});
   // What has swung would not come to stand where it is let go of.
   if (carried.held && off > kMaxSwing + carried.load.doubt) {
     const ExecutionResult home = go_home({lift + 1, &next});
@@ -159,9 +155,7 @@ ExecutionResult Hands::feel_table(const PlanStep& step) const {
   if (moved.status == MotionResult::Status::kNoContact) return {};
   if (moved.status != MotionResult::Status::kContact)
     return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
-  if (journal != nullptr)
-    journal->record("touch", concat("{\"touched\": true, \"force\": ", moved.force,
-                                    ", \"above_end_m\": ", above_end(step), "}"));
+  record(journal, TouchMeasured{true, moved.force, above_end(step)});
   return go_back(step, kOffTable);
 }
 
@@ -171,9 +165,7 @@ ExecutionResult Hands::feel_down(const PlanStep& step, bool* touched) const {
   motion.threshold = step.threshold;
   const MotionResult moved = cell.arm.follow_guarded(motion);
   *touched = moved.status == MotionResult::Status::kContact;
-  if (journal != nullptr)
-    journal->record("touch", concat("{\"touched\": ", *touched ? "true" : "false", ", \"force\": ",
-                                    moved.force, ", \"above_end_m\": ", above_end(step), "}"));
+  record(journal, TouchMeasured{*touched, moved.force, above_end(step)});
   if (*touched || moved.status == MotionResult::Status::kNoContact)
     return {Status::kReleased, moved.force, ""};
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
@@ -199,7 +191,7 @@ ExecutionResult Hands::check_empty(const PlanStep& step, bool may_open) const {
     cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
     left = wrist.feel().weight;
   }
-  if (journal != nullptr) journal->record("released", concat("{\"left\": ", left, ", \"most\": ", most, "}"));
+  record(journal, ReleaseMeasured{left, most});
   if (empty()) return {};
   set_payload(true);
   return {Status::kStopped, 0.0,

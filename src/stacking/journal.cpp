@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "stonestack/core/error.hpp"
@@ -56,8 +57,11 @@ Journal& Journal::operator=(Journal&& other) noexcept {
 
 void Journal::record(const std::string& kind, const std::string& data_json) {
   if (descriptor_ < 0) return;
-  const std::string line =
-      concat("{\"seq\": ", next_++, ", \"kind\": \"", kind, "\", \"data\": ", data_json, "}\n");
+  nlohmann::ordered_json entry;
+  entry["seq"] = next_++;
+  entry["kind"] = kind;
+  entry["data"] = nlohmann::ordered_json::parse(data_json);
+  const std::string line = entry.dump() + "\n";
   const ssize_t put = ::write(descriptor_, line.data(), line.size());
   if (put != static_cast<ssize_t>(line.size()) || ::fdatasync(descriptor_) != 0) fail(path_);
 }

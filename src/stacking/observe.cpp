@@ -84,13 +84,13 @@ GripperModel hand_of(const CellLayout& layout) {
 }
 
 PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
-                                  const Catalogue& catalogue, const Belief& belief) {
+                                  const Catalogue& catalogue, const Arrangement& arrangement) {
   PlanningScene scene;
   scene.robot = robot;
   scene.gripper = hand_of(layout);
   scene.T_W_R = layout.T_W_R;
   scene.T_F_T = layout.T_F_T;
-  for (const auto* group : {&belief.stack, &belief.loose})
+  for (const auto* group : {&arrangement.stack, &arrangement.loose})
     for (const auto& placed : *group) {
       const Stone& stone = catalogue.stones[static_cast<std::size_t>(placed.stone)];
       scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
@@ -106,7 +106,7 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
   return scene;
 }
 
-std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target, double distance) {
+std::vector<Pose> view_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target, double distance) {
   const Eigen::Vector3d to_base = layout.T_W_R.translation() - p_W_target;
   const double towards_base = std::atan2(to_base.y(), to_base.x());
   std::vector<Pose> poses;
@@ -122,35 +122,35 @@ std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_
   return poses;
 }
 
-std::optional<JointTrajectory> find_way_to_look(Cell& cell, const PlanningScene& scene,
+std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
                                                 const std::vector<Pose>& T_W_C_candidates,
                                                 const MotionOptions& options) {
   const Pose T_C_F = (cell.layout.T_F_T * cell.layout.T_T_C).inverse();
   const Joints q_start = cell.arm.state().q;
   for (const Pose& T_W_C : T_W_C_candidates)
-    if (auto way = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options)) return way;
+    if (auto route = plan_transit(scene, q_start, Pose(T_W_C * T_C_F), options)) return route;
   return std::nullopt;
 }
 
-Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way) {
-  const MotionResult moved = cell.arm.follow(way);
+CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory& route) {
+  const MotionResult moved = cell.arm.follow(route);
   if (moved.status != MotionResult::Status::kDone)
-    throw DeviceError("arm", "stopped on the way to a look: " + moved.reason,
+    throw DeviceError("arm", "stopped on the route to a view: " + moved.reason,
                       "clear the cell and start again");
   const DepthFrame frame = cell.camera.capture();
   return {frame.image, camera_pose(cell.layout, robot, cell.arm.state().q)};
 }
 
-std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const DetectionModels& models,
+std::vector<Sighting> find_in_views(const std::vector<CameraView>& views, const DetectionModels& models,
                                     const std::vector<int>& wanted, const std::vector<int>& together,
-                                    const Belief& before, const DetectionOptions& options) {
+                                    const Arrangement& before, const DetectionOptions& options) {
   std::vector<Sighting> sightings;
-  for (const auto& look : looks)
+  for (const auto& view : views)
     for (const auto* group : {&before.stack, &before.loose})
       for (const auto& placed : *group)
         if (const auto found =
-                track_stone(look.image, models, placed.stone, look.T_W_C.inverse() * placed.T_W_O, options))
-          keep_better(sightings, {placed.stone, look.T_W_C * found->T_C_O, found->score, found->visible,
+                track_stone(view.image, models, placed.stone, view.T_W_C.inverse() * placed.T_W_O, options))
+          keep_better(sightings, {placed.stone, view.T_W_C * found->T_C_O, found->score, found->visible,
                                   found->certainty});
   // What is hidden too much to be found again is where it was if what stands on it is.
   std::vector<Sighting> explained = sightings;
@@ -162,19 +162,19 @@ std::vector<Sighting> find_in_looks(const std::vector<Look>& looks, const Detect
     for (const auto& found : result.detections)
       keep_better(sightings, {found.stone, T_W_C * found.T_C_O, found.score, found.visible, found.certainty});
   };
-  for (const auto& look : looks)
-    add(look.T_W_C, detect_stones(look.image, models, missing, options, known_in(look.T_W_C, explained)));
+  for (const auto& view : views)
+    add(view.T_W_C, detect_stones(view.image, models, missing, options, known_in(view.T_W_C, explained)));
   auto still_missing = unseen(missing, sightings);
   std::erase_if(still_missing, [&](int stone) {
     return std::find(together.begin(), together.end(), stone) == together.end();
   });
-  if (looks.size() == 1 || still_missing.empty()) return sightings;
+  if (views.size() == 1 || still_missing.empty()) return sightings;
   for (const Sighting& s : sightings)
     if (!seen(explained, s.stone)) explained.push_back(s);
-  const Pose& T_W_C = looks.front().T_W_C;
-  std::vector<DepthView> views;
-  for (const auto& look : looks) views.push_back({look.image, look.T_W_C});
-  add(T_W_C, detect_stones(views, models, still_missing, options, known_in(T_W_C, explained)));
+  const Pose& T_W_C = views.front().T_W_C;
+  std::vector<DepthView> depths;
+  for (const auto& view : views) depths.push_back({view.image, view.T_W_C});
+  add(T_W_C, detect_stones(depths, models, still_missing, options, known_in(T_W_C, explained)));
   return sightings;
 }
 

@@ -17,8 +17,8 @@ MotionOptions near_table(MotionOptions options) {
 
 }  // namespace
 
-Reach::Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
-    : belief_(std::move(belief)),
+Reach::Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
+    : arrangement_(std::move(arrangement)),
       scene_(std::move(scene)),
       catalogue_(catalogue),
       options_(options),
@@ -32,7 +32,7 @@ bool Reach::in_one_go(int stone, const Pose& T_W_O, const Stack& below, const st
   });
 }
 
-bool Reach::by_turning(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid,
+bool Reach::by_reorienting(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid,
                        const RegraspOptions& regrasp) {
   auto at = turning_.find(stone);
   if (at == turning_.end()) {
@@ -62,12 +62,12 @@ const GraspFinder& Reach::direct(int stone) {
 }
 
 PickAndPlaceTask Reach::lying(int stone) const {
-  return make_task(catalogue_, belief_, stone, Pose::Identity(), Joints::Zero());
+  return make_task(catalogue_, arrangement_, stone, Pose::Identity(), Joints::Zero());
 }
 
 std::vector<SceneObject> Reach::planned(const Stack& below) const {
   std::vector<SceneObject> objects;
-  for (std::size_t k = belief_.stack.size(); k < below.stones.size(); ++k) {
+  for (std::size_t k = arrangement_.stack.size(); k < below.stones.size(); ++k) {
     const Stone& lower = catalogue_.stones[static_cast<std::size_t>(below.stones[k].stone)];
     objects.push_back({lower.name, lower.pieces, below.stones[k].T_W_O});
   }

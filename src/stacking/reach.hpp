@@ -3,6 +3,7 @@
 #include <set>
 #include <vector>
 
+#include "stonestack/core/export.hpp"
 #include "stonestack/motion/grasp_check.hpp"
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -10,13 +11,13 @@
 /// Private to stacking/ and the commands: what a search may ask of arm and hand.
 namespace stonestack::stacking {
 
-/// What arm and hand can do with the stones of one belief. What does not depend on the target is worked out
-/// once for each stone, when it is first asked about; so not to be shared by threads.
-class Reach {
+/// What arm and gripper can do with the stones of one arrangement. What does not depend on the target is
+/// computed once for each stone, when it is first asked about; so not to be shared by threads.
+class STONESTACK_EXPORT Reach {
  public:
   /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and
   /// must be among the loose ones (InvalidArgument else).
-  Reach(Belief belief, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options);
+  Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options);
 
   /// How grasps of the stone fare where it lies.
   [[nodiscard]] const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
@@ -34,7 +35,7 @@ class Reach {
                                const std::vector<Pose>& avoid = {});
 
   /// The same, if it is set down on the table on the way.
-  [[nodiscard]] bool by_turning(int stone, const Pose& T_W_O, const Stack& below,
+  [[nodiscard]] bool by_reorienting(int stone, const Pose& T_W_O, const Stack& below,
                                 const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
  private:
@@ -43,7 +44,7 @@ class Reach {
   /// What will stand there that does not stand yet.
   [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const;
 
-  Belief belief_;
+  Arrangement arrangement_;
   PlanningScene scene_;
   const Catalogue& catalogue_;
   const MotionOptions& options_;

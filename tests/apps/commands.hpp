@@ -2,6 +2,7 @@
 // `stonestack` as a user runs it: what every end-to-end test of the command starts from.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,12 +14,14 @@
 #include <string>
 #include <vector>
 
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/pose.hpp"
 
 namespace stonestack {
 
+using namespace report;  // with the rooms below it: the whole library
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
@@ -55,7 +58,7 @@ class Commands : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] Outcome run(const std::string& arguments) const {
-    return shell(concat("cd ", folder_, " && ", STONESTACK_BINARY, " ", arguments, " 2>err"));
+    return shell(concat("cd ", folder_, " && ", program_, " ", arguments, " 2>err"));
   }
   /// A shell command that leaves its messages in the file `err` of the folder.
   [[nodiscard]] Outcome shell(const std::string& command) const {
@@ -70,6 +73,24 @@ class Commands : public testing::Test {
     outcome.err = read_file(folder_ + "/err", 1 << 20);
     return outcome;
   }
+  /// What a person sees who runs the command with these variables on a terminal; lines end in CR LF.
+  [[nodiscard]] std::string on_terminal(const std::string& variables, const std::string& arguments) const {
+    const std::string command =
+        concat("cd ", folder_, " && env ", variables, " ", STONESTACK_BINARY, " ", arguments);
+    int terminal = -1;
+    const pid_t child = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+    if (child == 0) {
+      ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      ::_exit(127);
+    }
+    std::string shown;
+    std::array<char, 4096> piece{};
+    for (ssize_t got = 0; (got = ::read(terminal, piece.data(), piece.size())) > 0;)
+      shown.append(piece.data(), static_cast<std::size_t>(got));  // ends with EIO when the child has left
+    ::close(terminal);
+    ::waitpid(child, nullptr, 0);
+    return shown;
+  }
   void write(const std::string& name, const std::string& text) const {
     write_file(folder_ + "/" + name, text);
   }
@@ -82,6 +103,7 @@ class Commands : public testing::Test {
   }
 
   std::string folder_;
+  std::string program_ = STONESTACK_BINARY;
 };
 
 }  // namespace stonestack

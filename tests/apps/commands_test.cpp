@@ -5,8 +5,6 @@
 #include <sstream>
 #include <utility>
 
-#include "stonestack/geometry/mesh_file.hpp"
-
 namespace stonestack {
 namespace {
 
@@ -61,77 +59,6 @@ TEST_F(Commands, TrackSaysWhatStandsMovedAndIsHeld) {
   expect_refusal("track scene/cloud.ply --expect before.json", 3, {"cloud.ply", "--camera-pose"});
   write("empty.json", "{}");
   expect_refusal("track scene/scene.yaml --expect empty.json", 3, {"empty.json", "detections"});
-}
-
-/// The rendered scene and the stones in it as a data set of the BOP layout, in millimetres.
-json write_bop(const std::string& folder, const json& rendered) {
-  const auto json_of = [](const Pose& T) {
-    json R = json::array(), t = json::array();
-    for (int i = 0; i < 9; ++i) R.push_back(T.linear()(i / 3, i % 3));
-    for (int i = 0; i < 3; ++i) t.push_back(1000 * T.translation()(i));
-    return std::pair{R, t};
-  };
-  json truth = json::array();
-  for (const json& stone : rendered["stones"]) {
-    const std::string name = stone["stone"];
-    const int id = name.back() - '0';
-    const Mesh mesh = read_mesh(concat(STONESTACK_SOURCE_DIR, "/data/stones/", name, "/mesh.ply"));
-    write_mesh(concat(folder, "/bop/models/obj_00000", id, ".ply"), scaled(mesh, 1000));
-    const auto [R, t] = json_of(pose_of(stone["T_C_O"]));
-    truth.push_back({{"obj_id", id}, {"cam_R_m2c", R}, {"cam_t_m2c", t}});
-  }
-  const std::string scene = folder + "/bop/test/000002";
-  fs::create_directories(scene + "/depth");
-  fs::copy_file(folder + "/scene/depth.png", scene + "/depth/000007.png");
-  const json camera = {{"cam_K", {475, 0, 319.5, 0, 475, 239.5, 0, 0, 1}}, {"depth_scale", 0.125}};
-  write_file(scene + "/scene_camera.json", json{{"7", camera}}.dump());
-  write_file(scene + "/scene_gt.json", json{{"7", truth}}.dump());
-  return truth;
-}
-
-TEST_F(Commands, BenchScoresADataSetOfTheBopLayout) {
-  const Outcome rendered = run("render --out scene --seed 3 --stones limestone_1,limestone_4 --json");
-  ASSERT_EQ(rendered.code, 0) << rendered.err;
-  const json truth = write_bop(folder_, rendered.data());
-  const Outcome scored = run("bench detection --bop bop --bop-csv results.csv");
-  ASSERT_EQ(scored.code, 0) << scored.err;
-  EXPECT_THAT(scored.out, HasSubstr("of 2 true poses 2 found within 5 deg and 5 mm"));
-  std::istringstream lines(read_file(folder_ + "/results.csv", 1 << 20));
-  std::string line;
-  std::getline(lines, line);
-  EXPECT_EQ(line, "scene_id,im_id,obj_id,score,R,t,time");
-  int count = 0;
-  for (; std::getline(lines, line); ++count) {
-    int scene = 0, image = 0, object = 0;
-    double score = 0, R[9], t[3];
-    ASSERT_EQ(std::sscanf(line.c_str(), "%d,%d,%d,%lf,%lf %lf %lf %lf %lf %lf %lf %lf %lf,%lf %lf %lf,",
-                          &scene, &image, &object, &score, R, R + 1, R + 2, R + 3, R + 4, R + 5, R + 6, R + 7,
-                          R + 8, t, t + 1, t + 2),
-              16)
-        << line;
-    EXPECT_EQ(scene, 2);
-    EXPECT_EQ(image, 7);
-    const json& there = truth[object == truth[0]["obj_id"] ? 0 : 1];
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(t[i], there["cam_t_m2c"][i].get<double>(), 2.0) << "mm";
-    for (int i = 0; i < 9; ++i) EXPECT_NEAR(R[i], there["cam_R_m2c"][i].get<double>(), 0.04);
-  }
-  EXPECT_EQ(count, 2);
-  write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 4, "inst_count": 1}])");
-  EXPECT_THAT(run("bench detection --bop bop").out, HasSubstr("1 images, 1 detections"));
-  EXPECT_EQ(run("bench detection --bop bop --bop-csv ours_bop-test.csv --methods paper,default").code, 0);
-  EXPECT_TRUE(fs::exists(folder_ + "/paper-ours_bop-test.csv"));
-  EXPECT_TRUE(fs::exists(folder_ + "/default-ours_bop-test.csv"));
-  expect_refusal("bench detection --bop bop --bop-split train", 3, {"bop/train", "--bop-split"});
-  expect_refusal("bench detection --bop nowhere", 3, {"nowhere/models"});
-  write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 9, "inst_count": 1}])");
-  expect_refusal("bench detection --bop bop", 3, {"test_targets_bop19.json", "object 9"});
-}
-
-TEST_F(Commands, AStoneBehindAnUnfoundOneIsFoundWithIt) {
-  // Two stones of this stack are refused one by one: each stands in the other's way.
-  const Outcome bench = run("bench detection --seed 2001 --scenes 1 --kinds stacked");
-  ASSERT_EQ(bench.code, 0) << bench.err;
-  EXPECT_THAT(bench.out, HasSubstr("4/4"));
 }
 
 TEST_F(Commands, SearchesAndPlansFromFiles) {
@@ -375,6 +302,7 @@ TEST_F(Commands, RunMovesNoRealArmUnlessToldTo) {
 
 TEST_F(Commands, RefuseBadInputWithOneLine) {
   expect_refusal("frobnicate", 2, {"unknown command 'frobnicate'", "search"});
+  expect_refusal("bench rtde", 2, {"unknown command 'bench'"});
   expect_refusal("run --cell nowhere", 3, {"nowhere", "loopback-ur10"});
   expect_refusal("run --robot kuka", 3, {"kuka", "ur10"});
   expect_refusal("run --catalogue nowhere", 3, {"nowhere"});
@@ -402,15 +330,6 @@ TEST_F(Commands, CellFilesAreListedWithTheirDefaults) {
   EXPECT_THAT(text, HasSubstr("\nsimulators.arm.faults.local_mode: false"));
   write("ill.yaml", "arm: {rtde_port: 99999}\n");
   expect_refusal("doctor --cell ill.yaml", 3, {"ill.yaml", "arm.rtde_port", "config cell"});
-}
-
-TEST_F(Commands, BenchRtdeCountsEverySample) {
-  const Outcome bench = run("bench rtde --seconds 1 --rate 125 --json");
-  ASSERT_EQ(bench.code, 0) << bench.err;
-  const json found = bench.data();
-  EXPECT_GT(found["samples"].get<int>(), 10);
-  EXPECT_EQ(found["refused"], 0);
-  EXPECT_GT(found["server_cpu_percent"].get<double>(), 0.0);
 }
 
 TEST_F(Commands, ConfigShowsWhatWon) {

@@ -47,6 +47,8 @@ TEST_F(Commands, CtrlCEndsAnExperimentWithWhatWasDoneAndItGoesOn) {
   expect_refusal(again + "--seed 7 --survival true --runs 3", 2, {"record", "run 1", "--survival false"});
   expect_refusal(again + "--seed 7 --survival false --runs 3 --set search.beam=5", 3,
                  {"run-1/options.yaml", "other options", "beam"});
+  expect_refusal("experiment --per-run 2 --out record --continue --seed 7 --survival false --runs 3", 2,
+                 {"record", "--per-run 1, not 2"});
   expect_refusal(again + "--survival false --runs 3 --seed 8", 3, {"record", "run 1 has the seed 7001"});
   write("record/run-3/journal.jsonl", "{}");  // as a run leaves it that was stopped under way
   const Outcome goes_on = run(again + "--seed 7 --survival false --runs 3 --json");
@@ -82,6 +84,23 @@ TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   expect_refusal(arguments + "--seed 2147483647", 2, {"2147483647", "2147483"});
   expect_refusal("experiment --runs 1 --per-run 7 --out record", 2, {"--per-run 7 of 6 stones", "--stones"});
   EXPECT_FALSE(fs::exists(folder_ + "/record"));
+}
+
+/// Also where its first run was stopped, so that no run tells what it was.
+TEST_F(Commands, AnExperimentWithoutARunGoesOnWithAsManyStonesARun) {
+  const Outcome stopped = shell(
+      interrupted_at(folder_, "experiment --runs 2 --per-run 2 --survival false --out record", "run 1 of 2"));
+  EXPECT_THAT(stopped.out, HasSubstr("code 130")) << stopped.err;
+  expect_refusal("experiment --runs 2 --per-run 3 --survival false --out record --continue", 2,
+                 {"record", "--per-run 2, not 3"});
+}
+
+TEST_F(Commands, OneExperimentAtATimeWritesIntoAFolder) {
+  fs::create_directories(folder_ + "/record");
+  const Outcome second = shell(concat("cd ", folder_, " && flock record ", STONESTACK_BINARY,
+                                      " experiment --runs 1 --continue --out record 2>err"));
+  EXPECT_EQ(second.code, 3);
+  EXPECT_THAT(second.err, HasSubstr("record: another program is writing its record there"));
 }
 
 TEST_F(Commands, ExperimentGoesOnOnlyWithAFolderThatItCanRead) {

@@ -67,6 +67,15 @@ TEST_F(ScanCommand, StoresTheGoodNamesTheBadAndEndsWith3) {
   EXPECT_EQ(stored(), 1);
 }
 
+TEST_F(ScanCommand, SaysThatNothingIsStoredWhereEveryFileFails) {
+  write_file(path("empty.ply"), "");
+  const Outcome outcome = scan("missing.ply empty.ply");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("2 of 2"), HasSubstr("none is stored")));
+  EXPECT_THAT(outcome.err, ::testing::Not(HasSubstr("the others are stored")));
+  EXPECT_EQ(stored(), 0);
+}
+
 TEST_F(ScanCommand, RefusesNamesThatWouldCollideBeforeItWorks) {
   fs::create_directories(path("a"));
   write_mesh(path("rock.ply"), make_box({0.10, 0.08, 0.06}));

@@ -1,4 +1,5 @@
 #include "commands.hpp"
+#include "stonestack/geometry/cloud_file.hpp"
 #include "stonestack/geometry/mesh_file.hpp"
 
 namespace stonestack {
@@ -32,6 +33,48 @@ TEST_F(SearchCommand, TellsWhereAStackThatWasMeasuredALittleOffComesToRest) {
   EXPECT_TRUE(found["repeatable"].get<bool>());
   EXPECT_EQ(run("check tower.yaml --catalogue boxes --seconds 1").code, 0)
       << "what was planned does not touch";
+}
+
+TEST_F(SearchCommand, ClearsTheProgressLineBeforeTheTable) {
+  write_scene(0.025);
+  const std::string shown = on_terminal("TERM=xterm", "search scene.yaml --catalogue boxes");
+  const std::size_t table = shown.find("stone  ");
+  ASSERT_NE(table, std::string::npos) << shown;
+  EXPECT_THAT(shown.substr(0, table), HasSubstr("\r\x1b[2K")) << "there was no progress to clear";
+  EXPECT_EQ(shown.substr(table - 5, 5), "\r\x1b[2K") << shown;
+}
+
+/// The scene or an output that cannot be is named before the catalogue is read and its shapes are built.
+TEST_F(SearchCommand, ChecksItsFilesFirst) {
+  write_scene(0.025);
+  write("taken", "a file");
+  const std::string nowhere = " --catalogue nowhere";
+  expect_refusal("search missing.ply" + nowhere, 3, {"missing.ply: No such file"});
+  expect_refusal("search scene.yaml --robot kuka" + nowhere, 3, {"kuka"});
+  for (const char* option : {"--out", "--picture", "--trace"})
+    expect_refusal(concat("search scene.yaml ", option, " taken/x", nowhere), 3,
+                   {"taken/x", "cannot be written", "taken is not a folder"});
+  expect_refusal("check missing.yaml" + nowhere, 3, {"missing.yaml: No such file"});
+  expect_refusal("check scene.yaml --picture taken/x.png" + nowhere, 3, {"taken/x.png"});
+  const std::string plan = "plan scene.yaml --stone high --target 0.7,0.28,0.1,0,0,0,1";
+  expect_refusal("plan missing.yaml --stone high --target 0.7,0.28,0.1,0,0,0,1" + nowhere, 3,
+                 {"missing.yaml: No such file"});
+  for (const char* option : {"--csv", "--plot", "--frames"})
+    expect_refusal(concat(plan, " ", option, " taken/x", nowhere), 3, {"taken/x", "taken is not a folder"});
+  expect_refusal("plan scene.yaml --search missing.json" + nowhere, 3, {"missing.json"});
+}
+
+TEST_F(SearchCommand, TakesACloudInTheUnitThatItsRemedyNames) {
+  ASSERT_EQ(run("render --out scene --catalogue boxes --seed 3").code, 0);
+  Cloud cloud = read_cloud(folder_ + "/scene/cloud.ply");
+  for (auto& p : cloud.points) p *= 1000.0F;
+  write_cloud(folder_ + "/mm.ply", cloud);
+  const std::string search = "search mm.ply --camera-pose scene/scene.yaml --catalogue boxes --json";
+  const Outcome metres = run(search);
+  EXPECT_NE(metres.code, 0);
+  EXPECT_THAT(metres.err, HasSubstr("--units"));
+  const Outcome millimetres = run(search + " --units mm");
+  EXPECT_EQ(millimetres.code, 0) << millimetres.err;
 }
 
 TEST_F(SearchCommand, SaysThatABudgetMayEndItElsewhereNextTime) {

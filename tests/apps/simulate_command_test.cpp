@@ -45,6 +45,17 @@ TEST_F(SimulateCommand, SwitchesCanBeSetOnTheCommandLine) {
   EXPECT_EQ(stopped.code, 7) << stopped.err;
 }
 
+/// Before the shapes are made, which takes seconds.
+TEST_F(SimulateCommand, SaysAtOnceWhatItIsDoing) {
+  const Outcome outcome = run("simulate --cell simulated-ur10 --catalogue nowhere");
+  EXPECT_EQ(outcome.code, 3);
+  const std::size_t said = outcome.err.find("making the simulated cell of "),
+                    refused = outcome.err.find("nowhere");
+  ASSERT_NE(said, std::string::npos) << outcome.err;
+  EXPECT_LT(said, refused);
+  expect_refusal("simulate --cell simulated-ur10 --per-run 9", 2, {"--per-run 9", "has 6 stones"});
+}
+
 TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
   const std::string serial =
       kFreePorts + "  gripper: {tcp: false, rtu: true}\n  force_torque: {cap: false, serial: true}\n";

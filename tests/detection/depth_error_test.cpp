@@ -1,12 +1,12 @@
 // The smooth error of a depth image: read off the table, and what that is worth for a stone.
-#include "detection/depth_error.hpp"
+#include "detection/scene/depth_error.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "detection/joint_refine.hpp"
-#include "detection/preprocess.hpp"
+#include "detection/hypotheses/joint_refine.hpp"
+#include "detection/scene/preprocess.hpp"
 #include "detection/test_scene.hpp"
 
 namespace stonestack::detection {

@@ -1,4 +1,4 @@
-#include "detection/describe.hpp"
+#include "detection/features/describe.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,11 +6,11 @@
 #include <cmath>
 #include <set>
 
-#include "detection/descriptors.hpp"
-#include "detection/keypoints.hpp"
-#include "detection/matching.hpp"
+#include "detection/features/descriptors.hpp"
+#include "detection/features/keypoints.hpp"
+#include "detection/features/matching.hpp"
+#include "detection/features/triangulate.hpp"
 #include "detection/test_scene.hpp"
-#include "detection/triangulate.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/method.hpp"
 

@@ -1,5 +1,5 @@
 // Stones that look like themselves turned, and what is said of their poses.
-#include "detection/likeness.hpp"
+#include "detection/judge/likeness.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,16 +2,16 @@
 
 #include <cmath>
 
-#include "detection/accept.hpp"
-#include "detection/candidates.hpp"
-#include "detection/consistency.hpp"
-#include "detection/keypoints.hpp"
-#include "detection/matching.hpp"
-#include "detection/models.hpp"
-#include "detection/preprocess.hpp"
-#include "detection/refine.hpp"
+#include "detection/features/consistency.hpp"
+#include "detection/features/keypoints.hpp"
+#include "detection/features/matching.hpp"
+#include "detection/features/models.hpp"
+#include "detection/hypotheses/candidates.hpp"
+#include "detection/hypotheses/refine.hpp"
+#include "detection/judge/accept.hpp"
+#include "detection/judge/verify.hpp"
+#include "detection/scene/preprocess.hpp"
 #include "detection/test_scene.hpp"
-#include "detection/verify.hpp"
 
 namespace stonestack::detection {
 namespace {

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "detection/align_views.hpp"
+#include "detection/scene/align_views.hpp"
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"

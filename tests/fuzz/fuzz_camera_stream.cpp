@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "protocol/frame_stream.hpp"
 #include "rooms.hpp"
-#include "hardware/camera/frame_stream.hpp"
 
 namespace {
 

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "protocol/dashboard_text.hpp"
 #include "rooms.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "protocol/ft_frames.hpp"
 #include "rooms.hpp"
-#include "hardware/robotiq/ft_frames.hpp"
 
 namespace {
 

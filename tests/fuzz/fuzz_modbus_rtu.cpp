@@ -1,8 +1,8 @@
 // Modbus RTU on both sides: a frame is found only where its CRC is right, and never beyond the bytes.
 #include <cstdlib>
 
+#include "protocol/modbus_frame.hpp"
 #include "rooms.hpp"
-#include "hardware/robotiq/modbus_frame.hpp"
 
 namespace {
 

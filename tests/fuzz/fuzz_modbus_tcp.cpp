@@ -1,10 +1,10 @@
 // Modbus/TCP on both sides: headers, requests as a server reads them, replies as a client does.
 #include <cstdlib>
 
-#include "rooms.hpp"
+#include "emulators/robotiq/gripper_registers.hpp"
 #include "hardware/robotiq/gripper_words.hpp"
-#include "hardware/robotiq/modbus_frame.hpp"
-#include "simulation/robotiq/gripper_registers.hpp"
+#include "protocol/modbus_frame.hpp"
+#include "rooms.hpp"
 
 namespace {
 

@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "rooms.hpp"
-#include "stonestack/hardware/ur/primary_wire.hpp"
+#include "stonestack/protocol/primary_wire.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace stonestack;

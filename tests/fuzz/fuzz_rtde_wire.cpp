@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "rooms.hpp"
-#include "stonestack/hardware/ur/rtde_wire.hpp"
+#include "stonestack/protocol/rtde_wire.hpp"
 
 namespace {
 

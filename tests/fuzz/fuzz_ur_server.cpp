@@ -4,9 +4,9 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "emulators/ur/dashboard_session.hpp"
+#include "emulators/ur/rtde_session.hpp"
 #include "rooms.hpp"
-#include "simulation/ur/dashboard_session.hpp"
-#include "simulation/ur/rtde_session.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 
 namespace {

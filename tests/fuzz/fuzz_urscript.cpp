@@ -2,9 +2,9 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "emulators/ur/controller.hpp"
 #include "rooms.hpp"
-#include "simulation/ur/controller.hpp"
-#include "simulation/ur/script_collector.hpp"
+#include "urscript/script_collector.hpp"
 
 namespace {
 

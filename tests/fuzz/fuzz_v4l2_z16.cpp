@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "rooms.hpp"
 #include "hardware/camera/v4l2_recording.hpp"
-#include "hardware/camera/z16.hpp"
+#include "protocol/z16.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace {

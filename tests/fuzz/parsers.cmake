@@ -16,14 +16,16 @@ stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequenc
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file stone_yaml)
 stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
-stonestack_files(parsers hardware cell_file cell_limits camera/camera_settings camera/frame_stream camera/recording camera/v4l2_recording camera/z16
-  robotiq/ft_frames robotiq/gripper_words robotiq/modbus_frame ur/dashboard_text ur/primary_wire ur/rtde_wire)
-stonestack_files(parsers motion problem_file)
-stonestack_files(parsers simulation robotiq/gripper_plant robotiq/gripper_registers
-  ur/builtins ur/builtins_flow ur/builtins_io ur/builtins_motion ur/builtins_poses ur/builtins_sockets
-  ur/builtins_state ur/builtins_text ur/compile_expressions ur/compile_statements ur/controller
-  ur/controller_programs ur/dashboard_session ur/external_control ur/lexer ur/machine ur/machine_calls ur/rtde_access ur/rtde_session
-  ur/script_collector ur/value)
+stonestack_files(parsers protocol dashboard_text frame_stream ft_frames modbus_frame primary_wire rtde_wire z16)
+stonestack_files(parsers hardware cell_edit cell_file cell_limits camera/camera_settings camera/recording camera/v4l2_recording
+  robotiq/gripper_words)
+stonestack_files(parsers motion pick_and_place/problem_file)
+stonestack_files(parsers urscript builtins builtins_poses builtins_text compile_expressions compile_statements lexer
+  machine machine_calls script_collector value)
+stonestack_files(parsers emulators robotiq/gripper_plant robotiq/gripper_registers
+  ur/builtins_flow ur/builtins_io ur/builtins_kinematics ur/builtins_motion ur/builtins_sockets ur/builtins_state
+  ur/controller ur/controller_programs ur/dashboard_session ur/external_control ur/robot_library ur/rtde_access
+  ur/rtde_session)
 
 # What these stand on: no foreign byte is read there, so it is built as fast as can be.
 stonestack_files(others core byte_stream clock data error log random serial socket)
@@ -32,10 +34,11 @@ stonestack_files(others kinematics calibrated_inverse closed_form forward hand_e
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
   camera/stream_camera camera/v4l2_camera camera/v4l2_kernel robotiq/ft_link robotiq/ft_sensor robotiq/modbus
   robotiq/modbus_rtu robotiq/modbus_tcp robotiq/three_finger_gripper ur/dashboard_client ur/primary_client
-  ur/rtde_client ur/rtde_fields ur/rtde_session ur/run_program ur/script_gate ur/script_guard ur/script_text
+  ur/rtde_client ur/rtde_session ur/run_program ur/script_gate ur/script_guard ur/script_text
   ur/script_writer ur/ur_arm ur/ur_link ur/ur_status)
-stonestack_files(others motion planning_scene)
-stonestack_files(others simulation ur/arm_geometry ur/ideal_plant ur/motion ur/motion_step ur/profile)
+stonestack_files(others protocol rtde_fields)
+stonestack_files(others motion collision/planning_scene)
+stonestack_files(others emulators ur/arm_geometry ur/ideal_plant ur/motion ur/motion_step ur/profile)
 
 function(stonestack_part target)
   add_library(${target} STATIC ${ARGN})

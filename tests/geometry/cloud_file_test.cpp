@@ -107,6 +107,37 @@ TEST(CloudFile, PcdAsciiAndCompressedWithOtherFields) {
   }
 }
 
+TEST(CloudFile, PcdOfOlderPclEndsWithZeros) {
+  const std::string file = compressed_pcd(packed_points(), 32);
+  const Cloud cloud = parse_cloud("x", "pcd", file + std::string(3901, '\0'));
+  ASSERT_EQ(cloud.points.size(), 2U);
+  EXPECT_EQ(cloud.points[1], Eigen::Vector3f(2, 4, 2));
+  EXPECT_THAT(problem("pcd", file + std::string(3900, '\0') + "x"), HasSubstr("3901 bytes stand after"));
+  EXPECT_THAT(problem("pcd", file + "x"), HasSubstr("1 bytes stand after"));
+  std::string binary = std::string(kHead) + "WIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA binary\n";
+  for (const float x : {1.0F, 2.0F, 3.0F, 0.0F}) append_little(binary, x);
+  EXPECT_THAT(problem("pcd", binary), "");
+  EXPECT_THAT(problem("pcd", binary + std::string(4, '\0')), HasSubstr("4 bytes stand after"))
+      << "points that the header does not count";
+}
+
+TEST(CloudFile, ReadsThePublicCloudsOfPcl) {
+  std::filesystem::path beside = STONESTACK_SOURCE_DIR;
+  while (beside.has_relative_path() && !std::filesystem::exists(beside / "shared/real"))
+    beside = beside.parent_path();
+  int read = 0;
+  for (const char* const part : {"mosd_learn", "pcl_milk"}) {
+    const auto folder = beside / "shared/real" / part;
+    if (!std::filesystem::exists(folder)) continue;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().extension() != ".pcd") continue;
+      EXPECT_GT(without_gaps(read_cloud(entry.path())).points.size(), 10000U) << entry.path();
+      ++read;
+    }
+  }
+  if (read == 0) GTEST_SKIP() << "no recordings beside the project";
+}
+
 TEST(CloudFile, RefusalsSayWhatIsWrong) {
   const std::string head = kHead;
   EXPECT_THAT(problem("pcd", head + "WIDTH 65536\nHEIGHT 65536\nPOINTS 0\nDATA binary\n"),

@@ -7,7 +7,7 @@
 
 #include "hardware/fake_server.hpp"
 #include "hardware/hex.hpp"
-#include "stonestack/hardware/ur/rtde_wire.hpp"
+#include "stonestack/protocol/rtde_wire.hpp"
 
 namespace stonestack::hardware {
 

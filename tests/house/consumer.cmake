@@ -1,12 +1,35 @@
-# Installs the library and builds a project that knows nothing of this tree against it.
+# Installs everything, builds a project that knows nothing of this tree against it, and runs the installed programs, also
+# after the prefix has been moved.
 file(REMOVE_RECURSE "${WORK}")
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE text)
   if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${ARGN} failed:\n${text}")
+    message(FATAL_ERROR "${ARGN} failed (${result}):\n${text}")
   endif()
 endfunction()
+
+# The installed programs start by themselves, and the command finds the data beside it: a cell that is only there.
+function(run_installed prefix)
+  run(${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH "${prefix}/bin/stonestack-import" --help)
+  if(NOT EXISTS "${prefix}/bin/stonestack")
+    return()  # built without PCL
+  endif()
+  set(command ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${prefix}/bin/stonestack")
+  run(${command} --version)
+  file(COPY_FILE "${prefix}/share/stonestack/cells/loopback-ur10.yaml" "${prefix}/share/stonestack/cells/only-here.yaml")
+  execute_process(COMMAND ${command} run --cell no-such-cell RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  if(NOT result EQUAL 3 OR NOT text MATCHES "only-here")
+    message(FATAL_ERROR "${prefix}: the command does not look for data beside itself (${result}):\n${text}")
+  endif()
+endfunction()
+
 run(${CMAKE_COMMAND} --install "${BUILD}" --prefix "${WORK}/prefix")
+if(NOT EXISTS "${WORK}/prefix/share/doc/stonestack/LICENSE")
+  message(FATAL_ERROR "LICENSE is not installed")
+endif()
 run(${CMAKE_COMMAND} -S "${CONSUMER}" -B "${WORK}/build" -G Ninja "-DCMAKE_PREFIX_PATH=${WORK}/prefix" -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build "${WORK}/build")
 run(${CMAKE_COMMAND} -E env "LD_LIBRARY_PATH=${WORK}/prefix/lib/x86_64-linux-gnu:${WORK}/prefix/lib" "${WORK}/build/consumer")
+run_installed("${WORK}/prefix")
+file(RENAME "${WORK}/prefix" "${WORK}/moved")
+run_installed("${WORK}/moved")

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/segment.hpp"
+#include "motion/collision/segment.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"

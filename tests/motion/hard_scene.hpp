@@ -9,7 +9,7 @@
 
 namespace stonestack::test {
 
-/// The hard set of `bench motion`: a UR10, towers, a post and bars between stones and site.
+/// The hard set of `stonestack-bench motion`: a UR10, towers, a post and bars between stones and site.
 inline PlanningScene hard_scene() {
   PlanningScene scene;
   scene.robot = read_robot("ur10");

@@ -1,11 +1,11 @@
-#include "motion/pad_press.hpp"
+#include "motion/grasp/pad_press.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "motion/pick_candidates.hpp"
+#include "motion/pick_and_place/pick_candidates.hpp"
 
 namespace stonestack::motion {
 namespace {

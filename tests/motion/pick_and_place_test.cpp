@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "motion/constants.hpp"
-#include "motion/pick_attempt.hpp"
+#include "motion/pick_and_place/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"

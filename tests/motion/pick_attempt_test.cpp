@@ -1,4 +1,4 @@
-#include "motion/pick_attempt.hpp"
+#include "motion/pick_and_place/pick_attempt.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "motion/proof.hpp"
+#include "motion/collision/proof.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-#include "motion/rest_graph.hpp"
+#include "motion/pick_and_place/rest_graph.hpp"
 
 #include <gtest/gtest.h>
 
-#include "motion/set_down.hpp"
+#include "motion/pick_and_place/set_down.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,4 +1,4 @@
-#include "motion/round_corners.hpp"
+#include "motion/path/round_corners.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "motion/shorten_path.hpp"
+#include "motion/path/shorten_path.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "motion/least_time.hpp"
-#include "motion/smooth_path.hpp"
+#include "motion/path/least_time.hpp"
+#include "motion/path/smooth_path.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/forward.hpp"

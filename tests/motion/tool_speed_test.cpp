@@ -1,4 +1,4 @@
-#include "motion/tool_speed.hpp"
+#include "motion/path/tool_speed.hpp"
 
 #include <gtest/gtest.h>
 

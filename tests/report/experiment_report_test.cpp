@@ -64,25 +64,6 @@ TEST(ExperimentReport, WhatWasNotTriedHasNoRate) {
   EXPECT_THAT(experiment_table(untried), testing::Not(HasSubstr("stand whole after")));
 }
 
-TEST(ExperimentReport, IntervalIsWilsons) {
-  const Rate rate{8, 10};  // by hand: Wilson 95 % of 8/10 is 0.4902 to 0.9433
-  EXPECT_NEAR(rate.low(), 0.4902, 1e-4);
-  EXPECT_NEAR(rate.high(), 0.9433, 1e-4);
-  const Rate all{11, 11};
-  EXPECT_DOUBLE_EQ(all.high(), 1.0);
-  EXPECT_NEAR(all.low(), 0.7412, 1e-4);
-}
-
-TEST(ExperimentReport, ComparesPredictionsWithWhatWasSeen) {
-  const auto bins = calibration(sample());
-  ASSERT_EQ(bins.size(), 5u);
-  EXPECT_EQ(bins[4].observed.trials, 3);  // not picked is no placement
-  EXPECT_EQ(bins[4].observed.hits, 3);
-  EXPECT_EQ(bins[1].observed.trials, 1);
-  EXPECT_EQ(bins[1].observed.hits, 0);
-  EXPECT_NEAR(bins[4].mean_prediction, 0.95, 1e-12);
-}
-
 /// Numbers to nine digits: poses become quaternions and matrices again.
 nlohmann::json to_nine_digits(const nlohmann::json& value) {
   if (value.is_number_float()) return std::round(1e9 * value.get<double>());
@@ -165,7 +146,7 @@ Experiment with_a_way_back() {
   experiment.runs.push_back(
       run_of(4, 4,
              {placement(0.1, 0.9, Outcome::kPlaced, "a"), placement(0.1, 0.9, Outcome::kPlaced, "b"),
-              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.0, 0.0, Outcome::kTakenOff, "c"),
+              placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.0, 0.0, Outcome::kUnstacked, "c"),
               placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.1, 0.9, Outcome::kFallen, "d"),
               placement(0.1, 0.9, Outcome::kPlaced, "c"), placement(0.1, 0.9, Outcome::kPlaced, "d")}));
   return experiment;

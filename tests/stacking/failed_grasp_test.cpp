@@ -62,9 +62,9 @@ struct Workplace {
       : world(catalogue.stones, stones, robot, CellLayout{}, seeded()) {
     options.search.horizon = 1;
   }
-  [[nodiscard]] RunResult run(Gripper& gripper, const BuildHooks& hooks = {}) {
+  [[nodiscard]] RunResult run(Gripper& gripper) {
     Cell cell{devices.arm, gripper, devices.force_torque, devices.camera, devices.clock, devices.layout};
-    return build_tower(cell, catalogue, robot, options, hooks);
+    return build_tower(cell, catalogue, robot, options);
   }
 
  private:
@@ -137,30 +137,29 @@ class ClumsyGripper : public Gripper {
   bool thrown_ = false;
 };
 
-/// A run with one stone and that hand; what it says goes to `said`.
-RunResult run_with_clumsy_hand(const Eigen::Vector2d& throw_to, std::string* said) {
+/// A run with one stone and that gripper.
+RunResult run_with_clumsy_gripper(const Eigen::Vector2d& throw_to) {
   Workplace place({1});
   ClumsyGripper gripper(place.devices, place.world, throw_to - place.devices.layout.site);
-  BuildHooks hooks;
-  hooks.report = [&](const std::string& line) { *said += line + "\n"; };
-  RunResult result = place.run(gripper, hooks);
+  RunResult result = place.run(gripper);
   EXPECT_TRUE(gripper.has_thrown());
   return result;
 }
 
 TEST(FailedPlacement, ItsPlanIsNotFollowedAgain) {
-  std::string said;
-  const RunResult result = run_with_clumsy_hand(CellLayout{}.field_centre, &said);
+  const RunResult result = run_with_clumsy_gripper(CellLayout{}.field_centre);
   ASSERT_FALSE(result.placements.empty());
   EXPECT_EQ(result.placements.front().outcome, PlacementRecord::Outcome::kFallen);
-  EXPECT_EQ(said.find("the plan still holds"), std::string::npos) << said;
+  EXPECT_TRUE(all_of<PlanHolds>(result.events).empty());
   EXPECT_EQ(result.height, 1) << result.ended;
 }
 
 TEST(FailedPlacement, AStoneThatRolledOutOfSightIsLookedForBesideTheSite) {
-  std::string said;
-  const RunResult result = run_with_clumsy_hand(CellLayout{}.site + Eigen::Vector2d(-0.36, 0.1), &said);
-  EXPECT_NE(said.find("looking for limestone_2 beside the site"), std::string::npos) << said;
+  const RunResult result = run_with_clumsy_gripper(CellLayout{}.site + Eigen::Vector2d(-0.36, 0.1));
+  const auto sought = all_of<StoneSought>(result.events);
+  ASSERT_FALSE(sought.empty());
+  EXPECT_EQ(sought.back().view.stone, 1);
+  EXPECT_EQ(sought.back().view.where, LookAgain::Where::kBesideSite);
   ASSERT_FALSE(result.placements.empty());
   EXPECT_EQ(result.placements.front().outcome, PlacementRecord::Outcome::kFallen) << "seen again, not lost";
   EXPECT_TRUE(result.placements.front().T_W_O_measured.has_value());

@@ -24,9 +24,9 @@ TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
     journal.record("intent", "3");
   }
   EXPECT_EQ(read_file(path, 1000),
-            "{\"seq\": 0, \"kind\": \"intent\", \"data\": {\"step\": 1}}\n"
-            "{\"seq\": 1, \"kind\": \"done\", \"data\": {}}\n"
-            "{\"seq\": 2, \"kind\": \"intent\", \"data\": 3}\n");
+            R"({"seq":0,"kind":"intent","data":{"step":1}})" "\n"
+            R"({"seq":1,"kind":"done","data":{}})" "\n"
+            R"({"seq":2,"kind":"intent","data":3})" "\n");
   std::filesystem::remove(path);
 }
 

@@ -1,6 +1,6 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stacking/heard.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -39,15 +39,16 @@ TEST(LearnFromFall, FrictionsThatWouldHaveHeldAreLessLikelyAndItGoesOn) {
   Cell cell{devices.arm, devices.gripper, devices.force_torque, camera, devices.clock, devices.layout};
   BuildOptions options;
   options.search.horizon = 1;
-  std::string said;
-  BuildHooks hooks;
-  hooks.report = [&](const std::string& line) { said += line + "\n"; };
-  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
+  const RunResult result = build_tower(cell, catalogue, robot, options);
+  const std::string said = test::words(result.events, catalogue);
   ASSERT_TRUE(camera.thrown) << said;
   ASSERT_GE(result.placements.size(), 3U) << said;
   EXPECT_EQ(result.placements[1].outcome, PlacementRecord::Outcome::kFallen);
   // It was sure with all but little friction, so 0.225, 0.35 and 0.475 lose three quarters each.
-  EXPECT_THAT(said, testing::ContainsRegex("how likely each friction is after that fall: 0.1: [1-3][0-9] %"));
+  const auto learned = all_of<FrictionUpdated>(result.events);
+  ASSERT_EQ(learned.size(), 1U);
+  EXPECT_DOUBLE_EQ(learned[0].friction.frictions[0], 0.1);
+  EXPECT_GT(learned[0].friction.weights[0], 0.105);
   EXPECT_EQ(result.height, 2) << said;
 }
 

@@ -13,14 +13,14 @@
 namespace stonestack::stacking {
 namespace {
 
-/// One look at a simulated field with limestones 2 and 3, and where they are seen when nothing is known.
+/// One view at a simulated field with limestones 2 and 3, and where they are seen when nothing is known.
 struct SeenField {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   RobotModel robot = read_robot("ur10");
   DetectionOptions options;
   DetectionModels models{catalogue.stones, options};
   std::vector<int> wanted{1, 2};
-  Look look;
+  CameraView view;
   std::vector<Sighting> seen;
 
   SeenField() {
@@ -31,12 +31,12 @@ struct SeenField {
     PlanningScene scene = make_planning_scene(cell.layout, robot, catalogue, {});
     const Eigen::Vector2d& field = cell.layout.field_centre;
     const auto way =
-        find_way_to_look(cell, scene, look_poses(cell.layout, {field.x(), field.y(), 0.05}, 0.6), {});
-    look = look_along(cell, robot, way.value());
+        plan_route_to_view(cell, scene, view_poses(cell.layout, {field.x(), field.y(), 0.05}, 0.6), {});
+    view = take_view(cell, robot, way.value());
     seen = find({});
   }
-  [[nodiscard]] std::vector<Sighting> find(const Belief& before) const {
-    auto found = find_in_looks({look}, models, wanted, wanted, before, options);
+  [[nodiscard]] std::vector<Sighting> find(const Arrangement& before) const {
+    auto found = find_in_views({view}, models, wanted, wanted, before, options);
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.stone < b.stone; });
     return found;
   }
@@ -52,9 +52,9 @@ TEST(PlanningSceneOfACell, HoldsTheObstaclesBehindTheStonesAndTheHandsMasses) {
   CellLayout layout;
   layout.obstacles = {{"wall", {make_box({0.1, 1.0, 1.0})}, Pose(Eigen::Translation3d(0.4, 0.0, 0.5))}};
   layout.sensor_mass = 0.3;
-  Belief belief;
-  belief.loose = {{1, Pose::Identity()}};
-  const PlanningScene scene = make_planning_scene(layout, read_robot("ur10"), catalogue, belief);
+  Arrangement arrangement;
+  arrangement.loose = {{1, Pose::Identity()}};
+  const PlanningScene scene = make_planning_scene(layout, read_robot("ur10"), catalogue, arrangement);
   ASSERT_EQ(scene.objects.size(), 2u);
   EXPECT_EQ(scene.objects[1].name, "wall");
   EXPECT_DOUBLE_EQ(scene.objects[1].T_W_object.translation().x(), 0.4);
@@ -77,9 +77,9 @@ TEST(PlanningSceneOfACell, HasTheCameraWhereTheLayoutMountsIt) {
   EXPECT_FALSE(CollisionChecker(make_planning_scene(layout, robot, catalogue, {}), rules).collides(q));
 }
 
-TEST(FindInLooks, WhatLiesWhereItWasIsFoundThere) {
+TEST(FindInViews, WhatLiesWhereItWasIsFoundThere) {
   ASSERT_EQ(field().seen.size(), 2U);
-  Belief before;
+  Arrangement before;
   for (const Sighting& s : field().seen)
     before.loose.push_back({s.stone, Eigen::Translation3d(0.003, -0.002, 0) * s.T_W_O});
   const auto again = field().find(before);
@@ -91,27 +91,27 @@ TEST(FindInLooks, WhatLiesWhereItWasIsFoundThere) {
   }
 }
 
-TEST(FindInLooks, HowCertainItIsWhichStoneItIsComesAlong) {
+TEST(FindInViews, HowCertainItIsWhichStoneItIsComesAlong) {
   std::vector<Stone> stones = field().catalogue.stones;
   stones.push_back(stones[1]);
   const DetectionModels models(stones, field().options);
-  const auto found = find_in_looks({field().look}, models, {1}, {}, {}, field().options);
+  const auto found = find_in_views({field().view}, models, {1}, {}, {}, field().options);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_LT(found[0].certainty, 0.7) << "it may be its twin";
   for (const Sighting& s : field().seen) EXPECT_GT(s.certainty, 0.9);
 }
 
-TEST(FindInLooks, WhatMovedFarIsFoundAnew) {
-  Belief before;
+TEST(FindInViews, WhatMovedFarIsFoundAnew) {
+  Arrangement before;
   for (const Sighting& s : field().seen)
     before.loose.push_back({s.stone, Eigen::Translation3d(0.2, 0, 0) * s.T_W_O});
   EXPECT_EQ(field().find(before).size(), 2U);
 }
 
-/// A stone of the stack below one that is in its place is there, though no look shows it: what looks like it
+/// A stone of the stack below one that is in its place is there, though no view shows it: what views like it
 /// in the field is not taken for it.
-TEST(FindInLooks, WhatIsHiddenBelowASeenStoneIsNotSoughtElsewhere) {
-  Belief before;
+TEST(FindInViews, WhatIsHiddenBelowASeenStoneIsNotSoughtElsewhere) {
+  Arrangement before;
   const Pose T_W_hidden = Eigen::Translation3d(0, 0, -0.08) * field().seen[0].T_W_O;
   before.stack = {{field().seen[1].stone, T_W_hidden}, {field().seen[0].stone, field().seen[0].T_W_O}};
   const auto found = field().find(before);

@@ -13,7 +13,7 @@ struct Bench {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   CellLayout layout;
   RobotModel robot = read_robot("ur10");
-  Belief belief;
+  Arrangement arrangement;
 
   Bench() {
     const Stone& stone = catalogue.stones[1];
@@ -21,16 +21,16 @@ struct Bench {
     double lowest = 0.0;
     for (const auto& p : stone.scan.vertices) lowest = std::min(lowest, (T_W_O * p).z());
     T_W_O.translation() << layout.field_centre, -lowest;
-    belief.loose.push_back({1, T_W_O});
+    arrangement.loose.push_back({1, T_W_O});
   }
   [[nodiscard]] Reach reach(const MotionOptions& options) const {
-    return {belief, make_planning_scene(layout, robot, catalogue, belief), catalogue, options};
+    return {arrangement, make_planning_scene(layout, robot, catalogue, arrangement), catalogue, options};
   }
   [[nodiscard]] bool held_with(double padding) const {
     MotionOptions options;
     options.approach_padding = padding;
-    const PlanningScene scene = make_planning_scene(layout, robot, catalogue, belief);
-    return GraspFinder(scene, catalogue.stones[1], 0, belief.loose[0].T_W_O, options).at_pick().can_be_held();
+    const PlanningScene scene = make_planning_scene(layout, robot, catalogue, arrangement);
+    return GraspFinder(scene, catalogue.stones[1], 0, arrangement.loose[0].T_W_O, options).at_pick().can_be_held();
   }
 };
 

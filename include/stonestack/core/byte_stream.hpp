@@ -7,6 +7,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// A point of the host's steady time that a call must not outlast. Pass one deadline through all steps of a
@@ -104,3 +106,5 @@ class ByteStream {
 };
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// Where time comes from: the steady clock of the host, or a simulation's. Seconds since the
@@ -33,3 +35,5 @@ class Stopwatch {
 };
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// Path of a file or folder that comes with stonestack, e.g. `data_path("stones")`,
@@ -11,3 +13,5 @@ namespace stonestack::core {
 [[nodiscard]] std::string data_path(const std::string& name);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// Errors are split by who must act. Expected outcomes (nothing seen, no stable pose, no inverse
 /// kinematics) are values, not errors.
 namespace stonestack::core {
@@ -74,11 +76,13 @@ void require(bool condition, const Parts&... parts) {
   if (!condition) throw InvalidArgument(concat(parts...));
 }
 
-/// Throws Interrupted after SIGINT or SIGTERM was noted by `note_interrupt`. Long loops call it once a turn.
+/// Throws Interrupted after `note_interrupt`, or once a `TimeLimit` is over. Long loops call it once a turn.
 void throw_if_interrupted();
 /// Async-signal-safe: remembers that the process was asked to end.
 void note_interrupt() noexcept;
-/// True once `note_interrupt` was called.
+/// True once `note_interrupt` was called, and while the time of a `TimeLimit` is over.
 [[nodiscard]] bool interrupt_noted() noexcept;
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// Reading and writing whole files, so that parsers parse memory and nothing is left half-written.
 namespace stonestack::core {
 
@@ -12,7 +14,13 @@ namespace stonestack::core {
 /// unreadable).
 [[nodiscard]] std::string read_file(const std::string& path, std::size_t largest);
 /// Writes to a temporary file beside `path` and renames it, so that a reader sees the old or the new file and
-/// never a part. Makes missing folders. Throws FileError.
+/// never a part; it is on the disk before it gets its name. Into a device or pipe it writes directly. Makes
+/// missing folders. Throws FileError.
 void write_file(const std::string& path, std::string_view content);
+/// Throws FileError where `write_file` could not write: `path` is a folder, or the folder that exists nearest
+/// above it takes no files. For a check before long work; writes nothing.
+void require_writable(const std::string& path);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

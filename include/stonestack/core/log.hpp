@@ -4,6 +4,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// One log sink for the whole process: stderr, so that stdout stays data.
 namespace stonestack::core {
 
@@ -18,5 +20,10 @@ void log_warning(std::string_view line);
 void log_error(std::string_view line);
 /// Progress of long work: overwritten in place on a terminal, one line a change elsewhere.
 void log_progress(std::string_view line);
+/// Erases the progress line, if one stands on the terminal. Call before anything else is printed; the lines
+/// above do so by themselves.
+void clear_progress();
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
@@ -77,3 +79,5 @@ void read_fields(const FieldList& list, const std::string& path, const FieldList
 [[nodiscard]] std::string field_text(const Field& field);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

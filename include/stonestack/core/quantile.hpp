@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// The value that a `share` of `values` (in any order) lies below: 0 the least, 0.5 the median (the upper one
@@ -11,3 +13,5 @@ namespace stonestack::core {
 [[nodiscard]] double quantile(std::vector<double> values, double share);
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

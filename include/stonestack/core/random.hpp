@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// Seeded random numbers with distributions of our own, so that a seed means the same on every
@@ -48,3 +50,5 @@ class Random {
 };
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/core/byte_stream.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// A serial line: raw, 8 data bits, no parity, 1 stop bit, no flow control. Locked against other programs
@@ -38,3 +40,5 @@ class PseudoTerminal : public ByteStream {
 };
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/core/byte_stream.hpp"
 
+#pragma GCC visibility push(default)
+
 /// TCP over IPv4. Loopback is the rule: a server listens elsewhere only when it is told so.
 namespace stonestack::core {
 
@@ -55,3 +57,5 @@ class TcpListener {
 };
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

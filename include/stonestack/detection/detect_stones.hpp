@@ -11,6 +11,8 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// What may as well be there: another pose of a stone of nearly symmetric shape, or another stone of like
@@ -123,3 +125,5 @@ class DetectionModels {
                                                    const SceneKnowledge& known = {});
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// The options that a method stands for, to be changed further: default, or paper (section 2: RoPS, kd-tree,
@@ -10,3 +12,5 @@ namespace stonestack::detection {
 [[nodiscard]] DetectionOptions options_of(const std::string& method);
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// A keypoint of the scene and the keypoint of a model that is described most alike.
@@ -49,3 +51,5 @@ struct DetectionTrace {
 void write_trace(const std::string& folder, const DetectionTrace& trace, std::span<const Stone> stones);
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

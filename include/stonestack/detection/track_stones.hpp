@@ -6,6 +6,8 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// What became of a stone that was placed before.
@@ -45,3 +47,5 @@ struct TrackOptions {
                                        const TrackOptions& limits = {});
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Points, metres, in the frame its owner's name says. Organised when width * height == points.size() and
@@ -20,3 +22,5 @@ struct Cloud {
 [[nodiscard]] Cloud without_gaps(const Cloud& cloud);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/cloud.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Reads PLY and PCD (ASCII, binary, binary_compressed), organised or not. Throws FileError.
@@ -12,3 +14,5 @@ namespace stonestack::geometry {
 void write_cloud(const std::string& path, const Cloud& cloud);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Options of `convex_pieces`.
@@ -20,3 +22,5 @@ struct ConvexPiecesOptions {
 [[nodiscard]] Mesh convex_hull(const Mesh& mesh);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

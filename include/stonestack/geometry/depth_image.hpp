@@ -4,6 +4,8 @@
 
 #include "stonestack/geometry/cloud.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Pinhole camera with lens distortion; optical frame C.
@@ -26,6 +28,15 @@ struct DepthImage {
   [[nodiscard]] float at(int u, int v) const { return z[static_cast<std::size_t>(v * camera.width + u)]; }
 };
 
+/// A depth image as a camera took it; `number` and `device_time` rise from frame to frame, a repeated one is
+/// a DeviceError.
+struct DepthFrame {
+  DepthImage image;
+  long number = 0;
+  double device_time = 0.0;  ///< s
+  double host_time = 0.0;    ///< s of `host_seconds`, when it was here; in a simulated cell of its clock
+};
+
 /// Ray through a pixel centre with z = 1, lens distortion removed.
 [[nodiscard]] Eigen::Vector3d deproject(const CameraIntrinsics& camera, double u, double v);
 /// Pixel of a point with z > 0, lens distortion applied.
@@ -39,3 +50,5 @@ void write_depth_png(const std::string& path, const DepthImage& image, double un
 [[nodiscard]] DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// What a ray hit.
@@ -47,3 +49,5 @@ struct RenderedView {
 [[nodiscard]] RenderedView render(const RayScene& scene, const CameraIntrinsics& camera, const Pose& T_W_C);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

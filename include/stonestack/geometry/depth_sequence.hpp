@@ -5,6 +5,8 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// One recorded depth image: where it is and what is known of it.
@@ -58,3 +60,5 @@ void check_principal_point(const CameraIntrinsics& camera, const std::string& pa
 [[nodiscard]] DepthImage read_depth(const DepthRecord& record);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Pinhole intrinsics that explain an organised cloud in C (least squares of u on x/z and of v on y/z). Empty
@@ -20,3 +22,5 @@ namespace stonestack::geometry {
 [[nodiscard]] bool is_mirrored(const Cloud& organised_C);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

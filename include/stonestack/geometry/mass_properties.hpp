@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Mass, centre of mass and inertia of a rigid body, in the frame of its mesh (O).
@@ -18,3 +20,5 @@ struct MassProperties {
 [[nodiscard]] std::string check(const MassProperties& properties);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

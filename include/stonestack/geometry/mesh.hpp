@@ -4,6 +4,8 @@
 
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Triangles over shared vertices, metres unless a name says otherwise; faces counter-clockwise seen from
@@ -42,3 +44,5 @@ struct SurfaceSample {
 [[nodiscard]] std::vector<SurfaceSample> sample_surface(const Mesh& mesh, double spacing);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

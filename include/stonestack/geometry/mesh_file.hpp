@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Reads PLY, OBJ and STL with strict readers of our own (counts checked before allocation, indices and
@@ -16,3 +18,5 @@ namespace stonestack::geometry {
 void write_mesh(const std::string& path, const Mesh& mesh);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Something that stands in a cell and that the arm must not touch: a wall, a camera stand, a screen.
@@ -29,3 +31,5 @@ struct Obstacle {
                                                     const std::string& where);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

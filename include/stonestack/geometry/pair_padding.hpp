@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// How far one thing that moves stays away from one that stands, instead of what motions keep from all
@@ -27,3 +29,5 @@ struct PairPadding {
                                                            std::span<const std::string> obstacles);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// {p : normal . p = offset}, normal of unit length.
@@ -13,3 +15,5 @@ struct Plane {
 };
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Simple polygon in a plane, counter-clockwise, metres.
@@ -19,3 +21,5 @@ using Polygon2 = std::vector<Eigen::Vector2d>;
 [[nodiscard]] double margin(const Polygon2& convex, const Eigen::Vector2d& point);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

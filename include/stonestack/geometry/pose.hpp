@@ -4,6 +4,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// A rigid transform. The name says between which frames: `T_A_B` maps B-coordinates to A, `p_A = T_A_B *
@@ -38,3 +40,5 @@ struct PoseDifference {
 [[nodiscard]] std::string to_text(const Pose& pose);
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// Signed distance to a closed mesh, negative inside, on a grid with trilinear interpolation, clamped to
@@ -29,3 +31,5 @@ class SignedDistance {
 };
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::geometry {
 
 /// The point of a mesh nearest to another point.
@@ -41,3 +43,5 @@ class SurfaceTree {
 };
 
 }  // namespace stonestack::geometry
+
+#pragma GCC visibility pop

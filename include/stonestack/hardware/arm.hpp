@@ -4,6 +4,8 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/joints.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// What the arm reports. Times in seconds; `device_time` is the controller's own, `host_time` that of
@@ -52,3 +54,5 @@ class Arm {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -9,6 +9,8 @@
 #include "stonestack/hardware/force_torque.hpp"
 #include "stonestack/hardware/gripper.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Where things are mounted, as calibrated (what the program believes, not what is true).
@@ -37,3 +39,5 @@ struct Cell {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

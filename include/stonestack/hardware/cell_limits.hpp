@@ -6,6 +6,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// What a cell allows its arm, within what the robot can: group `limits` of its file. Lists stand as their
@@ -26,3 +28,5 @@ struct CellLimits {
                                      const Pose& T_F_T, const std::string& path);
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -1,15 +1,9 @@
 #pragma once
 #include "stonestack/geometry/depth_image.hpp"
 
-namespace stonestack::hardware {
+#pragma GCC visibility push(default)
 
-/// One frame; `number` and `device_time` rise from frame to frame, a repeated one is a DeviceError.
-struct DepthFrame {
-  DepthImage image;
-  long number = 0;
-  double device_time = 0.0;  ///< s
-  double host_time = 0.0;    ///< s of `host_seconds`, when it was here; in a simulated cell of its clock
-};
+namespace stonestack::hardware {
 
 class DepthCamera {
  public:
@@ -19,3 +13,5 @@ class DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Force (N) and torque (Nm) at the sensor, axes of the flange F, what the world does to the tool.
@@ -24,3 +26,5 @@ class ForceTorqueSensor {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

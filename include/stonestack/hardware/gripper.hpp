@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// What the gripper reports. `opening` in metres between the finger pads.
@@ -28,3 +30,5 @@ class Gripper {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/geometry/plane.hpp"
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// A thing that stands still, seen in one view: the same `mark` in another view is the same thing.
@@ -37,3 +39,5 @@ struct MountRefinement {
 [[nodiscard]] MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

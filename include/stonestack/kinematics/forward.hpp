@@ -3,6 +3,8 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// T_R_F of the flange.
@@ -11,3 +13,5 @@ namespace stonestack::kinematics {
 [[nodiscard]] std::array<Pose, 7> link_poses(const RobotModel& robot, const Joints& q);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

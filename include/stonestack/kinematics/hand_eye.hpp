@@ -5,6 +5,8 @@
 
 #include "stonestack/geometry/pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// Where the camera sits.
@@ -54,3 +56,5 @@ struct HandEyeResult {
 [[nodiscard]] bool looks_inverted(std::span<const HandEyePair> pairs, CameraMount mount, const Pose& T_A_C);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

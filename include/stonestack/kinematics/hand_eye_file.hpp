@@ -5,6 +5,8 @@
 
 #include "stonestack/kinematics/hand_eye.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// Stations in a file, YAML:
@@ -44,3 +46,5 @@ struct EasyHandEye {
 void write_easy_handeye(const std::string& path, const EasyHandEye& calibration);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// What a simulated arm and camera err by, standard deviations of each station.
@@ -21,3 +23,5 @@ struct HandEyeNoise {
                                                          const HandEyeNoise& noise, Random random);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// One inverse solution. `branch` is three bits, fixed along a path that meets no singularity: 1 the
@@ -42,3 +44,5 @@ struct IkOnBranch {
 [[nodiscard]] int branch_of(const RobotModel& robot, const Joints& q);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

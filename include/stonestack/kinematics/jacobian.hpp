@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/kinematics/robot_model.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// Columns are joints; rows 0..2 velocity of the flange's origin (m/rad), rows 3..5 angular velocity, both
@@ -14,3 +16,5 @@ using Jacobian = Eigen::Matrix<double, 6, 6>;
 [[nodiscard]] double manipulability(const RobotModel& robot, const Joints& q);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

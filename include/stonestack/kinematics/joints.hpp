@@ -5,6 +5,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// Six joint angles, rad, in the order base, shoulder, elbow, wrist 1, wrist 2, wrist 3.
@@ -34,3 +36,5 @@ struct JointState {
 [[nodiscard]] JointState sample(const JointTrajectory& trajectory, double t);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/kinematics/joints.hpp"
 #include "stonestack/kinematics/tool_room.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 /// A capsule on a link: all points within `radius` of a segment, in the link's frame.
@@ -51,3 +53,5 @@ struct RobotModel {
 [[nodiscard]] std::vector<std::string> robot_names();
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include "stonestack/geometry/pose.hpp"
 #include "stonestack/kinematics/joints.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::kinematics {
 
 struct RobotModel;
@@ -27,3 +29,5 @@ inline constexpr double kRoomMargin = 0.002;
 [[nodiscard]] std::string describe_outside_room(const RobotModel& robot, const Joints& q, double slack);
 
 }  // namespace stonestack::kinematics
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// What the fingers hold.
@@ -71,3 +73,5 @@ class CollisionChecker {
 };
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// m, narrowest horizontal width of a stone that stands on a table: over its poses of rest (`rest_poses`) and
@@ -23,3 +25,5 @@ namespace stonestack::motion {
 [[nodiscard]] std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

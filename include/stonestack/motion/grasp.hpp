@@ -6,6 +6,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// How grasps of a stone are sampled and judged. Numbers without a source are ours.
@@ -73,8 +75,10 @@ struct GraspSet {
                                         const GraspOptions& options = {});
 /// The grasps of both, best first, and their counts together.
 [[nodiscard]] GraspSet joined(const GraspSet& a, const GraspSet& b);
-/// Candidates made once for each stone, gripper and options, and kept for the life of the process.
+/// Candidates made once for each stone, gripper and options as long as they are held or among those used last.
 [[nodiscard]] std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                                             const GraspOptions& options = {});
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

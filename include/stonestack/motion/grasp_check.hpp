@@ -8,6 +8,8 @@
 #include "stonestack/motion/grasp.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// Why a grasp does not serve; in the order of the tests.
@@ -80,3 +82,5 @@ class GraspFinder {
                                   const MotionOptions& options = {});
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

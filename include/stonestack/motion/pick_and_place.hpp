@@ -7,9 +7,11 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
-/// Options of grasp, transit, approach and placing. Sources: facts/robot.md.
+/// Options of grasp, transit, approach and placing. Measured in the simulated cell, where no source is named.
 struct MotionOptions {
   double speed_scale = 0.5;   ///< of the joint velocity limits
   double acceleration = 1.4;  ///< rad/s^2
@@ -107,3 +109,5 @@ struct PickAndPlaceTask {
 [[nodiscard]] bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// A box of the gripper, in T (z out of the gripper, x the closing direction), that moves with a finger or
@@ -21,7 +23,7 @@ struct GripperBox {
 };
 
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
-/// (facts/robot.md).
+/// (measured on the meshes that Robotiq publishes).
 struct GripperModel {
   double largest_opening = 0.155;  ///< m
   double smallest_object = 0.020;  ///< m
@@ -35,7 +37,7 @@ struct GripperModel {
   double pad_stiffness = 1.5e8;    ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
   double pad_shear = 5e7;          ///< N/m^3, sideways: a third of it
   double mass = 2.5;               ///< kg, of the gripper alone
-  double sensor_mass = 0.65;       ///< kg, of the force sensor behind it (FT150; FT300: 0.30, facts/robot.md)
+  double sensor_mass = 0.65;       ///< kg, of the force sensor behind it (Robotiq FT150; FT300: 0.30)
   double camera_mass = 0.20;       ///< kg, of camera, bracket and cable; ours
   double payload = 2.5;            ///< kg at the finger tips
   std::vector<GripperBox> boxes;   ///< fingers, palm, sensor, camera
@@ -81,3 +83,5 @@ struct PlanningScene {
                                      const std::string& link, const std::string& stands, double padding);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

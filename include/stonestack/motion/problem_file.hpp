@@ -4,6 +4,8 @@
 
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// One question to a planner: from `start` to any of `goals`.
@@ -26,3 +28,5 @@ struct MotionProblems {
 [[nodiscard]] MotionProblems read_motion_problems(const std::string& path);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

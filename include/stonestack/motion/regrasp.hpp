@@ -6,6 +6,8 @@
 
 #include "stonestack/motion/pick_and_place.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// How a stone is turned over. Numbers without a source are ours.
@@ -77,3 +79,5 @@ struct RegraspPlan {
                                        const MotionOptions& options = {}, const RegraspOptions& regrasp = {});
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -2,6 +2,8 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// How far (m, 0 to `most`) the tool may go straight down from `q` until hand or arm come nearer to an object
@@ -13,3 +15,5 @@ namespace stonestack::motion {
                                 double most);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// What a timed motion must respect.
@@ -44,3 +46,5 @@ using ToolSpeed = std::function<double(const Joints& q)>;
 [[nodiscard]] JointPath rounded(const JointPath& path, const TimingLimits& limits, double step);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

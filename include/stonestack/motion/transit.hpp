@@ -5,6 +5,8 @@
 #include "stonestack/motion/collision.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// A joint path from `start` to one of `goals` whose every straight piece `checker.motion_is_free`; empty if
@@ -30,3 +32,5 @@ namespace stonestack::motion {
 [[nodiscard]] double length(const JointPath& path);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// The table's index where a body index is asked for.
@@ -20,3 +22,5 @@ struct Contact {
 };
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

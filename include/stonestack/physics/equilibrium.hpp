@@ -4,6 +4,8 @@
 
 #include "stonestack/physics/contact.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// A rigid body for statics.
@@ -37,7 +39,7 @@ struct EquilibriumOptions {
 };
 
 /// Contact forces in friction cones that balance gravity: a linear programme (GLPK). `contacts` index into
-/// `bodies` (kTable: the ground). Upper bound of what a stack bears (facts/physics.md §3): ask for a margin,
+/// `bodies` (kTable: the ground). Upper bound of what a stack bears (contacts may shift): ask for a margin,
 /// not for feasibility. Contacts of one pair within 1 mm and 3 deg count once. A programme that the solver
 /// cannot solve counts as a stack that falls. Throws InvalidArgument for indices out of range, masses that are
 /// not positive, points that are not finite, and friction that is negative or not finite.
@@ -46,3 +48,5 @@ struct EquilibriumOptions {
                                             const EquilibriumOptions& options = {});
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

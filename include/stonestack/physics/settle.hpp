@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// Letting one stone come to rest on a stack.
@@ -28,3 +30,5 @@ struct SettleResult {
                                   const SettleOptions& options = {});
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/geometry/signed_distance.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// How finely a contact shape follows the scan.
@@ -40,3 +42,5 @@ struct ContactShape {
     const std::vector<Stone>& stones, const ShapeOptions& options = {});
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

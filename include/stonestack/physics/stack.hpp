@@ -7,6 +7,8 @@
 #include "stonestack/physics/support_polygon.hpp"
 #include "stonestack/physics/world.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 using ShapeList = std::vector<std::shared_ptr<const ContactShape>>;
@@ -64,3 +66,5 @@ struct StackStatics {
                                             const EquilibriumOptions& options = {});
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

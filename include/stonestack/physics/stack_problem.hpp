@@ -3,6 +3,8 @@
 
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// Why a stone cannot be: mass not positive, inertia not possible, centre of mass outside its hull, nothing
@@ -14,3 +16,5 @@ namespace stonestack::physics {
 [[nodiscard]] std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allowed = 0.008);
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 #include "stonestack/geometry/polygon.hpp"
 #include "stonestack/physics/contact.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// Support polygon S_i of a stone (paper §3.1): convex hull of its contacts in their common plane, simplified
@@ -23,3 +25,5 @@ struct SupportPolygon {
                                              const Eigen::Vector3d& p_W_com, double largest_gap = 0.0005);
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

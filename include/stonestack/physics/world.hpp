@@ -9,6 +9,8 @@
 #include "stonestack/physics/contact.hpp"
 #include "stonestack/physics/shape.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::physics {
 
 /// Settings of a Bullet world. Source of the defaults: measured, docs/measurements.md.
@@ -85,3 +87,5 @@ class World {
 };
 
 }  // namespace stonestack::physics
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 
 #include "stonestack/geometry/depth_render.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::report {
 
 /// 8-bit RGB, row by row.
@@ -34,3 +36,5 @@ struct View {
 void write_png(const std::string& path, const Picture& picture);
 
 }  // namespace stonestack::report
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/report/picture.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::report {
 
 /// One moment of a plan's motions, which follow each other without the time that the hand takes.
@@ -36,3 +38,5 @@ struct PlanMoment {
 [[nodiscard]] std::vector<PlanMoment> key_moments(const std::vector<PlanMoment>& moments);
 
 }  // namespace stonestack::report
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::search {
 
 /// Options of the search. `method`: "default" (gap field proposals, look-ahead) or "paper" (section 3 as
@@ -84,6 +86,7 @@ struct Placement {
 struct SearchProblem {
   const ShapeList* shapes = nullptr;
   Stack stack;  ///< what stands (measured)
+  bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
@@ -141,3 +144,5 @@ struct SearchResult {
                                                 const std::function<void(const std::string&)>& report = {});
 
 }  // namespace stonestack::search
+
+#pragma GCC visibility pop

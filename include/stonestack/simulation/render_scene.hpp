@@ -6,6 +6,8 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 
 /// Where the camera of a rendered scene stands: it looks at the middle of the field.
@@ -34,3 +36,5 @@ struct SimulatedScene {
 void write_scene(const std::string& folder, const SimulatedScene& scene, const std::vector<Stone>& stones);
 
 }  // namespace stonestack::simulation
+
+#pragma GCC visibility pop

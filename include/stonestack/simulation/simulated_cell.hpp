@@ -8,9 +8,12 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::simulation {
 
 class SharedWorld;
+class TrueWorld;
 
 /// How true the simulated cell is. Everything here is hidden from the planner.
 struct SimulationOptions {
@@ -42,31 +45,6 @@ struct Truth {
   std::vector<Contact> contacts;  ///< between stones and with the table
 };
 
-/// The true tower: which stones stand on each other at the site, and whether they stay.
-struct TowerVerdict {
-  std::vector<int> stones;  ///< from the table up, indices into the catalogue: each rests on the one below it
-  StandVerdict stand;       ///< of the world with the arm away; `standing` counts clean stones that stayed
-};
-
-/// How far a stone of the true tower may move and still count as standing: stones settle a little once the
-/// fingers have gone (measured: up to 0.4 mm and 1.1 deg), those that slide or rock go further.
-[[nodiscard]] StandOptions tower_bounds();
-
-/// How a finished tower is tried: waiting, then shaking.
-struct SurvivalOptions {
-  std::vector<double> seconds{5.0, 60.0, 600.0};  ///< simulated, rising; looked at each of these
-  double shake_acceleration = 2.0;                ///< m/s^2, amplitude, level, once along x and once along y
-  double shake_frequency = 2.4;                   ///< Hz
-  double shake_seconds = 0.7;                     ///< then half a second of rest
-};
-
-/// What is left of it.
-struct Survival {
-  std::vector<int>
-      standing;    ///< stones from the table up that stayed within the bounds, at each of `seconds`
-  int shaken = 0;  ///< stones that are still a clean tower after the worse of the two shakes
-};
-
 /// A UR10 with gripper, force sensor and camera over a table with stones, in Bullet, on a simulated clock.
 class SimulatedCell {
  public:
@@ -81,7 +59,7 @@ class SimulatedCell {
   /// For the judge and the painter.
   [[nodiscard]] Truth truth() const;
   /// The same world for devices behind sockets, each with a thread of its own. While they run, only they may
-  /// touch the world: `cell`, `wait` and `judge_tower` are for before and after.
+  /// touch the world: `cell`, `wait` and `world` are for before and after.
   [[nodiscard]] SharedWorld& shared();
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);
@@ -89,13 +67,9 @@ class SimulatedCell {
   void place(int stone, const Pose& T_W_O);
   /// What a person does at the pendant after a protective stop.
   void unlock();
-  /// Judges the tower at the believed site in a world of its own, without the arm and with every stone free,
-  /// for `seconds` (simulated) of the options; friction is the true one of each pair.
-  [[nodiscard]] TowerVerdict judge_tower(const StandOptions& options = tower_bounds()) const;
-  /// Lets the tower at the believed site stand, and apart from that shakes it as it is now; `bounds` says how
-  /// far a stone may move to count as standing.
-  [[nodiscard]] Survival try_tower(const SurvivalOptions& options = {},
-                                   const StandOptions& bounds = tower_bounds()) const;
+  /// The world itself and the site where the planner expects it, for judges.
+  [[nodiscard]] const TrueWorld& world() const;
+  [[nodiscard]] const Eigen::Vector2d& site() const;
 
  private:
   struct Parts;
@@ -103,3 +77,5 @@ class SimulatedCell {
 };
 
 }  // namespace stonestack::simulation
+
+#pragma GCC visibility pop

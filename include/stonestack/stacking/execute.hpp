@@ -5,6 +5,8 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/stacking/journal.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// How carrying out a plan ended.
@@ -27,3 +29,5 @@ struct ExecutionResult {
                                       Journal* journal);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/core/rooms.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Append-only record of a run, one JSON object a line (JSONL): what was intended is on the disk before
@@ -27,3 +29,5 @@ class Journal {
 };
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -8,15 +8,12 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/physics/stack.hpp"
+#include "stonestack/stacking/world_estimate.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
-namespace stonestack::stacking {
+#pragma GCC visibility push(default)
 
-/// What the program believes: only what camera and sensors told it.
-struct Belief {
-  std::vector<PlacedStone> stack;  ///< from the table up, as last measured
-  std::vector<PlacedStone> loose;  ///< seen on the table
-};
+namespace stonestack::stacking {
 
 /// T_W_C from what the arm reports: the chain of eq. (1), T_W_R * T_R_F * T_F_T * T_T_C.
 [[nodiscard]] Pose camera_pose(const CellLayout& layout, const RobotModel& robot, const Joints& q);
@@ -24,45 +21,39 @@ struct Belief {
 /// Which of the stones stand at the site, from the table up, and which lie loose, by geometry alone: the
 /// lowest stone within 12 cm of the site is the base; each next one is clear of the table with its centre of
 /// mass over the one below.
-[[nodiscard]] Belief sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
+[[nodiscard]] Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                                   const std::vector<PlacedStone>& stones);
 
-/// The hand of a cell, with the masses and the camera's mount that its layout names.
+/// The gripper of a cell, with the masses and the camera's mount that its layout names.
 [[nodiscard]] GripperModel hand_of(const CellLayout& layout);
 
-/// The scene that motions must avoid: every believed stone, by name, indexed like `stack` then `loose`,
+/// The scene that motions must avoid: every stone, by name, indexed like `stack` then `loose`,
 /// then the obstacles of the layout.
 [[nodiscard]] PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
-                                                const Catalogue& catalogue, const Belief& belief);
+                                                const Catalogue& catalogue, const Arrangement& arrangement);
 
-/// The motion task that brings loose stone `stone` from where it is believed to lie to T_W_O. Throws
+/// The motion task that brings loose stone `stone` from where it is seen to lie to T_W_O. Throws
 /// InvalidArgument when it is not among the loose stones.
-[[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Belief& belief, int stone,
+[[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone,
                                          const Pose& T_W_O, const Joints& q_start);
 
 /// Where the arm waits and starts: folded above the middle of the cell, tool down, view free.
 [[nodiscard]] Joints home_joints();
 
-/// Camera poses that look at `p_W_target` from `distance`, best first: high and from the robot's side before
+/// Camera poses that show `p_W_target` from `distance`, best first: high and from the robot's side before
 /// low and from aside, each with four turns about the optical axis.
-[[nodiscard]] std::vector<Pose> look_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target,
+[[nodiscard]] std::vector<Pose> view_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target,
                                            double distance);
 
-/// One frame and where it was taken from.
-struct Look {
-  DepthImage image;
-  Pose T_W_C = Pose::Identity();
-};
-
-/// The way of the arm to the first of `T_W_C_candidates` that it reaches without touching anything; nothing
-/// if it reaches none.
-[[nodiscard]] std::optional<JointTrajectory> find_way_to_look(Cell& cell, const PlanningScene& scene,
+/// A motion to the first of `T_W_C_candidates` that the arm reaches without touching anything; nothing if it
+/// reaches none.
+[[nodiscard]] std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
                                                               const std::vector<Pose>& T_W_C_candidates,
                                                               const MotionOptions& options);
 /// Follows it and takes a frame at its end. Throws DeviceError when the arm does not get there.
-[[nodiscard]] Look look_along(Cell& cell, const RobotModel& robot, const JointTrajectory& way);
+[[nodiscard]] CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory& route);
 
-/// A stone seen in one of several looks, in the world.
+/// A stone seen in one of several views, in the world.
 struct Sighting {
   int stone = -1;
   Pose T_W_O = Pose::Identity();
@@ -71,14 +62,16 @@ struct Sighting {
   double certainty = 1.0;  ///< of this stone in this pose: Detection::certainty
 };
 
-/// Finds `wanted` stones in every look and keeps, for each, the sighting with the best score; of those
-/// missing then the ones in `together` are searched in all looks at once, as one may show what another hides.
+/// Finds `wanted` stones in every view and keeps, for each, the sighting with the best score; of those
+/// missing then the ones in `together` are searched in all views at once, as one may show what another hides.
 /// Stones that were seen `before` are looked for where they were first; what is found there is not searched
 /// elsewhere, nor are stones of the stack that are hidden below one that is found in its place.
-[[nodiscard]] std::vector<Sighting> find_in_looks(const std::vector<Look>& looks,
+[[nodiscard]] std::vector<Sighting> find_in_views(const std::vector<CameraView>& views,
                                                   const DetectionModels& models,
                                                   const std::vector<int>& wanted,
-                                                  const std::vector<int>& together, const Belief& before,
+                                                  const std::vector<int>& together, const Arrangement& before,
                                                   const DetectionOptions& options);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

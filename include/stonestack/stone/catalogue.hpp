@@ -4,6 +4,8 @@
 
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stone {
 
 /// Stones in a folder: `DIR/NAME/stone.yaml`, `DIR/NAME/mesh.ply` (reduced), `DIR/NAME/scan.ply` (full) and
@@ -26,3 +28,5 @@ struct Catalogue {
 void write_stone(const std::string& catalogue_path, const Stone& stone);
 
 }  // namespace stonestack::stone
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stone {
 
 /// Shape of a generated limestone. Ranges as measured on sixteen scanned rocks of this size.
@@ -22,3 +24,5 @@ struct LimestoneOptions {
 [[nodiscard]] Mesh make_limestone(std::uint64_t seed, const LimestoneOptions& options = {});
 
 }  // namespace stonestack::stone
+
+#pragma GCC visibility pop

@@ -7,11 +7,13 @@
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/stone/stone.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stone {
 
 /// How a scan becomes a stone.
 struct ModelOptions {
-  /// m, cm, mm or auto: the unit that makes a hand-size stone (facts: scans come in all three).
+  /// m, cm, mm or auto: the unit that makes a hand-size stone (scans come in all three).
   std::string units = "m";
   double scale = 1.0;       ///< further factor, e.g. 0.12 for boulders
   double density = 2600.0;  ///< kg/m^3, limestone
@@ -36,3 +38,5 @@ struct ModelResult {
                                       const ModelOptions& options = {});
 
 }  // namespace stonestack::stone
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "stonestack/geometry/obstacle.hpp"
 #include "stonestack/geometry/pair_padding.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stone {
 
 /// A stone in a scene file, by name.
@@ -51,3 +53,5 @@ struct SceneFile {
 void write_scene_file(const std::string& path, const SceneFile& scene);
 
 }  // namespace stonestack::stone
+
+#pragma GCC visibility pop

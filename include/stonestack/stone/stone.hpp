@@ -5,6 +5,8 @@
 #include "stonestack/geometry/mass_properties.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stone {
 
 /// How far one surface lies from another, metres.
@@ -37,3 +39,5 @@ struct PlacedStone {
 };
 
 }  // namespace stonestack::stone
+
+#pragma GCC visibility pop

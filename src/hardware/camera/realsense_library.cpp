@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "hardware/camera/realsense_device.hpp"
-#include "hardware/camera/z16.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/core/error.hpp"
 

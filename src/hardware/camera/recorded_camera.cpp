@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "hardware/camera/recording.hpp"
-#include "hardware/camera/z16.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/cloud_file.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <array>
 
-#include "hardware/camera/frame_stream.hpp"
 #include "hardware/constants.hpp"
+#include "protocol/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 

@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "hardware/camera/v4l2_calls.hpp"
-#include "hardware/camera/z16.hpp"
 #include "hardware/constants.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::hardware {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <sstream>
 
-#include "hardware/camera/z16.hpp"
+#include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 

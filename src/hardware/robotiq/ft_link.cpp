@@ -1,7 +1,7 @@
 #include "hardware/robotiq/ft_link.hpp"
 
 #include "hardware/constants.hpp"
-#include "hardware/robotiq/modbus_frame.hpp"
+#include "protocol/modbus_frame.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/serial.hpp"
 #include "stonestack/core/socket.hpp"

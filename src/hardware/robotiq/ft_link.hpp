@@ -1,7 +1,7 @@
 #pragma once
 #include <memory>
 
-#include "hardware/robotiq/ft_frames.hpp"
+#include "protocol/ft_frames.hpp"
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 

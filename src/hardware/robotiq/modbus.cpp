@@ -21,7 +21,7 @@ FieldList fields(ModbusOptions& o) {
 struct ModbusClient::Link {
   std::string name;
   ModbusOptions options;
-  std::unique_ptr<modbus::Transport> transport;
+  std::unique_ptr<ModbusTransport> transport;
   long repeated = 0;
 
   [[nodiscard]] modbus::Reply call(const modbus::Request& request);
@@ -29,10 +29,10 @@ struct ModbusClient::Link {
 
 namespace {
 
-std::unique_ptr<modbus::Transport> make_transport(const std::string& name, const ModbusOptions& options) {
+std::unique_ptr<ModbusTransport> make_transport(const std::string& name, const ModbusOptions& options) {
   require(options.link == "tcp" || options.link == "rtu", name, ": link must be tcp or rtu, got '",
           options.link, "'");
-  return options.link == "tcp" ? modbus::make_tcp_transport(options) : modbus::make_rtu_transport(options);
+  return options.link == "tcp" ? make_modbus_tcp(options) : make_modbus_rtu(options);
 }
 
 bool may_pass(std::uint8_t exception) {
@@ -55,7 +55,7 @@ modbus::Reply ModbusClient::Link::call(const modbus::Request& request) {
       ++repeated;
       transport->recover();
     }
-    modbus::Attempt result;
+    ModbusAttempt result;
     try {
       result = transport->exchange(request);
     } catch (const DeviceError& error) {  // the link could not be made again

@@ -5,17 +5,19 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/serial.hpp"
 
-namespace stonestack::hardware::modbus {
+namespace stonestack::hardware {
 namespace {
+
+using namespace modbus;
 
 constexpr std::size_t kMostKept = 1024;  // bytes without a frame among them
 constexpr int kMostQuiet = 10;           // times `quiet` that a chattering line is waited for
 
-class RtuTransport final : public Transport {
+class RtuTransport final : public ModbusTransport {
  public:
   explicit RtuTransport(const ModbusOptions& options) : options_(options) { open(); }
 
-  Attempt exchange(const Request& request) override {
+  ModbusAttempt exchange(const Request& request) override {
     if (!line_) open();
     const Deadline deadline = Deadline::in(options_.reply_timeout).or_interrupt();
     const auto unit = static_cast<std::uint8_t>(options_.unit);
@@ -47,7 +49,7 @@ class RtuTransport final : public Transport {
  private:
   void open() { line_ = std::make_unique<SerialPort>(SerialPort::open(options_.device, kGripperBaud)); }
 
-  [[nodiscard]] Attempt lost(IoStatus status, View got) {
+  [[nodiscard]] ModbusAttempt lost(IoStatus status, View got) {
     if (status == IoStatus::kClosed) {
       line_.reset();
       return {std::nullopt, "the serial line hung up", "plug the adapter in again"};
@@ -65,8 +67,8 @@ class RtuTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> make_rtu_transport(const ModbusOptions& options) {
+std::unique_ptr<ModbusTransport> make_modbus_rtu(const ModbusOptions& options) {
   return std::make_unique<RtuTransport>(options);
 }
 
-}  // namespace stonestack::hardware::modbus
+}  // namespace stonestack::hardware

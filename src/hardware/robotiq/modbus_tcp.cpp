@@ -5,14 +5,16 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
 
-namespace stonestack::hardware::modbus {
+namespace stonestack::hardware {
 namespace {
 
-class TcpTransport final : public Transport {
+using namespace modbus;
+
+class TcpTransport final : public ModbusTransport {
  public:
   explicit TcpTransport(const ModbusOptions& options) : options_(options) { connect(); }
 
-  Attempt exchange(const Request& request) override {
+  ModbusAttempt exchange(const Request& request) override {
     if (!stream_) connect();
     const Deadline deadline = Deadline::in(options_.reply_timeout).or_interrupt();
     const Bytes frame =
@@ -47,7 +49,7 @@ class TcpTransport final : public Transport {
         TcpStream::connect({options_.address, options_.port}, Deadline::in(kConnectTimeout).or_interrupt()));
   }
 
-  [[nodiscard]] Attempt lost(IoStatus status) const {
+  [[nodiscard]] ModbusAttempt lost(IoStatus status) const {
     if (status == IoStatus::kClosed)
       return {std::nullopt, "the connection was closed",
               "see whether another master holds the gripper, or it was restarted"};
@@ -55,18 +57,18 @@ class TcpTransport final : public Transport {
             "check unit id, wiring, and that the gripper's network module is the Modbus one"};
   }
 
-  [[nodiscard]] Attempt flooded(int count) const {
+  [[nodiscard]] ModbusAttempt flooded(int count) const {
     return {std::nullopt,
             concat("no reply within ", options_.reply_timeout, " s, but ", count, " to other requests"),
             "check that this port belongs to the gripper"};
   }
 
-  [[nodiscard]] static Attempt unframed(View bytes) {
+  [[nodiscard]] static ModbusAttempt unframed(View bytes) {
     return {std::nullopt, "what came is no Modbus/TCP frame: " + hex_text(bytes),
             "check that this port belongs to the gripper"};
   }
 
-  [[nodiscard]] Attempt judge(const Request& request, const TcpHeader& header, View pdu) {
+  [[nodiscard]] ModbusAttempt judge(const Request& request, const TcpHeader& header, View pdu) {
     if (header.unit != options_.unit)
       return {std::nullopt, concat("unit ", static_cast<int>(header.unit), " answered, not ", options_.unit),
               "set the unit id of the device"};
@@ -87,8 +89,8 @@ class TcpTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> make_tcp_transport(const ModbusOptions& options) {
+std::unique_ptr<ModbusTransport> make_modbus_tcp(const ModbusOptions& options) {
   return std::make_unique<TcpTransport>(options);
 }
 
-}  // namespace stonestack::hardware::modbus
+}  // namespace stonestack::hardware

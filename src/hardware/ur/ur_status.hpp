@@ -1,11 +1,13 @@
 #pragma once
+#include "stonestack/core/export.hpp"
 #include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 
 /// What one RTDE sample says about arm and program.
 namespace stonestack::hardware {
 
-struct UrStatus {
+struct STONESTACK_EXPORT UrStatus {
+  static constexpr std::uint32_t kPausing = 3, kPaused = 4, kResuming = 5;  ///< of `runtime_state`
   Joints q, qd;
   double device_time = 0.0, host_time = 0.0;  ///< s
   int robot_mode = 0;                         ///< 7: running
@@ -17,15 +19,18 @@ struct UrStatus {
   int run = 0, progress = 0, end = 0;
   double force = 0.0;  ///< N, of the last program
 
-  /// A person (or a pendant) holds the program: paused, or the slider at zero.
+  /// A person (or the pendant) holds the program: it is there and goes on when somebody plays it. Controllers
+  /// may clear `program_running` meanwhile.
+  [[nodiscard]] bool is_held() const;
+  /// Held, or the speed slider at zero.
   [[nodiscard]] bool is_paused() const;
 };
 
 /// Outputs and inputs that the arm needs; `first_register` is 24 or 0.
 [[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
 /// The same for the controller at `address`; throws DeviceError that names it for PolyScope X (version 10).
-[[nodiscard]] RtdeRecipeFor served_recipe(const std::string& address);
-[[nodiscard]] UrStatus read_status(const RtdeSample& sample, int first_register);
+[[nodiscard]] STONESTACK_EXPORT RtdeRecipeFor served_recipe(const std::string& address);
+[[nodiscard]] STONESTACK_EXPORT UrStatus read_status(const RtdeSample& sample, int first_register);
 /// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".
 [[nodiscard]] std::string find_safety_stop(const UrStatus& status);
 /// The same, or that the arm is not powered with its brakes off.

@@ -5,6 +5,8 @@
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/depth_camera.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// What a depth image means, which neither V4L2 nor a PNG tells. The scale is never guessed: 5000 in place of
@@ -51,3 +53,5 @@ class FrameCheck {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

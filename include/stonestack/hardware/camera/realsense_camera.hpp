@@ -4,6 +4,8 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct RealsenseCameraOptions {
@@ -33,3 +35,5 @@ class RealsenseCamera final : public DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

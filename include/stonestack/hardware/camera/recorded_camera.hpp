@@ -4,6 +4,8 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct RecordedCameraOptions {
@@ -41,3 +43,5 @@ class RecordedCamera final : public DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct StreamCameraOptions {
@@ -16,7 +18,7 @@ struct StreamCameraOptions {
 [[nodiscard]] FieldList fields(StreamCameraOptions& options);
 
 /// A depth camera behind a TCP socket, such as the simulated one; the wire format is described in
-/// src/hardware/camera/frame_stream.hpp. Intrinsics and depth unit come with each frame.
+/// src/protocol/frame_stream.hpp. Intrinsics and depth unit come with each frame.
 class StreamCamera final : public DepthCamera {
  public:
   /// Throws DeviceError when nobody listens there.
@@ -32,3 +34,5 @@ class StreamCamera final : public DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -4,6 +4,8 @@
 
 #include "stonestack/hardware/camera/camera_settings.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 struct V4l2CameraOptions {
@@ -35,3 +37,5 @@ class V4l2Camera final : public DepthCamera {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -5,6 +5,8 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/hardware/force_torque.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Robotiq's FT150 and FT300: a stream of 100 readings a second, either on a serial line or from the UR cap's
@@ -59,3 +61,5 @@ class RobotiqFtSensor final : public ForceTorqueSensor {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -6,6 +6,8 @@
 
 #include "stonestack/core/options.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// How to reach a Modbus device, and how patiently.
@@ -51,3 +53,5 @@ class ModbusClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "stonestack/hardware/gripper.hpp"
 #include "stonestack/hardware/robotiq/modbus.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::hardware {
 
 /// Robotiq's adaptive 3-finger gripper over Modbus (instruction manual, "Control"; registers of 16 bits, the
@@ -110,3 +112,5 @@ class ThreeFingerGripper final : public Gripper {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

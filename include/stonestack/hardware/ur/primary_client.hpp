@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "stonestack/core/socket.hpp"
-#include "stonestack/hardware/ur/primary_wire.hpp"
+#include "stonestack/protocol/primary_wire.hpp"
+
+#pragma GCC visibility push(default)
 
 namespace stonestack::hardware {
 
@@ -42,3 +44,5 @@ class PrimaryClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -8,7 +8,9 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/core/socket.hpp"
-#include "stonestack/hardware/ur/rtde_wire.hpp"
+#include "stonestack/protocol/rtde_wire.hpp"
+
+#pragma GCC visibility push(default)
 
 namespace stonestack::hardware {
 
@@ -100,3 +102,5 @@ class RtdeClient {
 };
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

@@ -4,8 +4,10 @@
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/hardware/ur/version.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/protocol/ur_version.hpp"
+
+#pragma GCC visibility push(default)
 
 /// URScript for one motion each. The controller keeps the time: a program holds the whole trajectory, follows
 /// it with servoj at every control step, and stops by itself when the host falls silent. It reports in
@@ -28,6 +30,7 @@ enum class ScriptEnd {
   kContact = 2,
   kNoContact = 3,
   kStaleForce = 4,  ///< the streamed force stopped changing its counter
+  kFellBehind = 5,  ///< the arm was too far from where the path had it
 };
 
 struct ScriptOptions {
@@ -81,3 +84,5 @@ struct ScriptGuard {
 [[nodiscard]] std::string script_line(const std::string& script, int number);
 
 }  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

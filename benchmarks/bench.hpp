@@ -1,0 +1,31 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "result_table.hpp"
+#include "rooms.hpp"
+
+/// One function a benchmark, each in a file of its own: it registers a subcommand of stonestack-bench. Every
+/// benchmark reports its seed and settings and compares in one run.
+namespace stonestack::bench {
+
+/// Gives a benchmark --json, and runs it with results of its own, which are printed whether it ends, fails or
+/// is interrupted.
+void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
+
+void add_kinematics(CLI::App& app);
+void add_motion(CLI::App& app);
+void add_collision(CLI::App& app);
+void add_cartesian(CLI::App& app);
+void add_timing(CLI::App& app);
+void add_descent(CLI::App& app);
+void add_grasp(CLI::App& app);
+void add_hold(CLI::App& app);
+void add_rest(CLI::App& app);
+void add_search(CLI::App& app);
+void add_calibration(CLI::App& app);
+void add_equilibrium(CLI::App& app);
+void add_detection(CLI::App& app);
+void add_rtde(CLI::App& app);
+
+}  // namespace stonestack::bench

@@ -1,0 +1,146 @@
+// Recall, false accepts, errors, calibration and time of detection on seeded synthetic scenes.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "bench.hpp"
+#include "common_options.hpp"
+#include "detection_bop.hpp"
+#include "detection_tally.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/trace.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+/// What the user asks for.
+struct DetectionBench {
+  CommonOptions common;
+  int scenes = 20;
+  int first = 0;
+  std::vector<std::string> kinds, methods{"default"};
+  std::string trace;
+  std::string bop, bop_split = "test", bop_csv = "stonestack_bop.csv";
+  bool list = false;
+  CameraError camera_error;
+};
+
+DetectionOptions options_for(const std::string& method, DetectionBench& settings) {
+  DetectionOptions options = options_of(method);
+  FieldList list = nest("detection", fields(options));
+  std::erase_if(list, [](const Field& f) { return f.name == "detection.method"; });  // --methods says it
+  settings.common.settings.apply(list);
+  options.trace = !settings.trace.empty();
+  return options;
+}
+
+/// One file a method: BOP's names begin with the method, up to the first '_'.
+std::string csv_of(const std::string& path, const std::string& method) {
+  const std::filesystem::path file(path);
+  return (file.parent_path() / (method + "-" + file.filename().string())).string();
+}
+
+void measure_kind(const SceneKind& kind, const SceneMaker& maker, const std::vector<Stone>& stones,
+                  const DetectionModels& models, DetectionOptions options, const DetectionBench& settings,
+                  Results& results) {
+  options.copies = kind.copies;
+  DetectionTally tally;
+  for (int i = settings.first; i < settings.first + settings.scenes; ++i) {
+    throw_if_interrupted();
+    const auto seed =
+        static_cast<std::uint64_t>(settings.common.seed) * 100000 + static_cast<std::uint64_t>(i);
+    const auto scene = maker.make(kind, seed, settings.camera_error);
+    if (settings.list) results.note("  %s %d", kind.name.c_str(), i);
+    const Stopwatch watch;
+    const double start = processor_seconds();
+    const auto result = detect_stones(scene.views, models, {}, options);
+    tally.cpu += processor_seconds() - start;
+    tally.wall += watch.seconds();
+    judge(result, scene, kind, static_cast<int>(stones.size()), settings.list ? &results : nullptr, tally);
+    if (result.trace) write_trace(concat(settings.trace, "/", kind.name, "_", i), *result.trace, stones);
+  }
+  results.row(detection_cells(options.method, kind.name, tally));
+}
+
+void measure(DetectionBench& settings, const std::vector<Stone>& stones, Results& results) {
+  const auto kinds = scene_kinds();
+  for (const auto& name : settings.kinds)
+    require(std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; }),
+            "no kind of scene is called '", name, "'; see --help");
+  const SceneMaker maker(stones);
+  results.settings({{"scenes", settings.scenes},
+                    {"first", settings.first},
+                    {"models", stones.size()},
+                    {"right_within_deg", 5.0},
+                    {"right_within_mm", 5.0},
+                    {"camera_shift_m", settings.camera_error.shift},
+                    {"camera_turn_rad", settings.camera_error.turn},
+                    {"seed", settings.common.seed}});
+  results.table("detection", detection_columns());
+  for (const auto& method : settings.methods) {
+    const DetectionOptions options = options_for(method, settings);
+    const DetectionModels models(stones, options);
+    for (const auto& kind : kinds) {
+      const auto& wanted = settings.kinds;
+      if (wanted.empty() || std::find(wanted.begin(), wanted.end(), kind.name) != wanted.end())
+        measure_kind(kind, maker, stones, models, options, settings, results);
+    }
+  }
+}
+
+}  // namespace
+
+void add_detection(CLI::App& app) {
+  auto command = std::make_shared<DetectionBench>();
+  CLI::App* sub =
+      app.add_subcommand("detection", "Recall, false accepts, errors, calibration and time on seeded scenes");
+  sub->add_option("--scenes", command->scenes, "Scenes a kind")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--first", command->first, "Number of the first scene")->check(CLI::NonNegativeNumber);
+  sub->add_option("--kinds", command->kinds,
+                  "isolated,touching,stacked,few,d435,copies,mirrored,hidden,two_views; all if empty")
+      ->delimiter(',');
+  sub->add_option("--methods", command->methods, "default,paper")->delimiter(',')->capture_default_str();
+  sub->add_flag("--list", command->list, "Every detection, miss and false accept");
+  sub->add_option("--bop", command->bop, "Detect in a data set of the BOP layout in place of our scenes")
+      ->type_name("DIR");
+  sub->add_option("--bop-split", command->bop_split, "Its folder of scenes")->capture_default_str();
+  sub->add_option("--bop-csv", command->bop_csv,
+                  "Where BOP's results go; with several methods METHOD- before its name")
+      ->capture_default_str();
+  sub->add_option("--trace", command->trace, "Write what each stage saw of every scene")->type_name("DIR");
+  sub->add_option("--camera-shift", command->camera_error.shift,
+                  "m, error of the reported pose of a second view")
+      ->capture_default_str();
+  sub->add_option("--camera-turn", command->camera_error.turn, "rad, the same")->capture_default_str();
+  command->common.register_draw(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack-bench detection --scenes 100 --methods default,paper\n"
+      "  stonestack-bench detection --kinds touching --first 7 --scenes 1 --list --trace trace\n"
+      "  stonestack-bench detection --bop lm --bop-csv stonestack_lm-test.csv\n"
+      "Kinds: isolated, four stones apart; touching, in a heap; stacked, three on each other, seen from the "
+      "side; "
+      "few, one\nstone and the others absent; d435, another sensor; copies, one stone twice; mirrored, no "
+      "stone is "
+      "there; hidden, a heap\nof six from low down; two_views, the same heaps from a second side, too.\n"
+      "deg, mm: errors, median and 95 %; in 95: share of true poses within the stated 95 % region; chi2: 95 "
+      "%\n"
+      "quantile of the squared Mahalanobis distance over what it should be; score p5: 5 % quantile of right "
+      "scores\n"
+      "BOP data sets are scored as the BOP toolkit does (MSSD, MSPD), with the symmetries of "
+      "models_info.json.");
+  measure_by(*sub, [command](Results& results) {
+    if (command->bop.empty()) return measure(*command, command->common.read().stones, results);
+    results.settings({{"bop", command->bop}, {"split", command->bop_split}});
+    const bool several = command->methods.size() > 1;
+    for (const auto& method : command->methods)
+      run_bop(command->bop, command->bop_split, several ? csv_of(command->bop_csv, method) : command->bop_csv,
+              options_for(method, *command), results);
+  });
+}
+
+}  // namespace stonestack::bench

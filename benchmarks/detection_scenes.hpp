@@ -1,0 +1,78 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "rooms.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/depth_render.hpp"
+#include "stonestack/geometry/signed_distance.hpp"
+#include "stonestack/simulation/sensor_noise.hpp"
+#include "stonestack/stone/stone.hpp"
+
+/// Seeded scenes with known truth, for `stonestack-bench detection`.
+namespace stonestack::bench {
+
+/// isolated: four stones apart. touching: four in one heap on the table. stacked: three on each other, one
+/// beside, seen from the side. few: one stone; the others are absent. d435: isolated, with another sensor.
+/// copies: isolated, two of the four are the same stone. hidden: a heap of six seen from low down, so that
+/// stones hide each other; two_views: the same heaps, from a second camera pose as well. mirrored: isolated,
+/// seen in a mirror: no stone is there.
+struct SceneKind {
+  std::string name;
+  int present = 4;
+  std::string arrangement = "apart";  ///< apart, touching, stacked
+  std::string sensor = "sr300";
+  int copies = 1;                ///< of the first stone
+  int views = 1;                 ///< camera poses
+  double least_tilt = 0.0;       ///< rad, of the camera off the vertical
+  double most_tilt = 0.78;       ///< rad
+  double least_unhidden = 0.25;  ///< stones of which the first view shows less do not count
+  bool mirrored = false;         ///< the images, left for right
+};
+[[nodiscard]] std::vector<SceneKind> scene_kinds();
+
+/// A stone of the scene and how much of what faces the first camera is not hidden by other stones.
+struct TrueStone {
+  int stone = -1;
+  Pose T_C_O = Pose::Identity();  ///< C: the camera of the first view
+  double unhidden = 0.0;
+};
+
+/// The images of one scene and its truth. The camera poses are as an arm would report them: with an error.
+struct BenchScene {
+  std::vector<DepthView> views;
+  std::vector<TrueStone> truth;
+};
+
+/// How far the reported pose of each further view is off, standard deviations an axis.
+struct CameraError {
+  double shift = 0.0006;  ///< m
+  double turn = 0.002;    ///< rad
+};
+
+/// Places and renders full-resolution scans. Stones rest in an orientation in which they would stay on a
+/// table, are pushed together until 1 mm apart, or set down on each other; nothing is settled, so stacks need
+/// not hold.
+class SceneMaker {
+ public:
+  explicit SceneMaker(const std::vector<Stone>& stones);
+  [[nodiscard]] BenchScene make(const SceneKind& kind, std::uint64_t seed,
+                                const CameraError& error = {}) const;
+
+ private:
+  [[nodiscard]] double gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const;
+  [[nodiscard]] double gap(const std::vector<PlacedStone>& placed, int stone, const Pose& T_W_O) const;
+  [[nodiscard]] Eigen::Quaterniond rest(int stone, Random& random) const;
+  [[nodiscard]] Pose push(const std::vector<PlacedStone>& placed, int stone, Pose T_W_O,
+                          const Eigen::Vector3d& towards) const;
+  [[nodiscard]] std::vector<TrueStone> truth_of(const std::vector<PlacedStone>& placed,
+                                                const RenderedView& view, const Pose& T_W_C,
+                                                const CameraIntrinsics& camera) const;
+  [[nodiscard]] std::vector<PlacedStone> arrange(const SceneKind& kind, Random& random) const;
+
+  const std::vector<Stone>& stones_;
+  std::vector<SignedDistance> distance_;
+};
+
+}  // namespace stonestack::bench

@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "detection_scenes.hpp"
+#include "result_table.hpp"
+#include "rooms.hpp"
+
+/// Counts of `stonestack-bench detection`.
+namespace stonestack::bench {
+
+/// Counts and samples of one method on one kind of scene.
+struct DetectionTally {
+  int scenes = 0, present = 0, right = 0, wrong = 0, absent = 0, false_accepts = 0, calibrated = 0;
+  std::vector<double> degrees, millimetres, chi2, right_scores, bad_scores;
+  double wall = 0, cpu = 0;  ///< s, all scenes
+};
+
+/// Compares what was found with the truth. Right: within 5 deg and 5 mm. A stone counts as present if the
+/// kind's share of what faces the first camera is not hidden. `list` gets a note of every detection, miss and
+/// false accept; null: none.
+void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
+           Results* list, DetectionTally& tally);
+
+/// Columns of a row: one method on one kind of scene.
+[[nodiscard]] std::vector<Column> detection_columns();
+[[nodiscard]] std::vector<Cell> detection_cells(const std::string& method, const std::string& kind,
+                                                const DetectionTally& tally);
+
+}  // namespace stonestack::bench

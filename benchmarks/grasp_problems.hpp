@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "rooms.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/motion/planning_scene.hpp"
+
+/// Seeded tasks for `stonestack-bench grasp` and `descent`.
+namespace stonestack::bench {
+
+/// A generated limestone whose longest side is between `smallest` and `largest` (m).
+[[nodiscard]] Stone random_stone(std::uint64_t seed, const std::string& name, double smallest,
+                                 double largest);
+
+/// A random orientation rolled downhill until the centre of mass is at a local low.
+[[nodiscard]] Eigen::Quaterniond rest(const Stone& stone, Random& random);
+/// The stone with its lowest point at `z` and its centre of mass above `at`.
+[[nodiscard]] Pose standing_at(const Stone& stone, const Eigen::Quaterniond& R_W_O, const Eigen::Vector2d& at,
+                               double z);
+/// m, of the highest point of an object.
+[[nodiscard]] double top(const SceneObject& object);
+
+/// Up to six loose stones and one at the site; object i is loose stone i, the last object is the tower.
+struct GraspProblem {
+  PlanningScene scene;
+  std::vector<int> loose;  ///< index of the stone
+};
+[[nodiscard]] GraspProblem make_grasp_problem(const std::vector<Stone>& stones, Random& random);
+
+}  // namespace stonestack::bench

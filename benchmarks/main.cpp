@@ -1,0 +1,26 @@
+#include "bench.hpp"
+#include "program.hpp"
+
+namespace {
+
+using namespace stonestack::bench;
+
+void set_up(CLI::App& app) {
+  app.name("stonestack-bench");
+  app.description("stonestack-bench: every figure that the documentation states comes from one of these.");
+  app.footer(
+      "Each reports its seed and settings, as text or with --json as data. Times are of this machine.\n"
+      "Examples:\n"
+      "  stonestack-bench kinematics\n"
+      "  stonestack-bench detection --scenes 100 --methods default,paper --json");
+  for (const auto add :
+       {add_detection, add_search, add_calibration, add_equilibrium, add_kinematics, add_grasp, add_hold,
+        add_rest, add_motion, add_collision, add_cartesian, add_timing, add_descent, add_rtde})
+    add(app);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return stonestack::apps::run_program(argc, argv, set_up);
+}

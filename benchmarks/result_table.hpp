@@ -1,0 +1,82 @@
+#pragma once
+#include <iosfwd>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "rooms.hpp"
+
+namespace stonestack::bench {
+
+/// A value in a table; empty where there is nothing to state. A double that is not finite counts as empty.
+class Cell {
+ public:
+  Cell() = default;
+  Cell(bool value) : value_(value) {}
+  Cell(int value) : value_(static_cast<long long>(value)) {}
+  Cell(long value) : value_(static_cast<long long>(value)) {}
+  Cell(std::size_t value) : value_(static_cast<long long>(value)) {}
+  Cell(double value);
+  Cell(const char* value) : value_(std::string(value)) {}
+  Cell(std::string value) : value_(std::move(value)) {}
+
+  using Value = std::variant<std::monostate, bool, long long, double, std::string>;
+  [[nodiscard]] const Value& value() const { return value_; }
+
+ private:
+  Value value_;
+};
+
+/// A column: its key in JSON, words and unit joined by underscores ("plan_ms_median"), which with spaces is
+/// its heading, and how its doubles are printed.
+struct Column {
+  std::string key;
+  int decimals = 2;  ///< negative: three significant digits
+};
+
+/// A value under its name.
+struct Figure {
+  std::string key;
+  Cell value;
+  int decimals = 2;  ///< as in Column
+};
+
+/// What a benchmark reports: its settings, tables of results, and notes. As text each line is printed as soon
+/// as it is known; as JSON one document is printed by finish(), and notes go to the error stream:
+///
+///     {"schema": "stonestack.bench/1", "benchmark": NAME, "version": ..., "complete": true, "settings": {KEY: value},
+///      "tables": [{"name": ..., "columns": [KEY, ...], "rows": [{KEY: value or null}]}]}
+class Results {
+ public:
+  struct Format {
+    bool json = false;
+    std::string version;
+  };
+  Results(std::string benchmark, const Format& format, std::ostream& out, std::ostream& notes);
+  ~Results();
+
+  /// What the figures depend on; call it once, before the first table.
+  void settings(const std::vector<Figure>& figures);
+  /// Begins a table, to which row() adds.
+  void table(const std::string& name, std::vector<Column> columns);
+  /// A row of the table that was begun last. Throws InvalidArgument for another number of cells than columns.
+  void row(const std::vector<Cell>& cells);
+  /// A table of one row, printed as one line a figure.
+  void figures(const std::string& name, const std::vector<Figure>& figures);
+  /// A line that is not data, as printf formats it.
+  void note(const char* format, ...) __attribute__((format(printf, 2, 3)));
+  /// Prints what is still to be printed. `complete` is false if the benchmark was interrupted or failed.
+  void finish(bool complete);
+
+ private:
+  struct Document;
+  std::unique_ptr<Document> document_;
+  std::vector<Column> columns_;
+  bool json_;
+  std::ostream& out_;
+  std::ostream& notes_;
+};
+
+}  // namespace stonestack::bench

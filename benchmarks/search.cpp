@@ -1,0 +1,272 @@
+// How high does the search build, at what cost? Draws sets of stones, plans a tower with the default search
+// and with the paper's at the same CPU time, and lets every tower stand 60 simulated seconds on finer shapes
+// than the search used. With placement noise every stone is put down beside its target, and the rest of the
+// tower is planned anew from what stands.
+#include <memory>
+
+#include "bench.hpp"
+#include "ode_witness.hpp"
+#include "put_down.hpp"
+#include "search_row.hpp"
+#include "settings.hpp"
+#include "stone_draws.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+struct BenchOptions {
+  int draws = 10, stones = 4, seed = 1;
+  bool paper = true;
+  bool ode = false;
+  OdeOptions in_ode;
+  double witness_seconds = 60.0;
+  double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
+  PoolOptions pools;
+  SearchOptions search = search_without_robot();
+  Settings settings;
+};
+
+/// What a tower is worth: how many of its stones stay, clean, and how far it is from falling.
+SearchOutcome witness(const BenchOptions& options, const StonePool& pool, const Stack& tower) {
+  SearchOutcome outcome;
+  outcome.planned = static_cast<int>(tower.stones.size());
+  if (tower.stones.empty()) return outcome;
+  StandOptions stand;
+  stand.friction = options.search.friction;
+  stand.seconds = options.witness_seconds;
+  const StandVerdict verdict = judge_stack(pool.fine, tower, stand);
+  outcome.clean = verdict.standing;
+  outcome.reason = verdict.reason;
+  EquilibriumOptions statics;
+  statics.friction = options.search.friction;
+  outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
+  OdeOptions in_ode = options.in_ode;
+  in_ode.friction = options.search.friction;
+  if (options.ode) outcome.ode = stand_in_ode(pool.fine, tower, in_ode);
+  return outcome;
+}
+
+Stack stack_of(const std::vector<Placement>& placements) {
+  Stack stack;
+  for (const Placement& placement : placements) stack.stones.push_back({placement.stone, placement.T_W_O});
+  return stack;
+}
+
+/// Builds with noisy placements: plans, puts down, plans anew. The first stone that falls ends it.
+Stack build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search, int k,
+                    std::string* reason) {
+  Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
+  PlacementNoise noise;
+  noise.shift = 1e-3 * options.noise;
+  noise.turn = options.noise_turn * M_PI / 180.0;
+  noise.friction = options.search.friction;
+  while (!problem.available.empty()) {
+    const SearchResult found = find_next_pose(problem, search);
+    *reason = found.reason;
+    if (found.best.empty()) break;
+    const Placement& target = found.best.front();
+    const auto higher = put_down(*problem.shapes, problem.stack, target, noise, random);
+    if (!higher) {
+      *reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
+                       target.predicted_success);
+      break;
+    }
+    problem.stack = *higher;
+    std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == target.stone; });
+  }
+  return problem.stack;
+}
+
+Stack build(const BenchOptions& options, const SearchProblem& problem, const SearchOptions& search, int k,
+            std::string* reason) {
+  if (options.noise > 0.0 || options.noise_turn > 0.0)
+    return build_noisily(options, problem, search, k, reason);
+  return stack_of(plan_tower(problem, options.stones, search, reason));
+}
+
+SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
+  const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
+  const double start = processor_seconds();
+  const Stopwatch watch;
+  std::string reason;
+  const Stack tower = build(options, problem, options.search, k, &reason);
+  const double cpu = processor_seconds() - start, wall = watch.seconds();
+  SearchOutcome outcome = witness(options, pool, tower);
+  outcome.cpu = cpu;
+  outcome.wall = wall;
+  if (!reason.empty()) outcome.reason = reason;
+  return outcome;
+}
+
+/// The paper's search; with exact placement restarted with new seeds until the CPU time is used, of which the
+/// highest tower counts.
+SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int k, double cpu) {
+  const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
+  SearchOptions search = options.search;
+  search.method = "paper";
+  const bool noisy = options.noise > 0.0 || options.noise_turn > 0.0;
+  const double start = processor_seconds();
+  const Stopwatch watch;
+  Stack best;
+  double once = 0.0;
+  int once_planned = 0;
+  std::string reason;
+  for (int pass = 0; pass == 0 || (!noisy && processor_seconds() - start < cpu); ++pass) {
+    search.seed = options.search.seed + 1000 * pass;
+    const Stack tower = build(options, problem, search, k, &reason);
+    if (pass == 0) {
+      once = watch.seconds();
+      once_planned = static_cast<int>(tower.stones.size());
+    }
+    if (tower.stones.size() > best.stones.size()) best = tower;
+    if (best.stones.size() == problem.available.size()) break;
+  }
+  const double used = processor_seconds() - start, wall = watch.seconds();
+  SearchOutcome outcome = witness(options, pool, best);
+  outcome.cpu = used;
+  outcome.wall = wall;
+  outcome.once = once;
+  outcome.once_planned = once_planned;
+  return outcome;
+}
+
+/// Candidates a CPU second of one thread, both methods, on the second level of the first draw.
+void report_speed(const BenchOptions& options, const StonePool& pool, Results& results) {
+  SearchOptions search = options.search;
+  search.threads = 1;
+  search.horizon = 1;
+  SearchProblem problem = draw_problem(pool, options.seed, 0, options.stones);
+  const SearchResult first = find_next_pose(problem, search);
+  if (first.best.empty()) return;
+  problem.stack.stones.push_back({first.best.front().stone, first.best.front().T_W_O});
+  for (const char* method : {"default", "paper"}) {
+    search.method = method;
+    const double start = processor_seconds();
+    const SearchResult found = find_next_pose(problem, search);
+    const double cpu = processor_seconds() - start;
+    results.row({pool.name, method, found.candidates, cpu, static_cast<double>(found.candidates) / cpu});
+  }
+}
+
+/// The draws of one pool by both methods.
+struct PoolOutcomes {
+  std::vector<SearchOutcome> of_default, of_paper;
+};
+
+PoolOutcomes measure_pool(const BenchOptions& options, const StonePool& pool, const SearchRow& of_search,
+                          const SearchRow& paper) {
+  PoolOutcomes outcomes;
+  for (int k = 0; k < options.draws; ++k) {
+    const SearchOutcome found = run_default(options, pool, k);
+    if (interrupt_noted()) break;  // what was found till then is no draw
+    outcomes.of_default.push_back(found);
+    tell_draw(of_search, k, found);
+    if (!options.paper) continue;
+    const SearchOutcome found_by_paper = run_paper(options, pool, k, found.cpu);
+    if (interrupt_noted()) break;
+    outcomes.of_paper.push_back(found_by_paper);
+    tell_draw(paper, k, found_by_paper);
+  }
+  return outcomes;
+}
+
+std::vector<Figure> settings_of(const BenchOptions& options) {
+  const SearchOptions& s = options.search;
+  std::vector<Figure> settings{{"draws", options.draws},
+                               {"stones", options.stones},
+                               {"friction", s.friction},
+                               {"noise_mm", options.noise},
+                               {"noise_deg", options.noise_turn},
+                               {"beam", s.beam},
+                               {"rounds", s.rounds},
+                               {"horizon", s.horizon},
+                               {"planned_for_mm", 1e3 * s.placement_sigma_translation},
+                               {"planned_for_deg", s.placement_sigma_rotation * 180 / M_PI},
+                               {"stand_s", options.witness_seconds},
+                               {"seed", options.seed}};
+  if (!options.ode) return settings;
+  const OdeOptions& o = options.in_ode;
+  settings.insert(settings.end(), {{"ode_s", o.seconds},
+                                   {"ode_shift_max_mm", 1e3 * o.largest_shift},
+                                   {"ode_turn_max_deg", o.largest_turn * 180 / M_PI},
+                                   {"ode_step_ms", 1e3 * o.step}});
+  return settings;
+}
+
+void measure(const BenchOptions& options, Results& results) {
+  const SearchOptions& s = options.search;
+  results.settings(settings_of(options));
+  results.table("towers", search_columns(options.ode));
+  const std::vector<StonePool> pools = read_pools(options.pools);
+  std::vector<std::pair<std::string, std::vector<SearchOutcome>>> of_paper;
+  for (const StonePool& pool : pools) {
+    const SearchRow of_search{pool.name,      "default",   options.stones,
+                              s.least_margin, options.ode, options.in_ode};
+    const SearchRow paper{pool.name, "paper", options.stones, s.least_margin, options.ode, options.in_ode};
+    PoolOutcomes outcomes = measure_pool(options, pool, of_search, paper);
+    if (!outcomes.of_default.empty()) results.row(search_cells(of_search, outcomes.of_default));
+    if (outcomes.of_paper.empty()) continue;
+    results.row(search_cells(paper, outcomes.of_paper));
+    of_paper.emplace_back(pool.name, std::move(outcomes.of_paper));
+  }
+  if (!of_paper.empty())
+    results.table(
+        "one pass of the paper's search",
+        {{"stones"}, {"s_a_run", 1}, {"s_a_stone", 1}, {"paper_s_a_run", 0}, {"paper_s_a_stone", 0}});
+  for (const auto& [pool, outcomes] : of_paper) report_paper_time(pool, outcomes, results);
+  throw_if_interrupted();  // the rows are of what was done
+  results.table("one thread, second level of the first draw",
+                {{"stones"}, {"method"}, {"candidates"}, {"cpu_s"}, {"candidates_per_s", 0}});
+  for (const StonePool& pool : pools) report_speed(options, pool, results);
+}
+
+}  // namespace
+
+void add_search(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* sub =
+      app.add_subcommand("search", "Heights, time and margins of planned towers; default beside paper");
+  sub->add_option("--draws", options->draws, "Sets of stones from each pool")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--stones", options->stones, "Stones a set")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--friction", options->search.friction, "Of the planner and of the world that judges")
+      ->check(CLI::Range(1e-3, 2.0))
+      ->capture_default_str();
+  sub->add_option("--noise", options->noise, "Placement noise, mm, one sigma along each axis; plans anew")
+      ->check(CLI::Range(0.0, 50.0))
+      ->capture_default_str();
+  sub->add_option("--noise-turn", options->noise_turn, "Placement noise, deg, one sigma about each axis")
+      ->check(CLI::Range(0.0, 30.0))
+      ->capture_default_str();
+  options->pools.register_on(*sub);
+  sub->add_option("--paper", options->paper, "Beside it the paper's search at the same processor time")
+      ->capture_default_str();
+  sub->add_flag("--ode", options->ode,
+                "Let each tower stand in another engine too (ODE, concave meshes, 5 s)");
+  sub->add_option("--ode-step", options->in_ode.step, "Of that engine, s")
+      ->check(CLI::Range(1e-5, 0.02))
+      ->capture_default_str();
+  sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
+  options->settings.register_on(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack-bench search --draws 40\n"
+      "  stonestack-bench search --draws 40 --generated 0 --friction 0.5 --stones 6\n"
+      "  stonestack-bench search --draws 10 --generated 0 --paper 0 --ode\n"
+      "  stonestack-bench search --noise 2 --noise-turn 2 --set search.placement_sigma_translation=0.002");
+  measure_by(*sub, [options](Results& results) {
+    options->settings.apply(nest("search", fields(options->search)));
+    measure(*options, results);
+  });
+}
+
+}  // namespace stonestack::bench

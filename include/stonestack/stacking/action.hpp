@@ -1,0 +1,71 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "stonestack/search/find_next_pose.hpp"
+
+namespace stonestack::stacking {
+
+/// How a stone is brought to its place: in one go, or set down in another resting pose before.
+enum class Route { kDirect, kReorienting };
+
+/// How a run ended.
+enum class RunEnd {
+  kAllPlaced,
+  kHeightReached,
+  kNoPose,
+  kNoPlan,
+  kPlacementFailed,
+  kNothingSeen,
+  kStopped,
+  kInterrupted,
+  kFailed  ///< by an error that no caller expects
+};
+/// "all_placed", "height_reached", "no_feasible_pose", "no_plan", "placement_failed", "nothing_seen",
+/// "stopped", "interrupted", "failed".
+[[nodiscard]] std::string to_text(RunEnd end);
+
+/// Put a stone on the stack: the first of these that a motion is found for.
+struct Place {
+  std::vector<Placement> candidates;  ///< best first
+};
+/// Set a stone down in another resting pose, from which it can be brought to its placement: the first of
+/// these that a motion is found for.
+struct Reorient {
+  std::vector<Placement> candidates;
+};
+/// Put the top stone back into the field.
+struct Unstack {
+  PlacedStone top;
+  std::vector<Pose> T_W_O_down;  ///< free places, best first
+  /// Unit: first along this, out of what leans on it, where straight up does not do.
+  std::optional<Eigen::Vector3d> n_W_lift;
+};
+/// Put a stone that leans on the stack back into the field.
+struct ClearBase {
+  PlacedStone stray;
+  std::size_t level = 0;  ///< of the stack, that it touches
+  std::vector<Pose> T_W_O_down;
+  Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();  ///< as for Unstack
+};
+/// Look for a stone that is out of sight.
+struct LookAgain {
+  enum class Where { kWhereItWas, kBesideSite };
+  int stone = -1;
+  Where where = Where::kWhereItWas;
+  Eigen::Vector3d p_W_target = Eigen::Vector3d::Zero();
+};
+/// End the run.
+struct Stop {
+  RunEnd end = RunEnd::kAllPlaced;
+  std::string reason;
+};
+
+/// What the robot can do next.
+using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop>;
+/// "place", "reorient", "unstack", "clear_base", "look_again", "stop".
+[[nodiscard]] std::string name_of(const Action& action);
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,44 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/stacking/build_options.hpp"
+#include "stonestack/stacking/event.hpp"
+#include "stonestack/stacking/run_memory.hpp"
+
+namespace stonestack::stacking {
+
+/// What is known of stones and robot before anything is seen. Catalogue and robot must outlive it.
+struct Models {
+  const Catalogue* catalogue = nullptr;
+  const RobotModel* robot = nullptr;
+  ShapeList shapes;
+  std::vector<std::string> unfit;  ///< why the gripper can hold a stone in no pose; empty: it can
+
+  [[nodiscard]] const std::string& name(int stone) const;
+  [[nodiscard]] const Stone& stone(int stone) const;
+};
+[[nodiscard]] Models make_models(const Catalogue& catalogue, const RobotModel& robot,
+                                 const CellLayout& layout);
+
+/// A memory with which a run begins.
+[[nodiscard]] RunMemory make_memory(const BuildOptions& options);
+
+/// What to do next, and why.
+struct Decision {
+  Action action;
+  RunMemory memory;        ///< with what was found out on the way: what the search found, what was given up
+  std::vector<Event> why;  ///< in order
+};
+
+/// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
+/// options give the same decision. In this order: ends after a failure; looks for stones out of sight; goes on
+/// unstacking; clears the base; ends when the height is reached; places or reorients a stone by the search
+/// (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
+/// `listener` hears events as they happen. Throws Interrupted.
+[[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
+                                     const Models& models, const BuildOptions& options,
+                                     const Listener& listener = {});
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,59 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/physics/stack.hpp"
+
+namespace stonestack::stacking {
+
+/// Stones of a scene by where they are: the stack from the table up, and the loose ones.
+struct Arrangement {
+  std::vector<PlacedStone> stack;
+  std::vector<PlacedStone> loose;
+};
+
+/// One depth image and where it was taken from.
+struct CameraView {
+  DepthImage image;
+  Pose T_W_C = Pose::Identity();
+};
+using Views = std::vector<CameraView>;
+
+/// Where one stone is.
+struct StoneEstimate {
+  int stone = -1;
+  Pose T_W_O_seen = Pose::Identity();     ///< as the camera showed it last, or as aimed at before it did
+  Pose T_W_O_at_rest = Pose::Identity();  ///< where it rests according to physics; of a loose stone as seen
+};
+
+/// The site when a run begins: not seen, nothing on it, or something.
+enum class SiteStatus { kUnseen, kFree, kOccupied };
+
+/// The stack at one assumed friction: as it comes to rest, or why it would not stand.
+struct RestingStack {
+  double friction = 0.0;
+  std::optional<Stack> stack;
+  std::string reason;
+};
+
+/// What the program knows of the cell: only what camera and sensors reported.
+struct WorldEstimate {
+  std::vector<StoneEstimate> stack;  ///< from the table up
+  std::vector<StoneEstimate> loose;  ///< on the table
+  SiteStatus site = SiteStatus::kFree;
+  CellLayout layout;                    ///< as calibrated, the camera's mount as the first views corrected it
+  std::vector<RestingStack> resting;    ///< the stack (`T_W_O_at_rest`) at each friction that is assumed
+  std::shared_ptr<const Views> views;   ///< that it was made from; null when it was read from a file
+};
+
+/// The stones where they rest.
+[[nodiscard]] Arrangement at_rest(const WorldEstimate& world);
+/// The stones where they were seen, as if they rested there.
+[[nodiscard]] std::vector<StoneEstimate> as_estimates(const std::vector<PlacedStone>& stones);
+[[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, int stone);
+
+}  // namespace stonestack::stacking

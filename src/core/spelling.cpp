@@ -1,0 +1,49 @@
+#include "stonestack/core/spelling.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace stonestack::core {
+namespace {
+
+constexpr std::size_t kMostMeant = 3;
+
+/// Names by their edit distance; the order of equal ones is kept.
+std::multimap<std::size_t, std::string> ranked(const std::vector<std::string>& names, std::string_view name) {
+  std::multimap<std::size_t, std::string> list;
+  for (const std::string& known : names) list.emplace(edit_distance(name, known), known);
+  return list;
+}
+
+}  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+std::vector<std::string> likely_meant(const std::vector<std::string>& names, std::string_view name) {
+  std::vector<std::string> list;
+  const auto add = [&](const std::string& known) {
+    if (list.size() < kMostMeant && std::find(list.begin(), list.end(), known) == list.end())
+      list.push_back(known);
+  };
+  for (const std::string& known : names)
+    if (!name.empty() && known.starts_with(name)) add(known);
+  const std::size_t slip = std::max<std::size_t>(1, name.size() / 3);
+  for (const auto& [distance, known] : ranked(names, name))
+    if (distance <= slip) add(known);
+  return list;
+}
+
+}  // namespace stonestack::core

@@ -1,0 +1,17 @@
+#pragma once
+#include "detection/features/models.hpp"
+
+namespace stonestack::detection {
+
+/// Keypoints and descriptors that the options name, of what a scene shows. Throws InvalidArgument for an
+/// unknown name.
+[[nodiscard]] Features describe_scene(const DetectionScene& scene, const DetectionOptions& options);
+
+/// The same of a model's surface: `seen_like` are its points as a camera's voxels would have them.
+[[nodiscard]] Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like,
+                                      const DetectionOptions& options);
+
+/// Throws InvalidArgument for a method or matching that is none, or an empty depth range.
+void require_usable(const DetectionOptions& options);
+
+}  // namespace stonestack::detection

@@ -1,0 +1,147 @@
+#include "detection/features/models.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "detection/constants.hpp"
+#include "detection/features/describe.hpp"
+#include "detection/hypotheses/sweep.hpp"
+#include "detection/judge/identity.hpp"
+#include "detection/judge/likeness.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::detection {
+namespace {
+
+constexpr float kFieldCell = 0.003F;  // m
+constexpr float kFieldBand = 0.020F;  // m: the widest gate of a registration
+constexpr int kSides = 180;           // about 15 deg apart
+
+SurfacePoints sampled(const Mesh& mesh, double spacing) {
+  SurfacePoints out;
+  for (const auto& s : sample_surface(mesh, spacing)) {
+    if (!(s.normal.squaredNorm() > 0.5)) continue;
+    out.points.emplace_back(s.point.cast<float>());
+    out.normals.emplace_back(s.normal.cast<float>());
+    out.areas.push_back(static_cast<float>(s.area));
+  }
+  return out;
+}
+
+std::vector<ModelSide> make_sides(const SurfacePoints& surface) {
+  std::vector<ModelSide> sides;
+  for (const auto& d : even_directions(kSides)) {
+    ModelSide side{d, Eigen::Vector3f::Zero()};
+    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+      const float area = surface.areas[i] * std::max(0.0F, surface.normals[i].dot(d));
+      side.centre += area * surface.points[i];
+      side.area += area;
+    }
+    side.centre /= std::max(side.area, 1e-9F);
+    sides.push_back(side);
+  }
+  return sides;
+}
+
+/// The surface as a camera's voxels would have it: evenly spaced points with normals of local planes.
+SurfacePoints as_seen(const SurfacePoints& dense, const SurfaceField& field) {
+  SurfacePoints out = surface_points(dense.points, dense.areas, static_cast<float>(kVoxel),
+                                     static_cast<float>(kNormalRadius));
+  for (std::size_t i = 0; i < out.points.size(); ++i) {
+    const int k = field.nearest(out.points[i]);
+    if (k >= 0 && dense.normals[static_cast<std::size_t>(k)].dot(out.normals[i]) < 0) out.normals[i] *= -1.0F;
+  }
+  return out;
+}
+
+}  // namespace
+
+DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& options) {
+  require(!stone.mesh.faces.empty(), "stone ", stone.name, " has no mesh to detect");
+  const Eigen::AlignedBox3d box = bounds(stone.mesh);
+  const double size = box.diagonal().norm();
+  require(size > 0.01 && size < 1.0, "stone ", stone.name, " is ", size,
+          " m across; detection takes 1 cm to 1 m");
+  SurfacePoints surface = sampled(stone.mesh, kVoxel);
+  SurfaceField field(surface.points, kFieldCell, kFieldBand);
+  DetectionModel model{stone.name,
+                       stone.mesh,
+                       face_normals(stone.mesh),
+                       surface_area(stone.mesh),
+                       box.center(),
+                       0.0,
+                       std::move(surface),
+                       std::move(field),
+                       SurfaceTree(stone.mesh),
+                       {},
+                       {},
+                       {}};
+  for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
+  model.features = describe_model(stone.mesh, as_seen(model.surface, model.field), options);
+  model.sides = make_sides(model.surface);
+  model.likes = turns_onto_itself(model);
+  return model;
+}
+
+bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C, double margin) {
+  const Eigen::Vector3d p_O = T_C_O.inverse() * p_C.cast<double>();
+  if ((p_O - model.centre).norm() > model.radius + margin) return false;
+  const Eigen::Vector3f q = p_O.cast<float>();
+  const int k = model.field.nearest(q);
+  if (k < 0) return false;
+  const Eigen::Vector3f d = q - model.surface.points[static_cast<std::size_t>(k)];
+  return model.surface.normals[static_cast<std::size_t>(k)].dot(d) < 0 ||
+         d.norm() < static_cast<float>(margin);
+}
+
+DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
+                              std::span<const KnownStone> stones) {
+  if (stones.empty()) return scene;
+  const auto explained = [&](const Eigen::Vector3f& p) {
+    return std::any_of(stones.begin(), stones.end(), [&](const KnownStone& k) {
+      return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, kExplainedMargin);
+    });
+  };
+  for (auto& view : scene.views) {
+    const CameraIntrinsics& camera = view.depth.camera;
+    view.explained.resize(view.depth.z.size(), 0);
+    tbb::parallel_for(0, camera.height, [&](int v) {
+      for (int u = 0; u < camera.width; ++u)
+        if (const float z = view.depth.at(u, v);
+            z > 0 && explained((view.T_C_V * (z * deproject(camera, u, v))).cast<float>()))
+          view.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
+    });
+  }
+  SurfacePoints rest;
+  std::vector<int> view_of;
+  for (std::size_t i = 0; i < scene.surface.points.size(); ++i) {
+    if (explained(scene.surface.points[i])) continue;
+    rest.points.push_back(scene.surface.points[i]);
+    rest.normals.push_back(scene.surface.normals[i]);
+    rest.areas.push_back(scene.surface.areas[i]);
+    view_of.push_back(scene.view_of[i]);
+  }
+  scene.surface = std::move(rest);
+  scene.view_of = std::move(view_of);
+  find_clusters(scene, kClusterGap);
+  return scene;
+}
+
+DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionOptions& options)
+    : data_(std::make_unique<Data>()) {
+  require_usable(options);
+  data_->options = options;
+  std::vector<std::unique_ptr<DetectionModel>> made(stones.size());
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
+    throw_if_interrupted();
+    made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));
+  });
+  for (auto& m : made) data_->models.push_back(std::move(*m));
+  data_->rivals = models_of_like_shape(data_->models);
+}
+DetectionModels::~DetectionModels() = default;
+DetectionModels::DetectionModels(DetectionModels&&) noexcept = default;
+DetectionModels& DetectionModels::operator=(DetectionModels&&) noexcept = default;
+
+}  // namespace stonestack::detection

@@ -1,0 +1,60 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "detection/features/surface_field.hpp"
+#include "detection/scene/preprocess.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/surface_tree.hpp"
+
+namespace stonestack::detection {
+
+/// Descriptors of keypoints: one row each, and where they are.
+struct Features {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;
+  Eigen::MatrixXf descriptors;  ///< row a keypoint; only finite ones are kept
+};
+
+/// How much of a stone shows from one side, for the orientation sweep.
+struct ModelSide {
+  Eigen::Vector3f towards;  ///< unit, from the stone to the camera, in O
+  Eigen::Vector3f centre;   ///< mean of what shows, weighted as pixels weigh it, in O
+  float area = 0.0F;        ///< m^2, projected
+};
+
+/// A stone prepared for detection, in O.
+struct DetectionModel {
+  std::string name;
+  Mesh mesh;
+  std::vector<Eigen::Vector3d> face_normals;
+  double area = 0.0;       ///< m^2, of the whole surface
+  Eigen::Vector3d centre;  ///< of the bounding sphere
+  double radius = 0.0;     ///< m, of it
+  SurfacePoints surface;   ///< dense samples, for registration
+  SurfaceField field;      ///< over them
+  SurfaceTree tree;        ///< over the mesh itself
+  Features features;
+  std::vector<ModelSide> sides;
+  std::vector<Pose> likes;  ///< T_O_S that bring it nearly onto itself: detection/likeness.hpp
+};
+
+struct DetectionModels::Data {
+  std::vector<DetectionModel> models;
+  DetectionOptions options;              ///< that the models were made with
+  std::vector<std::vector<int>> rivals;  ///< of each model, the others of like shape: detection/identity.hpp
+};
+
+/// Prepares one stone.
+[[nodiscard]] DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& options);
+
+/// True if `p_C` lies within `margin` of the surface of the model at T_C_O, or inside it.
+[[nodiscard]] bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C,
+                            double margin);
+
+/// A scene without the points and pixels of some stones: what is left to explain. Nothing changes for no
+/// stones.
+[[nodiscard]] DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data& data,
+                                            std::span<const KnownStone> stones);
+
+}  // namespace stonestack::detection

@@ -1,0 +1,111 @@
+#include "detection/hypotheses/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/constants.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::detection {
+namespace {
+
+constexpr int kCoarsePoints = 200;  // per pose: enough to fall into the basin
+constexpr int kFinePoints = 3000;
+constexpr std::size_t kMostKept = 24;       // poses that nothing sets apart: a cube has as many
+constexpr double kLikelyAsWell = 0.04;      // of the coarse score
+constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
+constexpr double kSameAngle = 0.10;
+constexpr double kNoiseTolerance = 4.0;  // standard deviations
+constexpr double kHiddenWeight =
+    0.1;  // of a pixel that something unknown hides: stones may be hidden by three quarters
+
+/// A coarse pose and its score, best first.
+struct Coarse {
+  Pose T_C_O;
+  double score;
+};
+
+RefineOptions coarse_refinement() {
+  return {8, 1.3 * kIcpGate, 0.5 * kIcpGate, 0.003, 0.4};
+}
+
+RefineOptions fine_refinement() {
+  return {15, 0.6 * kIcpGate, 0.004, 0.0015, 0.6};
+}
+
+/// Noisier images are judged by wider tolerances.
+double tolerance(const DetectionScene& scene) {
+  return std::max(kVerifyTolerance, kNoiseTolerance * scene.noise);
+}
+
+std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
+                                 const DetectionScene& scene, std::size_t most) {
+  VerifyOptions loose{2.0 * tolerance(scene), kHiddenWeight, 0.025, 300};
+  std::vector<Coarse> poses;
+  for (const auto& h : hypotheses) {
+    throw_if_interrupted();
+    const auto near = points_near(model, h.T_C_O, scene.surface, kIcpGate, kCoarsePoints);
+    const Refined refined = refine_pose(model, h.T_C_O, scene.surface, near, coarse_refinement());
+    const Verdict verdict = verify_pose(model, refined.T_C_O, scene, loose);
+    if (verdict.score > -0.9) poses.push_back({refined.T_C_O, verdict.score});
+  }
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const Coarse& a, const Coarse& b) { return a.score > b.score; });
+  std::vector<Coarse> kept;
+  for (const auto& pose : poses) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const Coarse& k) {
+      const PoseDifference d = difference(k.T_C_O, pose.T_C_O);
+      return d.translation < kSameTranslation && d.angle < kSameAngle;
+    });
+    if (known) continue;
+    const bool tie = pose.score > poses.front().score - kLikelyAsWell;
+    if (kept.size() >= (tie ? kMostKept : most)) break;
+    kept.push_back(pose);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
+                                    const DetectionScene& scene, double hidden_weight) {
+  const auto near = points_near(model, T_C_O, scene.surface, kIcpGate, kFinePoints);
+  const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement());
+  if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return {};
+  VerifyOptions strict{tolerance(scene), hidden_weight};
+  strict.keep_pixels = strict.contour = true;
+  Verdict verdict = verify_pose(model, refined.T_C_O, scene, strict);
+  Candidate candidate;
+  candidate.detection.stone = stone;
+  candidate.detection.T_C_O = refined.T_C_O;
+  candidate.detection.score = verdict.score;
+  candidate.detection.inlier_ratio = verdict.inlier_ratio;
+  candidate.detection.visible = verdict.visible;
+  candidate.pixels = std::move(verdict.pixels);
+  return candidate;
+}
+
+std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
+                                        const DetectionScene& scene) {
+  VerifyOptions strict{tolerance(scene), kHiddenWeight};
+  strict.keep_pixels = true;
+  return verify_pose(model, T_C_O, scene, strict).pixels;
+}
+
+std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
+                                        std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
+                                        const DetectionOptions& options, std::size_t kept_poses) {
+  std::vector<Candidate> candidates;
+  for (const auto& pose : coarse_poses(model, hypotheses, scene, kept_poses)) {
+    auto candidate = judge_pose(model, stone, pose.T_C_O, scene, kHiddenWeight);
+    const bool kept =
+        options.method == "paper" || (candidate && candidate->detection.score > 0.5 * options.accept_score);
+    if (candidate && kept) candidates.push_back(std::move(*candidate));
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.detection.score > b.detection.score;
+  });
+  return candidates;
+}
+
+}  // namespace stonestack::detection

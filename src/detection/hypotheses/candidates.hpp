@@ -1,0 +1,35 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "detection/features/consistency.hpp"
+#include "detection/features/models.hpp"
+#include "detection/hypotheses/refine.hpp"
+#include "detection/judge/verify.hpp"
+
+namespace stonestack::detection {
+
+/// A refined pose of one model that the image does not refute.
+struct Candidate {
+  Detection detection;
+  std::vector<SeenPixel> pixels;  ///< that it explains, on the drawn raster
+};
+
+/// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
+/// them (`kept_poses`, more if they tie). Best score first; nothing below half the accept score.
+[[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
+                                                      std::span<const Hypothesis> hypotheses,
+                                                      const DetectionScene& scene,
+                                                      const DetectionOptions& options,
+                                                      std::size_t kept_poses = 5);
+
+/// The pixels that a model at a pose explains.
+[[nodiscard]] std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
+                                                      const DetectionScene& scene);
+
+/// The fine refinement and the verdict alone.
+[[nodiscard]] std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
+                                                  const DetectionScene& scene, double hidden_weight);
+
+}  // namespace stonestack::detection

@@ -1,0 +1,107 @@
+#include "detection/hypotheses/refine.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace stonestack::detection {
+namespace {
+
+constexpr int kFewest = 20;  // correspondences: fewer do not hold six degrees of freedom
+
+/// One linearised step in O: rotation and translation of the seen points onto the model.
+struct Normal {
+  Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+  int count = 0;
+  double squares = 0.0, weights = 0.0;
+};
+
+Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfacePoints& seen,
+                  std::span<const int> indices, double gate, double robust, double least_cosine) {
+  Normal sum;
+  const Eigen::Isometry3f T = T_O_C.cast<float>();
+  const Eigen::Vector3f centre = model.centre.cast<float>();
+  const auto inverse = static_cast<float>(1.0 / (robust * robust));
+  Eigen::Vector3f s, n;
+  Eigen::Matrix<float, 6, 6> H = Eigen::Matrix<float, 6, 6>::Zero();
+  Eigen::Matrix<float, 6, 1> g = Eigen::Matrix<float, 6, 1>::Zero();
+  for (const int i : indices) {
+    const Eigen::Vector3f q = T * seen.points[static_cast<std::size_t>(i)];
+    const int k = model.field.nearest(q);
+    if (k < 0) continue;
+    s = model.surface.points[static_cast<std::size_t>(k)];
+    n = model.surface.normals[static_cast<std::size_t>(k)];
+    if ((q - s).squaredNorm() > static_cast<float>(gate * gate)) continue;
+    if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(least_cosine))
+      continue;
+    const float r = n.dot(q - s);
+    const float w = 1.0F / (1.0F + r * r * inverse);
+    Eigen::Matrix<float, 6, 1> J;
+    J.head<3>() = n;  // not by commas: GCC 12 sees a load past the end there
+    J.tail<3>() = (q - centre).cross(n);
+    H.selfadjointView<Eigen::Lower>().rankUpdate(J, w);
+    g += (w * r) * J;
+    ++sum.count;
+    sum.squares += w * r * r;
+    sum.weights += w;
+  }
+  sum.H = Eigen::Matrix<float, 6, 6>(H.selfadjointView<Eigen::Lower>()).cast<double>();
+  sum.g = g.cast<double>();
+  return sum;
+}
+
+/// The motion exp(x) about `centre`.
+Pose motion(const Eigen::Matrix<double, 6, 1>& x, const Eigen::Vector3d& centre) {
+  const Eigen::Vector3d w = x.tail<3>();
+  const double angle = w.norm();
+  Pose T = Pose::Identity();
+  if (angle > 1e-12) T.linear() = Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
+  T.translation() = centre - T.linear() * centre + x.head<3>();
+  return T;
+}
+
+}  // namespace
+
+Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
+                    std::span<const int> indices, const RefineOptions& options) {
+  Refined out{T_C_O};
+  Pose T_O_C = T_C_O.inverse();
+  for (int turn = 0; turn < options.iterations; ++turn) {
+    const double s = options.iterations > 1 ? static_cast<double>(turn) / (options.iterations - 1) : 1.0;
+    const double gate = options.gate_first * std::pow(options.gate_last / options.gate_first, s);
+    const double robust = std::max(options.robust, gate / 5.0);
+    const Normal sum =
+        accumulate(model, T_O_C, seen, indices, gate, robust, s < 0.5 ? 0.0 : options.least_cosine);
+    out.correspondences = sum.count;
+    if (sum.count < kFewest) break;
+    out.rms = std::sqrt(sum.squares / std::max(sum.weights, 1e-9));
+    // A little damping (1e-6 of the trace) keeps directions that the view does not fix where they are.
+    Eigen::Matrix<double, 6, 6> H = sum.H;
+    H.diagonal().head<3>().array() += 1e-4 * sum.H.topLeftCorner<3, 3>().trace();
+    H.diagonal().tail<3>().array() += 1e-4 * sum.H.bottomRightCorner<3, 3>().trace();
+    const Eigen::Matrix<double, 6, 1> x = -H.ldlt().solve(sum.g);
+    if (!x.allFinite()) break;
+    T_O_C = orthonormal(motion(x, model.centre) * T_O_C);
+    if (s > 0.6 && x.head<3>().norm() < 1e-5 && x.tail<3>().norm() < 1e-4) break;
+  }
+  out.T_C_O = T_O_C.inverse();
+  return out;
+}
+
+std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
+                             double margin, int most) {
+  std::vector<int> all;
+  const Eigen::Vector3f centre = (T_C_O * model.centre).cast<float>();
+  const auto radius = static_cast<float>(model.radius + margin);
+  for (std::size_t i = 0; i < seen.points.size(); ++i)
+    if ((seen.points[i] - centre).squaredNorm() < radius * radius) all.push_back(static_cast<int>(i));
+  const auto count = static_cast<int>(all.size());
+  if (count <= most) return all;
+  std::vector<int> some(static_cast<std::size_t>(most));
+  for (int i = 0; i < most; ++i)
+    some[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(static_cast<long>(i) * count / most)];
+  return some;
+}
+
+}  // namespace stonestack::detection

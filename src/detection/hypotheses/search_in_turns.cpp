@@ -1,0 +1,293 @@
+#include "detection/hypotheses/search_in_turns.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "detection/constants.hpp"
+#include "detection/features/describe.hpp"
+#include "detection/features/matching.hpp"
+#include "detection/hypotheses/sweep.hpp"
+#include "detection/judge/accept.hpp"
+#include "detection/scene/split_parts.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::detection {
+namespace {
+
+constexpr double kWiderGap = 3.0;         // times the gap of clusters
+constexpr double kNearlyAccepted = 0.10;  // below the accept score
+constexpr double kWellVisible = 0.13;     // of the whole surface
+// Another stone of like shape scores up to 0.94 (limestones, seed 77), and what it explains would be lost to
+// the right one: a score below this waits until everything has been tried.
+constexpr double kBeyondDoubt = 0.95;
+constexpr double kUsualNoise = 0.0006;  // m: noisier images fit right poses the worse, ...
+constexpr double kNoiseCosts = 50.0;    // ... by this much score a metre (bench: d435)
+constexpr double kCleaner = 0.04;       // above the accept score: a right pose in a clean image of one view
+
+/// Points of one cluster that one view saw.
+struct SeenCluster {
+  int view = 0;
+  std::vector<int> points;
+};
+
+std::vector<SeenCluster> seen_clusters(const DetectionScene& scene) {
+  const std::size_t views = scene.views.size();
+  std::vector<SeenCluster> all(static_cast<std::size_t>(scene.clusters) * views);
+  for (std::size_t i = 0; i < scene.cluster.size(); ++i) {
+    if (scene.cluster[i] < 0) continue;
+    auto& cluster =
+        all[static_cast<std::size_t>(scene.cluster[i]) * views + static_cast<std::size_t>(scene.view_of[i])];
+    cluster.view = scene.view_of[i];
+    cluster.points.push_back(static_cast<int>(i));
+  }
+  std::erase_if(all,
+                [&](const SeenCluster& c) { return static_cast<int>(c.points.size()) < kClusterPoints; });
+  return all;
+}
+
+/// Clusters, those that wider gaps join (a stone that holes or shadow have torn), and the parts that creases
+/// split them into.
+std::vector<SeenCluster> with_parts(const DetectionScene& scene) {
+  const auto clusters = seen_clusters(scene);
+  std::vector<SeenCluster> all = clusters;
+  DetectionScene joined = scene;
+  find_clusters(joined, kWiderGap * kClusterGap);
+  for (auto& cluster : seen_clusters(joined)) {
+    const bool known = std::any_of(clusters.begin(), clusters.end(), [&](const SeenCluster& c) {
+      return c.view == cluster.view && c.points.size() == cluster.points.size() &&
+             c.points[0] == cluster.points[0];
+    });
+    if (!known) all.push_back(std::move(cluster));
+  }
+  for (const auto& cluster : clusters)
+    for (auto& part : split_parts(scene.surface, cluster.points))
+      all.push_back({cluster.view, std::move(part)});
+  return all;
+}
+
+/// What one turn tries.
+enum class Turn {
+  kSweep,     ///< some orientations on each cluster
+  kParts,     ///< and on parts of clusters
+  kDescribe,  ///< descriptors
+  kThorough,  ///< more orientations, also on parts of clusters
+};
+
+/// What a look at a scene tries.
+struct Look {
+  const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
+  std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
+  SweepOptions sweep;
+};
+
+/// Sweep of the last turn: as many orientations as the budget of a scene allows.
+SweepOptions thorough_sweep() {
+  SweepOptions options;
+  options.best = 60;
+  options.apart = 0.2;
+  options.shifts = 3;
+  options.aside = 0.022;
+  options.area_low = 0.15;
+  options.area_high = 1.6;
+  return options;
+}
+
+/// What was found out about one model.
+struct ModelSearch {
+  std::vector<Correspondence> matches;
+  std::vector<Hypothesis> grouped, swept;
+  std::vector<Candidate> candidates;
+};
+
+ModelSearch search_model(const DetectionModel& model, int stone, const DetectionScene& scene,
+                         const Look& look, const DetectionOptions& options) {
+  ModelSearch out;
+  if (look.seen != nullptr) {
+    out.matches = options.matching == "kdtree"
+                      ? match_features_kdtree(*look.seen, model.features, kNeighbours)
+                      : match_features(*look.seen, model.features, kNeighbours);
+    ConsistencyOptions grouping;
+    grouping.size = kConsistencySize;
+    grouping.fewest = kMinConsistent;
+    grouping.best = kBestHypotheses;
+    out.grouped = consistent_groups(out.matches, *look.seen, model.features, grouping);
+  }
+  for (const auto& cluster : look.clusters) {
+    const Eigen::Vector3f eye =
+        scene.views[static_cast<std::size_t>(cluster.view)].T_C_V.translation().cast<float>();
+    const auto more = sweep_orientations(model, scene.surface, cluster.points, eye, look.sweep);
+    out.swept.insert(out.swept.end(), more.begin(), more.end());
+  }
+  std::vector<Hypothesis> all = out.grouped;
+  all.insert(all.end(), out.swept.begin(), out.swept.end());
+  out.candidates = judge_hypotheses(model, stone, all, scene, options);
+  return out;
+}
+
+void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const Look& look,
+                 const DetectionModel& model) {
+  for (const auto& m : found.matches)
+    turn.matches.push_back({stone, look.seen->points[static_cast<std::size_t>(m.scene)],
+                            model.features.points[static_cast<std::size_t>(m.model)], m.distance});
+  for (const auto& h : found.grouped) turn.hypotheses.push_back({stone, "consistency", h.support, h.T_C_O});
+  for (const auto& h : found.swept) turn.hypotheses.push_back({stone, "sweep", h.support, h.T_C_O});
+}
+
+/// Candidates of every missing model.
+std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<int>& missing,
+                              const DetectionScene& scene, const Look& look, const DetectionOptions& options,
+                              TracedTurn* turn) {
+  std::vector<int> stones = missing;
+  stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
+  std::vector<ModelSearch> found(stones.size());
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
+    const DetectionModel& model = data.models[static_cast<std::size_t>(stones[k])];
+    found[k] = search_model(model, stones[k], scene, look, options);
+  });
+  std::vector<Candidate> all;
+  for (std::size_t k = 0; k < stones.size(); ++k) {
+    if (turn != nullptr)
+      note_search(*turn, found[k], stones[k], look, data.models[static_cast<std::size_t>(stones[k])]);
+    all.insert(all.end(), std::make_move_iterator(found[k].candidates.begin()),
+               std::make_move_iterator(found[k].candidates.end()));
+  }
+  return all;
+}
+
+void note_scene(TracedTurn& turn, const DetectionScene& scene, const Features& seen) {
+  turn.surface_C = scene.surface.points;
+  turn.cluster = scene.cluster;
+  turn.keypoints_C = seen.points;
+}
+
+void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
+                     const std::vector<std::size_t>& taken) {
+  for (const auto& c : all) turn.candidates.push_back({c.detection, false});
+  for (const std::size_t i : taken) turn.candidates[i].accepted = true;
+}
+
+Look look_of(Turn turn, const DetectionScene& scene, const Features& seen) {
+  if (turn == Turn::kDescribe) return {&seen, {}, {}};
+  if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene), {}};
+  if (turn == Turn::kParts) return {nullptr, with_parts(scene), {}};
+  return {nullptr, with_parts(scene), thorough_sweep()};
+}
+
+/// What to try next: what a turn has found sets something apart, so the cheap sweep is worth another try.
+std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& options) {
+  if (!options.sweep) return {};  // the paper looks once
+  if (found) return Turn::kSweep;
+  if (turn == Turn::kSweep) return Turn::kParts;
+  if (turn == Turn::kParts) return Turn::kDescribe;
+  if (turn == Turn::kDescribe) return Turn::kThorough;
+  return {};
+}
+
+/// What is accepted though something else has not been tried yet.
+DetectionOptions beyond_doubt(DetectionOptions options, const DetectionScene& scene) {
+  const double bar = kBeyondDoubt - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise);
+  options.accept_score = std::max(options.accept_score, bar);
+  return options;
+}
+
+/// The least score of any pose: a mirror image of a stone scored up to 0.875 in a clean image, where right
+/// poses of a single view score 0.91 and up (bench: mirrored, hidden). Views joined fit less well.
+double least_score(const DetectionOptions& options, const DetectionScene& scene) {
+  if (options.method == "paper" || scene.views.size() > 1) return -1.0;
+  return options.accept_score +
+         std::max(0.0, kCleaner - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise));
+}
+
+/// How far a search has come.
+struct Search {
+  std::vector<int> missing;
+  DetectionScene scene;  ///< what is still unexplained
+  std::vector<Candidate> taken;
+  std::vector<Candidate> refused;  ///< since something was taken last
+};
+
+void take(Search& search, Candidate candidate) {
+  search.missing.erase(std::find(search.missing.begin(), search.missing.end(), candidate.detection.stone));
+  search.taken.push_back(std::move(candidate));
+}
+
+std::vector<KnownStone> poses_of(std::span<const Candidate> candidates) {
+  std::vector<KnownStone> stones;
+  for (const auto& c : candidates) stones.push_back({c.detection.stone, c.detection.T_C_O});
+  return stones;
+}
+
+/// Turn after turn until nothing more is found.
+void take_turns(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
+                DetectionTrace* trace) {
+  Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
+  const double least = least_score(options, so_far.scene);
+  while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
+    throw_if_interrupted();
+    Features seen;
+    if (turn == Turn::kDescribe) seen = describe_scene(so_far.scene, data.options);
+    const Look look = look_of(turn, so_far.scene, seen);
+    TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
+    if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
+    auto found = search(data, so_far.missing, so_far.scene, look, options, noted);
+    auto accepted =
+        without_conflicts(found, so_far.missing, so_far.scene, beyond_doubt(options, so_far.scene), least);
+    if (accepted.empty() && !turn_after(turn, false, options)) {
+      found.insert(found.end(), so_far.refused.begin(), so_far.refused.end());
+      accepted = without_conflicts(found, so_far.missing, so_far.scene, options, least);
+    }
+    if (noted != nullptr) note_candidates(*noted, found, accepted);
+    const std::size_t before = so_far.taken.size();
+    for (const std::size_t i : accepted) take(so_far, found[i]);
+    so_far.scene =
+        without_stones(std::move(so_far.scene), data, poses_of(std::span(so_far.taken).subspan(before)));
+    so_far.refused.clear();  // where something was found, they are judged anew
+    if (accepted.empty()) so_far.refused = std::move(found);
+    const auto next = turn_after(turn, !accepted.empty(), options);
+    if (!next) break;
+    turn = *next;
+  }
+}
+
+/// A stone may be refused because of one before it that was not found either, as the first one stands in its
+/// way: takes the likeliest refused pose for granted, looks for what is left then, and keeps all of it if
+/// that pose stands the check once the others are explained.
+void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options) {
+  auto refused = so_far.refused;
+  std::erase_if(refused, [&](const Candidate& c) {
+    return c.detection.score < options.accept_score - kNearlyAccepted || c.detection.visible < kWellVisible ||
+           std::count(so_far.missing.begin(), so_far.missing.end(), c.detection.stone) == 0;
+  });
+  const auto best = std::max_element(
+      refused.begin(), refused.end(),
+      [](const Candidate& a, const Candidate& b) { return a.detection.score < b.detection.score; });
+  if (best == refused.end()) return;
+  const auto granted = poses_of(std::span(&*best, 1));
+  Search rest{so_far.missing, without_stones(so_far.scene, data, granted), {}, {}};
+  take(rest, *best);
+  rest.taken.clear();
+  take_turns(data, rest, options, nullptr);
+  if (rest.taken.empty()) return;
+  const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken));
+  const Hypothesis again{best->detection.T_C_O, 1.0};
+  auto judged = judge_hypotheses(data.models[static_cast<std::size_t>(best->detection.stone)],
+                                 best->detection.stone, std::span(&again, 1), alone, options);
+  if (judged.empty() || !acceptable(judged.front().detection, options, least_score(options, alone))) return;
+  take(so_far, std::move(judged.front()));
+  for (auto& c : rest.taken) take(so_far, std::move(c));
+}
+
+}  // namespace
+
+std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<int> missing,
+                                       DetectionScene scene, const DetectionOptions& options,
+                                       DetectionTrace* trace) {
+  Search so_far{std::move(missing), std::move(scene), {}, {}};
+  take_turns(data, so_far, options, trace);
+  if (options.sweep && !so_far.missing.empty()) take_for_granted(data, so_far, options);
+  return std::move(so_far.taken);
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,18 @@
+#pragma once
+#include <vector>
+
+#include "detection/hypotheses/candidates.hpp"
+#include "stonestack/detection/trace.hpp"
+
+namespace stonestack::detection {
+
+/// Looks again and again at what is still unexplained, for what is still missing: the cheap sweep first,
+/// which finds stones that stand alone, then descriptors on the rest, then all orientations on what is left,
+/// also between creases; and again from the start when a turn has found something. At last, one pose that
+/// was nearly accepted is taken for granted, to see whether what stood in its way is a missing stone.
+/// `missing` names a model as often as it may be there. Fills `trace` if given.
+[[nodiscard]] std::vector<Candidate> search_in_turns(const DetectionModels::Data& data,
+                                                     std::vector<int> missing, DetectionScene scene,
+                                                     const DetectionOptions& options, DetectionTrace* trace);
+
+}  // namespace stonestack::detection

@@ -1,0 +1,166 @@
+#include "detection/hypotheses/sweep.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace stonestack::detection {
+namespace {
+
+/// What a cluster looks like from the camera.
+struct SeenPatch {
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+  Eigen::Vector3f towards = Eigen::Vector3f::Zero();  ///< unit, to the camera
+  float area = 0.0F;
+  std::vector<int> points;  ///< evenly thinned
+};
+
+SeenPatch look_at(const SurfacePoints& seen, std::span<const int> cluster, const Eigen::Vector3f& eye,
+                  int most) {
+  SeenPatch patch;
+  for (const int i : cluster) {
+    const float area = seen.areas[static_cast<std::size_t>(i)];
+    patch.centre += area * seen.points[static_cast<std::size_t>(i)];
+    patch.area += area;
+  }
+  patch.centre /= patch.area;
+  patch.towards = (eye - patch.centre).normalized();
+  const auto count = std::min(static_cast<std::size_t>(most), cluster.size());
+  for (std::size_t k = 0; k < count; ++k) patch.points.push_back(cluster[k * cluster.size() / count]);
+  return patch;
+}
+
+/// A rotation with `axis` as its third column, turned about it by `angle`.
+Eigen::Matrix3f frame_about(const Eigen::Vector3f& axis, float angle) {
+  Eigen::Matrix3f frame;
+  frame.col(0) = axis.unitOrthogonal();
+  frame.col(1) = axis.cross(frame.col(0));
+  frame.col(2) = axis;
+  return frame * Eigen::AngleAxisf(angle, Eigen::Vector3f::UnitZ()).toRotationMatrix();
+}
+
+/// The centre itself, and four places beside it across the line of sight.
+std::vector<Eigen::Vector3f> starts_beside(const Eigen::Vector3f& towards, float aside) {
+  std::vector<Eigen::Vector3f> starts{Eigen::Vector3f::Zero()};
+  if (aside <= 0) return starts;
+  const Eigen::Matrix3f frame = frame_about(towards, 0.0F);
+  for (const float sign : {-1.0F, 1.0F})
+    for (int axis = 0; axis < 2; ++axis) starts.emplace_back(sign * aside * frame.col(axis));
+  return starts;
+}
+
+/// Mean cost of the patch's points at a pose: squared distance plus what the normals disagree, both capped.
+float misfit(const DetectionModel& model, const SurfacePoints& seen, const SeenPatch& patch,
+             const Eigen::Matrix3f& R_O_C, const Eigen::Vector3f& t_O_C, float reach) {
+  const float cap = reach * reach;
+  float sum = 0;
+  for (const int i : patch.points) {
+    const Eigen::Vector3f q = R_O_C * seen.points[static_cast<std::size_t>(i)] + t_O_C;
+    const int k = model.field.nearest(q);
+    if (k < 0) {
+      sum += 2.0F * cap;
+      continue;
+    }
+    const float d2 = (q - model.surface.points[static_cast<std::size_t>(k)]).squaredNorm();
+    const float cosine = model.surface.normals[static_cast<std::size_t>(k)].dot(
+        R_O_C * seen.normals[static_cast<std::size_t>(i)]);
+    sum += std::min(d2, cap) + cap * std::min(1.0F, 1.0F - cosine);
+  }
+  return sum / static_cast<float>(patch.points.size());
+}
+
+/// The step of translation that carries the patch towards the model, point to plane. Slightly damped, so that
+/// it stays where a direction is free.
+Eigen::Vector3f slide(const DetectionModel& model, const SurfacePoints& seen, const SeenPatch& patch,
+                      const Eigen::Matrix3f& R_O_C, const Eigen::Vector3f& t_O_C) {
+  Eigen::Matrix3f H = Eigen::Matrix3f::Zero();
+  Eigen::Vector3f g = Eigen::Vector3f::Zero();
+  int count = 0;
+  for (const int i : patch.points) {
+    const Eigen::Vector3f q = R_O_C * seen.points[static_cast<std::size_t>(i)] + t_O_C;
+    const int k = model.field.nearest(q);
+    if (k < 0) continue;
+    const Eigen::Vector3f& n = model.surface.normals[static_cast<std::size_t>(k)];
+    if (n.dot(R_O_C * seen.normals[static_cast<std::size_t>(i)]) < 0) continue;
+    H += n * n.transpose();
+    g += n.dot(model.surface.points[static_cast<std::size_t>(k)] - q) * n;
+    ++count;
+  }
+  if (2 * count < static_cast<int>(patch.points.size())) return Eigen::Vector3f::Zero();
+  H.diagonal().array() += 0.05F * static_cast<float>(count);
+  return H.ldlt().solve(g);
+}
+
+/// A tried orientation, best first.
+struct Trial {
+  float cost;
+  int side, turn;
+  Eigen::Vector3f t_O_C;
+  bool operator<(const Trial& o) const {
+    if (cost != o.cost) return cost < o.cost;
+    return side != o.side ? side < o.side : turn < o.turn;
+  }
+};
+
+}  // namespace
+
+std::vector<Hypothesis> sweep_orientations(const DetectionModel& model, const SurfacePoints& seen,
+                                           std::span<const int> cluster, const Eigen::Vector3f& eye,
+                                           const SweepOptions& options) {
+  std::vector<Hypothesis> found;
+  if (cluster.empty()) return found;
+  const SeenPatch patch = look_at(seen, cluster, eye, options.points);
+  if (!(patch.area > 0)) return found;
+  const float step = 2.0F * std::numbers::pi_v<float> / static_cast<float>(options.turns);
+  const auto reach = static_cast<float>(options.reach);
+  const auto rotation = [&](int side, int turn) -> Eigen::Matrix3f {  // R_C_O
+    return frame_about(patch.towards, step * static_cast<float>(turn)) *
+           frame_about(model.sides[static_cast<std::size_t>(side)].towards, 0.0F).transpose();
+  };
+  const auto starts = starts_beside(patch.towards, static_cast<float>(options.aside));
+  std::vector<Trial> trials;
+  for (int side = 0; side < static_cast<int>(model.sides.size()); ++side) {
+    const ModelSide& s = model.sides[static_cast<std::size_t>(side)];
+    const double share = patch.area / s.area;
+    if (share < options.area_low || share > options.area_high) continue;
+    for (int turn = 0; turn < options.turns; ++turn) {
+      const Eigen::Matrix3f R_O_C = rotation(side, turn).transpose();
+      Trial best{std::numeric_limits<float>::max(), side, turn, {}};
+      for (const auto& start : starts) {
+        Eigen::Vector3f t = s.centre - R_O_C * (patch.centre + start);
+        for (int k = 0; k < options.shifts; ++k) t += slide(model, seen, patch, R_O_C, t);
+        const float cost = misfit(model, seen, patch, R_O_C, t, reach);
+        if (cost < best.cost) best.cost = cost, best.t_O_C = t;
+      }
+      trials.push_back(best);
+    }
+  }
+  std::sort(trials.begin(), trials.end());
+  for (const Trial& trial : trials) {
+    if (static_cast<int>(found.size()) >= options.best || trial.cost > 1.2F * reach * reach) break;
+    const Eigen::Matrix3f R = rotation(trial.side, trial.turn);
+    Pose T_C_O = Pose::Identity();
+    T_C_O.linear() = R.cast<double>();
+    T_C_O.translation() = (-R * trial.t_O_C).cast<double>();
+    const bool near = std::any_of(found.begin(), found.end(), [&](const Hypothesis& h) {
+      return difference(h.T_C_O, T_C_O).angle < options.apart;
+    });
+    if (!near) found.push_back({orthonormal(T_C_O), 1.0 / (1e-9 + trial.cost)});
+  }
+  return found;
+}
+
+std::vector<Eigen::Vector3f> even_directions(int count) {
+  std::vector<Eigen::Vector3f> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(
+        Eigen::Vector3d(r * std::cos(golden * i), r * std::sin(golden * i), z).cast<float>());
+  }
+  return directions;
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,113 @@
+#include "detection/judge/accept.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace stonestack::detection {
+namespace {
+
+constexpr double kLeastVisible = 0.04;    // of the whole surface: less is no evidence
+constexpr double kMuchVisible = 0.13;     // of the whole surface: less must fit the better ...
+constexpr double kLittleVisible = 1.5;    // ... by this much score for all that is missing (bench: hidden)
+constexpr double kUsuallyLacking = 0.03;  // of the score of a right pose
+constexpr double kLargestOverlap = 0.3;   // of a candidate's pixels that an accepted one explains already
+constexpr double kDouble = 0.5;           // the same of final poses: the same stone twice
+
+/// Image pixels that a candidate explains: models are drawn at steps of their own.
+double image_area(const Candidate& c) {
+  double sum = 0;
+  for (const auto& p : c.pixels) sum += static_cast<double>(p.step) * p.step;
+  return sum;
+}
+
+/// Score first, by what it lacks: 0.99 against 0.96 says more than 0.93 against 0.90. But a large surface
+/// that fits is worth more than a small one. The paper has the inlier ratio.
+double worth(const Candidate& c, const DetectionOptions& options) {
+  if (options.method == "paper") return c.detection.inlier_ratio;
+  const double lacking = 1.0 - c.detection.score + kUsuallyLacking;
+  return c.detection.score / lacking * std::sqrt(image_area(c));
+}
+
+/// Pixels that accepted candidates explain, in every view.
+class Claims {
+ public:
+  explicit Claims(const DetectionScene& scene) : scene_(scene) {
+    for (const auto& view : scene.views) claimed_.emplace_back(view.depth.z.size(), 0);
+  }
+
+  [[nodiscard]] double overlap(const Candidate& c) const {
+    const auto count = std::count_if(c.pixels.begin(), c.pixels.end(), [&](const SeenPixel& p) {
+      return claimed_[static_cast<std::size_t>(p.view)][static_cast<std::size_t>(p.index)] != 0;
+    });
+    return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(1, c.pixels.size()));
+  }
+
+  /// Rasters of two models differ: claims all that each drawn pixel stands for.
+  void claim(const Candidate& c) {
+    for (const auto& p : c.pixels) {
+      const CameraIntrinsics& camera = scene_.views[static_cast<std::size_t>(p.view)].depth.camera;
+      const int u = p.index % camera.width, v = p.index / camera.width;
+      const int reach = std::max(1, (p.step + 1) / 2);
+      for (int y = std::max(0, v - reach); y <= std::min(camera.height - 1, v + reach); ++y)
+        for (int x = std::max(0, u - reach); x <= std::min(camera.width - 1, u + reach); ++x)
+          claimed_[static_cast<std::size_t>(p.view)][static_cast<std::size_t>(y * camera.width + x)] = 1;
+    }
+  }
+
+ private:
+  const DetectionScene& scene_;
+  std::vector<std::vector<char>> claimed_;
+};
+
+}  // namespace
+
+bool acceptable(const Detection& d, const DetectionOptions& options, double least) {
+  if (options.method == "paper") return d.inlier_ratio >= options.accept_inlier_ratio;
+  const double wanted = options.accept_score + kLittleVisible * std::max(0.0, kMuchVisible - d.visible);
+  return d.score >= std::max(wanted, least) && d.visible >= kLeastVisible;
+}
+
+std::vector<Detection> without_doubles(const std::vector<Detection>& found, const DetectionModels::Data& data,
+                                       const DetectionScene& scene, const DetectionOptions& options) {
+  std::vector<Candidate> candidates;
+  for (const auto& d : found)
+    candidates.push_back(
+        {d, explained_pixels(data.models[static_cast<std::size_t>(d.stone)], d.T_C_O, scene)});
+  std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+    return worth(a, options) > worth(b, options);
+  });
+  Claims claims(scene);
+  std::vector<Detection> kept;
+  for (const auto& c : candidates) {
+    if (c.detection.visible < kLeastVisible || claims.overlap(c) > kDouble) continue;
+    claims.claim(c);
+    kept.push_back(c.detection);
+  }
+  return kept;
+}
+
+std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
+                                           const std::vector<int>& missing, const DetectionScene& scene,
+                                           const DetectionOptions& options, double least) {
+  std::vector<std::size_t> order(candidates.size()), taken;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return worth(candidates[a], options) > worth(candidates[b], options);
+  });
+  std::map<int, int> left;
+  for (const int stone : missing) ++left[stone];
+  Claims claims(scene);
+  for (const std::size_t i : order) {
+    const Candidate& c = candidates[i];
+    if (!acceptable(c.detection, options, least) || left[c.detection.stone] == 0) continue;
+    if (claims.overlap(c) > kLargestOverlap) continue;
+    --left[c.detection.stone];
+    claims.claim(c);
+    taken.push_back(i);
+  }
+  return taken;
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,65 @@
+#include "detection/judge/contour.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "detection/scene/seen_normal.hpp"
+
+namespace stonestack::detection {
+namespace {
+
+constexpr int kBeside = 6;              // px to each side of the outline: 500 faces are a pixel or two off
+constexpr double kSameSurface = 0.004;  // m from the tangent plane, at up to 1 m; grows with z^2
+constexpr double kSameNormal = 0.94;    // cosine: less is a crease
+
+struct Direction {
+  int x, y;
+};
+constexpr std::array<Direction, 4> kDirections = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+/// Whether the surface goes on from one pixel to the other; neither known to be one surface without a normal.
+bool one_surface(const DepthImage& depth, int u, int v, int to_u, int to_v) {
+  const Eigen::Vector3d a = seen_normal(depth, u, v), b = seen_normal(depth, to_u, to_v);
+  if (a.isZero() || b.isZero() || a.dot(b) < kSameNormal) return false;
+  const double z = depth.at(u, v);
+  const Eigen::Vector3d step =
+      depth.at(to_u, to_v) * deproject(depth.camera, to_u, to_v) - z * deproject(depth.camera, u, v);
+  const double most = kSameSurface * std::max(1.0, z * z);
+  return std::abs(a.dot(step)) < most && std::abs(b.dot(step)) < most;
+}
+
+}  // namespace
+
+ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn) {
+  ContourTally tally;
+  const CameraIntrinsics& camera = view.depth.camera;
+  const auto in_image = [&](int u, int v) {
+    return u >= 0 && v >= 0 && u < camera.width && v < camera.height;
+  };
+  const auto known = [&](int u, int v) {
+    return !view.explained.empty() && view.explained[static_cast<std::size_t>(v * camera.width + u)] != 0;
+  };
+  const auto is_drawn = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < drawn.width && y < drawn.height &&
+           drawn.z[static_cast<std::size_t>(y * drawn.width + x)] > 0.0F;
+  };
+  for (int y = 0; y < drawn.height; ++y)
+    for (int x = 0; x < drawn.width; ++x) {
+      if (!is_drawn(x, y)) continue;
+      for (const Direction d : kDirections) {
+        if (is_drawn(x + d.x, y + d.y)) continue;
+        const int u = drawn.u0 + x * drawn.step, v = drawn.v0 + y * drawn.step;
+        const int in_u = u - kBeside * d.x, in_v = v - kBeside * d.y;
+        const int out_u = u + kBeside * d.x, out_v = v + kBeside * d.y;
+        if (!in_image(in_u, in_v) || !in_image(out_u, out_v)) continue;
+        if (known(in_u, in_v) || known(out_u, out_v)) continue;
+        if (!(view.depth.at(in_u, in_v) > 0) || !(view.depth.at(out_u, out_v) > 0)) continue;
+        ++tally.seen;
+        tally.goes_on += one_surface(view.depth, in_u, in_v, out_u, out_v) ? 1 : 0;
+      }
+    }
+  return tally;
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,72 @@
+#include "detection/judge/draw_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace stonestack::detection {
+namespace {
+
+constexpr double kNearest = 0.02;  // m: a mesh nearer than this cannot be drawn
+
+/// A vertex in drawn pixels, and its inverse depth, which is affine in them.
+struct Corner {
+  double x, y, w;
+};
+
+void draw_face(DrawnModel& out, const Corner& a, const Corner& b, const Corner& c, int face) {
+  const double area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
+  if (std::abs(area) < 1e-12) return;
+  const int y0 = std::max(0, static_cast<int>(std::ceil(std::min({a.y, b.y, c.y}))));
+  const int y1 = std::min(out.height - 1, static_cast<int>(std::floor(std::max({a.y, b.y, c.y}))));
+  const int x0 = std::max(0, static_cast<int>(std::ceil(std::min({a.x, b.x, c.x}))));
+  const int x1 = std::min(out.width - 1, static_cast<int>(std::floor(std::max({a.x, b.x, c.x}))));
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x) {
+      const double l1 = ((x - a.x) * (c.y - a.y) - (c.x - a.x) * (y - a.y)) / area;
+      const double l2 = ((b.x - a.x) * (y - a.y) - (x - a.x) * (b.y - a.y)) / area;
+      if (l1 < -1e-9 || l2 < -1e-9 || l1 + l2 > 1.0 + 1e-9) continue;
+      const auto z = static_cast<float>(1.0 / (a.w + l1 * (b.w - a.w) + l2 * (c.w - a.w)));
+      const auto i = static_cast<std::size_t>(y * out.width + x);
+      if (out.z[i] == 0.0F || z < out.z[i]) out.z[i] = z, out.face[i] = face;
+    }
+}
+
+}  // namespace
+
+DrawnModel draw_model(const Mesh& mesh_O, const std::vector<Eigen::Vector3d>& normals_O, const Pose& T_C_O,
+                      const CameraIntrinsics& camera, int step) {
+  DrawnModel out;
+  out.step = step;
+  std::vector<Corner> corners;
+  corners.reserve(mesh_O.vertices.size());
+  Eigen::AlignedBox2d box;
+  for (const auto& p_O : mesh_O.vertices) {
+    const Eigen::Vector3d p = T_C_O * p_O;
+    if (!(p.z() > kNearest)) return out;
+    const Eigen::Vector2d pixel = project(camera, p);
+    if (!pixel.allFinite()) return out;
+    box.extend(pixel);
+    corners.push_back({pixel.x(), pixel.y(), 1.0 / p.z()});
+  }
+  const Eigen::Vector2d low = box.min().cwiseMax(0.0);
+  const Eigen::Vector2d high = box.max().cwiseMin(Eigen::Vector2d(camera.width - 1, camera.height - 1));
+  if (corners.empty() || (high - low).minCoeff() < 0) return out;
+  out.u0 = static_cast<int>(low.x()) / step * step;
+  out.v0 = static_cast<int>(low.y()) / step * step;
+  out.width = (static_cast<int>(high.x()) - out.u0) / step + 1;
+  out.height = (static_cast<int>(high.y()) - out.v0) / step + 1;
+  out.z.assign(static_cast<std::size_t>(out.width * out.height), 0.0F);
+  out.face.assign(out.z.size(), -1);
+  for (auto& c : corners) c = {(c.x - out.u0) / step, (c.y - out.v0) / step, c.w};
+  out.normals_C.reserve(normals_O.size());
+  for (const auto& n : normals_O) out.normals_C.emplace_back(T_C_O.linear() * n);
+  for (std::size_t f = 0; f < mesh_O.faces.size(); ++f) {
+    const Eigen::Vector3i& face = mesh_O.faces[f];
+    if (out.normals_C[f].dot(T_C_O * mesh_O.vertices[static_cast<std::size_t>(face[0])]) >= 0) continue;
+    draw_face(out, corners[static_cast<std::size_t>(face[0])], corners[static_cast<std::size_t>(face[1])],
+              corners[static_cast<std::size_t>(face[2])], static_cast<int>(f));
+  }
+  return out;
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,154 @@
+#include "detection/judge/verify.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "detection/judge/contour.hpp"
+#include "detection/judge/draw_model.hpp"
+#include "detection/scene/seen_normal.hpp"
+
+namespace stonestack::detection {
+namespace {
+
+constexpr double kJustInFront =
+    0.030;  // m: nearer than this in front of the model is a wrong pose, not a hider
+constexpr double kJustInFrontWeight = 0.6;
+constexpr double kCosineNone = 0.5;        // between normals: agrees not at all ...
+constexpr double kCosineFull = 0.85;       // ... and fully: flat faces stand for curved stone
+constexpr double kBeyond = 0.012;          // m off the surface: further is another thing
+constexpr double kBeyondTolerated = 0.15;  // share: neighbours that touch
+constexpr double kBeyondWeight = 1.0;
+constexpr double kGoesOnTolerated = 0.2;  // share of the outline: stones that lie flush
+constexpr double kGoesOnWeight = 1.0;
+constexpr double kLeastSeen = 0.10;         // of the drawn pixels must fit
+constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that cost one full score
+
+/// Pixels by what they say.
+struct Tally {
+  double fits = 0, quality = 0, through = 0, just_in_front = 0, hidden = 0;
+  double drawn = 0, area = 0;
+  ContourTally contour;
+};
+
+/// A drawn pixel with an undrawn neighbour: the silhouette of 500 faces is a pixel or two off.
+bool at_rim(const DrawnModel& drawn, int x, int y) {
+  if (x == 0 || y == 0 || x + 1 == drawn.width || y + 1 == drawn.height) return true;
+  const auto at = [&](int dx, int dy) {
+    return drawn.z[static_cast<std::size_t>((y + dy) * drawn.width + x + dx)];
+  };
+  return at(-1, 0) == 0.0F || at(1, 0) == 0.0F || at(0, -1) == 0.0F || at(0, 1) == 0.0F;
+}
+
+int drawing_step(const DetectionModel& model, const Pose& T_C_O, const CameraIntrinsics& camera, int pixels) {
+  const double z = std::max(0.05, (T_C_O * model.centre).z());
+  const double in_view =
+      0.25 * model.area * camera.fx * camera.fy / (z * z);  // Cauchy: mean shadow of a convex body
+  return std::clamp(static_cast<int>(std::lround(std::sqrt(in_view / pixels))), 1, 16);
+}
+
+double below_table(const DetectionModel& model, const Pose& T_C_O, const Plane& table_C) {
+  double deepest = 0;
+  for (const auto& p : model.mesh.vertices) deepest = std::min(deepest, table_C.distance(T_C_O * p));
+  return -deepest;
+}
+
+/// Adds one drawn pixel with a depth to the tally; true if it fits.
+bool count_pixel(const DepthImage& depth, int u, int v, double z, const Eigen::Vector3d& normal_C,
+                 const VerifyOptions& options, Tally& tally) {
+  const CameraIntrinsics& camera = depth.camera;
+  const double dz = depth.at(u, v) - z;
+  const double slope = -normal_C.dot(deproject(camera, u, v));
+  const double off = std::abs(dz) * slope;
+  if (off < options.tolerance && std::abs(dz) < 4.0 * options.tolerance) {
+    const double ratio = off / options.tolerance;
+    const Eigen::Vector3d seen = seen_normal(depth, u, v);
+    const double agree =
+        seen.isZero()
+            ? 1.0
+            : std::clamp((seen.dot(normal_C) - kCosineNone) / (kCosineFull - kCosineNone), 0.0, 1.0);
+    ++tally.fits;
+    tally.quality += (1.0 - ratio * ratio) * agree;
+    tally.area += z * z / (camera.fx * camera.fy * std::max(slope, 0.1));
+    return true;
+  }
+  if (dz > 0)
+    ++tally.through;
+  else
+    ++(dz > -kJustInFront ? tally.just_in_front : tally.hidden);
+  return false;
+}
+
+/// Of the seen points at or just off the model's surface, the share that is off.
+double share_beyond(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
+                    const VerifyOptions& options) {
+  const Eigen::Isometry3f T = T_C_O.inverse().cast<float>();
+  const auto centre = model.centre.cast<float>().eval();
+  const auto near = static_cast<float>(1.5 * options.tolerance), far = static_cast<float>(kBeyond);
+  const auto reach = static_cast<float>(model.radius + kBeyond);
+  int at = 0, off = 0;
+  for (const auto& p : seen.points) {
+    const Eigen::Vector3f q = T * p;
+    if ((q - centre).squaredNorm() > reach * reach) continue;
+    const int k = model.field.nearest(q);
+    if (k < 0) continue;
+    const float d = (q - model.surface.points[static_cast<std::size_t>(k)]).norm();
+    if (d < far) ++(d < near ? at : off);
+  }
+  return at + off > 0 ? static_cast<double>(off) / (at + off) : 0.0;
+}
+
+/// Compares one view with the model drawn into it.
+void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& view, int index,
+                const VerifyOptions& options, Tally& tally, Verdict& verdict) {
+  const CameraIntrinsics& camera = view.depth.camera;
+  const int step = drawing_step(model, T_V_O, camera, options.drawn_pixels);
+  const DrawnModel drawn = draw_model(model.mesh, model.face_normals, T_V_O, camera, step);
+  const double area_before = tally.area;
+  for (int y = 0; y < drawn.height; ++y)
+    for (int x = 0; x < drawn.width; ++x) {
+      const auto i = static_cast<std::size_t>(y * drawn.width + x);
+      if (drawn.z[i] == 0.0F || at_rim(drawn, x, y)) continue;
+      const int u = drawn.u0 + x * step, v = drawn.v0 + y * step;
+      const auto pixel = static_cast<std::size_t>(v * camera.width + u);
+      if (!view.explained.empty() && view.explained[pixel] != 0) continue;
+      ++tally.drawn;
+      if (view.depth.z[pixel] <= 0) continue;
+      const bool fits = count_pixel(view.depth, u, v, drawn.z[i],
+                                    drawn.normals_C[static_cast<std::size_t>(drawn.face[i])], options, tally);
+      if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel), step});
+    }
+  if (options.contour) {
+    const ContourTally contour = compare_contour(view, drawn);
+    tally.contour.seen += contour.seen, tally.contour.goes_on += contour.goes_on;
+  }
+  verdict.visible =
+      std::max(verdict.visible, std::min(1.0, (tally.area - area_before) * step * step / model.area));
+}
+
+}  // namespace
+
+Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
+                    const VerifyOptions& options) {
+  Verdict verdict;
+  Tally tally;
+  for (std::size_t i = 0; i < scene.views.size(); ++i)
+    tally_view(model, scene.views[i].T_C_V.inverse() * T_C_O, scene.views[i], static_cast<int>(i), options,
+               tally, verdict);
+  if (tally.fits < std::max(10.0, kLeastSeen * tally.drawn)) return {};
+  const double seen = tally.fits + tally.through + tally.just_in_front;
+  verdict.score = (tally.quality - tally.through - kJustInFrontWeight * tally.just_in_front -
+                   options.hidden_weight * tally.hidden) /
+                  seen;
+  verdict.inlier_ratio = tally.fits / (seen + tally.hidden);
+  const double beyond = share_beyond(model, T_C_O, scene.surface, options);
+  verdict.score -= kBeyondWeight * std::max(0.0, beyond - kBeyondTolerated);
+  if (tally.contour.seen > 0)
+    verdict.score -=
+        kGoesOnWeight * std::max(0.0, tally.contour.goes_on / tally.contour.seen - kGoesOnTolerated);
+  if (scene.table_C)
+    verdict.score -=
+        std::max(0.0, below_table(model, T_C_O, *scene.table_C) - options.below_table) / kBelowTableScale;
+  return verdict;
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,249 @@
+#include "detection/scene/preprocess.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "detection/constants.hpp"
+#include "detection/scene/point_grid.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack::detection {
+namespace {
+
+constexpr int kFewestNeighbours = 10;   // of 25: fewer is an edge or a flying pixel
+constexpr int kTableStride = 6;         // every 6th pixel each way is enough for a plane
+constexpr int kTableTrials = 400;       // misses a table that fills a third of the view with p < 1e-6
+constexpr double kTableShare = 0.05;    // of the valid pixels at least
+constexpr double kLargestBelow = 0.30;  // share of valid pixels below a table: more is a shelf or a wall
+
+double depth_step(double z) {
+  return kSmoothingStep * std::max(1.0, z * z);
+}
+
+std::uint64_t voxel_key(const Eigen::Vector3f& p, float voxel) {
+  const auto part = [&](float x) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x / voxel)) + 1048576) & 0x1FFFFFU;
+  };
+  return part(p.z()) << 42U | part(p.y()) << 21U | part(p.x());
+}
+
+std::vector<Eigen::Vector3d> table_candidates(const DepthImage& depth) {
+  std::vector<Eigen::Vector3d> points;
+  for (int v = 0; v < depth.camera.height; v += kTableStride)
+    for (int u = 0; u < depth.camera.width; u += kTableStride)
+      if (const double z = depth.at(u, v); z > 0) points.push_back(z * deproject(depth.camera, u, v));
+  return points;
+}
+
+/// Through three points, normal towards the camera at the origin; empty for a sliver.
+std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                   const Eigen::Vector3d& c) {
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double area = normal.norm();
+  if (area < 1e-4) return {};
+  Plane plane{normal / area, 0.0};
+  plane.offset = plane.normal.dot(a);
+  if (plane.offset > 0) plane = {-plane.normal, -plane.offset};
+  return plane;
+}
+
+bool plausible(const Plane& plane, const std::optional<Plane>& expected) {
+  if (!expected) return plane.offset < -0.1;  // the camera is above it
+  return plane.normal.dot(expected->normal) > 0.985 && std::abs(plane.offset - expected->offset) < 0.03;
+}
+
+/// Least squares over the points near `plane`, twice.
+Plane fitted(const std::vector<Eigen::Vector3d>& points, Plane plane, double tolerance) {
+  for (int turn = 0; turn < 2; ++turn) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d outer = Eigen::Matrix3d::Zero();
+    int count = 0;
+    for (const auto& p : points)
+      if (std::abs(plane.distance(p)) < tolerance) sum += p, outer += p * p.transpose(), ++count;
+    if (count < 3) return plane;
+    const Eigen::Vector3d mean = sum / count;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(outer / count - mean * mean.transpose());
+    Eigen::Vector3d normal = solver.eigenvectors().col(0);
+    if (normal.dot(mean) > 0) normal = -normal;
+    plane = {normal, normal.dot(mean)};
+  }
+  return plane;
+}
+
+/// Smallest principal direction of the points near `p`; zero if they are too few or a line.
+Eigen::Vector3f local_normal(const PointGrid& grid, const std::vector<Eigen::Vector3f>& points,
+                             const Eigen::Vector3f& p, float radius) {
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f outer = Eigen::Matrix3f::Zero();
+  int count = 0;
+  grid.for_each_near(p, radius, [&](int i, float) {
+    const Eigen::Vector3f d = points[static_cast<std::size_t>(i)] - p;
+    sum += d, outer += d * d.transpose(), ++count;
+  });
+  if (count < 6) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f mean = sum / static_cast<float>(count);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(outer / static_cast<float>(count) - mean * mean.transpose());
+  if (!(solver.eigenvalues()(1) > 4e-7F)) return Eigen::Vector3f::Zero();
+  const Eigen::Vector3f normal = solver.eigenvectors().col(0);
+  return normal.dot(p) > 0 ? Eigen::Vector3f(-normal) : normal;
+}
+
+}  // namespace
+
+namespace {
+
+/// Sums over the pixels around one that lie on the same surface: offsets du, dv and dz from it.
+struct Window {
+  float count = 0, u = 0, v = 0, z = 0, uu = 0, uv = 0, vv = 0, uz = 0, vz = 0;
+
+  void add(float du, float dv, float dz) {
+    count += 1, u += du, v += dv, z += dz;
+    uu += du * du, uv += du * dv, vv += dv * dv, uz += du * dz, vz += dv * dz;
+  }
+
+  /// Depth of the fitted plane at the centre, over the centre's own depth. The mean would do for a full
+  /// window; at a rim, where one side is missing, it would draw a slope inwards.
+  [[nodiscard]] float centre() const {
+    const float mean = z / count;
+    if (count >= 25.0F) return mean;
+    const float cu = u / count, cv = v / count;
+    const float suu = uu - u * cu, suv = uv - u * cv, svv = vv - v * cv;
+    const float suz = uz - u * mean, svz = vz - v * mean;
+    const float det = suu * svv - suv * suv;
+    if (det < 0.05F * suu * svv || det < 1.0F) return mean;
+    return mean - (cu * (suz * svv - svz * suv) + cv * (svz * suu - suz * suv)) / det;
+  }
+};
+
+}  // namespace
+
+DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options) {
+  const int width = raw.camera.width, height = raw.camera.height;
+  DepthImage out{raw.camera, std::vector<float>(raw.z.size(), 0.0F)};
+  const auto in_range = [&](float z) { return z >= options.nearest && z <= options.farthest; };
+  tbb::parallel_for(tbb::blocked_range<int>(2, std::max(2, height - 2), 16), [&](const auto& rows) {
+    for (int v = rows.begin(); v < rows.end(); ++v)
+      for (int u = 2; u < width - 2; ++u) {
+        const float z = raw.at(u, v);
+        if (!in_range(z)) continue;
+        const auto step = static_cast<float>(depth_step(z));
+        Window window;
+        for (int dv = -2; dv <= 2; ++dv) {
+          const float* row = &raw.z[static_cast<std::size_t>((v + dv) * width + u - 2)];
+          for (int k = 0; k < 5; ++k)
+            if (std::abs(row[k] - z) < step)
+              window.add(static_cast<float>(k - 2), static_cast<float>(dv), row[k] - z);
+        }
+        if (window.count >= kFewestNeighbours)
+          out.z[static_cast<std::size_t>(v * width + u)] = z + window.centre();
+      }
+  });
+  return out;
+}
+
+std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Plane>& expected,
+                                const DetectionOptions& options) {
+  const std::vector<Eigen::Vector3d> points = table_candidates(depth);
+  if (points.size() < 30) return {};
+  Random random = Random::stream(static_cast<std::uint64_t>(options.seed), "detection table");
+  std::optional<Plane> best;
+  std::size_t best_inliers = static_cast<std::size_t>(kTableShare * static_cast<double>(points.size()));
+  for (int trial = 0; trial < kTableTrials; ++trial) {
+    const auto plane = plane_through(points[random.index(points.size())], points[random.index(points.size())],
+                                     points[random.index(points.size())]);
+    if (!plane || !plausible(*plane, expected)) continue;
+    std::size_t inliers = 0, below = 0;
+    for (const auto& p : points) {
+      const double d = plane->distance(p);
+      inliers += std::abs(d) < kTableTolerance ? 1 : 0;
+      below += d < -5.0 * kTableTolerance ? 1 : 0;
+    }
+    if (static_cast<double>(below) > kLargestBelow * static_cast<double>(points.size())) continue;
+    if (inliers > best_inliers) best = plane, best_inliers = inliers;
+  }
+  if (!best) return expected;
+  return fitted(points, *best, kTableTolerance);
+}
+
+double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance) {
+  std::vector<double> off;
+  for (const auto& p : table_candidates(depth))
+    if (const double d = std::abs(plane_C.distance(p)); d < 3.0 * tolerance) off.push_back(d);
+  if (off.size() < 30) return 0.0006;
+  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
+  std::nth_element(off.begin(), middle, off.end());
+  return 1.4826 * *middle;
+}
+
+SurfacePoints surface_points(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& areas,
+                             float voxel, float radius) {
+  std::vector<std::pair<std::uint64_t, int>> order(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    order[i] = {voxel_key(points[i], voxel), static_cast<int>(i)};
+  std::sort(order.begin(), order.end());
+  std::vector<Eigen::Vector3f> means;
+  std::vector<float> sums;
+  for (std::size_t i = 0; i < order.size();) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float area = 0;
+    int count = 0;
+    for (const auto key = order[i].first; i < order.size() && order[i].first == key; ++i, ++count)
+      sum += points[static_cast<std::size_t>(order[i].second)],
+          area += areas[static_cast<std::size_t>(order[i].second)];
+    means.emplace_back(sum / static_cast<float>(count));
+    sums.push_back(area);
+  }
+  const PointGrid grid(means, radius);
+  std::vector<Eigen::Vector3f> normals(means.size());
+  tbb::parallel_for(std::size_t{0}, means.size(),
+                    [&](std::size_t i) { normals[i] = local_normal(grid, means, means[i], radius); });
+  SurfacePoints out;
+  for (std::size_t i = 0; i < means.size(); ++i)
+    if (normals[i].squaredNorm() > 0.5F) {
+      out.points.push_back(means[i]);
+      out.normals.push_back(normals[i]);
+      out.areas.push_back(sums[i]);
+    }
+  return out;
+}
+
+std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, float gap, int fewest) {
+  std::vector<int> label(points.size(), -1);
+  if (points.empty()) return label;
+  const PointGrid grid(points, gap);
+  std::vector<std::pair<int, int>> size_of;  // (-size, label), to sort the largest first
+  std::vector<int> open;
+  for (std::size_t seed = 0; seed < points.size(); ++seed) {
+    if (label[seed] >= 0) continue;
+    const int name = static_cast<int>(size_of.size());
+    size_of.emplace_back(0, name);
+    label[seed] = name;
+    open.assign(1, static_cast<int>(seed));
+    while (!open.empty()) {
+      const auto at = static_cast<std::size_t>(open.back());
+      open.pop_back();
+      --size_of.back().first;
+      grid.for_each_near(points[at], gap, [&](int i, float) {
+        if (label[static_cast<std::size_t>(i)] >= 0) return;
+        label[static_cast<std::size_t>(i)] = name;
+        open.push_back(i);
+      });
+    }
+  }
+  std::vector<int> rank(size_of.size(), -1);
+  std::sort(size_of.begin(), size_of.end());
+  for (std::size_t i = 0; i < size_of.size() && -size_of[i].first >= fewest; ++i)
+    rank[static_cast<std::size_t>(size_of[i].second)] = static_cast<int>(i);
+  for (int& l : label) l = rank[static_cast<std::size_t>(l)];
+  return label;
+}
+
+}  // namespace stonestack::detection

@@ -1,0 +1,84 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "detection/scene/depth_error.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/geometry/plane.hpp"
+
+namespace stonestack::detection {
+
+/// One point a voxel of what may be a stone, in C.
+struct SurfacePoints {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;  ///< unit, towards the camera (scene) or outwards (model)
+  std::vector<float> areas;              ///< m^2: seen across the line of sight (scene), of surface (model)
+};
+
+/// One view of a scene; V is its camera.
+struct SeenView {
+  Pose T_C_V = Pose::Identity();
+  DepthImage depth;             ///< smoothed; 0 where unknown or out of range
+  std::vector<char> explained;  ///< a flag a pixel: it shows a stone whose pose is known; empty if none does
+  Pose T_C_V_reported = Pose::Identity();  ///< before the views were aligned
+  std::optional<Plane> table_V;            ///< as this view sees it
+  DepthError error;                        ///< what the table shows of the depth's smooth error
+};
+
+/// Depth images made ready: smoothed, cropped, the table found, the rest in voxels and clusters. C is the
+/// camera of the first view.
+struct DetectionScene {
+  std::vector<SeenView> views;
+  std::optional<Plane> table_C;  ///< normal towards the camera
+  double noise = 0.0006;     ///< m, deviation of the smoothed depth from the table plane, along its normal
+  SurfacePoints surface;     ///< above the table, `voxel` apart in each view, without what is explained
+  std::vector<int> view_of;  ///< the view that saw each point
+  std::vector<int> cluster;  ///< of each point: 0.., or -1 for specks
+  int clusters = 0;
+  std::string note;  ///< why there is nothing to see; empty otherwise
+};
+
+/// Edge-aware mean over 5 x 5 pixels, at rims the plane fitted to them: takes neighbours within a depth step
+/// that grows with z (noise of a depth camera does), and drops a pixel with too few of them (flying pixels).
+/// Depths out of range vanish.
+[[nodiscard]] DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options);
+
+/// The largest plane that may be a table: seen from above, nothing substantial below. If `expected` is given,
+/// only planes near it. Seeded.
+[[nodiscard]] std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Plane>& expected,
+                                              const DetectionOptions& options);
+
+/// Robust standard deviation of the depth image's points about a plane, along its normal; m.
+[[nodiscard]] double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance);
+
+/// Means of points that share a cube of `voxel`; normals by local planes within `radius`, towards the origin
+/// (the camera). Points without a local plane vanish.
+[[nodiscard]] SurfacePoints surface_points(const std::vector<Eigen::Vector3f>& points,
+                                           const std::vector<float>& areas, float voxel, float radius);
+
+/// Groups points that are linked by steps of at most `gap`, largest group first; groups below `fewest` get
+/// -1.
+[[nodiscard]] std::vector<int> cluster_points(const std::vector<Eigen::Vector3f>& points, float gap,
+                                              int fewest);
+
+/// Sets the clusters of the scene's surface.
+void find_clusters(DetectionScene& scene, double gap);
+
+/// What one view saw.
+[[nodiscard]] SurfacePoints surface_of_view(const DetectionScene& scene, int view);
+
+/// Appends points that a view saw, in C.
+void append_points(DetectionScene& scene, const SurfacePoints& more, int view);
+
+/// All of it, for one view. `find_table` without an expected table looks for one.
+[[nodiscard]] DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
+                                        bool find_table, const DetectionOptions& options);
+
+/// All of it, for several views of one scene, aligned to each other.
+[[nodiscard]] DetectionScene preprocess(std::span<const DepthView> views,
+                                        const std::optional<Plane>& expected_table, bool find_table,
+                                        const DetectionOptions& options);
+
+}  // namespace stonestack::detection

@@ -1,0 +1,55 @@
+#include "stonestack/detection/table_frame.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "detection/constants.hpp"
+#include "detection/scene/preprocess.hpp"
+
+namespace stonestack::detection {
+
+std::optional<Plane> find_table(const DepthImage& image, const DetectionOptions& options) {
+  const auto pixels =
+      static_cast<std::size_t>(image.camera.width) * static_cast<std::size_t>(image.camera.height);
+  if (image.z.empty() || image.z.size() != pixels) return std::nullopt;
+  return find_table(smooth_depth(image, options), std::nullopt, options);
+}
+
+Pose camera_over(const Plane& table_C) {
+  const Eigen::Vector3d z_C = table_C.normal;
+  // Where the image's x points away from the table, its y serves.
+  const bool along_x = std::abs(z_C.x()) < 0.99;
+  const Eigen::Vector3d axis = along_x ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d x_C = (axis - z_C.dot(axis) * z_C).normalized();
+  Pose T_C_W = Pose::Identity();
+  T_C_W.linear() << x_C, z_C.cross(x_C), z_C;
+  T_C_W.translation() = table_C.offset * z_C;
+  return T_C_W.inverse();
+}
+
+TableView view_of_table(const DepthImage& image, const Plane& table_C, const Pose& T_W_C,
+                        const DetectionOptions& options) {
+  TableView view;
+  std::set<std::pair<int, int>> cells;
+  const DepthImage depth = smooth_depth(image, options);
+  for (int v = 0; v < depth.camera.height; ++v)
+    for (int u = 0; u < depth.camera.width; ++u) {
+      const double z = depth.at(u, v);
+      if (z <= 0) continue;
+      const Eigen::Vector3d p_C = z * deproject(depth.camera, u, v);
+      if (std::abs(table_C.distance(p_C)) > kTableTolerance) continue;
+      const Eigen::Vector2d p_W = (T_W_C * p_C).head<2>() / view.cell;
+      cells.emplace(static_cast<int>(std::floor(p_W.x())), static_cast<int>(std::floor(p_W.y())));
+    }
+  Eigen::AlignedBox2d box;
+  for (const auto& [i, k] : cells) {
+    view.p_W.emplace_back(view.cell * (i + 0.5), view.cell * (k + 0.5));
+    box.extend(view.p_W.back());
+  }
+  if (!cells.empty()) view.p_W_middle = box.center();
+  return view;
+}
+
+}  // namespace stonestack::detection

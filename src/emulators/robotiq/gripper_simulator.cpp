@@ -1,0 +1,135 @@
+#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
+
+#include <atomic>
+#include <chrono>
+
+#include "emulators/robotiq/gripper_registers.hpp"
+#include "emulators/robotiq/modbus_server.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::emulators {
+namespace {
+
+constexpr double kTick = 0.002;                         // s of the host
+constexpr double kLongestTick = 0.1;                    // s: a host that was asleep does not jump
+constexpr int kCommandsTcp = 0, kCommandsRtu = 0x03E8;  // where commands are written
+constexpr int kStatusTcp = 0, kStatusRtu = 0x07D0;      // where status is read
+constexpr int kCount = GripperRegisters::kCount;
+
+std::optional<int> offset(const modbus::Request& request, int base) {
+  const int first = request.address - base;
+  if (first < 0 || first + request.count > kCount) return std::nullopt;
+  return first;
+}
+
+}  // namespace
+
+FieldList fields(GripperFaults& o) {
+  return {
+      field("activation_hangs", o.activation_hangs, "fault 27"),
+      field("fault", o.fault, {0, 15}, "", "Robotiq manual: gFLT"),
+      field("stuck_moving", o.stuck_moving, "fault 27: endless while moving"),
+      field("echo_delay", o.echo_delay, {0.0, 60.0}, "s", "fault 28"),
+      field("ignored_writes", o.ignored_writes, {0, 1000}, "", "fault 28"),
+      field("false_object", o.false_object, "object status without an object"),
+      field("slip", o.slip, {0.0, 100.0}, "count/s", "a stone that slips slowly"),
+  };
+}
+
+FieldList fields(GripperSimulatorOptions& o) {
+  return {
+      field("tcp", o.tcp, "ours"),
+      field("address", o.address, "any 127.x.y.z"),
+      field("port", o.port, {0, 65535}, "", "Modbus standard: 502; 0: a free one"),
+      field("rtu", o.rtu, "ours"),
+      field("link", o.link, "a name for the pseudo terminal"),
+      field("unit", o.unit, {1, 247}, "", "Robotiq manual: 9"),
+      field("speed_up", o.speed_up, {0.01, 1000.0}, "", "ours"),
+  };
+}
+
+struct GripperSimulator::Parts {
+  std::mutex mutex;  // of the registers and what is behind them
+  GripperRegisters registers;
+  double speed_up;
+  ModbusFaultBox wire;
+  std::atomic<bool> stop = false;
+  std::unique_ptr<ModbusTcpServer> tcp;
+  std::unique_ptr<ModbusRtuServer> rtu;
+  std::thread stepper;
+
+  Parts(GripperPlant& plant, double faster) : registers(plant), speed_up(faster) {}
+
+  std::variant<std::vector<std::uint16_t>, modbus::Exception> handle(const modbus::Request& request) {
+    const std::lock_guard lock(mutex);
+    const bool write = request.function == modbus::kWriteOne || request.function == modbus::kWriteMany;
+    for (const int base : {kCommandsTcp, kCommandsRtu}) {
+      const auto first = offset(request, base);
+      if (!first || (!write && base == kStatusTcp)) continue;
+      if (write) {
+        registers.write(*first, request.values);
+        return std::vector<std::uint16_t>{};
+      }
+      return part(registers.commands(), *first, request.count);
+    }
+    for (const int base : {kStatusTcp, kStatusRtu})
+      if (const auto first = offset(request, base); first && !write)
+        return part(registers.status(), *first, request.count);
+    return modbus::Exception::kIllegalAddress;
+  }
+
+  static std::vector<std::uint16_t> part(const GripperRegisters::Words& words, int first, int count) {
+    return {words.begin() + first, words.begin() + first + count};
+  }
+
+  void step() {
+    for (Stopwatch watch; !stop; std::this_thread::sleep_for(std::chrono::duration<double>(kTick))) {
+      const double seconds = std::min(kLongestTick, watch.seconds());
+      watch = Stopwatch();
+      const std::lock_guard lock(mutex);
+      registers.advance(seconds * speed_up);
+    }
+  }
+};
+
+GripperSimulator::GripperSimulator(GripperPlant& plant, const GripperSimulatorOptions& options) {
+  require(options.tcp || options.rtu, "a simulated gripper needs a link: tcp or rtu");
+  parts_ = std::make_unique<Parts>(plant, options.speed_up);
+  Parts& parts = *parts_;
+  const ModbusHandler handler = [&parts](const modbus::Request& request) { return parts.handle(request); };
+  if (options.tcp)
+    parts.tcp =
+        std::make_unique<ModbusTcpServer>(ListenOptions{options.address, options.port}, handler, parts.wire);
+  if (options.rtu)
+    parts.rtu = std::make_unique<ModbusRtuServer>(options.link, options.unit, handler, parts.wire);
+  parts.stepper = std::thread([&parts] { parts.step(); });
+}
+
+GripperSimulator::~GripperSimulator() {
+  parts_->tcp.reset();
+  parts_->rtu.reset();
+  parts_->stop = true;
+  parts_->stepper.join();
+}
+
+Endpoint GripperSimulator::endpoint() const {
+  require(parts_->tcp != nullptr, "this simulated gripper does not serve TCP");
+  return parts_->tcp->endpoint();
+}
+
+std::string GripperSimulator::serial_path() const {
+  require(parts_->rtu != nullptr, "this simulated gripper does not serve a serial line");
+  return parts_->rtu->path();
+}
+
+void GripperSimulator::set_faults(const GripperFaults& faults) {
+  const std::lock_guard lock(parts_->mutex);
+  parts_->registers.set_faults(faults);
+}
+
+void GripperSimulator::set_faults(const ModbusFaults& faults) {
+  parts_->wire.set(faults);
+}
+
+}  // namespace stonestack::emulators

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "simulation/finger_drive.hpp"
+#include "simulation/shared_world.hpp"
+#include "stonestack/emulators/robotiq/gripper_plant.hpp"
+
+namespace stonestack::emulators {
+namespace {
+
+constexpr double kStalled = 0.15;         // s without motion until a drive reports rest
+constexpr double kPositioned = 2.5e-4;    // m/s: slower is rest; the creep towards the force is faster
+constexpr double kAtTarget = 1e-5;        // m
+constexpr double kMovingCurrent = 0.15;   // A
+constexpr double kScissorStart = 137.0;   // counts: basic mode
+constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; ours
+constexpr double kCounts = 255.0;
+constexpr double kLeast = 6.0;  // counts: where the software limit of a real gripper ends opening
+
+bool same(const AxisCommand& a, const AxisCommand& b) {
+  return a.go == b.go && a.target == b.target && a.speed == b.speed && a.force == b.force;
+}
+
+class WorldGripper final : public GripperPlant {
+ public:
+  explicit WorldGripper(SharedWorld& world) : world_(&world) {
+    {
+      const auto access = world.lock();
+      const GripperModel& gripper = access.world.hand_model().gripper;
+      most_narrowed_ = std::max(0.0, gripper.finger_spacing - gripper.narrow_spacing);
+      half_stroke_ = 0.5 * access.world.hand_model().gripper.largest_opening;
+      place_ = access.world.hand().finger;
+    }
+    world.drive_fingers([this](const TrueWorld& now, double seconds) { return drive(now, seconds); });
+  }
+  ~WorldGripper() override { world_->drive_fingers({}); }
+  WorldGripper(const WorldGripper&) = delete;
+  WorldGripper& operator=(const WorldGripper&) = delete;
+
+  void command(const std::array<AxisCommand, kGripperAxes>& axes) override {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (same(axes[i], command_[i])) continue;
+      command_[i] = axes[i];
+      if (i >= drives_.size()) continue;
+      still_[i] = 0.0;
+      // A stands alone against B and C, which share its force.
+      drives_[i] = {place_of(std::max(kLeast, axes[i].target)), axes[i].speed / kCounts * half_stroke_,
+                    i == 0 ? axes[i].force : 0.5 * axes[i].force, world_->options().regrip};
+    }
+  }
+
+  std::array<AxisReport, kGripperAxes> advance(double seconds) override {
+    const std::lock_guard lock(mutex_);
+    std::array<AxisReport, kGripperAxes> report;
+    for (std::size_t f = 0; f < drives_.size(); ++f) report[f] = finger_report(f);
+    report[3] = advance_scissor(seconds);
+    return report;
+  }
+
+ private:
+  [[nodiscard]] double place_of(double count) const { return half_stroke_ * (1.0 - count / kCounts); }
+
+  // With the world locked.
+  FingerPlaces drive(const TrueWorld& now, double seconds) {
+    const std::lock_guard lock(mutex_);
+    std::array<double, kFingers> next = now.hand().finger;
+    for (std::size_t f = 0; f < next.size(); ++f) {
+      const double from = next[f];
+      if (command_[f].go) next[f] = next_finger_place(drives_[f], from, now.finger_force()[f], seconds);
+      const bool rests = std::abs(next[f] - from) < kPositioned * seconds;
+      still_[f] = rests ? still_[f] + seconds : 0.0;
+    }
+    place_ = next;
+    const double share = (scissor_ - kScissorStart) / (kScissorNarrow - kScissorStart);
+    return {next, most_narrowed_ * std::clamp(share, 0.0, 1.0)};
+  }
+
+  [[nodiscard]] AxisReport finger_report(std::size_t f) const {
+    using Status = AxisReport::Status;
+    AxisReport report;
+    report.position = std::max(kLeast, kCounts * (1.0 - place_[f] / half_stroke_));
+    const double way = drives_[f].target - place_[f];
+    if (!command_[f].go || std::abs(way) < kAtTarget) return report;
+    report.status = way < 0 ? Status::kContactClosing : Status::kContactOpening;
+    if (still_[f] >= kStalled) return report;
+    report.status = Status::kMoving;
+    report.current = kMovingCurrent;
+    return report;
+  }
+
+  [[nodiscard]] AxisReport advance_scissor(double seconds) {
+    const AxisCommand& command = command_[3];
+    const double way = command.target - scissor_, step = command.speed * seconds;
+    if (command.go) scissor_ += std::abs(way) <= step ? way : std::copysign(step, way);
+    AxisReport report;
+    report.position = scissor_;
+    if (command.go && scissor_ != command.target) report.status = AxisReport::Status::kMoving;
+    return report;
+  }
+
+  SharedWorld* world_;
+  double half_stroke_ = 0.0;    // m
+  double most_narrowed_ = 0.0;  // m
+  std::mutex mutex_;            // of all below; taken after the world's, never before
+  std::array<AxisCommand, kGripperAxes> command_{};
+  std::array<FingerDriveState, kFingers> drives_{};
+  std::array<double, kFingers> place_{};  // m
+  std::array<double, kFingers> still_{};  // s
+  double scissor_ = kScissorStart;
+};
+
+}  // namespace
+
+std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world) {
+  return std::make_unique<WorldGripper>(world);
+}
+
+}  // namespace stonestack::emulators

@@ -1,0 +1,150 @@
+#include "stonestack/emulators/simulated_servers.hpp"
+
+#include "simulation/shared_world.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+
+namespace stonestack::emulators {
+
+SimulatedServersOptions::SimulatedServersOptions() {
+  force_torque.serial = false;
+  force_torque.cap = true;
+  force_torque.streaming = true;
+  T_T_C = CellConfig{}.T_T_C;
+}
+
+CellLayout true_layout(CellLayout layout, const SimulatedServersOptions& options) {
+  layout.T_T_C = to_pose(options.T_T_C, "simulators.camera.T_T_C");
+  return layout;
+}
+
+FieldList fields(SimulatedServersOptions& o) {
+  return join({nest("arm", fields(o.arm)), nest("gripper", fields(o.gripper)),
+               nest("gripper.faults", fields(o.gripper_faults)),
+               nest("gripper.wire_faults", fields(o.modbus_faults)),
+               nest("force_torque", fields(o.force_torque)),
+               nest("force_torque.faults", fields(o.force_torque_faults)), nest("camera", fields(o.camera)),
+               nest("camera", pose_fields("T_T_C", o.T_T_C, "camera in the tool, as it really sits")),
+               nest("camera.faults", fields(o.camera_faults))});
+}
+
+// A device that is served, and what it does to the world.
+struct SimulatedServers::Parts {
+  SimulatedServersOptions options;
+  SharedWorld* world;
+  std::unique_ptr<Plant> arm_plant;
+  std::unique_ptr<GripperPlant> gripper_plant;
+  std::unique_ptr<WrenchPlant> wrench_plant;
+  std::unique_ptr<DepthPlant> depth_plant;
+  std::unique_ptr<UrControllerServer> arm;
+  std::unique_ptr<GripperSimulator> gripper;
+  std::unique_ptr<FtSimulator> force_torque;
+  std::unique_ptr<CameraSimulator> camera;
+
+  Parts(SimulatedCell& cell, const RobotModel& robot, const SimulatedServersOptions& o)
+      : options(o), world(&cell.shared()) {
+    if (o.devices.gripper) serve_gripper();
+    if (o.devices.force_torque) serve_force_torque();
+    if (o.devices.camera) serve_camera();
+    if (o.devices.arm) {
+      arm_plant = make_world_plant(*world, cell.cell().arm.state().q);
+      arm = std::make_unique<UrControllerServer>(installed(), robot, *arm_plant);
+      arm->start();
+    } else {
+      world->start(o.arm.speed);  // else the arm's controller lets time pass
+    }
+  }
+  ~Parts() {
+    if (arm)
+      arm->stop();
+    else
+      world->stop();
+  }
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+
+  // A hand that the installation does not know of would look like a force to whoever asks the controller.
+  [[nodiscard]] UrServerOptions installed() const {
+    UrServerOptions o = options.arm;
+    o.payload = carried_mass(world->lock().world.hand_model().gripper);
+    o.payload_cog = world->mounting().T_F_T * hand_centre();
+    return o;
+  }
+
+  void serve_gripper() {
+    gripper_plant = make_world_gripper(*world);
+    gripper = std::make_unique<GripperSimulator>(*gripper_plant, options.gripper);
+    gripper->set_faults(options.gripper_faults);
+    gripper->set_faults(options.modbus_faults);
+  }
+  void serve_force_torque() {
+    wrench_plant = make_world_wrench(*world);
+    force_torque = std::make_unique<FtSimulator>(*wrench_plant, options.force_torque);
+    force_torque->set_faults(options.force_torque_faults);
+  }
+  void serve_camera() {
+    depth_plant = make_world_depth(*world);
+    camera = std::make_unique<CameraSimulator>(*depth_plant, options.camera);
+    camera->set_faults(options.camera_faults);
+  }
+};
+
+SimulatedServers::SimulatedServers(SimulatedCell& cell, const RobotModel& robot,
+                                   const SimulatedServersOptions& options)
+    : parts_(std::make_unique<Parts>(cell, robot, options)) {}
+
+SimulatedServers::~SimulatedServers() = default;
+
+const SimulatedServersOptions& SimulatedServers::options() const {
+  return parts_->options;
+}
+UrPorts SimulatedServers::arm_ports() const {
+  return parts_->arm ? parts_->arm->ports() : UrPorts{};
+}
+std::string SimulatedServers::arm_address() const {
+  return parts_->options.arm.address;
+}
+std::optional<Endpoint> SimulatedServers::gripper() const {
+  if (!parts_->gripper || !options().gripper.tcp) return std::nullopt;
+  return parts_->gripper->endpoint();
+}
+std::optional<Endpoint> SimulatedServers::force_torque() const {
+  if (!parts_->force_torque || !options().force_torque.cap) return std::nullopt;
+  return parts_->force_torque->stream_endpoint();
+}
+std::optional<Endpoint> SimulatedServers::camera() const {
+  if (!parts_->camera) return std::nullopt;
+  return parts_->camera->endpoint();
+}
+std::string SimulatedServers::gripper_line() const {
+  return parts_->gripper && options().gripper.rtu ? parts_->gripper->serial_path() : "";
+}
+std::string SimulatedServers::force_torque_line() const {
+  return parts_->force_torque && options().force_torque.serial ? parts_->force_torque->serial_path() : "";
+}
+
+std::string SimulatedServers::text() const {
+  const UrPorts p = arm_ports();
+  const auto& o = parts_->options;
+  std::string text;
+  if (o.devices.arm)
+    text +=
+        concat("UR controller  ", arm_address(), "  RTDE ", p.rtde, ", primary ", p.primary, ", secondary ",
+               p.secondary, ", realtime ", p.realtime, ", read-only ", p.primary_read_only, " ",
+               p.secondary_read_only, " ", p.realtime_read_only, ", Dashboard ", p.dashboard, "\n");
+  if (const auto at = gripper()) text += concat("gripper        ", to_text(*at), "  Modbus/TCP\n");
+  const auto line = [](const std::string& link, const std::string& path) {
+    return link.empty() ? path : concat(link, " (", path, ")");
+  };
+  if (const auto path = gripper_line(); !path.empty())
+    text += concat("gripper        ", line(o.gripper.link, path), "  Modbus/RTU\n");
+  if (const auto at = force_torque())
+    text += concat("force sensor   ", to_text(*at), "  stream of the UR cap, commands on ",
+                   parts_->force_torque->command_endpoint().port, "\n");
+  if (const auto path = force_torque_line(); !path.empty())
+    text += concat("force sensor   ", line(o.force_torque.link, path), "  Modbus/RTU and stream\n");
+  if (const auto at = camera()) text += concat("depth camera   ", to_text(*at), "  frames\n");
+  return text;
+}
+
+}  // namespace stonestack::emulators

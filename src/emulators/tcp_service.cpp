@@ -1,0 +1,71 @@
+#include "emulators/tcp_service.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+
+namespace stonestack::emulators {
+namespace {
+constexpr double kTurn = 0.5;  // s between looks at threads that ended
+}
+
+TcpService::TcpService(const ListenOptions& options, Serve serve, int most_clients)
+    : listener_(options), serve_(std::move(serve)), most_clients_(most_clients) {
+  acceptor_ = std::thread([this] { accept_clients(); });
+}
+
+TcpService::~TcpService() {
+  listener_.close();
+  acceptor_.join();
+  drop_clients();
+  for (auto& client : clients_) client.thread.join();
+}
+
+int TcpService::clients() {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(
+      std::count_if(clients_.begin(), clients_.end(), [](const Client& client) { return !client.done; }));
+}
+
+void TcpService::drop_clients() {
+  const std::lock_guard lock(mutex_);
+  for (auto& client : clients_) client.stream.shut();
+}
+
+void TcpService::sweep() {
+  const std::lock_guard lock(mutex_);
+  clients_.remove_if([](Client& client) {
+    if (client.done) client.thread.join();
+    return client.done;
+  });
+}
+
+void TcpService::accept_clients() {
+  while (!listener_.is_closed()) {
+    try {
+      auto stream = listener_.accept(Deadline::in(kTurn));
+      sweep();
+      if (!stream || clients() >= most_clients_) continue;
+      const std::lock_guard lock(mutex_);
+      Client& client = clients_.emplace_back(std::move(*stream));
+      client.thread = std::thread([this, &client] { run(client); });
+    } catch (const std::exception& problem) {
+      log_warning(problem.what());
+    }
+  }
+}
+
+void TcpService::run(Client& client) {
+  try {
+    serve_(client.stream);
+  } catch (const std::exception& problem) {
+    log_warning(concat(to_text(endpoint()), ": client ", client.stream.name(), ": ", problem.what()));
+  }
+  client.stream.shut();
+  const std::lock_guard lock(mutex_);
+  client.done = true;
+}
+
+}  // namespace stonestack::emulators

@@ -1,0 +1,265 @@
+#include "emulators/ur/controller.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::emulators {
+namespace {
+
+constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
+constexpr double kPowerSeconds = 1.0;     // a step of the way from power off to brakes released
+constexpr double kUnlockAfter = 5.0;      // s
+constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
+constexpr double kWayOut = 0.2;           // rad of a joint, in which a touch is left
+constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
+constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
+constexpr double kGravity = 9.81;
+constexpr std::size_t kHistory = 1000;                 // control steps
+constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
+constexpr int kWarning = 2, kViolation = 3;            // report levels
+constexpr std::uint64_t kEarlyLook = 13;    // every so many steps RTDE looks before a script is through
+constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
+
+}  // namespace
+
+UrVersion parse_ur_version(const std::string& text) {
+  UrVersion version;
+  std::uint32_t* parts[] = {&version.major, &version.minor, &version.bugfix, &version.build};
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (auto* part : parts) {
+    const auto [next, error] = std::from_chars(at, end, *part);
+    require(error == std::errc(), "a PolyScope version reads like 3.15.8.106339, got \"", text, "\"");
+    at = next;
+    if (at == end) break;
+    require(*at++ == '.', "a PolyScope version reads like 3.15.8.106339, got \"", text, "\"");
+  }
+  require(version.major == 3 || version.major == 5 || version.major == 10,
+          "the simulated controller is a CB3 (3.x), an e-Series (5.x) or PolyScope X (10.x), not ", text);
+  return version;
+}
+
+UrController::UrController(const UrServerOptions& options, const RobotModel& robot, Plant& plant)
+    : faults(options.faults),
+      motion(robot, plant.state().q),
+      options_(options),
+      version_(parse_ur_version(options.version)),
+      plant_(&plant),
+      period_(1.0 / version_.control_rate()),
+      start_(options.faults.boot_seconds >= 0 ? options.faults.boot_seconds : kLongSinceBoot),
+      measured_(plant.state()) {
+  power_goal_ = robot_mode;
+  speed_slider = faults.speed_slider;
+  set_payload(options.payload, options.payload_cog);
+}
+
+bool UrController::can_move() const {
+  return robot_mode == RobotMode::kRunning && safety_mode == SafetyMode::kNormal;
+}
+
+void Registers::write_int(std::size_t i, std::int32_t value, std::uint64_t step) {
+  auto& write = writes_[i];
+  if (write.step == step && out_int[i] != value) {
+    write.over = out_int[i];
+    write.over_step = step;
+  }
+  write.step = step;
+  out_int[i] = value;
+}
+
+std::int32_t Registers::seen_int(std::size_t i, std::uint64_t step) const {
+  const auto& write = writes_[i];
+  return write.over_step == step && step % kEarlyLook == 0 ? write.over : out_int[i];
+}
+
+void UrController::step() {
+  ++steps_;
+  trigger_faults();
+  if (unlock_asked_) unlock_asked_ = safety_mode == SafetyMode::kProtectiveStop && !unlock_protective_stop();
+  change_power();
+  watch();
+  run_programs();
+  move();
+  measure();
+}
+
+void UrController::trigger_faults() {
+  const auto due = [&](double& time) {
+    if (time < 0 || uptime() < time) return false;
+    time = -1.0;
+    return true;
+  };
+  if (due(faults.protective_stop_at))
+    protective_stop(kCollision, "Collision detected by joint: fault switch");
+  if (due(faults.emergency_stop_at)) emergency_stop();
+  if (faults.script_dies_after >= 0 && program_running() &&
+      uptime() - program_started_ >= faults.script_dies_after) {
+    const int line = program_line();
+    end_program("PROGRAM_XXX_STOPPED");
+    report({line, 1, "runtime_error: fault switch"}, nullptr);
+  }
+}
+
+void UrController::change_power() {
+  if (power_change_at_ < 0 || uptime() < power_change_at_ || robot_mode == power_goal_) return;
+  robot_mode = robot_mode == RobotMode::kPowerOff  ? RobotMode::kPowerOn
+               : robot_mode == RobotMode::kPowerOn ? RobotMode::kIdle
+                                                   : power_goal_;
+  power_change_at_ = robot_mode == power_goal_ ? -1.0 : uptime() + kPowerSeconds;
+}
+
+void UrController::power_on() {
+  if (robot_mode != RobotMode::kPowerOff) return;
+  power_goal_ = RobotMode::kIdle;
+  power_change_at_ = uptime() + kPowerSeconds;
+}
+
+void UrController::release_brakes() {
+  if (robot_mode == RobotMode::kRunning || safety_mode != SafetyMode::kNormal) return;
+  power_goal_ = RobotMode::kRunning;
+  power_change_at_ = uptime() + kPowerSeconds;
+}
+
+void UrController::power_off() {
+  stop_program();
+  motion.freeze();
+  robot_mode = power_goal_ = RobotMode::kPowerOff;
+  power_change_at_ = -1.0;
+}
+
+void UrController::protective_stop(int code, const std::string& reason) {
+  if (safety_mode != SafetyMode::kNormal) return;
+  safety_mode = SafetyMode::kProtectiveStop;
+  stopped_at_ = uptime();
+  motion.freeze();
+  if (program_running()) runtime_ = RuntimeState::kPaused;
+  ControllerEvent safety;
+  safety.kind = ControllerEvent::Kind::kSafetyMode;
+  safety.code = static_cast<int>(safety_mode);
+  say(safety);
+  ControllerEvent error;
+  error.kind = ControllerEvent::Kind::kErrorCode;
+  error.code = code;
+  // C153A0 is a warning to UR's own client library, whose tests go by the level.
+  error.level = code == kPathDeviation ? kWarning : kViolation;
+  error.text = reason;
+  say(error);
+}
+
+bool UrController::unlock_protective_stop() {
+  if (safety_mode != SafetyMode::kProtectiveStop || faults.refuse_unlock) return false;
+  if (uptime() - stopped_at_ < kUnlockAfter) return false;
+  safety_mode = SafetyMode::kNormal;
+  if (!measured_.hit.empty()) touched_ = Touched{measured_.q, measured_.force_R.norm(), uptime()};
+  return true;
+}
+
+void UrController::emergency_stop() {
+  power_off();
+  safety_mode = SafetyMode::kRobotEmergencyStop;
+  ControllerEvent safety;
+  safety.kind = ControllerEvent::Kind::kSafetyMode;
+  safety.code = static_cast<int>(safety_mode);
+  say(safety);
+}
+
+void UrController::restart_safety() {
+  power_off();
+  safety_mode = SafetyMode::kNormal;
+}
+
+void UrController::input_written(const std::string& name) {
+  if (watchdog.period > 0 && name == watchdog.variable) watchdog.fed = uptime();
+}
+
+void UrController::watch() {
+  if (watchdog.period <= 0 || !program_running()) return;
+  if (uptime() - watchdog.fed <= watchdog.period + 1e-9) return;
+  if (watchdog.action == "stop") {
+    stop_program();
+  } else if (watchdog.action == "pause") {
+    pause_program();
+    watchdog.fed = uptime();
+  }
+}
+
+std::vector<ControllerEvent> UrController::take_events() {
+  std::vector<ControllerEvent> events;
+  std::swap(events, events_);
+  return events;
+}
+
+std::uint32_t UrController::robot_status_bits() const {
+  const bool power = robot_mode >= RobotMode::kIdle;
+  return (power ? 1U : 0U) | (program_running() ? 2U : 0U);
+}
+
+std::uint32_t UrController::safety_status_bits() const {
+  switch (safety_mode) {
+    case SafetyMode::kNormal:
+      return 1U;
+    case SafetyMode::kProtectiveStop:
+      return 1U << 2 | 1U << 10;
+    case SafetyMode::kRobotEmergencyStop:
+      return 1U << 6 | 1U << 7 | 1U << 10;
+    case SafetyMode::kFault:
+      return 1U << 9 | 1U << 10;
+  }
+  return 0;
+}
+
+void UrController::set_payload(double mass, const Eigen::Vector3d& p_F_cog) {
+  payload = mass;
+  payload_cog = p_F_cog;
+}
+
+void UrController::move() {
+  const double goal = runtime_ == RuntimeState::kPaused ? 0.0 : std::clamp(speed_slider, 0.0, 1.0);
+  const double change = kScalingRate * period_;
+  scaling_ += std::clamp(goal - scaling_, -change, change);
+  if (!can_move()) return;
+  if (!program_ && motion.moving() && motion.done()) motion.stop_joints(kStopAcceleration);
+  const std::string refused = motion.step(period_ * scaling_, wrench());
+  if (!refused.empty()) protective_stop(kPathDeviation, "Protective stop: " + refused);
+}
+
+// A real arm feels a collision by what its joints have to bear more than before: it can be moved away.
+void UrController::watch_for_collisions() {
+  const bool hit = !measured_.hit.empty();
+  if (touched_ && !hit && uptime() - touched_->last > kApart) touched_.reset();
+  if (!hit) return;
+  if (touched_) touched_->last = uptime();
+  const bool leaves = touched_ && measured_.force_R.norm() < touched_->force + kHarder &&
+                      (measured_.q - touched_->q).cwiseAbs().maxCoeff() < kWayOut;
+  if (leaves) return;
+  touched_.reset();
+  protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);
+}
+
+Eigen::Vector3d UrController::force_before(std::size_t steps) const {
+  if (raw_forces_.empty()) return wrench().head<3>();
+  return raw_forces_[std::min(steps, raw_forces_.size() - 1)] - wrench_zero_.head<3>();
+}
+
+void UrController::measure() {
+  measured_ = plant_->step(motion.q(), period_);
+  watch_for_collisions();
+  history_.push_front(measured_.q);
+  if (history_.size() > kHistory) history_.pop_back();
+  const auto& geometry = motion.geometry();
+  const Pose T_B_F = geometry.T_B_F(measured_.q);
+  const Eigen::Matrix3d R_B_R = geometry.robot().T_R_D.rotation().transpose();
+  const Eigen::Vector3d weight(0, 0, -payload * kGravity);
+  const Eigen::Vector3d force = R_B_R * measured_.force_R - weight;
+  Eigen::Vector3d torque = R_B_R * measured_.torque_R;
+  torque -= Eigen::Vector3d(T_B_F.rotation() * payload_cog).cross(weight);
+  torque -= Eigen::Vector3d(T_B_F.rotation() * geometry.T_F_P.translation()).cross(force);
+  raw_wrench_ << force, torque;
+  raw_forces_.push_front(force);
+  raw_forces_.resize(history_.size());
+}
+
+}  // namespace stonestack::emulators

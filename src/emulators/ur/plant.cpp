@@ -1,0 +1,80 @@
+#include "stonestack/emulators/ur/plant.hpp"
+
+#include <algorithm>
+
+#include "simulation/shared_world.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/kinematics/forward.hpp"
+
+namespace stonestack::emulators {
+namespace {
+
+constexpr double kLookPeriod = 0.050;  // s between two comparisons of links with table and stones
+constexpr double kGravity = 9.81;
+constexpr double kFade = 0.1;  // s of motion in which the error of the last stop becomes that of the next
+
+class WorldPlant final : public Plant {
+ public:
+  WorldPlant(SharedWorld& world, const Joints& q)
+      : world_(&world),
+        random_(Random::stream(static_cast<std::uint64_t>(world.options().seed), "arm repeatability")),
+        jitter_sigma_(
+            joint_sigma(world.options().arm_repeatability, world.robot(), world.mounting().T_F_T, q)) {
+    state_.q = q;
+  }
+
+  [[nodiscard]] PlantState state() override { return state_; }
+
+  PlantState step(const Joints& q_target, double seconds) override {
+    const TrueMounting& mounting = world_->mounting();
+    err(q_target != state_.q, seconds);
+    const Pose T_R_F = forward(world_->robot(), q_target + mounting.joint_error + jitter_);
+    const Pose T_W_F = mounting.T_W_R * T_R_F;
+    state_.hit = world_->move_arm(T_W_F * mounting.T_F_T, seconds).stopped;
+    state_.qd = (q_target - state_.q) / seconds;
+    state_.q = q_target;
+    auto access = world_->lock();
+    read_wrench(access.world, T_W_F);
+    since_look_ += seconds;
+    if (state_.hit.empty() && since_look_ >= kLookPeriod) {
+      since_look_ = 0.0;
+      state_.hit = find_link_hit(access.world, world_->robot(), mounting, state_.q).value_or("");
+    }
+    return state_;
+  }
+
+ private:
+  // No two motions end alike, as with the arm in process.
+  void err(bool moves, double seconds) {
+    if (moves && !moves_)
+      for (auto& joint : next_jitter_) joint = random_.normal(0.0, jitter_sigma_);
+    if (moves) jitter_ += std::min(1.0, seconds / kFade) * (next_jitter_ - jitter_);
+    moves_ = moves;
+  }
+
+  // Everything beyond the flange: contact and held stones, and the hand's own weight.
+  void read_wrench(const TrueWorld& world, const Pose& T_W_F) {
+    HandLoad load = world.load();
+    load.add(world.hand().T_W_T * hand_centre(),
+             {0, 0, -kGravity * carried_mass(world.hand_model().gripper)});
+    const Eigen::Matrix3d R_R_W = world_->mounting().T_W_R.rotation().transpose();
+    state_.force_R = R_R_W * load.force;
+    state_.torque_R = R_R_W * (load.moment - T_W_F.translation().cross(load.force));
+  }
+
+  SharedWorld* world_;
+  PlantState state_;
+  Random random_;
+  double jitter_sigma_;                                            // rad
+  Joints jitter_ = Joints::Zero(), next_jitter_ = Joints::Zero();  // rad
+  bool moves_ = false;
+  double since_look_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start) {
+  return std::make_unique<WorldPlant>(world, q_start);
+}
+
+}  // namespace stonestack::emulators

@@ -1,0 +1,118 @@
+#include "stonestack/experiment/judge_tower.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "experiment/tower_chain.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::experiment {
+namespace {
+
+constexpr double kRest = 0.5;  // s after a shake
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+void let_stand(World& judge, double seconds) {
+  constexpr double kLook = 0.5;  // s between two looks for an interrupt
+  for (double t = 0; t < seconds; t += kLook) {
+    throw_if_interrupted();
+    judge.run(std::min(kLook, seconds - t));
+  }
+}
+
+// In the frame of a shaken table the shaking is a gravity that swings.
+void shake(World& judge, const SurvivalOptions& options, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d g(0, 0, -judge.options().gravity);
+  const double step = judge.options().step;
+  for (double t = 0; t < options.shake_seconds; t += step) {
+    const double swing = std::sin(2 * std::numbers::pi * options.shake_frequency * t);
+    judge.set_gravity(g - options.shake_acceleration * swing * direction);
+    judge.step();
+  }
+  judge.set_gravity(g);
+  judge.run(kRest);
+}
+
+// Stones of the chain, from the table up, that lie where they lay.
+int count_still(const std::vector<Pose>& before, const std::vector<Pose>& after,
+                const std::vector<int>& chain, const StandOptions& bounds) {
+  int count = 0;
+  for (const int stone : chain) {
+    const auto moved = difference(after[at(stone)], before[at(stone)]);
+    if (moved.translation > bounds.largest_shift || moved.angle > bounds.largest_turn) return count;
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+StandOptions tower_bounds() {
+  return {.seconds = 60.0, .largest_shift = 0.005, .largest_turn = 0.0523599};  // 3 deg
+}
+
+TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options) {
+  const TrueWorld& world = cell.world();
+  TowerVerdict verdict;
+  auto& stand = verdict.stand;
+  const auto before = true_poses(world);
+  const Neighbours touching(world, before, options.touch_gap);
+  verdict.stones = find_chain(world, before, touching, cell.site(), &stand.reason);
+  stand.clean = stand.reason.empty();
+  World judge = world.judge_world(options.step, options.iterations);
+  let_stand(judge, options.seconds);
+  const auto after = judged_poses(world, judge);
+  const Neighbours touching_after(world, after, options.touch_gap);
+  const int clean = still_clean(world, touching, touching_after, verdict.stones, &stand.reason);
+  stand.clean = stand.clean && clean == static_cast<int>(verdict.stones.size());
+  bool intact = true;
+  for (const int stone : verdict.stones) {
+    stand.T_W_O.push_back(after[at(stone)]);
+    const auto moved = difference(after[at(stone)], before[at(stone)]);
+    stand.shift = std::max(stand.shift, moved.translation);
+    stand.turn = std::max(stand.turn, moved.angle);
+    const bool stays = moved.translation <= options.largest_shift && moved.angle <= options.largest_turn;
+    if (intact && !stays)
+      stand.reason = concat("stone ", world.shapes()[at(stone)]->name, " moved by ", 1e3 * moved.translation,
+                            " mm and ", moved.angle, " rad in ", options.seconds, " s");
+    intact = intact && stays && stand.standing < clean;
+    if (intact) ++stand.standing;
+  }
+  stand.stands = intact && !verdict.stones.empty();
+  if (verdict.stones.empty() && stand.reason.empty()) stand.reason = "no stone lies at the site";
+  return verdict;
+}
+
+Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, const StandOptions& bounds) {
+  const TrueWorld& world = cell.world();
+  std::string unclean;
+  const auto before = true_poses(world);
+  const auto chain =
+      find_chain(world, before, Neighbours(world, before, bounds.touch_gap), cell.site(), &unclean);
+  Survival survival;
+  World judge = world.judge_world(bounds.step, bounds.iterations);
+  double t = 0.0;
+  for (const double seconds : options.seconds) {
+    let_stand(judge, seconds - t);
+    t = seconds;
+    survival.standing.push_back(count_still(before, judged_poses(world, judge), chain, bounds));
+  }
+  survival.shaken = static_cast<int>(chain.size());
+  for (const Eigen::Index axis : {0, 1}) {
+    World shaken = world.judge_world(bounds.step, bounds.iterations);
+    shake(shaken, options, Eigen::Vector3d::Unit(axis));
+    const auto after = judged_poses(world, shaken);
+    const auto left =
+        find_chain(world, after, Neighbours(world, after, bounds.touch_gap), cell.site(), &unclean);
+    const auto same =
+        std::mismatch(chain.begin(), chain.end(), left.begin(), left.end()).first - chain.begin();
+    survival.shaken = std::min(survival.shaken, static_cast<int>(same));
+  }
+  return survival;
+}
+
+}  // namespace stonestack::experiment

@@ -1,0 +1,38 @@
+#pragma once
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "simulation/true_world.hpp"
+
+/// Which stones of the true world are a tower.
+namespace stonestack::experiment {
+
+/// Who touches whom, by catalogue index; the table is a neighbour like any other.
+class Neighbours {
+ public:
+  /// `T_W_O` by stone index; nearer than `touch_gap` (m) counts as touching.
+  Neighbours(const TrueWorld& world, const std::vector<Pose>& T_W_O, double touch_gap);
+  [[nodiscard]] std::vector<int> of(int body) const;
+
+ private:
+  std::set<std::pair<int, int>> pairs_;
+};
+
+/// Poses by stone index, identity for absent stones: as the world stands, or of a judge's world.
+[[nodiscard]] std::vector<Pose> true_poses(const TrueWorld& world);
+[[nodiscard]] std::vector<Pose> judged_poses(const TrueWorld& world, const World& judge);
+
+/// From the table up, as long as one stone, and only one, rests on the last and touches nothing below but it.
+/// `unclean` says what ended the tower other than its top.
+[[nodiscard]] std::vector<int> find_chain(const TrueWorld& world, const std::vector<Pose>& T_W_O,
+                                          const Neighbours& neighbours, const Eigen::Vector2d& site,
+                                          std::string* unclean);
+
+/// The chain after a wait: what has come to lean on a neighbour by then is no clean tower either. How many
+/// stones of `chain`, from the table up, touch nothing that they did not touch before.
+[[nodiscard]] int still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
+                              const std::vector<int>& chain, std::string* unclean);
+
+}  // namespace stonestack::experiment

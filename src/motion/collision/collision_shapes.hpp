@@ -1,0 +1,73 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "motion/collision/convex_core.hpp"
+#include "stonestack/motion/collision.hpp"
+
+/// Private to motion: what CollisionChecker compares. All of it in the robot's base frame R.
+namespace stonestack::motion {
+
+/// Something that moves with a link.
+struct Mover {
+  enum class Part { kArm, kGripper, kHeld };
+  Part part = Part::kArm;
+  std::size_t link = 0;  ///< 0..6; `core` is in its frame
+  ConvexCore core;
+  double span = 0.0;  ///< m, furthest point of the hull from the link's origin
+  bool sees_table = true;
+  Eigen::AlignedBox3d box_T;  ///< of a gripper box, in T; empty for others
+  std::string name;
+  double table_padding = 0.0;  ///< m
+};
+
+/// A convex piece of an object.
+struct ObstaclePiece {
+  ConvexCore core;
+  Eigen::Vector3d centre;
+  double sphere = 0.0;  ///< m, around `centre`
+  Bounds box;
+};
+
+/// The pieces [first, last) of one object.
+struct ObstacleGroup {
+  std::string name;
+  std::size_t first = 0, last = 0;
+  Bounds box;
+  Eigen::Vector3d centre;
+  double sphere = 0.0;
+  std::vector<char> sees;       ///< one a mover: 0 where the two may touch
+  std::vector<double> padding;  ///< m, one a mover
+  double hand_padding = 0.0;    ///< m, largest of gripper and held stone
+};
+
+/// Two movers that could touch; the second is on the same or a later link.
+struct MoverPair {
+  std::size_t first, second;
+};
+
+struct CollisionShapes {
+  static constexpr std::size_t kMostMovers = 64;
+
+  RobotModel robot;
+  CollisionRules rules;
+  std::vector<Mover> movers;
+  std::vector<ObstaclePiece> obstacles;
+  std::vector<ObstacleGroup> groups;
+  std::vector<MoverPair> pairs;  ///< all that could touch
+  // Gripper and held stone are on one link: a capsule around both spares most of their tests.
+  std::size_t first_hand = 0;          ///< movers from here on
+  ConvexCore hand;                     ///< around them, in the frame of link 6
+  double hand_span = 0.0;              ///< m, like Mover::span
+  double hand_table_padding = 0.0;     ///< m, largest of them
+  std::vector<MoverPair> arm_pairs;    ///< of `pairs`, those within the arm
+  std::vector<std::size_t> sees_hand;  ///< capsules of the arm that the hand could touch
+  Pose T_6_T = Pose::Identity();
+  Eigen::Vector3d n_R_table;  ///< up
+  double table_offset = 0.0;  ///< height of p above the table: n.p + offset
+};
+[[nodiscard]] CollisionShapes make_collision_shapes(const PlanningScene& scene, const CollisionRules& rules,
+                                                    const HeldObject* held);
+
+}  // namespace stonestack::motion

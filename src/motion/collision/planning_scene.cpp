@@ -1,0 +1,108 @@
+#include "stonestack/motion/planning_scene.hpp"
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::motion {
+namespace {
+
+// Lengths along z of T, from the finger tips backwards (from the public meshes of gripper and sensor),
+// metres.
+constexpr double kPalmFront = 0.112;
+constexpr double kPalmBack = 0.223;
+constexpr double kFlange = 0.264;
+constexpr double kFingerThickness = 0.020;
+constexpr double kKnuckle =
+    0.056;  // ours: half way; fingers B and C turn at the palm, so their bases move less
+constexpr double kMountShift =
+    0.010;                            // a mount that a calibration corrects by less is the one that was drawn
+constexpr double kMountTurn = 0.052;  // rad, the same
+constexpr double kBaseSpread =
+    0.5;  // of what the pads move; with the base's middle 35 mm in front of the palm
+
+/// A box that fills x and y as given and z from `back` to `front` behind the tips.
+GripperBox box_behind_tip(double size_x, double size_y, double front, double back) {
+  return {{size_x, size_y, back - front}, {0.0, 0.0, -0.5 * (front + back)}, 0.0};
+}
+
+/// A finger from `front` to `back` behind the tip whose pad lies on x = 0 when closed and that opens towards
+/// `side`.
+GripperBox finger(double width, double y, double side, double front, double back) {
+  return {{kFingerThickness, width, back - front},
+          {0.5 * side * kFingerThickness, y, -0.5 * (front + back)},
+          side};
+}
+
+/// Finger B (`y` > 0) or C in two parts: its base stands closer to where it turns than its tip.
+void add_turning_finger(std::vector<GripperBox>& boxes, double width, double y) {
+  const double side = y > 0 ? 0.5 : -0.5;
+  boxes.push_back(finger(width, y, -1.0, 0.0, kKnuckle));
+  boxes.back().spread = side;
+  boxes.push_back(finger(width, y, -1.0, kKnuckle, kPalmFront));
+  boxes.back().spread = side * kBaseSpread;
+}
+
+/// The mount that the camera's box was drawn for: CellLayout::make_default_T_T_C(), of a room beside this.
+Pose drawn_mount() {
+  constexpr double kTilt = 10.0 * 3.14159265358979323846 / 180.0;
+  return Eigen::Translation3d(0.0, 0.110, -0.170) * Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitX());
+}
+
+}  // namespace
+
+GripperModel make_robotiq_3f() {
+  GripperModel gripper;
+  const double half_spacing = 0.5 * gripper.finger_spacing;
+  gripper.boxes = {
+      finger(gripper.finger_width, 0.0, 1.0, 0.0, kPalmFront),
+      box_behind_tip(0.135, 0.130, kPalmFront, kPalmBack),
+      box_behind_tip(0.120, 0.120, kPalmBack, kFlange),
+      // Camera with its bracket, beside the palm at +y and wholly behind the optical centre of the default
+      // mount (CellLayout::make_default_T_T_C), so that it stays out of the view.
+      {{0.110, 0.060, 0.042}, {0.0, 0.095, -0.193}, 0.0, 0.0, true},
+  };
+  add_turning_finger(gripper.boxes, gripper.finger_width, half_spacing);
+  add_turning_finger(gripper.boxes, gripper.finger_width, -half_spacing);
+  return gripper;
+}
+
+double sensed_mass(const GripperModel& gripper) {
+  return gripper.mass + gripper.camera_mass;
+}
+
+double carried_mass(const GripperModel& gripper) {
+  return sensed_mass(gripper) + gripper.sensor_mass;
+}
+
+GripperModel with_spacing(GripperModel gripper, double spacing) {
+  require(spacing == gripper.finger_spacing ||
+              (gripper.narrow_spacing > 0 && spacing >= gripper.narrow_spacing - 1e-9 &&
+               spacing < gripper.finger_spacing),
+          "fingers B and C can be from ", gripper.narrow_spacing, " to ", gripper.finger_spacing,
+          " m apart, not ", spacing, " m");
+  for (GripperBox& box : gripper.boxes) box.p_T_centre.y() += box.spread * (spacing - gripper.finger_spacing);
+  gripper.finger_spacing = spacing;
+  return gripper;
+}
+
+GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C) {
+  require(is_valid(T_T_C), "the camera's mount is not a rigid transform: ", geometry::to_text(T_T_C));
+  const PoseDifference off = difference(T_T_C, drawn_mount());
+  if (off.translation < kMountShift && off.angle < kMountTurn) return gripper;
+  const Pose moved = T_T_C * drawn_mount().inverse();
+  for (GripperBox& box : gripper.boxes) {
+    if (!box.camera) continue;
+    box.p_T_centre = moved * box.p_T_centre;
+    box.size = moved.linear().cwiseAbs() * box.size;
+  }
+  return gripper;
+}
+
+double padding_between(const PlanningScene& scene, const std::string& part, const std::string& link,
+                       const std::string& stands, double padding) {
+  if (padding == 0.0) return padding;
+  for (const PairPadding& pair : scene.paddings)
+    if ((pair.a == part || pair.a == link) && pair.b == stands) padding = pair.m;
+  return padding;
+}
+
+}  // namespace stonestack::motion

@@ -1,0 +1,256 @@
+#include "stonestack/motion/grasp.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "motion/grasp/finger_strips.hpp"
+#include "motion/grasp/grasp_wrench.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::motion {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr int kEqualiseRounds = 4;
+
+/// Directions spread evenly over the sphere (golden spiral).
+std::vector<Eigen::Vector3d> sphere_directions(int count) {
+  std::vector<Eigen::Vector3d> directions;
+  const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < count; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / count, r = std::sqrt(1.0 - z * z);
+    directions.emplace_back(r * std::cos(golden * i), r * std::sin(golden * i), z);
+  }
+  return directions;
+}
+
+/// Those of them that the options want.
+std::vector<Eigen::Vector3d> approaches(const GraspOptions& options) {
+  std::vector<Eigen::Vector3d> directions = sphere_directions(options.directions);
+  if (options.n_O_towards.isZero()) return directions;
+  const double least = std::cos(options.cone);
+  std::erase_if(directions, [&](const auto& z) { return z.dot(options.n_O_towards) < least; });
+  return directions;
+}
+
+/// The stone's surface, once per stone, and what never changes between samples.
+struct Sampler {
+  const Stone& stone;
+  const GripperModel gripper;  ///< at one spacing of its fingers
+  GraspOptions options;
+  const std::vector<SurfaceSample>& surface;
+  GraspSet& set;
+  double score_factor = 1.0;
+  double palm_front = 0.0;  ///< m, z of the palm's front in T (negative)
+};
+
+HandView seen_from(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
+  return view_from(s.surface, s.stone.mass.p_O_M, R_O_T);
+}
+
+double score(const Sampler& s, const Grasp& grasp, const std::array<PadTouch, 3>& touch) {
+  const Eigen::Vector3d x = grasp.T_O_T.linear().col(0);
+  const double aligned =
+      (touch[0].n.dot(x) - 0.5 * touch[1].n.dot(x) - 0.5 * touch[2].n.dot(x)) / 2;  // 1: all along x
+  const double equal = 1.0 - std::abs(touch[1].height - touch[2].height) / s.options.unequal;
+  const Eigen::Vector3d pinch = 0.5 * touch[0].p + 0.25 * (touch[1].p + touch[2].p);
+  const double centred = std::exp(-(pinch - s.stone.mass.p_O_M).norm() / 0.03);
+  const double force = *std::max_element(grasp.force_per_weight.begin(), grasp.force_per_weight.end());
+  return 0.4 * std::clamp(2 * aligned - 1, 0.0, 1.0) + 0.2 * equal + 0.2 * centred +
+         0.2 / std::max(1.0, force);
+}
+
+/// The contacts have been found: is it a grasp? Adds it, or counts what refused it.
+void judge(Sampler& s, Grasp grasp, const std::array<PadTouch, 3>& touch) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    grasp.p_O_contact[i] = touch[i].p;
+    grasp.n_O_contact[i] = touch[i].n;
+  }
+  const GraspContacts contacts = contacts_in_T(grasp, s.stone.mass.p_O_M);
+  if (contacts.n_T[0].x() < 0.7 || contacts.n_T[1].x() > -0.5 || contacts.n_T[2].x() > -0.5 ||
+      !squeeze_holds(contacts, s.options.friction_share * s.gripper.friction)) {
+    ++s.set.slips;
+    return;
+  }
+  const auto force = force_per_weight(contacts, s.gripper.friction);
+  if (!force) {
+    ++s.set.slips;
+    return;
+  }
+  grasp.force_per_weight = *force;
+  const double least = *std::min_element(force->begin(), force->end());
+  if (s.options.force_factor * least * s.stone.mass.mass * kGravity > s.gripper.force) {
+    ++s.set.too_heavy;
+    return;
+  }
+  grasp.score = s.score_factor * score(s, grasp, touch);
+  s.set.grasps.push_back(grasp);
+}
+
+/// One orientation, sideways shift and depth.
+void try_grasp(Sampler& s, const HandView& view, const std::array<FingerStrip, 3>& strips, double y,
+               double tip) {
+  ++s.set.tried;
+  std::array<double, 3> height{};
+  for (std::size_t i = 0; i < 3; ++i) height[i] = pad_height(s.gripper, strips[i], tip);
+  if (std::min({height[0], height[1], height[2]}) == kNoStone ||
+      std::abs(height[1] - height[2]) > s.options.unequal) {
+    ++s.set.no_contact;
+    return;
+  }
+  const double left = height[0], right = -std::max(height[1], height[2]);
+  Grasp grasp;
+  grasp.spacing = s.gripper.finger_spacing;
+  grasp.opening = left - right;
+  grasp.pre_opening = std::min(s.gripper.largest_opening, grasp.opening + 2 * s.options.finger_clearance);
+  if (s.set.narrowest == 0.0 || grasp.opening < s.set.narrowest) s.set.narrowest = grasp.opening;
+  const double widest = s.gripper.largest_opening - s.options.finger_clearance;
+  if (grasp.opening < s.gripper.smallest_object || grasp.opening > widest) {
+    ++s.set.too_wide;
+    return;
+  }
+  bool in_stone = view.back < tip + s.palm_front + s.options.palm_clearance;
+  for (std::size_t i = 0; i < 3; ++i)
+    in_stone |= strips[i].height(view.back, tip - s.gripper.pad_length) > height[i] + s.options.pad_softness;
+  if (in_stone) {
+    ++s.set.hand_in_stone;
+    return;
+  }
+  grasp.T_O_T.linear() = view.R_O_T;
+  grasp.T_O_T.translation() = s.stone.mass.p_O_M + view.R_O_T * Eigen::Vector3d(0.5 * (left + right), y, tip);
+  std::array<PadTouch, 3> touch;
+  for (std::size_t i = 0; i < 3; ++i)
+    touch[i] = touched(s.gripper, s.surface, s.options.pad_softness, view, strips[i], tip);
+  judge(s, grasp, touch);
+}
+
+double tip_depth(const GraspOptions& o, int step) {
+  const double share = o.depths > 1 ? static_cast<double>(step) / (o.depths - 1) : 0.5;
+  return o.shallowest + share * (o.deepest - o.shallowest);
+}
+
+/// Turns the hand about its approach until B and C meet the stone together, by at most half a yaw step.
+Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
+  const double most = std::numbers::pi / s.options.yaws;
+  double turned = 0.0;
+  const double tip = tip_depth(s.options, s.options.depths / 2);
+  for (int round = 0; round < kEqualiseRounds; ++round) {
+    const auto [b, c] = heights_of_b_and_c(s.gripper, seen_from(s, R_O_T), tip);
+    if (b == kNoStone || c == kNoStone) break;
+    const double angle =
+        std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -most, most) - turned;
+    if (std::abs(angle) < 0.005) break;
+    turned += angle;
+    R_O_T = R_O_T * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  }
+  return R_O_T;
+}
+
+/// All depths of one orientation, and sideways shifts where the middle gives nothing.
+void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
+  const HandView view = seen_from(s, R_O_T);
+  const std::size_t before = s.set.grasps.size();
+  for (const double y : {0.0, -s.options.sideways, s.options.sideways}) {
+    if (y != 0.0 && s.set.grasps.size() > before) break;
+    const std::array<FingerStrip, 3> strips = cut_strips(s.gripper, view, y);
+    for (int d = 0; d < s.options.depths; ++d) try_grasp(s, view, strips, y, tip_depth(s.options, d));
+  }
+}
+
+/// All yaws about one direction of approach.
+void try_direction(Sampler s, const Eigen::Vector3d& z) {
+  const Eigen::Vector3d across = z.unitOrthogonal();
+  for (int i = 0; i < s.options.yaws; ++i) {
+    Eigen::Matrix3d R_O_T;
+    R_O_T.col(0) = Eigen::AngleAxisd(2 * std::numbers::pi * i / s.options.yaws, z) * across;
+    R_O_T.col(2) = z;
+    R_O_T.col(1) = z.cross(R_O_T.col(0));
+    try_orientation(s, equalised(s, R_O_T));
+  }
+}
+
+void append(const GraspSet& part, GraspSet& all) {
+  all.grasps.insert(all.grasps.end(), part.grasps.begin(), part.grasps.end());
+  for (const auto count : {&GraspSet::tried, &GraspSet::too_wide, &GraspSet::no_contact,
+                           &GraspSet::hand_in_stone, &GraspSet::slips, &GraspSet::too_heavy})
+    all.*count += part.*count;
+  if (part.narrowest > 0.0 && (all.narrowest == 0.0 || part.narrowest < all.narrowest))
+    all.narrowest = part.narrowest;
+}
+
+void sort_by_score(GraspSet& set) {
+  std::stable_sort(set.grasps.begin(), set.grasps.end(),
+                   [](const Grasp& a, const Grasp& b) { return a.score > b.score; });
+}
+
+/// All directions and yaws at one spacing of the fingers.
+void sample_grasps(Sampler s) {
+  s.palm_front = palm_front(s.gripper);
+  const std::vector<Eigen::Vector3d> directions = approaches(s.options);
+  std::vector<GraspSet> parts(directions.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
+    throw_if_interrupted();
+    try_direction({s.stone, s.gripper, s.options, s.surface, parts[k], s.score_factor, s.palm_front},
+                  directions[k]);
+  });
+  for (const GraspSet& part : parts) append(part, s.set);
+}
+
+}  // namespace
+
+FieldList fields(GraspOptions& o) {
+  return {field("directions", o.directions, {8, 50000}, "", "measured: bench grasp"),
+          field("yaws", o.yaws, {2, 360}, "", "measured: bench grasp"),
+          field("spacing", o.spacing, {0.0005, 0.05}, "m", "ours"),
+          field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "ours"),
+          field("deepest", o.deepest, {-0.05, 0.1}, "m", "ours"),
+          field("depths", o.depths, {1, 50}, "", "ours"),
+          field("sideways", o.sideways, {0, 0.05}, "m", "ours"),
+          field("pad_softness", o.pad_softness, {1e-5, 0.01}, "m", "ours"),
+          field("unequal", o.unequal, {1e-4, 0.05}, "m", "ours"),
+          field("finger_clearance", o.finger_clearance, {0, 0.05}, "m", "ours"),
+          field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "ours"),
+          field("friction_share", o.friction_share, {0.05, 1}, "", "ours"),
+          field("force_factor", o.force_factor, {1, 10}, "", "ours: holds with a factor 2"),
+          field("cone", o.cone, {0, 3.2}, "rad", "ours"),
+          field("narrow_score", o.narrow_score, {0, 1}, "", "ours")};
+}
+
+double holding_force(const Grasp& grasp, double weight, const Eigen::Vector3d& n_T_down) {
+  double force = 0.0;
+  for (int axis = 0; axis < 3; ++axis)
+    force += std::abs(n_T_down[axis]) *
+             grasp.force_per_weight[static_cast<std::size_t>(2 * axis + (n_T_down[axis] < 0 ? 1 : 0))];
+  return weight * force;
+}
+
+GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper, const GraspOptions& options) {
+  require(!stone.scan.faces.empty() && stone.mass.mass > 0, "stone ", stone.name,
+          " cannot be grasped without a scan and a mass; it has ", stone.scan.faces.size(), " faces and ",
+          stone.mass.mass, " kg");
+  const auto surface = sample_surface(stone.scan, options.spacing);
+  require(options.n_O_towards.isZero() || std::abs(options.n_O_towards.norm() - 1.0) < 1e-6, "approaches of ",
+          stone.name, " are wanted towards a unit vector, not ", options.n_O_towards.transpose());
+  GraspSet set;
+  sample_grasps({stone, gripper, options, surface, set});
+  if (gripper.narrow_spacing > 0) {
+    Sampler narrow{stone, with_spacing(gripper, gripper.narrow_spacing), options, surface, set};
+    narrow.score_factor = options.narrow_score;
+    narrow.options.unequal *= gripper.narrow_spacing / gripper.finger_spacing;  // the same turn of the stone
+    sample_grasps(std::move(narrow));
+  }
+  sort_by_score(set);
+  return set;
+}
+
+GraspSet joined(const GraspSet& a, const GraspSet& b) {
+  GraspSet both = a;
+  append(b, both);
+  sort_by_score(both);
+  return both;
+}
+
+}  // namespace stonestack::motion

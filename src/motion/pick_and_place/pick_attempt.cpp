@@ -1,0 +1,227 @@
+#include "motion/pick_and_place/pick_attempt.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "motion/constants.hpp"
+#include "motion/path/round_corners.hpp"
+#include "stonestack/motion/cartesian.hpp"
+#include "stonestack/motion/room_below.hpp"
+#include "stonestack/motion/timing.hpp"
+#include "stonestack/motion/transit.hpp"
+
+namespace stonestack::motion {
+namespace {
+
+constexpr double kTransitSeconds = 0.5;  ///< s, effort for one transit of one candidate
+constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
+constexpr double kWidestBlend = 0.2;     ///< rad, corners cut, most
+constexpr std::array kLifts{1.0, 0.5};   ///< of kLift, where the arm has no room for more
+constexpr std::array kOut{0.03, 0.06};   ///< m, that a stone is taken out of a lean before it goes up
+constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
+
+CollisionRules rules(double padding, double opening, int left_out) {
+  CollisionRules r;
+  r.padding = padding;
+  r.opening = opening;
+  r.left_out = left_out;
+  return r;
+}
+
+Pose raised(const Pose& T_W_T, double by) {
+  return Pose(Eigen::Translation3d(0, 0, by)) * T_W_T;
+}
+Pose backed(const Pose& T_W_T, double by) {
+  return T_W_T * Pose(Eigen::Translation3d(0, 0, -by));
+}
+
+JointPath reversed(JointPath path) {
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+JointPath joined(JointPath a, const JointPath& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+PlanningScene spaced(PlanningScene scene, double spacing) {
+  scene.gripper = with_spacing(std::move(scene.gripper), spacing);
+  return scene;
+}
+
+}  // namespace
+
+const char* to_text(WayFault fault) {
+  switch (fault) {
+    case WayFault::kApproach:
+      return "have no free straight approach";
+    case WayFault::kLift:
+      return "cannot be lifted straight";
+    case WayFault::kLower:
+      return "cannot be lowered straight";
+    case WayFault::kRetreat:
+      return "have no free retreat";
+    case WayFault::kTransit:
+      return "have no way to the stone";
+    case WayFault::kCarry:
+      return "have no way to carry the stone";
+    default:
+      return "are free";
+  }
+}
+
+bool is_free(const CollisionChecker& checker, const JointPath& path) {
+  for (std::size_t i = 0; i + 1 < path.size(); ++i)
+    if (!checker.motion_is_free(path[i], path[i + 1])) return false;
+  return !path.empty();
+}
+
+PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task,
+                         const MotionOptions& options, const Grasp& grasp)
+    : scene_(spaced(scene, grasp.spacing)),
+      task_(task),
+      options_(options),
+      T_W_T_pick_(task.T_W_O_pick * grasp.T_O_T),
+      T_W_T_place_(task.T_W_O_place * grasp.T_O_T),
+      T_T_O_(grasp.T_O_T.inverse()),
+      opening_(grasp.pre_opening),
+      holding_(grasp.opening),
+      open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
+      open_wide_([this] { return empty_hand(options_.transit_padding); }),
+      open_tight_([this] { return empty_hand(options_.approach_padding); }),
+      held_([this] { return full_hand(options_.approach_padding); }),
+      held_wide_([this] { return full_hand(options_.transit_padding); }) {}
+
+CollisionChecker PickAttempt::empty_hand(double padding) const {
+  return CollisionChecker(scene_, rules(padding, opening_, -1));
+}
+
+CollisionChecker PickAttempt::full_hand(double padding) const {
+  const HeldObject held{task_.stone->name, task_.stone->pieces, T_T_O_};
+  return CollisionChecker(scene_, rules(padding, holding_, task_.object), &held);
+}
+
+std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_T) const {
+  return straight_path(scene_.robot, scene_.T_F_T, q, scene_.T_W_R.inverse() * T_W_T);
+}
+
+std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pose& T_W_T) const {
+  for (const double share : kLifts)
+    if (auto path = straight(q, raised(T_W_T, share * kLift)); path && is_free(held_.get(), *path))
+      return path;
+  return std::nullopt;
+}
+
+std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
+  const Eigen::Vector3d& along = task_.n_W_lift;
+  const double zone = std::min(kContactZone, kLift);
+  const auto out = [&](double by) { return Pose(Eigen::Translation3d(by * along) * T_W_T_pick_); };
+  auto loose = straight(q_pick, out(zone));
+  if (!loose || !is_free(open_, *loose)) return std::nullopt;
+  if (along == Eigen::Vector3d::UnitZ()) {
+    const auto up = raised_straight(loose->back(), T_W_T_pick_);
+    return up ? std::optional(joined(std::move(*loose), *up)) : std::nullopt;
+  }
+  for (const double by : kOut) {
+    const auto clear = straight(loose->back(), out(by));
+    if (!clear || !is_free(held_.get(), *clear)) return std::nullopt;
+    if (const auto up = raised_straight(clear->back(), out(by)))
+      return joined(joined(std::move(*loose), *clear), *up);
+  }
+  return std::nullopt;
+}
+
+std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
+  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past);
+  return straight(q, raised(T_W_T_place_, -room));
+}
+
+std::optional<JointPath> PickAttempt::retreat(const Joints& q) const {
+  const auto back = [&](double share) -> std::optional<JointPath> {
+    auto path = straight(q, backed(T_W_T_place_, share * options_.approach));
+    return path && is_free(open_, *path) ? path : std::nullopt;
+  };
+  if (auto whole = back(1.0)) return whole;
+  std::optional<CollisionChecker> clear;
+  for (const double share : kShorterRetreats) {
+    auto path = back(share);
+    if (!path) continue;
+    if (!clear) clear.emplace(placed_alone(), rules(options_.transit_padding, opening_, -1));
+    if (!clear->collides(path->back())) return path;
+  }
+  return std::nullopt;
+}
+
+PlanningScene PickAttempt::placed_alone() const {
+  PlanningScene scene = scene_;
+  scene.objects = {{task_.stone->name, task_.stone->pieces, task_.T_W_O_place}};
+  return scene;
+}
+
+/// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
+WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
+  const double zone = std::min(kContactZone, kLift);
+  const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
+  if (!back || !is_free(open_, *back)) return WayFault::kApproach;
+  const auto lift = lifted(q_pick);
+  if (!lift) return WayFault::kLift;
+
+  const auto near = straight(q_place, raised(T_W_T_place_, zone));
+  if (!near || !is_free(open_, *near)) return WayFault::kLower;
+  const auto high = raised_straight(near->back(), T_W_T_place_);
+  if (!high) return WayFault::kLower;
+  const auto back_out = retreat(q_place);
+  if (!back_out) return WayFault::kRetreat;
+  // The guarded part starts at a way point of its own, so that it can be timed by itself.
+  const auto start = straight(q_place, raised(T_W_T_place_, kDescentLength));
+  if (!start) return WayFault::kLower;
+  const auto past = descend_past(q_place);
+  if (!past) return WayFault::kLower;
+  const auto lower = straight(high->back(), raised(T_W_T_place_, kDescentLength));
+  if (!lower) return WayFault::kLower;
+
+  way.approach = reversed(*back);
+  way.lift = *lift;
+  way.lower = *lower;
+  way.descent = joined(reversed(*start), *past);
+  way.descent.front() = way.lower.back();
+  way.retreat = *back_out;
+  return WayFault::kNone;
+}
+
+std::optional<Transit> PickAttempt::transit(const LazyChecker& wide, const LazyChecker& tight,
+                                            const Joints& a, const Joints& b, Effort effort) const {
+  // An end that is nearer to something than the padding of a transit leaves no choice.
+  const bool near = wide.get().collides(a) || wide.get().collides(b);
+  const CollisionChecker& checker = near ? tight.get() : wide.get();
+  MotionOptions options = options_;  // a grasp whose way is hard to find gives way to the next one
+  options.planning_effort = std::min(options.planning_effort, kTransitSeconds);
+  const double first = effort == Effort::kLittle ? kLittleSeconds : kTransitSeconds;
+  auto path = find_path(checker, a, std::span(&b, 1), options, first);
+  if (!path) return std::nullopt;
+  Transit transit{std::move(*path), 0.0};
+  TimingLimits limits = timing_limits(scene_.robot, options_);
+  limits.blend = kWidestBlend;
+  transit.blend = free_blend(checker, transit.path, limits);
+  return transit;
+}
+
+PickAttempt::Result PickAttempt::try_joints(const Joints& q_pick, const Joints& q_place,
+                                            Effort effort) const {
+  Result result;
+  result.fault = straight_parts(q_pick, q_place, result.way);
+  if (result.fault != WayFault::kNone) return result;
+  Way& way = result.way;
+  const auto to_pick = transit(open_wide_, open_tight_, task_.q_start, way.approach.front(), effort);
+  const auto carry =
+      to_pick ? transit(held_wide_, held_, way.lift.back(), way.lower.front(), effort) : std::nullopt;
+  if (!carry) {
+    result.fault = to_pick ? WayFault::kCarry : WayFault::kTransit;
+    return result;
+  }
+  way.to_pick = *to_pick;
+  way.carry = *carry;
+  return result;
+}
+
+}  // namespace stonestack::motion

@@ -1,0 +1,103 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "stonestack/motion/collision.hpp"
+#include "stonestack/motion/grasp.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+
+namespace stonestack::motion {
+
+/// Where a way failed; also how the reason counts them.
+enum class WayFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarry };
+[[nodiscard]] const char* to_text(WayFault fault);
+
+/// A path between straight motions, and how far its corners may be cut.
+struct Transit {
+  JointPath path;
+  double blend = 0.0;  ///< rad
+};
+
+/// The joint paths of one pick and place, all free of collision.
+struct Way {
+  Transit to_pick;     ///< q_start to where the approach begins
+  JointPath approach;  ///< to the grasp
+  JointPath lift;      ///< grasp, straight up
+  Transit carry;       ///< to above the target
+  JointPath lower;     ///< straight down to where the guarded part begins
+  JointPath descent;   ///< guarded, through the target to `descent_past` below or where the hand has no room
+  JointPath retreat;   ///< from the target straight back, as far as there is room
+};
+
+/// A checker that is made when it is first asked for: most attempts fail before they need more than one.
+class LazyChecker {
+ public:
+  explicit LazyChecker(std::function<CollisionChecker()> make) : make_(std::move(make)) {}
+  [[nodiscard]] const CollisionChecker& get() const {
+    if (!made_) made_.emplace(make_());
+    return *made_;
+  }
+
+ private:
+  std::function<CollisionChecker()> make_;
+  mutable std::optional<CollisionChecker> made_;
+};
+
+/// One grasp of one task, for one thread: checkers made once, then tried with several inverse kinematic
+/// solutions.
+class PickAttempt {
+ public:
+  PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
+              const Grasp& grasp);
+  PickAttempt(const PickAttempt&) = delete;  // its checkers refer to it
+  PickAttempt& operator=(const PickAttempt&) = delete;
+  /// The whole way with these joint angles at the grasp and at the target; `fault` says what failed.
+  struct Result {
+    WayFault fault = WayFault::kNone;
+    Way way;
+  };
+  /// `effort`: how long is looked for a way where there seems to be none.
+  enum class Effort { kLittle, kMuch };
+  [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place, Effort effort) const;
+
+ private:
+  [[nodiscard]] CollisionChecker empty_hand(double padding) const;
+  [[nodiscard]] CollisionChecker full_hand(double padding) const;
+  [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
+  /// From where the stone lies out along PickAndPlaceTask::n_W_lift, then up.
+  [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
+  /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
+  [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
+  /// From the target on down, as far as a stone that has not touched is looked for with the hand clear.
+  [[nodiscard]] std::optional<JointPath> descend_past(const Joints& q) const;
+  /// From the target straight back, or a part of that where the arm has no more room and the open hand is far
+  /// enough from the stone for a transit all the same.
+  [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
+  /// The stone at its target and nothing else.
+  [[nodiscard]] PlanningScene placed_alone() const;
+  [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
+  [[nodiscard]] std::optional<Transit> transit(const LazyChecker& wide, const LazyChecker& tight,
+                                               const Joints& a, const Joints& b, Effort effort) const;
+
+  PlanningScene scene_;  ///< with the fingers as the grasp wants them
+  const PickAndPlaceTask& task_;
+  const MotionOptions& options_;
+  Pose T_W_T_pick_, T_W_T_place_, T_T_O_;
+  double opening_, holding_;  ///< m, of the hand before and after it holds the stone, and meanwhile
+  CollisionChecker open_;     ///< hand open, the stone not there: approach, retreat
+  LazyChecker open_wide_;     ///< hand open, the stone there: transit
+  LazyChecker open_tight_;    ///< the same with the padding of an approach
+  LazyChecker held_;          ///< stone in hand, padding of an approach
+  LazyChecker held_wide_;     ///< stone in hand, transit
+};
+
+/// True if every piece of the path is free.
+[[nodiscard]] bool is_free(const CollisionChecker& checker, const JointPath& path);
+/// Times a way. `pick` is the opening with the stone between the pads.
+[[nodiscard]] std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
+                                                const MotionOptions& options, const Grasp& grasp,
+                                                const Way& way);
+
+}  // namespace stonestack::motion

@@ -1,0 +1,63 @@
+#pragma once
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "motion/grasp/pad_press.hpp"
+#include "stonestack/motion/grasp_check.hpp"
+
+namespace stonestack::motion {
+
+/// A grasp with joint angles at both ends, and what it promises to cost.
+struct PickCandidate {
+  int grasp = -1;
+  Joints q_pick, q_place;
+  double price = 0.0;  ///< s, what the grasp itself is charged for
+  double cost = 0.0;   ///< s, the price and a lower bound of the motion
+};
+
+/// The usable grasps of a task, each with a few inverse kinematic solutions in which the arm is free at both
+/// ends, cheapest first. How firmly a grasp holds is worked out only when its turn comes, and in parts: what
+/// is known of its price so far is a lower bound with which it goes back into the queue.
+class PickCandidates {
+ public:
+  /// With these joints the arm is free at a grasp (index into the set): GraspFinder::arm_is_free.
+  using ArmIsFree = std::function<bool(int, const Joints&)>;
+  /// What is passed must outlive this, but not `arm_is_free`.
+  PickCandidates(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
+                 const GraspSet& set, const GraspCheck& check, const ArmIsFree& arm_is_free);
+  /// The cheapest that was not given out yet.
+  [[nodiscard]] std::optional<PickCandidate> next();
+
+ private:
+  /// What is known of how loosely a grasp holds: how the stone lies between the closed pads, then how it
+  /// hangs where it lies, then at the target. Each part can only add to the cost.
+  struct Looseness {
+    std::optional<PadPress> pads;
+    double pressed = 0.0;           ///< risk from how deep it presses into a pad
+    double turned = 0.0;            ///< s, for the turn that closing brings
+    double risk = 0.0;              ///< that it slips, largest of the ends looked at
+    std::vector<double> cost{0.0};  ///< s, after so many parts
+  };
+  struct Entry {
+    PickCandidate bare;      ///< without what looseness costs
+    double looseness = 0.0;  ///< s, of the parts that are in
+    std::size_t parts = 0;   ///< that are in
+    [[nodiscard]] double cost() const { return bare.cost + looseness; }
+  };
+  struct Later;
+  /// s, a grasp's looseness from its first `parts` parts.
+  [[nodiscard]] double looseness_cost(int grasp, std::size_t parts);
+  void add_part(const Grasp& grasp, Looseness& looseness) const;
+  void push(Entry entry);
+
+  const PickAndPlaceTask& task_;
+  const GripperModel& gripper_;
+  const GraspSet& set_;
+  std::vector<SurfaceSample> surface_;  // empty: looseness costs nothing
+  std::vector<Entry> heap_;
+  std::map<int, Looseness> looseness_;  // by grasp
+};
+
+}  // namespace stonestack::motion

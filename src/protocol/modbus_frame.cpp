@@ -1,0 +1,211 @@
+#include "protocol/modbus_frame.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::protocol::modbus {
+namespace {
+
+void append(Bytes& bytes, std::uint16_t value) {
+  bytes.push_back(static_cast<std::uint8_t>(value >> 8U));
+  bytes.push_back(static_cast<std::uint8_t>(value & 0xFFU));
+}
+
+std::uint16_t word(View bytes, std::size_t at) {
+  return static_cast<std::uint16_t>(bytes[at] * 256U + bytes[at + 1]);
+}
+
+bool is_read(std::uint8_t function) {
+  return function == kReadHolding || function == kReadInput;
+}
+
+// Length of a PDU that starts a request; 0 while that cannot be told.
+std::size_t request_length(View pdu) {
+  if (pdu.empty()) return 0;
+  if (pdu[0] != kWriteMany) return is_read(pdu[0]) || pdu[0] == kWriteOne ? 5 : 0;
+  return pdu.size() < 6 ? 0 : 6U + pdu[5];
+}
+
+std::optional<RtuFrame> frame_at(View bytes, std::size_t at, std::size_t pdu_length) {
+  const std::size_t length = pdu_length + 3;
+  if (pdu_length == 0 || at + length > bytes.size()) return std::nullopt;
+  const View frame = bytes.subspan(at, length);
+  const std::uint16_t sent = static_cast<std::uint16_t>(frame[length - 2] + 256U * frame[length - 1]);
+  if (crc16(frame.first(length - 2)) != sent) return std::nullopt;
+  const View pdu = frame.subspan(1, pdu_length);
+  return RtuFrame{frame[0], Bytes(pdu.begin(), pdu.end()), at + length};
+}
+
+}  // namespace
+
+std::string exception_text(std::uint8_t code) {
+  const char* name = "not in the standard";
+  switch (static_cast<Exception>(code)) {
+    case Exception::kIllegalFunction:
+      name = "illegal function";
+      break;
+    case Exception::kIllegalAddress:
+      name = "illegal data address";
+      break;
+    case Exception::kIllegalValue:
+      name = "illegal data value";
+      break;
+    case Exception::kDeviceFailure:
+      name = "device failure";
+      break;
+    case Exception::kAcknowledge:
+      name = "acknowledged, still at work";
+      break;
+    case Exception::kBusy:
+      name = "busy";
+      break;
+    case Exception::kGatewayPath:
+      name = "gateway path unavailable";
+      break;
+    case Exception::kGatewayTarget:
+      name = "gateway target does not respond";
+      break;
+  }
+  return concat(static_cast<int>(code), " (", name, ")");
+}
+
+Bytes request_pdu(const Request& request) {
+  Bytes pdu{request.function};
+  append(pdu, request.address);
+  if (request.function == kWriteOne) {
+    append(pdu, request.values.at(0));
+    return pdu;
+  }
+  append(pdu, request.count);
+  if (request.function != kWriteMany) return pdu;
+  pdu.push_back(static_cast<std::uint8_t>(2 * request.values.size()));
+  for (const auto value : request.values) append(pdu, value);
+  return pdu;
+}
+
+std::variant<Request, Exception> parse_request(View pdu) {
+  if (pdu.empty() || request_length(pdu) == 0)
+    return !pdu.empty() && pdu[0] == kWriteMany ? Exception::kIllegalValue : Exception::kIllegalFunction;
+  if (pdu.size() != request_length(pdu)) return Exception::kIllegalValue;
+  Request request{pdu[0], word(pdu, 1), 1, {}};
+  if (request.function == kWriteOne) {
+    request.values = {word(pdu, 3)};
+    return request;
+  }
+  request.count = word(pdu, 3);
+  const int most = request.function == kWriteMany ? kMostWritten : kMostRead;
+  if (request.count < 1 || request.count > most) return Exception::kIllegalValue;
+  if (request.address + request.count > 0x10000) return Exception::kIllegalAddress;
+  if (request.function != kWriteMany) return request;
+  if (pdu[5] != 2 * request.count) return Exception::kIllegalValue;
+  for (std::size_t i = 0; i < request.count; ++i) request.values.push_back(word(pdu, 6 + 2 * i));
+  return request;
+}
+
+Bytes reply_pdu(const Request& request, std::span<const std::uint16_t> registers) {
+  Bytes pdu{request.function};
+  if (is_read(request.function)) {
+    pdu.push_back(static_cast<std::uint8_t>(2 * registers.size()));
+    for (const auto value : registers) append(pdu, value);
+    return pdu;
+  }
+  append(pdu, request.address);
+  append(pdu, request.function == kWriteOne ? request.values.at(0) : request.count);
+  return pdu;
+}
+
+Bytes exception_pdu(std::uint8_t function, Exception code) {
+  return {static_cast<std::uint8_t>(function | kExceptionBit), static_cast<std::uint8_t>(code)};
+}
+
+Reply parse_reply(const Request& request, View pdu) {
+  Reply reply;
+  if (pdu.size() == 2 && pdu[0] == (request.function | kExceptionBit)) {
+    reply.kind = Reply::Kind::kException;
+    reply.exception = pdu[1];
+    return reply;
+  }
+  if (is_read(request.function)) {
+    const std::size_t count = 2U * request.count;
+    if (pdu.size() != count + 2 || pdu[0] != request.function || pdu[1] != count) return reply;
+    for (std::size_t i = 0; i < request.count; ++i) reply.registers.push_back(word(pdu, 2 + 2 * i));
+  } else {
+    const Bytes echo = reply_pdu(request, {});
+    if (!std::equal(pdu.begin(), pdu.end(), echo.begin(), echo.end())) return reply;
+  }
+  reply.kind = Reply::Kind::kDone;
+  return reply;
+}
+
+std::optional<TcpHeader> parse_tcp_header(View header) {
+  if (header.size() < kTcpHeader) return std::nullopt;
+  const std::uint16_t length = word(header, 4);
+  if (word(header, 2) != 0 || length < 2 || length > kLongestPdu + 1) return std::nullopt;
+  return TcpHeader{word(header, 0), length, header[6]};
+}
+
+Bytes tcp_frame(std::uint16_t transaction, std::uint8_t unit, View pdu) {
+  Bytes frame;
+  append(frame, transaction);
+  append(frame, 0);
+  append(frame, static_cast<std::uint16_t>(pdu.size() + 1));
+  frame.push_back(unit);
+  frame.insert(frame.end(), pdu.begin(), pdu.end());
+  return frame;
+}
+
+std::uint16_t crc16(View bytes) {
+  unsigned crc = 0xFFFFU;
+  for (const auto byte : bytes) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) != 0 ? 0xA001U : 0U);
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+Bytes rtu_frame(std::uint8_t unit, View pdu) {
+  Bytes frame;
+  frame.reserve(pdu.size() + 3);
+  frame.push_back(unit);
+  for (const auto byte : pdu) frame.push_back(byte);
+  const std::uint16_t crc = crc16(frame);
+  frame.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  return frame;
+}
+
+std::optional<RtuFrame> find_rtu_reply(View bytes, std::uint8_t unit, const Request& request) {
+  const std::size_t done = is_read(request.function) ? 2U + 2U * request.count : 5U;
+  for (std::size_t at = 0; at + 5 <= bytes.size(); ++at) {
+    if (bytes[at] != unit || (bytes[at + 1] & ~kExceptionBit) != request.function) continue;
+    const auto frame = frame_at(bytes, at, (bytes[at + 1] & kExceptionBit) != 0 ? 2U : done);
+    if (frame && parse_reply(request, frame->pdu).kind != Reply::Kind::kMalformed) return frame;
+  }
+  return std::nullopt;
+}
+
+std::optional<RtuFrame> find_rtu_request(View bytes) {
+  for (std::size_t at = 0; at + 5 <= bytes.size(); ++at)
+    if (const auto frame = frame_at(bytes, at, request_length(bytes.subspan(at + 1)))) return frame;
+  return std::nullopt;
+}
+
+std::optional<RtuFrame> whole_rtu_frame(View bytes) {
+  return bytes.size() < 4 ? std::nullopt : frame_at(bytes, 0, bytes.size() - 3);
+}
+
+std::string hex_text(View bytes, std::size_t most) {
+  constexpr std::array<char, 17> kDigits{"0123456789ABCDEF"};
+  std::string text = bytes.size() > most ? ".. " : "";
+  for (const auto byte : bytes.last(std::min(most, bytes.size()))) {
+    text += kDigits[byte >> 4U];
+    text += kDigits[byte & 15U];
+    text += ' ';
+  }
+  if (!text.empty()) text.pop_back();
+  return text;
+}
+
+}  // namespace stonestack::protocol::modbus

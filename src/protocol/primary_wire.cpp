@@ -1,0 +1,168 @@
+#include "stonestack/protocol/primary_wire.hpp"
+
+#include <algorithm>
+
+#include "protocol/big_endian.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::protocol {
+namespace {
+
+constexpr std::size_t kHeader = 5;
+constexpr std::uint8_t kRobotState = 16, kRobotMessage = 20;
+constexpr int kReadOnly = 210;
+constexpr std::size_t kLongestTitle = 255;
+
+using Kind = PrimaryMessage::Kind;
+
+std::string take_rest(BigEndianReader& in) {
+  std::string text(in.take(in.rest().size()));
+  text.erase(std::find(text.begin(), text.end(), '\0'), text.end());
+  return text;
+}
+
+void get_version(BigEndianReader& in, PrimaryMessage& m) {
+  m.title = std::string(in.take(in.get<std::uint8_t>()));  // project name
+  m.version.major = in.get<std::uint8_t>();
+  m.version.minor = in.get<std::uint8_t>();
+  in.get(m.version.bugfix);
+  in.get(m.version.build);
+  m.text = take_rest(in);  // build date
+}
+
+/// What follows the kind; true if that kind is read here.
+bool get_body(BigEndianReader& in, PrimaryMessage& m) {
+  switch (m.kind) {
+    case Kind::kText:
+      m.text = take_rest(in);
+      return true;
+    case Kind::kVersion:
+      get_version(in, m);
+      return true;
+    case Kind::kSafetyMode:
+      m.code = in.get<std::int32_t>();
+      m.argument = in.get<std::int32_t>();
+      m.level = in.get<std::uint8_t>();  // the safety mode
+      return true;
+    case Kind::kError:
+      m.code = in.get<std::int32_t>();
+      m.argument = in.get<std::int32_t>();
+      m.level = in.get<std::int32_t>();
+      in.take(2 * sizeof(std::uint32_t));  // data type and data
+      m.text = take_rest(in);
+      return true;
+    case Kind::kKey:
+      m.code = in.get<std::int32_t>();
+      m.argument = in.get<std::int32_t>();
+      m.title = std::string(in.take(in.get<std::uint8_t>()));
+      m.text = take_rest(in);
+      return true;
+    case Kind::kRuntimeException:
+      m.line = in.get<std::int32_t>();
+      m.column = in.get<std::int32_t>();
+      m.text = take_rest(in);
+      return true;
+    case Kind::kPopup:
+    case Kind::kRequestValue:
+      break;
+  }
+  return false;
+}
+
+std::optional<PrimaryMessage> decode_message(std::string_view payload) {
+  BigEndianReader in(payload);
+  PrimaryMessage message;
+  in.get(message.timestamp);
+  message.source = static_cast<std::int8_t>(in.get<std::uint8_t>());
+  message.kind = static_cast<Kind>(in.get<std::uint8_t>());
+  if (!in.sound() || !get_body(in, message) || !in.sound()) return std::nullopt;
+  return message;
+}
+
+void put_body(std::string& out, const PrimaryMessage& m) {
+  const auto put_title = [&] {
+    const std::string title = m.title.substr(0, kLongestTitle);
+    put(out, static_cast<std::uint8_t>(title.size()));
+    out += title;
+  };
+  const auto put_int = [&](int value) { put(out, static_cast<std::int32_t>(value)); };
+  switch (m.kind) {
+    case Kind::kVersion:
+      put_title();
+      put(out, static_cast<std::uint8_t>(m.version.major));
+      put(out, static_cast<std::uint8_t>(m.version.minor));
+      put(out, m.version.bugfix);
+      put(out, m.version.build);
+      break;
+    case Kind::kSafetyMode:
+      put_int(m.code);
+      put_int(m.argument);
+      put(out, static_cast<std::uint8_t>(m.level));
+      put_int(0);
+      put_int(0);
+      return;
+    case Kind::kError:
+      for (const int value : {m.code, m.argument, m.level, 0, 0}) put_int(value);
+      break;
+    case Kind::kKey:
+      put_int(m.code);
+      put_int(m.argument);
+      put_title();
+      break;
+    case Kind::kRuntimeException:
+      put_int(m.line);
+      put_int(m.column);
+      break;
+    case Kind::kText:
+    case Kind::kPopup:
+    case Kind::kRequestValue:
+      break;
+  }
+  out += m.text;
+}
+
+}  // namespace
+
+bool is_read_only_error(const PrimaryMessage& message) {
+  return message.kind == Kind::kError && message.code == kReadOnly;
+}
+
+std::string encode(const PrimaryMessage& message) {
+  std::string body;
+  put(body, message.timestamp);
+  put(body, static_cast<std::uint8_t>(message.source));
+  put(body, static_cast<std::uint8_t>(message.kind));
+  put_body(body, message);
+  std::string bytes;
+  put(bytes, static_cast<std::uint32_t>(body.size() + kHeader));
+  put(bytes, kRobotMessage);
+  return bytes + body;
+}
+
+void PrimaryStream::feed(std::string_view bytes) {
+  if (!problem_.empty()) return;
+  bytes_.erase(0, begin_);
+  begin_ = 0;
+  bytes_.append(bytes);
+}
+
+std::optional<PrimaryMessage> PrimaryStream::next() {
+  while (problem_.empty() && bytes_.size() - begin_ >= kHeader) {
+    BigEndianReader in(std::string_view(bytes_).substr(begin_));
+    const auto size = in.get<std::uint32_t>();
+    const auto type = in.get<std::uint8_t>();
+    if (size < kHeader || size > largest_) {
+      problem_ = concat("package of ", size, " bytes (", kHeader, " to ", largest_, " expected)");
+      break;
+    }
+    if (bytes_.size() - begin_ < size) break;
+    begin_ += size;
+    if (type == kRobotMessage)
+      if (auto message = decode_message(in.take(size - kHeader))) return message;
+    ++passed_over_;
+    states_ += type == kRobotState ? 1 : 0;
+  }
+  return std::nullopt;
+}
+
+}  // namespace stonestack::protocol

@@ -1,0 +1,280 @@
+#include "stacking/arrangement.hpp"
+
+#include <algorithm>
+
+#include "stacking/settle_stack.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kAboveTable = 0.012;  // m: lower than this, a stone lies on the table
+constexpr double kFloats = 0.05;       // m above the table: higher, nothing loose can lie
+constexpr double kWithin = 0.006;      // m
+constexpr double kTouches = 0.003;     // m: a loose stone that near to the stack touches it
+constexpr double kApart = 0.006;  // m: planned as far from loose stones, for poses err by as much as kTouches
+constexpr double kBaseAtSite = 0.12;  // m: the first stone lies no further from the site
+
+const ContactShape& shape_of(const ShapeList& shapes, int stone) {
+  return *shapes[static_cast<std::size_t>(stone)];
+}
+
+/// Does a stone at that pose rest over `below`, by geometry alone: clear of the table, its centre over the
+/// other's extent?
+bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedStone& below) {
+  const auto& shape = shape_of(shapes, upper.stone);
+  const auto& base = shape_of(shapes, below.stone);
+  const Eigen::Vector3d com = upper.T_W_O * shape.mass.p_O_M;
+  const Eigen::Vector3d com_below = below.T_W_O * base.mass.p_O_M;
+  return lowest(shape, upper.T_W_O) > kAboveTable && com.z() > com_below.z() &&
+         (com - com_below).head<2>().norm() < base.radius;
+}
+
+std::vector<Sighting>::iterator find(std::vector<Sighting>& sightings, int stone) {
+  return std::find_if(sightings.begin(), sightings.end(),
+                      [&](const Sighting& s) { return s.stone == stone; });
+}
+
+/// May a stone lie loose at that pose: on the table, and not within the stack? Deeper than kWithin into a
+/// stone of the stack, what was seen is a part of the stack taken for another stone.
+bool may_lie_loose(const ShapeList& shapes, const std::vector<PlacedStone>& stack, const Sighting& seen) {
+  const auto& shape = shape_of(shapes, seen.stone);
+  if (lowest(shape, seen.T_W_O) > kFloats) return false;
+  return std::none_of(stack.begin(), stack.end(), [&](const PlacedStone& placed) {
+    const auto& other = shape_of(shapes, placed.stone);
+    const Pose T_P_O = placed.T_W_O.inverse() * seen.T_W_O;
+    return std::any_of(shape.samples.begin(), shape.samples.end(), [&](const SurfaceSample& sample) {
+      return other.distance.distance(T_P_O * sample.point) < -kWithin;
+    });
+  });
+}
+
+bool in_place(const Sighting& seen, const StoneEstimate& expected) {
+  const auto error = difference(seen.T_W_O, expected.T_W_O_at_rest);
+  return error.translation < kConsistent && error.angle < kConsistentTurn;
+}
+
+/// Is a stone that was expected higher still up there: in place, or moved but resting over the hidden one?
+bool something_stands_on(const ShapeList& shapes, const std::vector<Sighting>& sightings,
+                         const std::vector<StoneEstimate>& expected, std::size_t hidden) {
+  const PlacedStone below{expected[hidden].stone, expected[hidden].T_W_O_at_rest};
+  for (std::size_t i = hidden + 1; i < expected.size(); ++i)
+    for (const auto& seen : sightings) {
+      if (seen.stone != expected[i].stone) continue;
+      if (in_place(seen, expected[i]) || rests_over(shapes, {seen.stone, seen.T_W_O}, below)) return true;
+    }
+  return false;
+}
+
+/// The stack from the table up; what belongs to it is taken out of `left`.
+std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector2d& site,
+                                    const std::vector<StoneEstimate>& expected,
+                                    std::vector<Sighting>& left) {
+  std::vector<MeasuredStone> stack;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const StoneEstimate& before = expected[i];
+    const auto found = find(left, before.stone);
+    if (found == left.end()) {
+      // Hidden by what stands on it, or gone: it is there if something still stands on it.
+      if (!something_stands_on(shapes, left, expected, i)) break;
+      stack.push_back({before, false});
+      continue;
+    }
+    const PlacedStone measured{found->stone, found->T_W_O};
+    const bool at_site = (measured.T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
+    const bool belongs = stack.empty() ? at_site
+                                       : rests_over(shapes, measured,
+                                                    {stack.back().estimate.stone,
+                                                     stack.back().estimate.T_W_O_at_rest});
+    if (!belongs) break;
+    const bool newest = i + 1 == expected.size();
+    const auto above = newest ? left.end() : find(left, expected[i + 1].stone);
+    const bool carries = above != left.end() && in_place(*above, expected[i + 1]);
+    if (!newest && (carries || in_place(*found, before)))
+      stack.push_back({before, false});
+    else
+      stack.push_back({{measured.stone, measured.T_W_O, measured.T_W_O}, true});
+    left.erase(found);
+  }
+  return stack;
+}
+
+}  // namespace
+
+StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
+                               const std::vector<StoneEstimate>& expected,
+                               const std::vector<Sighting>& sightings, const BuildOptions& options) {
+  std::vector<Sighting> left = sightings;
+  std::vector<MeasuredStone> measured = stack_in(shapes, layout.site, expected, left);
+  if (!options.measure_placed)
+    for (std::size_t i = 0; i < measured.size(); ++i)
+      if (same_place(shapes, {measured[i].estimate.stone, measured[i].estimate.T_W_O_at_rest},
+                     {expected[i].stone, expected[i].T_W_O_at_rest}, options.placed_shift,
+                     options.placed_turn))
+        measured[i] = {{expected[i].stone, measured[i].estimate.T_W_O_seen, expected[i].T_W_O_at_rest}, false};
+  StoneEstimates estimates{settle_stack(shapes, measured, options.most_friction), {}};
+  std::vector<PlacedStone> stack;
+  for (const StoneEstimate& stone : estimates.stack) stack.push_back({stone.stone, stone.T_W_O_at_rest});
+  for (const auto& sighting : left)
+    if (may_lie_loose(shapes, stack, sighting))
+      estimates.loose.push_back({sighting.stone, sighting.T_W_O, sighting.T_W_O});
+  std::sort(estimates.loose.begin(), estimates.loose.end(),
+            [](const auto& a, const auto& b) { return a.stone < b.stone; });
+  return estimates;
+}
+
+Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
+                    const std::vector<PlacedStone>& stones) {
+  Arrangement arrangement{{}, stones};
+  std::sort(arrangement.loose.begin(), arrangement.loose.end(), [&](const PlacedStone& a, const PlacedStone& b) {
+    const double za = (a.T_W_O * shape_of(shapes, a.stone).mass.p_O_M).z();
+    const double zb = (b.T_W_O * shape_of(shapes, b.stone).mass.p_O_M).z();
+    return za != zb ? za < zb : a.stone < b.stone;
+  });
+  for (auto it = arrangement.loose.begin(); it != arrangement.loose.end();) {
+    const bool near = (it->T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
+    const bool stacked = arrangement.stack.empty() ? near : rests_over(shapes, *it, arrangement.stack.back());
+    if (stacked) arrangement.stack.push_back(*it);
+    it = stacked ? arrangement.loose.erase(it) : it + 1;
+  }
+  std::sort(arrangement.loose.begin(), arrangement.loose.end(),
+            [](const auto& a, const auto& b) { return a.stone < b.stone; });
+  return arrangement;
+}
+
+bool lie_within(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double gap) {
+  const ContactShape &A = shape_of(shapes, a.stone), &B = shape_of(shapes, b.stone);
+  if ((a.T_W_O * A.mass.p_O_M - b.T_W_O * B.mass.p_O_M).norm() > A.radius + B.radius + gap) return false;
+  const auto reaches = [gap](const ContactShape& from, const ContactShape& to, const Pose& T_to_from) {
+    return std::any_of(from.samples.begin(), from.samples.end(), [&](const SurfaceSample& s) {
+      return to.distance.distance(T_to_from * s.point) < gap;
+    });
+  };
+  const Pose T_B_A = b.T_W_O.inverse() * a.T_W_O;
+  return reaches(A, B, T_B_A) || reaches(B, A, T_B_A.inverse());
+}
+
+bool leans_on_loose(const ShapeList& shapes, const std::vector<PlacedStone>& loose, const PlacedStone& placed,
+                    const std::vector<PlacedStone>& below) {
+  const auto is_placed = [&](int stone) {
+    return stone == placed.stone || std::any_of(below.begin(), below.end(), [&](const PlacedStone& lower) {
+             return lower.stone == stone;
+           });
+  };
+  return std::any_of(loose.begin(), loose.end(), [&](const PlacedStone& other) {
+    return !is_placed(other.stone) && lie_within(shapes, other, placed, kApart);
+  });
+}
+
+std::optional<Stray> stray_at_stack(const ShapeList& shapes, const Arrangement& arrangement) {
+  for (std::size_t level = 0; level < arrangement.stack.size(); ++level)
+    for (const PlacedStone& loose : arrangement.loose)
+      if (lie_within(shapes, loose, arrangement.stack[level], kTouches)) return Stray{level, loose};
+  return std::nullopt;
+}
+
+SceneObject unseen_field(const CellLayout& layout) {
+  constexpr double kHeight = 0.25;  // m: the highest a stone of the field may reach
+  const Eigen::Vector3d size(layout.field_size.x() + 0.2, layout.field_size.y() + 0.2, kHeight);
+  return {"unseen field",
+          {make_box(size)},
+          make_pose({layout.field_centre.x(), layout.field_centre.y(), kHeight / 2})};
+}
+
+SceneObject unseen_site(const CellLayout& layout) {
+  constexpr double kHeight = 0.45, kWidth = 0.20;  // m
+  return {"unseen site",
+          {make_box({kWidth, kWidth, kHeight})},
+          make_pose({layout.site.x(), layout.site.y(), kHeight / 2})};
+}
+
+SiteStatus site_in(const Views& views, const Eigen::Vector2d& site) {
+  constexpr double kRadius = 0.10;     // m about the site
+  constexpr double kOnTable = 0.015;   // m: higher is something
+  constexpr double kSomething = 8e-4;  // m^2 of it that count, seen along the camera's rays
+  constexpr double kEnough = 0.6;      // of the circle, in one view
+  constexpr int kStride = 2;
+  bool free = false;
+  for (const CameraView& view : views) {
+    const CameraIntrinsics& camera = view.image.camera;
+    double table = 0.0, above = 0.0;
+    for (int v = 0; v < camera.height; v += kStride)
+      for (int u = 0; u < camera.width; u += kStride) {
+        const double z = view.image.at(u, v);
+        if (!(z > 0.0)) continue;
+        const Eigen::Vector3d p_W = view.T_W_C * Eigen::Vector3d(z * deproject(camera, u, v));
+        if ((p_W.head<2>() - site).norm() > kRadius) continue;
+        (p_W.z() > kOnTable ? above : table) += kStride * kStride * z * z / (camera.fx * camera.fy);
+      }
+    if (above > kSomething) return SiteStatus::kOccupied;
+    free = free || table > kEnough * M_PI * kRadius * kRadius;
+  }
+  return free ? SiteStatus::kFree : SiteStatus::kUnseen;
+}
+
+bool same_place(const ShapeList& shapes, const PlacedStone& a, const PlacedStone& b, double shift,
+                double turn) {
+  if (a.stone != b.stone) return false;
+  const Eigen::Vector3d& p_O_M = shape_of(shapes, a.stone).mass.p_O_M;
+  return (a.T_W_O * p_O_M - b.T_W_O * p_O_M).norm() <= shift && difference(a.T_W_O, b.T_W_O).angle <= turn;
+}
+
+double lowest(const ContactShape& shape, const Pose& T_W_O) {
+  double z = 1e9;
+  for (const auto& sample : shape.samples) z = std::min(z, (T_W_O * sample.point).z());
+  return z;
+}
+
+double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {
+  double top = 0.0;
+  for (const auto& placed : stones)
+    for (const auto& sample : shape_of(shapes, placed.stone).samples)
+      top = std::max(top, (placed.T_W_O * sample.point).z());
+  return top;
+}
+
+PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone, const Pose& T_W_O,
+                           const Joints& q_start) {
+  PickAndPlaceTask task;
+  task.stone = &catalogue.stones[static_cast<std::size_t>(stone)];
+  task.T_W_O_place = T_W_O;
+  task.q_start = q_start;
+  task.support = static_cast<int>(arrangement.stack.size()) - 1;
+  for (std::size_t i = 0; i < arrangement.loose.size(); ++i) {
+    if (arrangement.loose[i].stone != stone) continue;
+    task.object = static_cast<int>(arrangement.stack.size() + i);
+    task.T_W_O_pick = arrangement.loose[i].T_W_O;
+    return task;
+  }
+  throw InvalidArgument(concat(task.stone->name, " is not among the loose stones"));
+}
+
+Arrangement at_rest(const WorldEstimate& world) {
+  Arrangement arrangement;
+  for (const StoneEstimate& stone : world.stack)
+    arrangement.stack.push_back({stone.stone, stone.T_W_O_at_rest});
+  for (const StoneEstimate& stone : world.loose)
+    arrangement.loose.push_back({stone.stone, stone.T_W_O_at_rest});
+  return arrangement;
+}
+
+std::vector<StoneEstimate> as_estimates(const std::vector<PlacedStone>& stones) {
+  std::vector<StoneEstimate> estimates;
+  for (const PlacedStone& stone : stones) estimates.push_back({stone.stone, stone.T_W_O, stone.T_W_O});
+  return estimates;
+}
+
+bool holds(const std::vector<StoneEstimate>& stones, int stone) {
+  return std::any_of(stones.begin(), stones.end(), [&](const auto& s) { return s.stone == stone; });
+}
+
+int clean_height(const ShapeList& shapes, const Arrangement& arrangement) {
+  const auto stray = stray_at_stack(shapes, arrangement);
+  return static_cast<int>(stray ? stray->level + 1 : arrangement.stack.size());
+}
+
+Eigen::Vector3d com_of(const ShapeList& shapes, const PlacedStone& stone) {
+  return stone.T_W_O * shape_of(shapes, stone.stone).mass.p_O_M;
+}
+
+}  // namespace stonestack::stacking

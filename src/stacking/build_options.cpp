@@ -1,0 +1,43 @@
+#include "stonestack/stacking/build_options.hpp"
+
+#include <algorithm>
+
+namespace stonestack::stacking {
+
+FieldList fields(BuildOptions& o) {
+  return join(
+      {nest("detection", fields(o.detection)), nest("search", fields(o.search)),
+       nest("motion", fields(o.motion)),
+       nest("run",
+            {user(field("most_stones", o.most_stones, {0, 100}, "",
+                        "height at which the run ends; 0: all stones that are seen")),
+             user(field("look_distance", o.look_distance, {0.3, 1.2}, "m",
+                        "from the camera to what it looks at; SR300: 0.2 to 1.5 m")),
+             field("most_friction", o.most_friction, {0, 2}, "",
+                   "the search starts at search.friction and climbs to this while it finds no sure pose"),
+             user(field("most_failures", o.most_failures, {1, 100}, "",
+                        "placements that may fail before the run ends; the paper: 1")),
+             field("refine_camera", o.refine_camera,
+                   "true: the camera's mount is refined from two first views"),
+             field("measure_placed", o.measure_placed,
+                   "false: placed stones are taken to lie as planned, if they are seen near there"),
+             field("correct_aim", o.correct_aim,
+                   "true: placements are corrected by the mean error of earlier ones"),
+             user(field("most_turned_over", o.most_turned_over, {0, 100}, "",
+                        "stones that may be reoriented because no grasp serves both ends; the paper: 0")),
+             user(field("most_taken_off", o.most_taken_off, {0, 100}, "",
+                        "stones that may be unstacked to try another tower; the paper: 0")),
+             user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
+                        "tries to pick a stone that the gripper misses or drops")),
+             field("save_states", o.save_states,
+                   "true: the state before each decision is written into the run's folder, for `decide`")})});
+}
+
+std::vector<double> assumed_frictions(const BuildOptions& options) {
+  std::vector<double> list{options.search.friction};
+  while (list.back() < options.most_friction)
+    list.push_back(std::min(options.most_friction, list.back() + options.friction_step));
+  return list;
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,195 @@
+#include "stonestack/stacking/choose_action.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stacking/choose_placement.hpp"
+#include "stacking/free_places.hpp"
+#include "stacking/next_view.hpp"
+#include "stacking/unstack_depth.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr int kMaxCleared = 4;     // tries to take stones away from the base of the tower
+constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
+
+/// Unit: up and away from what a stone leans on, by as much.
+Eigen::Vector3d out_of_the_lean(const Eigen::Vector3d& p_W_leaning, const Eigen::Vector3d& p_W_other) {
+  Eigen::Vector3d away = p_W_leaning - p_W_other;
+  away.z() = 0.0;
+  if (away.norm() < 1e-6) return Eigen::Vector3d::UnitZ();
+  return (away.normalized() + Eigen::Vector3d::UnitZ()).normalized();
+}
+
+/// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known stones.
+std::string fault_of_site(const WorldEstimate& world, const Models& models) {
+  if (world.site == SiteStatus::kFree) return "";
+  if (world.site == SiteStatus::kUnseen)
+    return "no view shows whether something stands at the site: check the camera, and that the site is on "
+           "the table";
+  if (world.stack.empty())
+    return "something stands at the site that is none of the known stones: clear the site, or name another";
+  const StoneEstimate& base = world.stack.front();
+  const double low = lowest(*models.shapes[static_cast<std::size_t>(base.stone)], base.T_W_O_at_rest);
+  if (low > kOnTable)
+    return concat(models.name(base.stone), " stands at the site, ", std::lround(1000 * low),
+                  " mm above the table, on something that is not seen: clear the site, or name another");
+  return "";
+}
+
+/// What a run cannot begin with.
+std::optional<Stop> stop_at_start(const Situation& s) {
+  const WorldEstimate& world = s.world;
+  if (world.loose.empty() && world.stack.empty() && world.site != SiteStatus::kOccupied)
+    return Stop{RunEnd::kNothingSeen, "no stone was seen in the field"};
+  if (const std::string fault = fault_of_site(world, s.models); !fault.empty())
+    return Stop{RunEnd::kNoPose, fault};
+  std::vector<StoneNote> unfit;
+  for (const PlacedStone& loose : s.arrangement.loose)
+    if (const std::string& why = s.models.unfit[static_cast<std::size_t>(loose.stone)]; !why.empty())
+      unfit.push_back({loose.stone, why});
+  s.tell(StonesUnfit{unfit});
+  return std::nullopt;
+}
+
+/// The top stone into the field; out of the lean first where that frees the last.
+Unstack unstack_top(const Situation& s, const Unstacking& unstacking) {
+  const PlacedStone& top = s.arrangement.stack.back();
+  Unstack action{top, free_places(s.models.shapes, s.world.layout, s.arrangement, top), std::nullopt};
+  if (!unstacking.freed) return action;
+  s.tell(UnstackToFree{top.stone, unstacking.freed->stone});
+  if (s.arrangement.stack.size() == unstacking.down_to + 1)
+    action.n_W_lift =
+        out_of_the_lean(com_of(s.models.shapes, top), com_of(s.models.shapes, *unstacking.freed));
+  return action;
+}
+
+std::optional<Action> go_on_unstacking(const Situation& s, RunMemory& memory) {
+  if (!memory.unstacking) return std::nullopt;
+  if (memory.unstacking->remaining > 0 && s.arrangement.stack.size() > memory.unstacking->down_to)
+    return unstack_top(s, *memory.unstacking);
+  memory.unstacking.reset();
+  return std::nullopt;
+}
+
+/// A stone that fell against the tower goes back into the field: a tower on which a stone leans is not clean,
+/// and fingers have no room between the two. Where no motion does that the tower is unstacked down to the
+/// stone that it leans on, with that one: above it nothing counts, and without it the other lies free.
+std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
+  const auto stray = stray_at_stack(s.models.shapes, s.arrangement);
+  if (!stray) return std::nullopt;
+  if (!memory.stray_stays) {
+    if (memory.cleared >= kMaxCleared) return std::nullopt;
+    s.tell(StoneLeans{stray->stone.stone});
+    Arrangement others = s.arrangement;
+    std::erase_if(others.loose, [&](const PlacedStone& stone) { return stone.stone == stray->stone.stone; });
+    return ClearBase{stray->stone, stray->level,
+                     free_places(s.models.shapes, s.world.layout, others, stray->stone),
+                     out_of_the_lean(com_of(s.models.shapes, stray->stone),
+                                     com_of(s.models.shapes, s.arrangement.stack[stray->level]))};
+  }
+  const std::size_t count = s.arrangement.stack.size() - stray->level;
+  const int allowed = s.options.most_taken_off - memory.unstacked;
+  if (memory.stack_stays || static_cast<int>(count) > allowed) return std::nullopt;
+  if (count == 1 && height_is_reached(s.arrangement, s.options)) return std::nullopt;  // all of it counts
+  memory.unstacking = Unstacking{allowed, 0, stray->level, stray->stone};
+  return unstack_top(s, *memory.unstacking);
+}
+
+std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) {
+  if (s.arrangement.loose.empty()) {
+    Stop stop{RunEnd::kAllPlaced, "all stones that are seen are placed"};
+    for (const int stone : memory.out_of_sight)
+      stop.reason += concat("; ", s.models.name(stone), " is out of sight");
+    return stop;
+  }
+  if (height_is_reached(s.arrangement, s.options))
+    return Stop{RunEnd::kHeightReached,
+                concat("the tower has the ", s.options.most_stones, " stones that were asked for")};
+  return std::nullopt;
+}
+
+/// Where nothing fits on the stack: as many stones into the field as leave the most to expect, if the search
+/// then finds a higher tower.
+std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
+  throw_if_interrupted();
+  if (memory.stack_stays) return std::nullopt;
+  if (!s.arrangement.stack.empty()) memory.given_up.push_back(s.arrangement.stack.back());
+  auto& expected = memory.search->expected_unstacked;
+  if (!expected) expected = expected_unstacked(s, memory);
+  const std::size_t count = unstack_depth(*expected);
+  if (count == 0) return std::nullopt;
+  memory.unstacking = Unstacking{static_cast<int>(count), 0, 0, std::nullopt};
+  s.tell(UnstackChosen{s.arrangement.stack.back().stone, (*expected)[count - 1], static_cast<int>(count)});
+  return unstack_top(s, *memory.unstacking);
+}
+
+/// Forgets which grasps failed: better one of these once more than none. False if none did.
+bool retry_failed_grasps(const Situation& s, RunMemory& memory) {
+  if (memory.failed_grasps.empty()) return false;
+  s.tell(GraspsRetried{});
+  memory.failed_grasps.clear();
+  memory.search.reset();
+  memory.stack_stays = false;
+  return true;
+}
+
+Action choose(const Situation& s, RunMemory& memory) {
+  throw_if_interrupted();
+  if (memory.failure) return Stop{memory.failure->end, memory.failure->reason};
+  if (const auto view = next_view(s.world, memory)) return *view;
+  if (memory.actions == 0)
+    if (const auto stop = stop_at_start(s)) return *stop;
+  if (const auto action = go_on_unstacking(s, memory)) return *action;
+  if (const auto action = clear_base(s, memory)) return *action;
+  if (const auto stop = stop_when_done(s, memory)) return *stop;
+  do {
+    if (const auto action = choose_placement(s, memory)) return *action;
+    if (const auto action = unstack(s, memory)) return *action;
+  } while (retry_failed_grasps(s, memory));
+  return *memory.search->dead_end;
+}
+
+}  // namespace
+
+const std::string& Models::name(int stone) const {
+  return this->stone(stone).name;
+}
+
+const Stone& Models::stone(int stone) const {
+  return catalogue->stones[static_cast<std::size_t>(stone)];
+}
+
+Models make_models(const Catalogue& catalogue, const RobotModel& robot, const CellLayout& layout) {
+  Models models{&catalogue, &robot, make_contact_shapes(catalogue.stones), {}};
+  const GripperModel gripper = hand_of(layout);
+  for (const Stone& stone : catalogue.stones) models.unfit.push_back(unfit_for_hand(stone, gripper, robot));
+  return models;
+}
+
+RunMemory make_memory(const BuildOptions& options) {
+  RunMemory memory;
+  memory.friction = first_estimate(assumed_frictions(options));
+  return memory;
+}
+
+Decision choose_action(const WorldEstimate& world, const RunMemory& memory, const Models& models,
+                       const BuildOptions& options, const Listener& listener) {
+  Decision decision{Stop{}, memory, {}};
+  const Listener note = [&](const Event& event) {
+    decision.why.push_back(event);
+    if (listener) listener(event);
+  };
+  decision.action = choose(make_situation(world, models, options, note), decision.memory);
+  return decision;
+}
+
+std::string name_of(const Action& action) {
+  constexpr const char* kNames[] = {"place", "reorient", "unstack", "clear_base", "look_again", "stop"};
+  return kNames[action.index()];
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,456 @@
+#include "stacking/choose_placement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "search/parallel.hpp"
+#include "stacking/free_places.hpp"
+#include "stacking/unstack_depth.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr std::size_t kDirectFirst = 3;   // frictions at which no stone is reoriented: that takes 25 s each
+constexpr std::size_t kMaxRefused = 12;   // poses without a motion, after which no others are searched for
+constexpr double kSamePlace = 0.012;      // m, of the centre of mass: nearer is what was tried before
+constexpr double kSameTurn = 0.26;        // rad: the same
+
+std::vector<PlacedStone> plan_of(const Placement& first) {
+  std::vector<PlacedStone> plan{{first.stone, first.T_W_O}};
+  plan.insert(plan.end(), first.then.begin(), first.then.end());
+  return plan;
+}
+
+/// The placements whose plans reach highest, then the others: one that leads nowhere does not go before one
+/// for which a stone must be reoriented.
+std::array<std::vector<Placement>, 2> by_plan_length(const std::vector<Placement>& found) {
+  std::size_t longest = 0;
+  for (const Placement& placement : found) longest = std::max(longest, placement.then.size());
+  std::array<std::vector<Placement>, 2> parts;
+  for (const Placement& placement : found)
+    parts[placement.then.size() < longest ? 1 : 0].push_back(placement);
+  return parts;
+}
+
+/// Frictions at which the stack can stand; all, if there is none.
+std::vector<bool> possible_frictions(const WorldEstimate& world) {
+  std::vector<bool> possible;
+  for (const RestingStack& at : world.resting) possible.push_back(at.stack.has_value());
+  if (std::none_of(possible.begin(), possible.end(), [](bool yes) { return yes; }))
+    possible.assign(possible.size(), true);
+  return possible;
+}
+
+/// Of the possible frictions the one that a search begins with.
+std::size_t first_level(const std::vector<bool>& possible, const FrictionEstimate& friction) {
+  if (possible[0] && min_is_likeliest(friction)) return 0;
+  for (std::size_t level = 1; level < possible.size(); ++level)
+    if (possible[level]) return level;
+  return 0;
+}
+
+/// The mean over the possible frictions, by how likely each is.
+double weighted_mean(const std::vector<double>& expected, const std::vector<bool>& possible,
+                     const FrictionEstimate& friction) {
+  double sum = 0.0, weights = 0.0;
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    if (!possible[k]) continue;
+    weights += friction.weights[k];
+    sum += friction.weights[k] * expected[k];
+  }
+  return sum / weights;
+}
+
+/// Nothing was found to fit on that stone when it lay nearly there, or no motion brings it there.
+bool was_given_up(const ShapeList& shapes, const RunMemory& memory, const PlacedStone& placed) {
+  const auto same = [&](const PlacedStone& top) {
+    return same_place(shapes, top, placed, kSamePlace, kSameTurn);
+  };
+  return std::any_of(memory.given_up.begin(), memory.given_up.end(), same) ||
+         std::any_of(memory.refused.begin(), memory.refused.end(), same);
+}
+
+std::vector<Pose> useless_grasps(const RunMemory& memory, int stone) {
+  std::vector<Pose> list;
+  for (const auto* grasps : {&memory.failed_grasps, &memory.no_pick})
+    if (const auto of_stone = grasps->find(stone); of_stone != grasps->end())
+      list.insert(list.end(), of_stone->second.begin(), of_stone->second.end());
+  return list;
+}
+
+std::shared_ptr<Reach> make_reach(const Arrangement& arrangement, const WorldEstimate& world,
+                                  const Models& models, const BuildOptions& options) {
+  return std::make_shared<Reach>(
+      arrangement, make_planning_scene(world.layout, *models.robot, *models.catalogue, arrangement),
+      *models.catalogue, options.motion);
+}
+
+bool fits_gripper(const Models& models, int stone) {
+  return models.unfit[static_cast<std::size_t>(stone)].empty();
+}
+
+/// The stack, the stones that the gripper can hold, and as out of reach what the arm does not reach and what
+/// was given up. `memory` must outlive it.
+SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Arrangement& arrangement,
+                           const std::shared_ptr<Reach>& reach, Route route) {
+  SearchProblem problem;
+  problem.shapes = &s.models.shapes;
+  problem.stack.stones = arrangement.stack;
+  problem.site = s.world.layout.site;
+  for (const PlacedStone& loose : arrangement.loose)
+    if (fits_gripper(s.models, loose.stone) && reach->at_pick(loose.stone).can_be_held())
+      problem.available.push_back(loose);
+  problem.reachable = [&shapes = s.models.shapes, &memory, reach, route, loose = arrangement.loose](
+                          int stone, const Pose& T_W_O, const Stack& below) {
+    if (was_given_up(shapes, memory, {stone, T_W_O}) ||
+        leans_on_loose(shapes, loose, {stone, T_W_O}, below.stones))
+      return false;
+    const std::vector<Pose> avoid = useless_grasps(memory, stone);
+    return reach->in_one_go(stone, T_W_O, below, avoid) ||
+           (route == Route::kReorienting &&
+            reach->by_reorienting(stone, T_W_O, below, avoid, regrasp_options(memory, stone)));
+  };
+  return problem;
+}
+
+/// The problem with its stack as it rests at that friction; nothing if it does not stand there.
+std::optional<SearchProblem> at_friction(const SearchProblem& problem, const RestingStack& resting) {
+  if (!resting.stack) return std::nullopt;
+  SearchProblem there = problem;
+  there.stack = *resting.stack;
+  there.stack_is_at_rest = true;
+  return there;
+}
+
+SearchOptions options_at(const BuildOptions& options, const FrictionEstimate& friction, std::size_t level,
+                         Route route) {
+  SearchOptions search = options.search;
+  search.friction = friction.frictions[level];
+  if (route == Route::kReorienting) search.largest_tilt = M_PI;
+  if (level + 1 < friction.frictions.size()) search.rounds = std::min(search.rounds, options.first_rounds);
+  return search;
+}
+
+/// How the tower was meant to go on, moved with where its top really came to lie; the same as before if the
+/// stone was not picked; empty if something else happened.
+std::vector<PlacedStone> rest_of_plan(const Arrangement& arrangement,
+                                      const std::optional<FollowedPlan>& plan) {
+  if (!plan) return {};
+  const Placement& last = plan->placement;
+  const auto is_last = [&](const PlacedStone& stone) { return stone.stone == last.stone; };
+  const auto& [stack, loose] = arrangement;
+  if (stack.size() == plan->stack_before && std::any_of(loose.begin(), loose.end(), is_last))
+    return plan_of(last);  // it was not picked: another grasp may do
+  if (stack.empty() || !is_last(stack.back())) return {};
+  const Pose moved = stack.back().T_W_O * last.T_W_O.inverse();
+  std::vector<PlacedStone> rest = last.then;
+  for (PlacedStone& next : rest) next.T_W_O = moved * next.T_W_O;
+  return rest;
+}
+
+/// One search over the assumed frictions.
+struct FrictionSearch {
+  const Situation& s;
+  const RunMemory& memory;
+  std::vector<bool> possible = possible_frictions(s.world);
+
+  [[nodiscard]] SearchProblem problem(Route route) const {
+    return make_problem(s, memory, s.arrangement, s.reach, route);
+  }
+
+  /// Stones that are expected to stand by a placement and what is to follow it, over all possible frictions;
+  /// `level` of them was assumed by the search that found it.
+  [[nodiscard]] double expected_over_frictions(const SearchProblem& problem, const Placement& found,
+                                               std::size_t level) const {
+    std::vector<bool> asked = possible;
+    asked[level] = false;
+    std::vector<double> expected = expected_by_friction(problem, plan_of(found), memory.friction.frictions,
+                                                        asked, &s.world.resting, s.options.search);
+    expected[level] = found.expected_height;
+    return weighted_mean(expected, possible, memory.friction);
+  }
+
+  /// The rest of the followed plan, if it still holds: at the friction it was found with, or at a higher one
+  /// where the whole of it is still expected to stand.
+  [[nodiscard]] std::optional<SearchOutcome> rest_that_holds(const SearchProblem& problem, Route route,
+                                                             double levels) const {
+    const std::vector<PlacedStone> plan = rest_of_plan(s.arrangement, memory.plan);
+    if (plan.empty()) return std::nullopt;
+    const std::size_t first = memory.plan->friction_level;
+    for (std::size_t level = first; level < possible.size(); ++level) {
+      const SearchOptions search = options_at(s.options, memory.friction, level, route);
+      SearchResult found;
+      if (const auto here = at_friction(problem, s.world.resting[level]))
+        found = follow_plan(*here, plan, search);
+      else
+        found.reason = s.world.resting[level].reason;
+      if (found.best.empty()) {
+        s.tell(PlanBroken{search.friction, found.reason});
+        if (found.unreachable > 0) break;  // by no friction will it be
+        continue;
+      }
+      if (level > first &&
+          expected_over_frictions(problem, found.best.front(), level) < s.options.sure_success * levels)
+        break;
+      s.tell(PlanHolds{search.friction});
+      SearchOutcome outcome;
+      outcome.found = std::move(found);
+      outcome.friction_level = level;
+      outcome.route = memory.plan->route;
+      return outcome;
+    }
+    return std::nullopt;
+  }
+
+  /// A plan that still holds needs no search. Otherwise what holds with little friction first, but not the
+  /// lowest, with which towers of four are rarely found (it counts in the expected height); more is assumed as
+  /// long as the tower found so far is not expected to stand whole: first to go on from where it ends, then
+  /// for other towers. From the third friction on, or the last, stones may be reoriented.
+  [[nodiscard]] SearchOutcome run() const {
+    Route route = Route::kDirect;
+    SearchProblem current = problem(route);
+    const std::size_t count = possible.size();
+    const auto levels = static_cast<double>(
+        std::min(current.available.size(), static_cast<std::size_t>(s.options.search.horizon)));
+    const bool reorients_allowed = may_reorient(memory, s.options);
+    const bool was_reorienting =
+        memory.plan && memory.plan->route == Route::kReorienting && reorients_allowed;
+    if (auto found = was_reorienting
+                         ? rest_that_holds(problem(Route::kReorienting), Route::kReorienting, levels)
+                         : rest_that_holds(current, route, levels))
+      return *std::move(found);
+    SearchOutcome best;
+    double most = 0.0;
+    const auto sure = [&] { return most >= s.options.sure_success * levels; };
+    const auto search = [&](std::size_t level, bool way_up_only) {
+      SearchProblem here = current;
+      here.way_up_only = way_up_only;
+      if (!best.found.best.empty()) here.way_up = plan_of(best.found.best.front());
+      if (static_cast<double>(here.way_up.size()) >= levels) here.way_up.clear();  // whole, but doubtful
+      if (way_up_only && here.way_up.empty()) return;
+      const SearchOptions options = options_at(s.options, memory.friction, level, route);
+      SearchResult found;
+      if (const auto resting = at_friction(here, s.world.resting[level]))
+        found = find_next_pose(*resting, options,
+                               [&](const std::string& line) { s.tell(SearchProgress{line}); });
+      else
+        found.reason = s.world.resting[level].reason;
+      if (way_up_only && (found.best.empty() || plan_of(found.best.front()).size() <= here.way_up.size()))
+        return;
+      const bool any = !found.best.empty();
+      const double expected = any ? expected_over_frictions(current, found.best.front(), level) : 0.0;
+      s.tell(SearchedAtFriction{options.friction, route, any, expected, levels, found.reason});
+      if (!best.found.best.empty() && expected <= most) return;
+      most = expected;
+      best.friction_level = level;
+      best.route = route;
+      best.found = std::move(found);
+    };
+    const auto climb = [&](std::size_t level) {
+      const double before = most;
+      search(level, false);
+      for (std::size_t higher = level + 1; higher < count && most > before && !sure(); ++higher)
+        search(higher, true);
+    };
+    for (std::size_t level = first_level(possible, memory.friction); level < count && !sure(); ++level) {
+      climb(level);
+      if (level + 1 < std::min(kDirectFirst, count) || route == Route::kReorienting || sure() ||
+          !reorients_allowed)
+        continue;
+      route = Route::kReorienting;
+      current = problem(route);
+      climb(level);
+    }
+    if (!best.found.best.empty() && s.options.search.verify && most < s.options.least_expected) {
+      best.found.best.clear();
+      best.found.reason = concat("by the best tower found only ", std::round(100 * most) / 100,
+                                 " more stones are expected to stand (minimum: ", s.options.least_expected,
+                                 ")");
+    }
+    return best;
+  }
+};
+
+/// Loose stones that no grasp holds as they lie, and why.
+std::vector<StoneNote> not_held(const Situation& s) {
+  std::vector<StoneNote> list;
+  for (const PlacedStone& loose : s.arrangement.loose) {
+    const std::string& unfit = s.models.unfit[static_cast<std::size_t>(loose.stone)];
+    if (!unfit.empty())
+      list.push_back({loose.stone, unfit});
+    else if (!s.reach->at_pick(loose.stone).can_be_held())
+      list.push_back({loose.stone, s.reach->at_pick(loose.stone).text()});
+  }
+  return list;
+}
+
+/// The search's result that holds for this world: what is known, or found now.
+void search_now(const Situation& s, RunMemory& memory) {
+  std::vector<int> graspable = graspable_stones(s);
+  if (memory.search && memory.search->graspable == graspable) return;
+  if (graspable.empty()) {
+    std::string stones;
+    for (const StoneNote& stone : not_held(s))
+      stones += concat(stones.empty() ? "" : "; ", s.models.name(stone.stone), ": ", stone.note);
+    memory.search = SearchOutcome{};
+    memory.search->dead_end = {RunEnd::kNoPose,
+                               "no feasible pose: the gripper cannot pick up what is left: " + stones};
+    return;
+  }
+  SearchOutcome outcome = FrictionSearch{s, memory}.run();
+  outcome.graspable = std::move(graspable);
+  if (outcome.found.best.empty())
+    outcome.dead_end = {RunEnd::kNoPose, "no feasible pose: " + outcome.found.reason};
+  memory.search = std::move(outcome);
+}
+
+/// The stages of a search's result, in order: direct and, if it counted on that, with reorienting.
+std::vector<Action> stages_of(const SearchOutcome& outcome) {
+  std::vector<Action> stages;
+  for (const std::vector<Placement>& part : by_plan_length(outcome.found.best)) {
+    if (part.empty()) continue;
+    stages.emplace_back(Place{part});
+    if (outcome.route == Route::kReorienting) stages.emplace_back(Reorient{part});
+  }
+  return stages;
+}
+
+/// The arrangement when the top `count` stones lie in the field; empty when there is no room for them.
+std::optional<Arrangement> without_top(const Situation& s, std::size_t count) {
+  Arrangement lower = s.arrangement;
+  for (std::size_t k = 0; k < count; ++k) {
+    const PlacedStone top = lower.stack.back();
+    const auto places = free_places(s.models.shapes, s.world.layout, lower, top);
+    if (places.empty()) return std::nullopt;
+    lower.stack.pop_back();
+    lower.loose.push_back({top.stone, places.front()});
+  }
+  return lower;
+}
+
+/// Stones that are expected to stand in the end if the tower goes on from `lower`; 0 where the search finds
+/// none higher than the stack.
+double expected_from(const Situation& s, const RunMemory& memory, const Arrangement& lower) {
+  const Route route = may_reorient(memory, s.options) ? Route::kReorienting : Route::kDirect;
+  SearchProblem problem =
+      make_problem(s, memory, lower, make_reach(lower, s.world, s.models, s.options), route);
+  if (problem.available.empty()) return 0.0;
+  const auto levels = static_cast<int>(problem.available.size());
+  const std::vector<bool> possible = possible_frictions(s.world);
+  double most = 0.0;
+  bool higher = false;
+  for (std::size_t level = first_level(possible, memory.friction);
+       level < possible.size() && most < s.options.sure_success * levels; ++level) {
+    std::string reason;
+    const auto tower =
+        plan_tower(problem, levels, options_at(s.options, memory.friction, level, route), &reason);
+    problem.way_up.clear();
+    for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
+    if (lower.stack.size() + tower.size() <= s.arrangement.stack.size()) continue;
+    higher = true;
+    most = std::max(most, weighted_mean(expected_by_friction(problem, problem.way_up,
+                                                             memory.friction.frictions, possible, nullptr,
+                                                             s.options.search),
+                                        possible, memory.friction));
+    if (tower.size() == problem.available.size()) problem.way_up.clear();  // whole, but doubtful
+  }
+  return higher ? static_cast<double>(lower.stack.size()) + most : 0.0;
+}
+
+}  // namespace
+
+Situation make_situation(const WorldEstimate& world, const Models& models, const BuildOptions& options,
+                         const Listener& listener) {
+  Arrangement arrangement = at_rest(world);
+  auto reach = make_reach(arrangement, world, models, options);
+  return {world, models, options, listener, std::move(arrangement), std::move(reach)};
+}
+
+std::vector<int> graspable_stones(const Situation& s) {
+  std::vector<int> stones;
+  for (const PlacedStone& loose : s.arrangement.loose)
+    if (fits_gripper(s.models, loose.stone) && s.reach->at_pick(loose.stone).can_be_held())
+      stones.push_back(loose.stone);
+  return stones;
+}
+
+RegraspOptions regrasp_options(const RunMemory& memory, int stone) {
+  RegraspOptions regrasp;
+  regrasp.most = 1;
+  if (const auto fell = memory.toppled.find(stone); fell != memory.toppled.end())
+    regrasp.n_O_not_up = fell->second;
+  return regrasp;
+}
+
+bool may_reorient(const RunMemory& memory, const BuildOptions& options) {
+  return memory.reoriented < options.most_turned_over;
+}
+
+bool height_is_reached(const Arrangement& arrangement, const BuildOptions& options) {
+  return options.most_stones > 0 && static_cast<int>(arrangement.stack.size()) >= options.most_stones;
+}
+
+std::vector<double> expected_by_friction(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
+                                         const std::vector<double>& frictions,
+                                         const std::vector<bool>& asked,
+                                         const std::vector<RestingStack>* resting,
+                                         const SearchOptions& options) {
+  SearchProblem here = problem;
+  here.reachable = nullptr;  // it was asked when the plan was made
+  std::vector<double> expected(frictions.size(), 0.0);
+  run_tasks(options.threads, frictions.size(), [&](std::size_t k) {
+    if (!asked[k]) return;
+    SearchOptions other = options;
+    other.threads = 1;
+    other.friction = frictions[k];
+    const auto there = resting == nullptr ? here : at_friction(here, (*resting)[k]);
+    if (there) expected[k] = expected_height(*there, plan, other);
+  });
+  return expected;
+}
+
+std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
+  s.tell(StonesNotHeld{not_held(s)});
+  for (;;) {
+    throw_if_interrupted();
+    search_now(s, memory);
+    SearchOutcome& outcome = *memory.search;
+    if (outcome.dead_end) return std::nullopt;
+    const std::vector<Action> stages = stages_of(outcome);
+    if (outcome.refused < static_cast<int>(stages.size()))
+      return stages[static_cast<std::size_t>(outcome.refused)];
+    if (!rest_of_plan(s.arrangement, memory.plan).empty()) {
+      s.tell(PlanAbandoned{outcome.refusals});
+      memory.plan.reset();
+    } else if (memory.refused.size() < kMaxRefused) {  // other poses then, of other stones perhaps
+      s.tell(PosesRefused{outcome.found.best.size(), outcome.refusals});
+      for (const auto& placement : outcome.found.best)
+        memory.refused.push_back({placement.stone, placement.T_W_O});
+    } else {
+      outcome.dead_end = {RunEnd::kNoPlan, concat("none of ", outcome.found.best.size(),
+                                                  " poses can be reached: ", outcome.refusals)};
+      return std::nullopt;
+    }
+    memory.search.reset();
+  }
+}
+
+std::vector<double> expected_unstacked(const Situation& s, const RunMemory& memory) {
+  const auto allowed = static_cast<std::size_t>(std::max(0, s.options.most_taken_off - memory.unstacked));
+  const std::size_t stack = s.arrangement.stack.size();
+  const auto all = static_cast<double>(stack + s.arrangement.loose.size());
+  std::vector<double> expected;
+  while (expected.size() < std::min(allowed, stack)) {
+    auto at_best = expected;
+    at_best.push_back(all);
+    if (unstack_depth(at_best) <= expected.size()) break;  // one deeper cannot pay
+    const auto lower = without_top(s, expected.size() + 1);
+    expected.push_back(lower ? expected_from(s, memory, *lower) : 0.0);
+  }
+  return expected;
+}
+
+}  // namespace stonestack::stacking

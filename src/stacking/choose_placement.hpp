@@ -1,0 +1,54 @@
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "stacking/arrangement.hpp"
+#include "stacking/reach.hpp"
+#include "stonestack/stacking/choose_action.hpp"
+
+/// Private to stacking/: the search for the next placement, at one assumed friction after the other.
+namespace stonestack::stacking {
+
+/// What a decision is made from.
+struct Situation {
+  const WorldEstimate& world;
+  const Models& models;
+  const BuildOptions& options;
+  const Listener& listener;
+  Arrangement arrangement;       ///< `at_rest(world)`
+  std::shared_ptr<Reach> reach;  ///< of `arrangement`
+
+  void tell(const Event& event) const {
+    if (listener) listener(event);
+  }
+};
+[[nodiscard]] Situation make_situation(const WorldEstimate& world, const Models& models,
+                                       const BuildOptions& options, const Listener& listener);
+
+/// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans reach
+/// highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no pose is
+/// left; `memory.search->dead_end` then says why.
+[[nodiscard]] std::optional<Action> choose_placement(const Situation& situation, RunMemory& memory);
+
+/// Stones expected to stand in the end when the top k + 1 of the stack are unstacked first, for each k that
+/// may pay; 0 where no higher tower is found.
+[[nodiscard]] std::vector<double> expected_unstacked(const Situation& situation, const RunMemory& memory);
+
+/// One set-down at a time: after each the camera looks, and what lies otherwise than meant is planned anew.
+[[nodiscard]] RegraspOptions regrasp_options(const RunMemory& memory, int stone);
+/// May another stone be reoriented?
+[[nodiscard]] bool may_reorient(const RunMemory& memory, const BuildOptions& options);
+[[nodiscard]] bool height_is_reached(const Arrangement& arrangement, const BuildOptions& options);
+/// Stones (loose, by index) that the gripper can hold where they lie.
+[[nodiscard]] std::vector<int> graspable_stones(const Situation& situation);
+
+/// Stones of a plan that are expected to stand, at each friction that is `asked` about; 0 for the others.
+/// `resting`: the problem's stack at these frictions, or null to let it come to rest here.
+[[nodiscard]] std::vector<double> expected_by_friction(const SearchProblem& problem,
+                                                       const std::vector<PlacedStone>& plan,
+                                                       const std::vector<double>& frictions,
+                                                       const std::vector<bool>& asked,
+                                                       const std::vector<RestingStack>* resting,
+                                                       const SearchOptions& options);
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,85 @@
+#include <nlohmann/json.hpp>
+
+#include "geometry/pose_json.hpp"
+#include "stonestack/stacking/event.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using nlohmann::json;
+using Record = std::pair<std::string, json>;
+
+/// One event after the other for the journal; an empty kind: not recorded.
+struct Records {
+  const Catalogue& catalogue;
+
+  [[nodiscard]] const std::string& name(int stone) const {
+    return catalogue.stones[static_cast<std::size_t>(stone)].name;
+  }
+  [[nodiscard]] json list(const std::vector<StoneEstimate>& stones) const {
+    json array = json::array();
+    for (const auto& stone : stones)
+      array.push_back({{"stone", name(stone.stone)},
+                       {"T_W_O", pose_json(stone.T_W_O_at_rest)},
+                       {"T_W_O_seen", pose_json(stone.T_W_O_seen)}});
+    return array;
+  }
+  [[nodiscard]] json placement(const Placement& p) const {
+    return {{"stone", name(p.stone)}, {"T_W_O", pose_json(p.T_W_O)}, {"cost", p.cost}};
+  }
+
+  template <class Other>
+  Record operator()(const Other&) const {
+    return {};
+  }
+  Record operator()(const Observed& e) const {
+    return {"observed", {{"stack", list(e.world.stack)}, {"loose", list(e.world.loose)}}};
+  }
+  Record operator()(const StoneMoved& e) const {
+    return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};
+  }
+  Record operator()(const CameraRefined& e) const {
+    return {"camera_mount",
+            {{"shift_m", e.shift},
+             {"turn_rad", e.turn},
+             {"marks", e.marks},
+             {"before_m", e.before},
+             {"after_m", e.after},
+             {"accepted", e.accepted}}};
+  }
+  Record operator()(const PlaceBegun& e) const { return {"target", placement(e.placement)}; }
+  Record operator()(const SetDownBegun& e) const {
+    return {e.reorients ? "reorient" : "unstack", placement(e.placement)};
+  }
+  Record operator()(const PlacementJudged& e) const {
+    return {"outcome", {{"stone", e.record.stone}, {"outcome", to_text(e.record.outcome)}}};
+  }
+  Record operator()(const RunEnded& e) const { return {"end", {{"end", to_text(e.end)}, {"reason", e.reason}}}; }
+  Record operator()(const StepBegun& e) const { return {"step", {{"name", e.name}}}; }
+  Record operator()(const HoldMeasured& e) const {
+    return {"hold", {{"weight", e.weight}, {"expected", e.expected}, {"off", e.offset}}};
+  }
+  Record operator()(const CarriedMeasured& e) const {
+    return {"carried",
+            {{"weight", e.weight},
+             {"expected", e.expected},
+             {"off", e.offset},
+             {"doubt", e.uncertainty},
+             {"held", e.held}}};
+  }
+  Record operator()(const TouchMeasured& e) const {
+    return {"touch", {{"touched", e.touched}, {"force", e.force}, {"above_end_m", e.above_end}}};
+  }
+  Record operator()(const ReleaseMeasured& e) const {
+    return {"released", {{"left", e.weight}, {"most", e.max_weight}}};
+  }
+};
+
+}  // namespace
+
+std::pair<std::string, std::string> to_record(const Event& event, const Catalogue& catalogue) {
+  const auto [kind, data] = std::visit(Records{catalogue}, event);
+  return {kind, kind.empty() ? "" : data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+}  // namespace stonestack::stacking

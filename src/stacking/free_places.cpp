@@ -1,0 +1,73 @@
+#include "stacking/free_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stonestack/physics/settle.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kRaster = 0.05;  // m between places that are tried
+constexpr double kSeen = 0.6;     // of the field, about its middle: what the camera sees of it for sure
+constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
+constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
+constexpr double kGap = 0.002;    // m, that it falls
+constexpr std::size_t kMostPlaces = 8;
+
+const ContactShape& shape_of(const ShapeList& shapes, int stone) {
+  return *shapes[static_cast<std::size_t>(stone)];
+}
+
+double radius(const ShapeList& shapes, int stone) {
+  return kExtent * shape_of(shapes, stone).radius;
+}
+
+/// How the stone would come to rest on the table from how it is held: rotation, and height of O.
+Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
+  SettleOptions options;
+  options.world.friction = 0.5;   // it shall roll to rest, not slide about
+  options.largest_travel = 0.20;  // m
+  options.seconds = 2.0;
+  const double low = lowest(shape_of(shapes, held.stone), held.T_W_O);
+  const Pose lifted = Eigen::Translation3d(0, 0, kGap - low) * held.T_W_O;
+  return settle(shapes, Stack{}, held.stone, lifted, options).T_W_O;
+}
+
+}  // namespace
+
+std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Arrangement& arrangement,
+                              const PlacedStone& held) {
+  const int stone = held.stone;
+  const Pose rest = rest_on_table(shapes, held);
+  const Eigen::Vector3d com = rest * shape_of(shapes, stone).mass.p_O_M;
+  std::vector<std::pair<double, Pose>> places;
+  const Eigen::Vector2d half = 0.5 * kSeen * layout.field_size;
+  for (double x = -half.x(); x <= half.x(); x += kRaster)
+    for (double y = -half.y(); y <= half.y(); y += kRaster) {
+      const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
+      double room = 1.0;
+      for (const auto& other : arrangement.loose) {
+        const Eigen::Vector3d p_W_M = other.T_W_O * shape_of(shapes, other.stone).mass.p_O_M;
+        room = std::min(room,
+                        (p_W_M.head<2>() - at).norm() - radius(shapes, other.stone) - radius(shapes, stone));
+      }
+      if (room < kRoom) continue;
+      const Eigen::Vector2d shift = at - com.head<2>();
+      places.emplace_back(room, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * rest);
+    }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  places.resize(std::min(kMostPlaces, places.size()));
+  std::vector<Pose> poses;
+  for (int quarter = 0; quarter < 4; ++quarter)
+    for (const auto& [room, T_W_O] : places) {
+      const Eigen::Vector3d p_W_M = T_W_O * shape_of(shapes, stone).mass.p_O_M;
+      poses.push_back(Eigen::Translation3d(p_W_M) *
+                      Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) *
+                      Eigen::Translation3d(-p_W_M) * T_W_O);
+    }
+  return poses;
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,336 @@
+#include "stacking/learn.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stacking/arrangement.hpp"
+#include "stacking/choose_placement.hpp"
+#include "stacking/next_view.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kStillUp = 0.9;  // cosine (26 deg) between the ups of a stone as set down and as seen
+constexpr double kMaxBias = 0.008;  // m: a stone that came to rest further off has slid
+
+using Outcome = PlacementRecord::Outcome;
+using Status = ExecutionResult::Status;
+
+const StoneEstimate* find(const std::vector<StoneEstimate>& stones, int stone) {
+  const auto found = std::find_if(stones.begin(), stones.end(),
+                                  [&](const StoneEstimate& s) { return s.stone == stone; });
+  return found == stones.end() ? nullptr : &*found;
+}
+
+void erase(std::vector<StoneEstimate>& stones, int stone) {
+  std::erase_if(stones, [&](const StoneEstimate& s) { return s.stone == stone; });
+}
+
+/// What holds for one world only.
+void forget_world(RunMemory& memory) {
+  memory.search.reset();
+  memory.no_pick.clear();
+  memory.refused.clear();
+  memory.sought_where_it_was.clear();
+  memory.sought_beside_site = 0;
+  memory.stray_stays = memory.stack_stays = false;
+}
+
+void note_view(RunMemory& memory, const LookAgain& view) {
+  if (view.where == LookAgain::Where::kWhereItWas)
+    memory.sought_where_it_was.insert(view.stone);
+  else
+    ++memory.sought_beside_site;
+}
+
+/// How the world should be seen after a motion that ended like that.
+void expect(Attempt& attempt, const WorldEstimate& world) {
+  attempt.expected_stack = world.stack;
+  attempt.expected_loose = world.loose;
+  const int stone = attempt.placement.stone;
+  const StoneEstimate there{stone, attempt.placement.T_W_O, attempt.placement.T_W_O};
+  const bool released = attempt.done.status == Status::kReleased;
+  if (std::holds_alternative<Place>(attempt.action)) {
+    if (released) attempt.expected_stack.push_back(there);
+    erase(attempt.expected_loose, stone);
+    return;
+  }
+  // What the gripper missed is still expected where it was, on the stack maybe.
+  if (released || attempt.done.status == Status::kLost) {
+    erase(attempt.expected_stack, stone);
+    erase(attempt.expected_loose, stone);  // or the gripper, which is there now, would seem to be in it
+  }
+  if (released) attempt.expected_loose.push_back(there);
+}
+
+void tell_moved(const std::vector<StoneEstimate>& expected, const WorldEstimate& seen,
+                const BuildOptions& options, const Listener& tell) {
+  for (const StoneEstimate& before : expected) {
+    const StoneEstimate* now = find(seen.stack, before.stone);
+    if (now == nullptr) {
+      tell(StoneLeftStack{before.stone});
+      continue;
+    }
+    const double shift = difference(now->T_W_O_at_rest, before.T_W_O_at_rest).translation;
+    if (shift > options.moved_shift) tell(StoneMoved{before.stone, shift});
+  }
+}
+
+/// A stone that was released there, on those, did not stay: the frictions with which it should have are less
+/// likely than was thought.
+FrictionEstimate learn_from_fall(const FrictionEstimate& friction, const Attempt& attempt,
+                                 const WorldEstimate& seen, const Models& models,
+                                 const BuildOptions& options) {
+  SearchProblem problem;
+  problem.shapes = &models.shapes;
+  problem.stack.stones = attempt.below;
+  problem.site = seen.layout.site;
+  const PlacedStone stone{attempt.placement.stone, attempt.placement.T_W_O};
+  problem.available = {stone};
+  const std::vector<bool> all(friction.frictions.size(), true);
+  return update_estimate(
+      friction, expected_by_friction(problem, {stone}, friction.frictions, all, nullptr, options.search));
+}
+
+/// Picks that failed of one stone.
+long missed_picks(const std::vector<PlacementRecord>& records, const std::string& stone) {
+  return std::count_if(records.begin(), records.end(), [&](const PlacementRecord& record) {
+    return (record.outcome == Outcome::kNotPicked || record.outcome == Outcome::kDropped) &&
+           record.stone == stone;
+  });
+}
+
+void learn_from_placing(RunMemory& memory, const Attempt& attempt, const PlacementRecord& record,
+                        const WorldEstimate& seen, const Models& models, const BuildOptions& options,
+                        const Listener& tell) {
+  const bool gone = record.outcome == Outcome::kFallen || record.outcome == Outcome::kLost;
+  if (gone) memory.plan.reset();  // a plan that failed is not followed again
+  if (gone && attempt.done.status == Status::kReleased) {
+    memory.friction = learn_from_fall(memory.friction, attempt, seen, models, options);
+    tell(FrictionUpdated{memory.friction});
+  }
+  if (record.outcome == Outcome::kPlaced) return;
+  if (record.outcome == Outcome::kNotPicked || record.outcome == Outcome::kDropped) {
+    memory.failed_grasps[attempt.placement.stone].push_back(attempt.T_O_T);
+    if (missed_picks(memory.records, record.stone) < options.pick_attempts) return;
+  }
+  if (++memory.failures < options.most_failures && record.outcome != Outcome::kLost) return;
+  memory.failure = {RunEnd::kPlacementFailed, concat("placing ", record.stone, " failed: ",
+                                                     to_text(record.outcome),
+                                                     record.note.empty() ? "" : ", " + record.note)};
+}
+
+/// A stone that is seen otherwise than it was set down: that resting pose is not tried with it again.
+void learn_from_reorienting(RunMemory& memory, const Attempt& attempt, const PlacementRecord& record,
+                            const Listener& tell) {
+  const auto up = [](const Pose& T_W_O) -> Eigen::Vector3d { return T_W_O.linear().row(2).transpose(); };
+  if (record.outcome != Outcome::kReoriented || !record.T_W_O_measured) return;
+  const Eigen::Vector3d n_O_up = up(attempt.placement.T_W_O);
+  if (n_O_up.dot(up(*record.T_W_O_measured)) > kStillUp) return;
+  tell(StoneToppled{attempt.placement.stone});
+  memory.toppled[attempt.placement.stone].push_back(n_O_up);
+}
+
+PlacementRecord judge_placing(const Attempt& attempt, const WorldEstimate& seen, PlacementRecord record,
+                              const BuildOptions& options) {
+  const StoneEstimate* in_stack = find(seen.stack, attempt.placement.stone);
+  const StoneEstimate* on_table = find(seen.loose, attempt.placement.stone);
+  record.level = static_cast<int>(attempt.below.size()) + 1;
+  if (attempt.done.status == Status::kLost) {
+    record.outcome = Outcome::kDropped;
+    record.note += in_stack != nullptr   ? "; it lies on the tower"
+                   : on_table != nullptr ? "; it lies on the table"
+                                         : "; it is not seen";
+  } else if (attempt.done.status == Status::kNotPicked && on_table != nullptr) {
+    record.outcome = Outcome::kNotPicked;
+  } else if (in_stack != nullptr) {
+    const auto error = difference(in_stack->T_W_O_at_rest, attempt.placement.T_W_O);
+    const bool near = error.translation <= options.placed_shift && error.angle <= options.placed_turn;
+    record.outcome = near ? Outcome::kPlaced : Outcome::kMoved;
+    record.note = concat(std::lround(1000 * error.translation), " mm and ",
+                         std::lround(error.angle * 57.29578), " deg from the plan");
+  } else {
+    record.outcome = on_table != nullptr ? Outcome::kFallen : Outcome::kLost;
+    record.note = on_table != nullptr ? "it lies on the table" : "it is not seen";
+  }
+  return record;
+}
+
+}  // namespace
+
+std::string to_text(PlacementRecord::Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kPlaced:
+      return "placed";
+    case Outcome::kMoved:
+      return "moved";
+    case Outcome::kFallen:
+      return "fallen";
+    case Outcome::kNotPicked:
+      return "not picked";
+    case Outcome::kDropped:
+      return "dropped";
+    case Outcome::kLost:
+      return "lost";
+    case Outcome::kUnstacked:
+      return "unstacked";
+    case Outcome::kReoriented:
+      return "reoriented";
+  }
+  return "unknown";
+}
+
+Eigen::Vector3d placing_bias(const std::vector<PlacementRecord>& records) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (const PlacementRecord& record : records) {
+    if (record.outcome != Outcome::kPlaced || !record.T_W_O_at_rest) continue;
+    const Eigen::Vector3d offset = record.T_W_O_at_rest->translation() - record.planned.T_W_O.translation();
+    if (offset.head<2>().norm() > kMaxBias) continue;
+    sum += Eigen::Vector3d(offset.x(), offset.y(), 0.0) + record.p_W_aim;
+    ++count;
+  }
+  return count == 0 ? sum : Eigen::Vector3d(sum / count);
+}
+
+RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionPlan& plan) {
+  if (const auto* view = std::get_if<LookAgain>(&action)) {
+    note_view(memory, *view);
+  } else if (std::holds_alternative<ClearBase>(action)) {
+    ++memory.cleared;
+    memory.stray_stays = true;
+  } else if (std::holds_alternative<Unstack>(action)) {
+    memory.stack_stays = memory.unstacking && memory.unstacking->tried == 0;
+    memory.unstacking.reset();
+  } else if (memory.search) {
+    ++memory.search->refused;
+    if (std::holds_alternative<Place>(action))
+      memory.search->refusals += concat(memory.search->refusals.empty() ? "" : "; ", plan.refusal);
+    memory.no_pick = plan.no_pick;
+  }
+  return memory;
+}
+
+RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& action,
+                   const MotionPlan& plan, const ExecutionResult& done) {
+  ++memory.actions;
+  if (done.status == Status::kStopped)
+    memory.failure = {RunEnd::kStopped, "the arm stopped: " + done.reason};
+  if (const auto* view = std::get_if<LookAgain>(&action)) {
+    note_view(memory, *view);
+    return memory;
+  }
+  const FollowedPlan followed{plan.placement, world.stack.size(),
+                              memory.search ? memory.search->friction_level : 0,
+                              memory.search ? memory.search->route : Route::kDirect};
+  if (std::holds_alternative<Place>(action)) {
+    memory.plan = followed;
+  } else if (std::holds_alternative<Reorient>(action)) {
+    ++memory.reoriented;
+    memory.plan = followed;  // to be gone on with when the stone lies there
+    memory.plan->placement = plan.followed;
+  } else {
+    memory.plan.reset();  // it led nowhere
+    if (std::holds_alternative<ClearBase>(action)) ++memory.cleared;
+    if (std::holds_alternative<Unstack>(action)) ++memory.unstacked;
+  }
+  if (std::holds_alternative<Unstack>(action) && memory.unstacking) {
+    --memory.unstacking->remaining;
+    ++memory.unstacking->tried;
+  }
+  if (!std::holds_alternative<Place>(action) && done.status != Status::kReleased)
+    memory.failed_grasps[plan.placement.stone].push_back(plan.pick_and_place.T_O_T);
+  forget_world(memory);
+  Attempt attempt{action,       done, plan.placement,         plan.pick_and_place.T_O_T,
+                  plan.p_W_aim, {},   {},                     {}};
+  attempt.below = at_rest(world).stack;
+  expect(attempt, world);
+  memory.attempt = std::move(attempt);
+  return memory;
+}
+
+Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, const Action& action) {
+  Expectation expected;
+  expected.site = world.site;
+  for (const auto& [stone, p_W] : memory.last_seen) expected.known.push_back(stone);
+  if (memory.attempt) {
+    expected.stack = memory.attempt->expected_stack;
+    expected.loose = memory.attempt->expected_loose;
+    expected.as_planned = std::holds_alternative<Place>(memory.attempt->action) &&
+                          memory.attempt->done.status == Status::kReleased;
+  }
+  if (std::holds_alternative<LookAgain>(action)) expected.views = world.views;
+  return expected;
+}
+
+PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const Models& models,
+                      const BuildOptions& options) {
+  PlacementRecord record;
+  record.stone = models.name(attempt.placement.stone);
+  record.planned = attempt.placement;
+  record.note = attempt.done.reason;
+  record.p_W_aim = attempt.p_W_aim;
+  const StoneEstimate* now = find(seen.loose, attempt.placement.stone);
+  const bool places = std::holds_alternative<Place>(attempt.action);
+  if (const StoneEstimate* in_stack = find(seen.stack, attempt.placement.stone); places && in_stack != nullptr)
+    now = in_stack;
+  if (now != nullptr) {
+    record.T_W_O_measured = now->T_W_O_seen;
+    record.T_W_O_at_rest = now->T_W_O_at_rest;
+  }
+  if (places) return judge_placing(attempt, seen, std::move(record), options);
+  record.outcome = attempt.done.status == Status::kReleased
+                       ? (std::holds_alternative<Reorient>(attempt.action) ? Outcome::kReoriented
+                                                                           : Outcome::kUnstacked)
+                   : attempt.done.status == Status::kLost ? Outcome::kDropped
+                                                          : Outcome::kNotPicked;
+  return record;
+}
+
+RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& models,
+                const BuildOptions& options, const Listener& listener) {
+  const Listener tell = [&](const Event& event) {
+    if (listener) listener(event);
+  };
+  if (next_view(seen, memory)) return memory;
+  for (const int stone : missing_stones(seen, memory)) memory.out_of_sight.insert(stone);
+  const Arrangement arrangement = at_rest(seen);
+  for (const auto* list : {&arrangement.stack, &arrangement.loose})
+    for (const PlacedStone& stone : *list) {
+      memory.last_seen[stone.stone] = com_of(models.shapes, stone);
+      memory.out_of_sight.erase(stone.stone);
+    }
+  WorldEstimate without_views = seen;
+  without_views.views.reset();
+  tell(Observed{std::move(without_views)});
+  if (!memory.attempt) return memory;
+  const Attempt attempt = *std::move(memory.attempt);
+  memory.attempt.reset();
+  tell_moved(attempt.expected_stack, seen, options, tell);
+  const PlacementRecord record = judge(attempt, seen, models, options);
+  memory.records.push_back(record);
+  tell(PlacementJudged{record});
+  if (std::holds_alternative<Place>(attempt.action))
+    learn_from_placing(memory, attempt, record, seen, models, options, tell);
+  if (std::holds_alternative<Reorient>(attempt.action)) learn_from_reorienting(memory, attempt, record, tell);
+  return memory;
+}
+
+RunMemory learn_of_stop(RunMemory memory, const Models& models, const Listener& listener) {
+  if (!memory.attempt) return memory;
+  const Attempt attempt = *std::move(memory.attempt);
+  memory.attempt.reset();
+  if (!std::holds_alternative<Place>(attempt.action)) return memory;
+  PlacementRecord record;
+  record.stone = models.name(attempt.placement.stone);
+  record.planned = attempt.placement;
+  record.outcome = Outcome::kLost;
+  record.note = attempt.done.reason;
+  record.level = static_cast<int>(attempt.below.size()) + 1;
+  memory.records.push_back(record);
+  if (listener) listener(PlacementJudged{record});
+  return memory;
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,32 @@
+#pragma once
+#include <set>
+#include <string>
+
+#include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/choose_action.hpp"
+
+/// Private to stacking/: what is made of the events of a run.
+namespace stonestack::stacking {
+
+/// Keeps the result, writes the journal, and passes events on; what was said before is not said again.
+class Recorder {
+ public:
+  Recorder(const Models& models, const BuildHooks& hooks) : models_(models), hooks_(hooks) {}
+
+  void hear(const Event& event);
+  [[nodiscard]] RunResult& result() { return result_; }
+
+ private:
+  [[nodiscard]] bool is_news(const Event& event);
+
+  const Models& models_;
+  const BuildHooks& hooks_;
+  RunResult result_;
+  std::set<int> uncertain_;
+  std::string not_held_;
+};
+
+/// Writes an event to a journal; null: to none.
+void record(Journal* journal, const Event& event, const Catalogue& catalogue = {});
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,38 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/world_estimate.hpp"
+
+/// Private to stacking/: where a measured stack rests. A measured pose errs by a millimetre: the stone floats
+/// or sinks by that, and a stack may slide in the model that stands in truth.
+namespace stonestack::stacking {
+
+/// A stone of a stack as it was measured.
+struct MeasuredStone {
+  StoneEstimate estimate;
+  bool moved = true;  ///< measured anew; false: `T_W_O_at_rest` is known from before
+};
+
+/// The only settling of a measured stack. First each stone that was measured anew is let down on those below
+/// it from 2 mm above. Then the whole stack is judged at `friction`: if it stands as it is, it is returned;
+/// else `standing_stack` (search/) is asked for one near the given poses, then near poses displaced by what
+/// the camera may err. Of those that stand the nearest to the measured one is taken, at most 12 mm off at any
+/// stone; the measured one if none stands. `T_W_O_seen` is kept. Deterministic.
+[[nodiscard]] std::vector<StoneEstimate> settle_stack(const ShapeList& shapes,
+                                                      const std::vector<MeasuredStone>& stack,
+                                                      double friction);
+
+/// A settled stack at each of some frictions. `options` say how stacks are judged.
+[[nodiscard]] std::vector<RestingStack> resting_stacks(const ShapeList& shapes, const Stack& stack,
+                                                       const SearchOptions& options,
+                                                       const std::vector<double>& frictions);
+
+/// m: how far a pose is from the measured one; 0.09 rad count as 6 mm.
+[[nodiscard]] double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured);
+inline constexpr double kConsistent = 0.006;     ///< m: nearer than that a pose is what was measured, for sure
+inline constexpr double kConsistentTurn = 0.09;  ///< rad, the same
+inline constexpr double kMaxMeasured = 0.012;    ///< m: the farthest that can be what was measured
+
+}  // namespace stonestack::stacking

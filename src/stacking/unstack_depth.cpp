@@ -1,0 +1,22 @@
+#include "stacking/unstack_depth.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kCost = 0.2;  // stones, of each stone that is unstacked; design choice
+
+}  // namespace
+
+std::size_t unstack_depth(const std::vector<double>& expected) {
+  std::size_t depth = 0;
+  double most = 0.0;
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    const double worth = expected[k] - kCost * static_cast<double>(k + 1);
+    if (expected[k] <= 0.0 || (depth > 0 && worth <= most)) continue;
+    most = worth;
+    depth = k + 1;
+  }
+  return depth;
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,73 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/choose_action.hpp"
+
+/// Private to stacking/: the devices of a run, and what is done with them.
+namespace stonestack::stacking {
+
+/// Devices, models and options of a run, and who hears of it.
+struct Workcell {
+  Cell cell;  ///< the caller's devices; the layout is corrected by what is seen
+  const Models& models;
+  const DetectionModels& detection;
+  const BuildOptions& options;
+  StageSeconds& seconds;
+  Listener tell;
+};
+
+/// What is expected to be seen next.
+struct Expectation {
+  std::vector<StoneEstimate> stack, loose;
+  SiteStatus site = SiteStatus::kFree;
+  std::vector<int> known;     ///< stones that were seen in this run
+  bool first = false;         ///< nothing was observed yet
+  bool as_planned = false;    ///< a stone has just been released where it should be
+  std::shared_ptr<const Views> views;  ///< to which one more view is added from where the camera is; else null
+};
+
+/// The world as seen, and whether it is what was predicted while the arm moved.
+struct Observation {
+  WorldEstimate world;
+  bool as_predicted = false;
+};
+/// Called with a prediction of the world, from part of the views, while the arm moves to the next view.
+using WhileMoving = std::function<void(const WorldEstimate& predicted)>;
+
+/// Eq. (1) for every stone that can be seen: first the site, when something was built there, and the field. The
+/// first time the camera's mount is refined and the site examined. The stack is settled. Throws DeviceError
+/// when no view can be reached.
+[[nodiscard]] Observation observe(Workcell& workcell, const Expectation& expected,
+                                  const WhileMoving& while_moving);
+
+// Parts of it.
+
+/// What the arm must stay clear of on its route to a view, gripper empty.
+[[nodiscard]] PlanningScene scene_of_view(const Workcell& workcell, const Arrangement& arrangement);
+/// Views are taken as long as nobody knows what lies there (`all_unknown`), or with these stones in the scene.
+struct ViewScene {
+  Arrangement arrangement;
+  bool all_unknown = false;
+};
+/// Nothing if no pose can be reached; the other throws DeviceError then.
+[[nodiscard]] std::optional<JointTrajectory> find_route(Workcell& workcell, const ViewScene& scene,
+                                                        const std::vector<Pose>& T_W_C);
+[[nodiscard]] JointTrajectory route_to(Workcell& workcell, const ViewScene& scene,
+                                       const std::vector<Pose>& T_W_C);
+/// Follows the route and takes a view at its end. `meanwhile` is done while the arm moves, and may use anything
+/// but arm and camera; its seconds of detection and search count only as far as the arm has to wait for them.
+[[nodiscard]] CameraView view_along(Workcell& workcell, const JointTrajectory& route,
+                                    const std::function<void()>& meanwhile = {});
+/// Views the field once more, half a turn about the optical axis away, and corrects where the camera is taken
+/// to sit, in the layout and in the views; the second view is added to them. Returns what they showed, as
+/// loose. `while_moving` hears what the first view shows.
+[[nodiscard]] Arrangement refine_camera(Workcell& workcell, Views& views, const WhileMoving& while_moving);
+/// Adds what `stack` is at each assumed friction to a world.
+void add_resting_stacks(const Workcell& workcell, WorldEstimate& world);
+/// Reports stones of which detection is not sure which they are or how they lie.
+void tell_uncertain(const Workcell& workcell, const std::vector<Sighting>& sightings);
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,79 @@
+#include "bench_command.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+TEST_F(BenchCommand, RtdeCountsEverySample) {
+  const Outcome bench = run("rtde --seconds 1 --rate 125 --json");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  const json result = bench.data();
+  EXPECT_EQ(result["schema"], "stonestack.bench/1");
+  EXPECT_EQ(result["benchmark"], "rtde");
+  EXPECT_EQ(result["settings"]["rate_hz"], 125.0);
+  const json found = rows_of(result, "rtde")[0];
+  EXPECT_GT(found["samples"].get<int>(), 10);
+  EXPECT_EQ(found["refused"], 0);
+  EXPECT_GT(found["server_cpu_percent"].get<double>(), 0.0);
+}
+
+TEST_F(BenchCommand, AStoneBehindAnUnfoundOneIsFoundWithIt) {
+  // Two stones of this stack are refused one by one: each hides a part of the other.
+  const Outcome bench = run("detection --seed 2001 --scenes 1 --kinds stacked --json");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  const json found = rows_of(bench.data(), "detection")[0];
+  EXPECT_EQ(found["present"], 4);
+  EXPECT_EQ(found["right"], 4);
+}
+
+TEST_F(BenchCommand, AStoneSeenInAMirrorIsNotFound) {
+  const Outcome bench = run("detection --seed 90817 --kinds mirrored --first 6 --scenes 1 --json");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  const json found = rows_of(bench.data(), "detection")[0];
+  EXPECT_EQ(found["absent"], 6);
+  EXPECT_EQ(found["false"], 0) << "another stone, which fits the mirror image with 0.875";
+}
+
+/// Each at its smallest. `detection` and `rtde` have tests of their own.
+TEST_F(BenchCommand, EveryBenchmarkReportsTablesAsData) {
+  const std::map<std::string, std::string> tables{
+      {"kinematics --poses 20", "random poses"},
+      {"collision --configurations 20", "against exact distances (CGAL)"},
+      {"cartesian --poses 20 --robot ur10", "straight motions with both ends in reach"},
+      {"timing --paths 3", "timing"},
+      {"equilibrium --stacks 2 --stones 2 --generated 3 --scans none --seconds 0.1", "verdicts"},
+      {"search --draws 1 --stones 1 --generated 2 --scans none --paper 0 --stand 0.1", "towers"},
+      {"calibration --placements 2 --stones 1 --repeats 1 --generated 2 --scans none", "generated"}};
+  for (const auto& [arguments, table] : tables) {
+    const Outcome bench = run(arguments + " --json --seed 3");
+    ASSERT_EQ(bench.code, 0) << arguments << bench.err;
+    const json result = bench.data();
+    EXPECT_EQ(result["schema"], "stonestack.bench/1") << arguments;
+    EXPECT_EQ(result["benchmark"], arguments.substr(0, arguments.find(' ')));
+    EXPECT_EQ(result["settings"]["seed"], 3) << arguments;
+    EXPECT_EQ(result["complete"], true) << arguments;
+    const json rows = rows_of(result, table);
+    ASSERT_TRUE(rows.is_array() && !rows.empty()) << arguments << bench.out;
+  }
+}
+
+TEST_F(BenchCommand, EveryBenchmarkTakesJson) {
+  const Outcome list = run("--help");
+  std::istringstream lines(list.out.substr(list.out.find("Subcommands:")));
+  std::string line, name;
+  std::getline(lines, line);
+  int count = 0;
+  for (; std::getline(lines, line) && line.starts_with("  "); ++count) {
+    if (line.starts_with("   ")) continue;  // the description goes on
+    std::istringstream(line) >> name;
+    EXPECT_THAT(run(name + " --help").out, HasSubstr("--json")) << name;
+  }
+  EXPECT_GE(count, 14) << list.out;
+}
+
+TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {
+  expect_refusal("frobnicate", 2, {"unknown command 'frobnicate'", "kinematics"});
+  expect_refusal("kinematics --poses 0", 2, {"--poses"});
+}
+
+}  // namespace
+}  // namespace stonestack::bench

@@ -1,0 +1,40 @@
+#include <gtest/gtest.h>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/stacking/run_memory.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+TEST(FrictionEstimate, BeginsWithMoreForMore) {
+  const FrictionEstimate estimate = first_estimate({0.1, 0.225, 0.35, 0.475});
+  for (std::size_t level = 0; level < 4; ++level)
+    EXPECT_NEAR(estimate.weights[level], 0.1 * static_cast<double>(level + 1), 1e-12);
+  EXPECT_FALSE(min_is_likeliest(estimate));
+}
+
+TEST(FrictionEstimate, AFallThatMoreFrictionWouldHavePreventedMakesItLessLikely) {
+  FrictionEstimate estimate = first_estimate({0.1, 0.225, 0.35, 0.475});
+  estimate = update_estimate(estimate, {0.0, 0.5, 1.0, 1.0});
+  // By hand: 1 x 1, 2 x 0.625, 3 x 0.25, 4 x 0.25 of 4.
+  EXPECT_NEAR(estimate.weights[0], 0.25, 1e-12);
+  EXPECT_NEAR(estimate.weights[1], 0.3125, 1e-12);
+  EXPECT_NEAR(estimate.weights[2], 0.1875, 1e-12);
+  EXPECT_NEAR(estimate.weights[3], 0.25, 1e-12);
+  estimate = update_estimate(estimate, {0.0, 0.5, 1.0, 1.0});
+  EXPECT_TRUE(min_is_likeliest(estimate));
+}
+
+TEST(FrictionEstimate, AFallThatNoFrictionExplainsChangesNothing) {
+  FrictionEstimate estimate = first_estimate({0.1, 0.225});
+  for (int k = 0; k < 100; ++k) estimate = update_estimate(estimate, {1.0, 1.0});
+  EXPECT_NEAR(estimate.weights[0], 1.0 / 3.0, 1e-12);
+}
+
+TEST(FrictionEstimate, WantsASuccessForEach) {
+  FrictionEstimate estimate = first_estimate({0.1, 0.225});
+  EXPECT_THROW(static_cast<void>(update_estimate(estimate, {1.0})), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace stonestack::stacking
