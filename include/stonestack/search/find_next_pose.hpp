@@ -85,7 +85,7 @@ struct Placement {
 /// What is known of the site.
 struct SearchProblem {
   const ShapeList* shapes = nullptr;
-  Stack stack;  ///< what stands (measured)
+  Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
