@@ -29,7 +29,6 @@ struct MotionOptions {
   double early_threshold = 20.0;    ///< contact while the stone is lowered towards the guarded descent [N]
   double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
   bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
-  int alternatives = 3;          ///< complete plans to choose the quickest from
   double planning_effort = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
   int seed = 1;
 };

@@ -38,9 +38,9 @@ struct StoneUncertain {  ///< which stone it is, or how it lies
   double certainty = 1.0;
 };
 struct CameraRefined {
-  double shift = 0, turn = 0;    ///< m, rad, from the calibrated mount
+  double shift = 0, turn = 0;    ///< rad, from the calibrated mount [m]
   int marks = 0;                 ///< stones seen twice
-  double before = 0, after = 0;  ///< m, between the views
+  double before = 0, after = 0;  ///< between the views [m]
   bool accepted = true;
 };
 struct CameraNotTurned {};  ///< no motion to a turned view: the mount stays as calibrated

@@ -39,7 +39,7 @@ struct PlacementRecord {
   std::string note;
   int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
   std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
-  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< m, by which the aim was moved against the bias
+  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< by which the aim was moved against the bias [m]
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
 /// not seen afterwards), "unstacked", "reoriented".

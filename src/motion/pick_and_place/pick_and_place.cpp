@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "motion/constants.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "motion/pick_and_place/pick_candidates.hpp"
 #include "stonestack/core/error.hpp"
@@ -168,7 +169,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
   std::size_t again = 0;  // of these, tried with much effort
   bool in_time = true;
   double best_cost = 0.0, spent = 0.0;  // s
-  while (found < options.alternatives) {
+  while (found < kPlans) {
     throw_if_interrupted();
     in_time = spent <= options.planning_effort;
     if (!in_time) break;

@@ -132,7 +132,7 @@ std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
 }
 
 std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
-  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past, options_);
+  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past);
   return straight(q, raised(T_W_T_place_, -room));
 }
 

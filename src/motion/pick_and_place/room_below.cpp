@@ -21,8 +21,7 @@ bool is_kept_off_table(const PlanningScene& scene) {
 
 }  // namespace
 
-double room_below(const PlanningScene& scene, const Joints& q, double opening, int object, double most,
-                  const MotionOptions& options) {
+double room_below(const PlanningScene& scene, const Joints& q, double opening, int object, double most) {
   require(most >= 0, "a descent goes down by something, not by ", most, " m");
   CollisionRules rules;
   rules.padding = kDescentPadding;

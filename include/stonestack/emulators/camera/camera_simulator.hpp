@@ -60,7 +60,6 @@ struct CameraFaults {
 struct CameraSimulatorOptions {
   std::string address = "127.0.0.1";  ///< any 127.x.y.z
   int port = 0;                       ///< 0: a free one
-  bool allow_remote = false;          ///< other addresses than loopback
   double rate = 30.0;                 ///< frames/s to clients that asked for a stream
   double unit = 0.000125;             ///< m a count (SR300)
 };
