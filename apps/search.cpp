@@ -49,7 +49,7 @@ struct SearchCommand {
   DepthInput depth;
 };
 
-/// What was found: the next placement, or one a level; other poses for the first, should the arm refuse it.
+/// Result of a search: the next placement, or one a level; other poses for the first, should the arm refuse it.
 struct Found {
   std::vector<Placement> placements, alternatives;
   std::string reason;
@@ -179,7 +179,7 @@ std::string quoted(const std::string& word) {
   return result + "'";
 }
 
-/// What to type next, for a result that was found in a view; empty for others.
+/// Returns the command to type next, for a result that was found in a view; empty for others.
 std::string next_command(const SearchCommand& command, const SearchStart& start) {
   if (!start.seen) return {};
   const auto with = [](const char* name, const std::string& value) {
