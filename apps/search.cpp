@@ -49,7 +49,8 @@ struct SearchCommand {
   DepthInput depth;
 };
 
-/// Result of a search: the next placement, or one a level; other poses for the first, should the arm refuse it.
+/// Result of a search: the next placement, or one a level; other poses for the first, should the arm refuse
+/// it.
 struct Found {
   std::vector<Placement> placements, alternatives;
   std::string reason;

@@ -27,8 +27,8 @@ struct FinishedRun {
                                   const RobotModel& robot, const std::vector<int>& present,
                                   const RecordFolder& folder, const SurvivalOptions* survival = nullptr,
                                   const CellFile* file = nullptr);
-/// Performs a run with the devices of a real cell: there is no truth to judge by, and the picture shows what was
-/// measured last. The caller has asked for the permission to move.
+/// Performs a run with the devices of a real cell: there is no truth to judge by, and the picture shows what
+/// was measured last. The caller has asked for the permission to move.
 [[nodiscard]] FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue,
                                        const CellFile& file, const RecordFolder& folder);
 

@@ -8,8 +8,8 @@
 
 namespace stonestack::search {
 
-/// Surface that a new stone may come to lie on, seen from above: heights in W and, per node, whether the surface may
-/// be touched. What must not be touched (lower stones, the table) is raised by a clearance.
+/// Surface that a new stone may come to lie on, seen from above: heights in W and, per node, whether the
+/// surface may be touched. What must not be touched (lower stones, the table) is raised by a clearance.
 struct TopSurface {
   HeightRaster heights;
   std::vector<std::uint8_t> may_touch;  ///< 1: the top stone (or the table for an empty stack)

@@ -11,8 +11,8 @@
 /// Private to stacking/ and the commands: what a search may ask of arm and hand.
 namespace stonestack::stacking {
 
-/// Reachable motions of arm and gripper with the stones of one arrangement. What does not depend on the target is
-/// computed once for each stone, when it is first asked about; so not to be shared by threads.
+/// Reachable motions of arm and gripper with the stones of one arrangement. What does not depend on the
+/// target is computed once for each stone, when it is first asked about; so not to be shared by threads.
 class STONESTACK_EXPORT Reach {
  public:
   /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and

@@ -60,8 +60,8 @@ Mesh reduced(const Mesh& scan, int faces, std::vector<std::string>& warnings) {
   return mesh;
 }
 
-/// Returns the piece with its vertices and faces sorted: hulls come in an order that depends on addresses, and
-/// the same scan shall give the same files.
+/// Returns the piece with its vertices and faces sorted: hulls come in an order that depends on addresses,
+/// and the same scan shall give the same files.
 Mesh ordered(const Mesh& piece) {
   const auto before = [](const auto& a, const auto& b) {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);

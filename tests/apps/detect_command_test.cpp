@@ -170,7 +170,9 @@ TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
 
 TEST_F(DetectCommand, ThePapersMethodIsASetOfOptionsThatOthersOverride) {
   write("stonestack.yaml", "detection: {method: paper, descriptor: shot}");  // shot is the plain default
-  const auto settings = [&](const std::string& more) { return run("config show --expert --origin " + more).out; };
+  const auto settings = [&](const std::string& more) {
+    return run("config show --expert --origin " + more).out;
+  };
   EXPECT_THAT(settings(""), HasSubstr("detection.descriptor: shot  # project file"));
   EXPECT_THAT(settings(""), HasSubstr("detection.matching: kdtree  # detection.method"));
   EXPECT_THAT(settings(""), HasSubstr("detection.sweep: false  # detection.method"));

@@ -2,8 +2,8 @@
 // cameras and poses that make sense, and images within the folder.
 #include <cmath>
 
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
 

@@ -1,8 +1,8 @@
 // Depth images: refused with a FileError, or as large as they say and the same when written and read again.
 #include <cmath>
 
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
 

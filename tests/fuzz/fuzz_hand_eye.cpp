@@ -2,8 +2,8 @@
 // same when it is written and read again.
 #include <algorithm>
 
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/hand_eye_file.hpp"
 

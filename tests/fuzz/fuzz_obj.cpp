@@ -1,7 +1,7 @@
 // OBJ meshes: refused with a FileError, or sound.
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "geometry/mesh_parse.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -1,6 +1,6 @@
 // What was measured on one robot: refused with a FileError, or a robot that still is one.
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"

@@ -1,8 +1,8 @@
 // Scene files: refused with a FileError, or a camera that can be, poses that are, and obstacles with a shape.
 #include <cmath>
 
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/stone/scene_file.hpp"
 

@@ -1,6 +1,6 @@
 // A stone's file in a catalogue: refused with a FileError, or finite and positive where it must be.
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stone/stone_yaml.hpp"
 #include "stonestack/core/error.hpp"
 

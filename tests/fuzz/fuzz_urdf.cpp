@@ -1,9 +1,9 @@
 // Robot descriptions: refused with a FileError, or joints with limits and shapes that are finite, and a DH
 // table that gives a pose.
-#include "rooms.hpp"
 #include "fuzz/checks.hpp"
 #include "kinematics/dh.hpp"
 #include "kinematics/urdf.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/forward.hpp"
 

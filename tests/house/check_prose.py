@@ -10,7 +10,7 @@ import sys
 BAD_START = re.compile(r"^(That|What|Who|Whom|Whose|Those|The same)\b")
 UNITS = r"(?:m|mm|s|ms|us|rad|deg|kg|N|Nm|g|Hz|px|J|m/s|rad/s|m\^2|m\^3|kg/m\^3|N/m)"
 BARE_UNIT = re.compile(r"^" + UNITS + r"(?:[,;:.]|$|\s\()")
-REFERENCE = re.compile(r"\b((?:docs|facts|data|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")
+REFERENCE = re.compile(r"((?<![/\w])(?:docs|facts|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")
 NOTEBOOK = re.compile(r"(the day before|machine (?:was )?shared|a load of \d|beside (?:builds|tests|other work)|scratch (?:program|build|library)"
                       r"|looked at before|never looked at|\bhelpers?'? (?:build|work))", re.IGNORECASE)
 

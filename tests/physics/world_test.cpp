@@ -85,8 +85,8 @@ TEST(World, ImpulsesCarryTheWeight) {
   EXPECT_NEAR(on_cube, weight, 1e-3 * weight);
 }
 
-/// Share of four cubes that the table carries in the very first step, when nothing is known of the impulses yet:
-/// 1 for all of their weight.
+/// Share of four cubes that the table carries in the very first step, when nothing is known of the impulses
+/// yet: 1 for all of their weight.
 double carried_at_once(int iterations) {
   WorldOptions options;
   options.iterations = iterations;

@@ -5,7 +5,7 @@
 /// not found. Outside the library write `stonestack::search::find_next_pose`, or include
 /// `stonestack/stonestack.hpp` for the names that most programs need.
 namespace stonestack {
-namespace core {}  // floor 0
+namespace core {}     // namespace core
 namespace geometry {  // floor 1
 using namespace core;
 }
@@ -21,26 +21,26 @@ using namespace geometry;
 namespace physics {  // floor 3
 using namespace stone;
 using namespace kinematics;
-}
+}  // namespace physics
 namespace detection {
 using namespace stone;
 using namespace kinematics;
-}
+}  // namespace detection
 namespace motion {
 using namespace stone;
 using namespace kinematics;
-}
+}  // namespace motion
 namespace hardware {
 using namespace stone;
 using namespace kinematics;
 using namespace protocol;
-}
+}  // namespace hardware
 namespace search {  // floor 4
 using namespace physics;
 using namespace detection;
 using namespace motion;
 using namespace hardware;
-}
+}  // namespace search
 namespace stacking {  // floor 5
 using namespace search;
 }
@@ -53,11 +53,11 @@ using namespace search;
 namespace emulators {
 using namespace simulation;
 using namespace urscript;
-}
+}  // namespace emulators
 namespace experiment {  // floor 6
 using namespace stacking;
 using namespace emulators;
-}
+}  // namespace experiment
 namespace report {  // floor 7
 using namespace experiment;
 }

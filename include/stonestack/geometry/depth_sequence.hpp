@@ -25,8 +25,8 @@ struct DepthSequence {
   std::vector<DepthRecord> records;
 };
 
-/// Camera data that a recording leaves out. Nothing is guessed: TUM has neither intrinsics nor a depth scale in its
-/// files, Open3D often no scale.
+/// Camera data that a recording leaves out. Nothing is guessed: TUM has neither intrinsics nor a depth scale
+/// in its files, Open3D often no scale.
 struct DepthSequenceInput {
   double unit = 0.0;                       ///< m a count; 0: it must stand in the files
   std::optional<CameraIntrinsics> camera;  ///< in place of what the files say

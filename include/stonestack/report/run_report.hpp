@@ -9,7 +9,6 @@
 
 namespace stonestack::report {
 
-
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.
 [[nodiscard]] std::string run_json(const RunReport& report);
 /// The table that a person reads at the end of a run: stone, cost and its terms, planned and measured pose,

@@ -58,8 +58,8 @@ class SimulatedCell {
   [[nodiscard]] Cell cell();
   /// For the judge and the painter.
   [[nodiscard]] Truth truth() const;
-  /// Returns the world for devices behind sockets, each with a thread of its own. While they run, only they may
-  /// touch the world: `cell`, `wait` and `world` are for before and after.
+  /// Returns the world for devices behind sockets, each with a thread of its own. While they run, only they
+  /// may touch the world: `cell`, `wait` and `world` are for before and after.
   [[nodiscard]] SharedWorld& shared();
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);

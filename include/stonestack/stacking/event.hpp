@@ -38,7 +38,7 @@ struct StoneUncertain {  ///< which stone it is, or how it lies
   double certainty = 1.0;
 };
 struct CameraRefined {
-  double shift = 0, turn = 0;    ///< rad, from the calibrated mount [m]
+  double shift = 0, turn = 0;    ///< difference from the calibrated mount, m and rad
   int marks = 0;                 ///< stones seen twice
   double before = 0, after = 0;  ///< between the views [m]
   bool accepted = true;

@@ -175,7 +175,8 @@ Look look_of(Turn turn, const DetectionScene& scene, const Features& seen) {
   return {nullptr, with_parts(scene), thorough_sweep()};
 }
 
-/// Chooses the next turn: what a turn has found sets something apart, so the cheap sweep is worth another try.
+/// Chooses the next turn: what a turn has found sets something apart, so the cheap sweep is worth another
+/// try.
 std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& options) {
   if (!options.sweep) return {};  // the paper looks once
   if (found) return Turn::kSweep;

@@ -17,8 +17,8 @@ namespace stonestack::detection {
                                                          const DetectionOptions& options,
                                                          double least = -1.0);
 
-/// Returns the final poses that remain when each must show some surface, and explain mostly what none of more worth
-/// explains: poses move after they were accepted.
+/// Returns the final poses that remain when each must show some surface, and explain mostly what none of more
+/// worth explains: poses move after they were accepted.
 [[nodiscard]] std::vector<Detection> without_doubles(const std::vector<Detection>& found,
                                                      const DetectionModels::Data& data,
                                                      const DetectionScene& scene,

@@ -3,8 +3,8 @@
 
 #include "emulators/ur/controller.hpp"
 
-/// State messages of ports 30001 to 30003. Sources: UR's "Remote Control Via TCP/IP" tables and the parsers of its
-/// client library; sizes of the sub-packages as a robot with PolyScope 5.8 sends them.
+/// State messages of ports 30001 to 30003. Sources: UR's "Remote Control Via TCP/IP" tables and the parsers
+/// of its client library; sizes of the sub-packages as a robot with PolyScope 5.8 sends them.
 namespace stonestack::emulators {
 
 /// First message to every primary and secondary client.

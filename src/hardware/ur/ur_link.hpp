@@ -28,8 +28,8 @@ class UrLink {
   [[nodiscard]] std::string stop_reason() const;
   /// No motion until `rearm`.
   void disarm(const std::string& reason);
-  /// Ends the link for a stop that did not get through: no heartbeat any more either, so that the controller's
-  /// watchdog ends what runs.
+  /// Ends the link for a stop that did not get through: no heartbeat any more either, so that the
+  /// controller's watchdog ends what runs.
   void starve(const std::string& reason);
   void rearm();
   /// Explains a script that did not start.

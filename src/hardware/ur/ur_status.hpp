@@ -28,7 +28,8 @@ struct STONESTACK_EXPORT UrStatus {
 
 /// Outputs and inputs that the arm needs; `first_register` is 24 or 0.
 [[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
-/// Returns the recipe for the controller at `address`; throws DeviceError that names it for PolyScope X (version 10).
+/// Returns the recipe for the controller at `address`; throws DeviceError that names it for PolyScope X
+/// (version 10).
 [[nodiscard]] STONESTACK_EXPORT RtdeRecipeFor served_recipe(const std::string& address);
 [[nodiscard]] STONESTACK_EXPORT UrStatus read_status(const RtdeSample& sample, int first_register);
 /// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".

@@ -22,7 +22,8 @@ struct HandView {
 [[nodiscard]] HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
                                  const Eigen::Matrix3d& R_O_T);
 
-/// Profile that one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
+/// Profile that one finger can meet: the highest point of the stone, along x towards the finger, in each
+/// slice of z.
 struct FingerStrip {
   static constexpr int kSlices = 160;
   static constexpr double kPerMetre = 250.0;  ///< slices of 4 mm

@@ -1,8 +1,8 @@
 #include "motion/grasp_cache.hpp"
 
+#include <bit>
 #include "core/recently_used.hpp"
 #include "motion/grasp/finger_strips.hpp"
-#include <bit>
 #include "stonestack/motion/grasp.hpp"
 
 namespace stonestack::motion {

@@ -14,8 +14,8 @@
 
 namespace stonestack::hardware {
 
-/// Fields that a client asks of the controller. `timestamp` is always added to the outputs, because START needs an
-/// output and staleness needs a time.
+/// Fields that a client asks of the controller. `timestamp` is always added to the outputs, because START
+/// needs an output and staleness needs a time.
 struct RtdeRecipe {
   std::vector<std::string> required;             ///< outputs; a missing one is an error
   std::vector<std::string> optional;             ///< outputs that an older controller may not have
