@@ -11,7 +11,7 @@
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
-///     double step = 1.0 / 240.0;  ///< time step, s
+///     double step = 1.0 / 240.0;  ///< [s]
 ///     int iterations = 50;
 ///   };
 ///   FieldList fields(SettleOptions& o) {
@@ -30,7 +30,7 @@ struct FieldRange {
   double high = 1e300;
 };
 
-/// Audience of an option.
+/// Who an option is for.
 enum class Tier {
   kUser,    ///< shown by `config show`
   kExpert,  ///< shown by `config show --expert`; a test or a benchmark sets it
@@ -56,9 +56,9 @@ using FieldList = std::vector<Field>;
 
 /// Marks a field as one for users.
 [[nodiscard]] Field user(Field field);
-/// Marks every field of a list.
+/// The same for every field of a list.
 [[nodiscard]] FieldList user(FieldList list);
-/// Fields for users.
+/// Those for users.
 [[nodiscard]] FieldList user_fields(const FieldList& list);
 
 /// Prefixes every name with `prefix.`: several structs in one file, `search.friction`.

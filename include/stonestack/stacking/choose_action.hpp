@@ -7,6 +7,8 @@
 #include "stonestack/stacking/event.hpp"
 #include "stonestack/stacking/run_memory.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// What is known of stones and robot before anything is seen. Catalogue and robot must outlive it.
@@ -33,8 +35,8 @@ struct Decision {
 };
 
 /// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
-/// options give the same decision. In this order: ends after a failure; looks for stones out of sight; goes on
-/// unstacking; clears the base; ends when the height is reached; places or reorients a stone by the search
+/// options give the same decision. In this order: ends after a failure; looks for stones out of sight; goes
+/// on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the search
 /// (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
 /// `listener` hears events as they happen. Throws Interrupted.
 [[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
@@ -42,3 +44,5 @@ struct Decision {
                                      const Listener& listener = {});
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -11,7 +11,7 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kFineness = 0.001;  ///< m
+constexpr double kFineness = 0.001;  ///< [m]
 
 /// Did the user say how far hand and table stay apart?
 bool is_kept_off_table(const PlanningScene& scene) {

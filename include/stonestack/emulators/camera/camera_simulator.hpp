@@ -53,7 +53,7 @@ struct CameraFaults {
   int empty = 0;       ///< no depth anywhere
   int scaled = 0;      ///< depth unit a thousand times too small
   int delayed = 0;     ///< late by `delay`
-  double delay = 1.0;  ///< s
+  double delay = 1.0;  ///< [s]
 };
 [[nodiscard]] FieldList fields(CameraFaults& faults);
 

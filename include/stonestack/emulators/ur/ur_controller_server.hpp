@@ -54,8 +54,8 @@ struct UrServerOptions {
   /// `external_control.urp` is played, as its URCap does; 0: the URCap is not installed.
   int external_control = 0;
   /// As the installation on the pendant says what the arm carries; SimulatedServers: the hand that is there.
-  double payload = 0.0;                                   ///< kg
-  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< m, from the flange
+  double payload = 0.0;                                   ///< [kg]
+  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< from the flange [m]
   ControllerFaults faults;
 };
 [[nodiscard]] FieldList fields(UrServerOptions& options);
