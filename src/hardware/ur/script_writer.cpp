@@ -122,8 +122,8 @@ void follow_pieces(ScriptLines& out, const JointTrajectory& trajectory, bool gua
   out.add(2, "if gap > stk_lag_end:");
   out.add(3, "stk_end = ", number(ScriptEnd::kFellBehind));
   out.add(2, "else:");
-  out.add(3, "servoj(goal, t=stk_dt, lookahead_time=", to_script(kLookahead),
-          ", gain=", to_script(kGain), ")");
+  out.add(3, "servoj(goal, t=stk_dt, lookahead_time=", to_script(kLookahead), ", gain=", to_script(kGain),
+          ")");
   if (guarded) out.add(3, "stk_guard()");
   out.add(3, "gap = stk_lag(goal)");
   out.add(2, "end");

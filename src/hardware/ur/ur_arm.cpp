@@ -173,9 +173,7 @@ void UrArm::stop() {
   const Deadline deadline = Deadline::in(device_->link.options.stop_timeout);
   while (!deadline.over()) {
     const UrStatus now = device_->link.next_status();
-    if (!now.program_running && !now.is_held() &&
-        now.qd.cwiseAbs().maxCoeff() < kStandstillSpeed)
-      return;
+    if (!now.program_running && !now.is_held() && now.qd.cwiseAbs().maxCoeff() < kStandstillSpeed) return;
     if (!find_safety_stop(now).empty()) return;  // the safety system has stopped it
   }
   device_->link.starve("a stop was not obeyed");
