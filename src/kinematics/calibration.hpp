@@ -10,7 +10,7 @@ namespace stonestack::kinematics {
 
 /// A row of a standard DH table: Rz(theta + q) Tz(d) Tx(a) Rx(alpha).
 struct DhRow {
-  double theta = 0.0, d = 0.0, a = 0.0, alpha = 0.0;  ///< m, m, rad [rad]
+  double theta = 0.0, d = 0.0, a = 0.0, alpha = 0.0;  ///< m, rad [rad] [m]
 };
 /// A joint's frame in its parent's at zero angle, as ROS' ur_calibration writes it.
 struct JointOrigin {
