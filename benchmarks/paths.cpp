@@ -43,7 +43,7 @@ Pose near_vertical(Random& random, double reach) {
 /// down through the guarded descent.
 std::array<Pose, 3> ends_of(const Pose& T, const MotionOptions& options) {
   return {T * Pose(Eigen::Translation3d(0, 0, -options.approach)),
-          Pose(Eigen::Translation3d(0, 0, kLift)) * T,
+          Pose(Eigen::Translation3d(0, 0, kLiftHeight)) * T,
           Pose(Eigen::Translation3d(0, 0, -options.descent_past)) * T};
 }
 

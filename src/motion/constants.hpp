@@ -5,7 +5,7 @@ namespace stonestack::motion {
 
 // Pick and place
 /// Length of the lift straight up after the grasp, m; 8 to 12 cm is usual.
-inline constexpr double kLift = 0.10;
+inline constexpr double kLiftHeight = 0.10;
 /// Height above the expected contact where the guarded descent starts, m. Design choice.
 inline constexpr double kDescentLength = 0.020;
 /// Clearance of gripper and arm past the expected contact, m. Design choice.

@@ -341,6 +341,17 @@ TEST_F(Commands, ConfigShowsWhatWon) {
   EXPECT_THAT(shown.out, HasSubstr("search.seed: 1  # default"));
 }
 
+TEST_F(Commands, ConfigShowsExpertOptionsOnRequest) {
+  const std::string users = run("config show").out, all = run("config show --expert").out;
+  EXPECT_THAT(users, HasSubstr("search.friction: 0.1  # [0.001, 2] coefficient between stones"));
+  EXPECT_THAT(users, ::testing::Not(HasSubstr("search.beam")));
+  EXPECT_THAT(all, HasSubstr("search.friction: 0.1"));
+  EXPECT_THAT(all, HasSubstr("search.beam: 4"));
+  EXPECT_THAT(run("config cell").out, ::testing::Not(HasSubstr("faults")));
+  EXPECT_THAT(run("config cell --expert").out, HasSubstr("simulators.arm.faults.local_mode: false"));
+  expect_refusal("run --set search.baem=5", 2, {"search.baem", "did you mean search.beam"});
+}
+
 TEST_F(Commands, TheFileThatConfigShowWritesServesEveryCommand) {
   ASSERT_EQ(run("config show --expert > stonestack.yaml").code, 0);
   EXPECT_EQ(run("render --out scene --seed 3 --stones limestone_1,limestone_4").code, 0);

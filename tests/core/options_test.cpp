@@ -68,8 +68,8 @@ TEST(Options, SuggestsTheWholeNameWhereTheGroupWasLeftOut) {
 TEST(Options, AreForExpertsUnlessMarkedForUsers) {
   Sample sample;
   const FieldList list =
-      nest("search", join({{user(field("friction", sample.friction, {0, 2}, "", "of stones")),
-                            field("beam", sample.beam, {1, 9}, "", "towers kept")}}));
+      nest("search", FieldList{user(field("friction", sample.friction, {0, 2}, "", "of stones")),
+                               field("beam", sample.beam, {1, 9}, "", "towers kept")});
   ASSERT_EQ(user_fields(list).size(), 1U);
   EXPECT_EQ(user_fields(list).front().name, "search.friction");
   EXPECT_EQ(user_fields(user(list)).size(), 2U);

@@ -2,8 +2,8 @@
 
     options_are_set.py ROOT COMMAND
 
-COMMAND is the stonestack program. An option counts as set where a file below tests/, apps/, benchmarks/, examples/
-or data/ has its whole name (search.beam=5), assigns a member of its name in a file that names its group's struct, or
+COMMAND is the stonestack program. An option counts as set where a file below tests/, apps/, benchmarks/, examples/,
+data/ or src/experiment/ (the rows of an experiment) has its whole name (search.beam=5), assigns a member of its name in a file that names its group's struct, or
 has its key in a cell file. An option that nothing sets belongs into its room's constants.hpp.
 """
 import os
@@ -52,7 +52,7 @@ def entries(cell):
 
 def sources(root):
     files = {}
-    for folder in ("tests", "apps", "benchmarks", "examples", "data", ".ci"):
+    for folder in ("tests", "apps", "benchmarks", "examples", "data", ".ci", "src/experiment"):
         for path, folders, here in os.walk(os.path.join(root, folder)):
             folders[:] = [f for f in folders if f != "corpus"]
             for file in here:

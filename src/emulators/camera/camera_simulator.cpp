@@ -47,28 +47,28 @@ DepthFrame IdealDepthPlant::frame() {
 FieldList fields(CameraFaults& o) {
   const FieldRange count{-1, 1e9};
   return {
-      field("no_frame", o.no_frame, count, "", "fault matrix: no frame"),
-      field("hang_up", o.hang_up, count, "", "ours"),
-      field("truncated", o.truncated, count, "", "ours"),
-      field("bad_crc", o.bad_crc, count, "", "ours"),
-      field("garbage", o.garbage, count, "", "ours"),
-      field("wrong_size", o.wrong_size, count, "", "ours"),
-      field("not_finite", o.not_finite, count, "", "ours"),
-      field("repeated", o.repeated, count, "", "fault matrix: old frame"),
-      field("frozen", o.frozen, count, "", "fault matrix: frozen frame"),
-      field("empty", o.empty, count, "", "fault matrix: empty cloud"),
-      field("scaled", o.scaled, count, "", "fault 31: depth scale"),
-      field("delayed", o.delayed, count, "", "ours"),
-      field("delay", o.delay, {0.0, 60.0}, "s", "ours"),
+      field("no_frame", o.no_frame, count, "", "requests that get nothing"),
+      field("hang_up", o.hang_up, count, "", "requests at which the connection is closed"),
+      field("truncated", o.truncated, count, "", "frames of which half is sent, then silence"),
+      field("bad_crc", o.bad_crc, count, "", "frames with a flipped bit in the pixels"),
+      field("garbage", o.garbage, count, "", "replies that are no frame"),
+      field("wrong_size", o.wrong_size, count, "", "frames whose header does not fit the pixels"),
+      field("not_finite", o.not_finite, count, "", "frames with NaN as focal length"),
+      field("repeated", o.repeated, count, "", "frames sent once more: number, time and image"),
+      field("frozen", o.frozen, count, "", "old images with a new number and time"),
+      field("empty", o.empty, count, "", "frames without any depth"),
+      field("scaled", o.scaled, count, "", "frames whose depth unit is a thousand times too small"),
+      field("delayed", o.delayed, count, "", "frames that come late by `delay`"),
+      field("delay", o.delay, {0.0, 60.0}, "s", "of delayed frames"),
   };
 }
 
 FieldList fields(CameraSimulatorOptions& o) {
   return {
       field("address", o.address, "any 127.x.y.z"),
-      field("port", o.port, {0, 65535}, "", "ours; 0: a free one"),
-      field("rate", o.rate, {0.1, 300.0}, "1/s", "SR300"),
-      field("unit", o.unit, {1e-6, 0.1}, "m", "SR300: 1/8 mm"),
+      field("port", o.port, {0, 65535}, "", "0: a free one"),
+      field("rate", o.rate, {0.1, 300.0}, "1/s", "of frames to clients that ask for a stream; SR300: 30"),
+      field("unit", o.unit, {1e-6, 0.1}, "m", "of a depth count; SR300: 1/8 mm"),
   };
 }
 

@@ -20,35 +20,35 @@ constexpr std::size_t kLongest = 256;  // bytes without a command among them
 FieldList fields(FtFaults& o) {
   const FieldRange count{-1, 1e9};
   return {
-      field("silent", o.silent, "fault 25"),
-      field("deaf", o.deaf, "fault 25"),
-      field("forgets", o.forgets, "fault 23: power cycle"),
-      field("bad_crc", o.bad_crc, count, "", "fault 26"),
-      field("lost_bytes", o.lost_bytes, count, "", "fault 26: merged frames"),
-      field("noise", o.noise, count, "", "fault 26"),
-      field("split", o.split, "the cap's peers read split messages"),
-      field("stuck", o.stuck, "fault matrix: stuck value"),
-      field("zeros", o.zeros, "fault matrix: zero"),
-      field("saturated", o.saturated, "fault matrix: saturated"),
-      field("spike", o.spike, {-1000.0, 1000.0}, "N", "fault matrix: spike"),
-      field("drift", o.drift, {-100.0, 100.0}, "N/s", "fault 23"),
-      field("rate", o.rate, {0.0, 1000.0}, "1/s", "fault matrix: 10 Hz only"),
-      field("firmware", o.firmware, "fault 25: another device on this line"),
+      field("silent", o.silent, "true: neither streams nor answers"),
+      field("deaf", o.deaf, "true: streams on, whatever is sent"),
+      field("forgets", o.forgets, "true: a power cycle ends the stream, once"),
+      field("bad_crc", o.bad_crc, count, "", "frames with a flipped bit (serial)"),
+      field("lost_bytes", o.lost_bytes, count, "", "frames without their last bytes"),
+      field("noise", o.noise, count, "", "bursts of bytes that are no frame"),
+      field("split", o.split, "true: frames come in two pieces"),
+      field("stuck", o.stuck, "true: one reading is repeated"),
+      field("zeros", o.zeros, "true: all readings are zero"),
+      field("saturated", o.saturated, "true: readings are the largest that a frame carries"),
+      field("spike", o.spike, {-1000.0, 1000.0}, "N", "added to Fz of the next frame"),
+      field("drift", o.drift, {-100.0, 100.0}, "N/s", "of Fz"),
+      field("rate", o.rate, {0.0, 1000.0}, "1/s", "of readings in place of the right one; 0: right"),
+      field("firmware", o.firmware, "another device's answer on this line; empty: the right one"),
   };
 }
 
 FieldList fields(FtSimulatorOptions& o) {
   return {
-      field("serial", o.serial, "ours"),
-      field("link", o.link, "a name for the pseudo terminal"),
-      field("unit", o.unit, {1, 247}, "", "Robotiq manual: 9"),
-      field("streaming", o.streaming, "ours"),
-      field("cap", o.cap, "ours"),
+      field("serial", o.serial, "true: the sensor's own line, on a pseudo terminal"),
+      field("link", o.link, "name of the pseudo terminal"),
+      field("unit", o.unit, {1, 247}, "", "Modbus unit; Robotiq manual: 9"),
+      field("streaming", o.streaming, "true: the line streams from the start"),
+      field("cap", o.cap, "true: the UR cap's servers"),
       field("address", o.address, "any 127.x.y.z"),
-      field("port", o.port, {0, 65535}, "", "Robotiq's UR cap"),
-      field("command_port", o.command_port, {0, 65535}, "", "Robotiq's UR cap"),
-      field("rate", o.rate, {1.0, 1000.0}, "1/s", "Robotiq manual"),
-      field("speed_up", o.speed_up, {0.01, 1000.0}, "", "ours"),
+      field("port", o.port, {0, 65535}, "", "of the UR cap; 0: a free one"),
+      field("command_port", o.command_port, {0, 65535}, "", "of the UR cap, for SET ZRO; 0: a free one"),
+      field("rate", o.rate, {1.0, 1000.0}, "1/s", "of readings; Robotiq manual: 100"),
+      field("speed_up", o.speed_up, {0.01, 1000.0}, "", "simulated seconds in a second"),
   };
 }
 

@@ -27,25 +27,26 @@ std::optional<int> offset(const modbus::Request& request, int base) {
 
 FieldList fields(GripperFaults& o) {
   return {
-      field("activation_hangs", o.activation_hangs, "fault 27"),
-      field("fault", o.fault, {0, 15}, "", "Robotiq manual: gFLT"),
-      field("stuck_moving", o.stuck_moving, "fault 27: endless while moving"),
-      field("echo_delay", o.echo_delay, {0.0, 60.0}, "s", "fault 28"),
-      field("ignored_writes", o.ignored_writes, {0, 1000}, "", "fault 28"),
-      field("false_object", o.false_object, "object status without an object"),
-      field("slip", o.slip, {0.0, 100.0}, "count/s", "a stone that slips slowly"),
+      field("activation_hangs", o.activation_hangs, "true: the activation never completes"),
+      field("fault", o.fault, {0, 15}, "", "gFLT that is reported; 13 to 15 end with a reset"),
+      field("stuck_moving", o.stuck_moving, "true: the fingers report motion for ever"),
+      field("echo_delay", o.echo_delay, {0.0, 60.0}, "s", "until a request is carried out and echoed"),
+      field("ignored_writes", o.ignored_writes, {0, 1000}, "", "position requests that are lost"),
+      field("false_object", o.false_object, "true: contact is reported at the requested position"),
+      field("slip", o.slip, {0.0, 100.0}, "count/s", "of closed fingers that hold something"),
   };
 }
 
 FieldList fields(GripperSimulatorOptions& o) {
   return {
-      field("tcp", o.tcp, "ours"),
+      field("tcp", o.tcp, "true: serves Modbus/TCP"),
       field("address", o.address, "any 127.x.y.z"),
-      field("port", o.port, {0, 65535}, "", "Modbus standard: 502; 0: a free one"),
-      field("rtu", o.rtu, "ours"),
-      field("link", o.link, "a name for the pseudo terminal"),
-      field("unit", o.unit, {1, 247}, "", "Robotiq manual: 9"),
-      field("speed_up", o.speed_up, {0.01, 1000.0}, "", "ours"),
+      field("port", o.port, {0, 65535}, "", "over TCP; the standard's is 502, 0: a free one"),
+      field("rtu", o.rtu, "true: serves Modbus/RTU on a pseudo terminal"),
+      field("link", o.link, "name of the pseudo terminal"),
+      field("unit", o.unit, {1, 247}, "", "on the serial line; Robotiq manual: 9"),
+      field("speed_up", o.speed_up, {0.01, 1000.0}, "",
+            "simulated seconds in a second, of activation and fingers"),
   };
 }
 

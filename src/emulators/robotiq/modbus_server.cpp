@@ -35,20 +35,20 @@ bool send_bytes(Stream& stream, const modbus::Bytes& bytes, bool fragments) {
 FieldList fields(ModbusFaults& o) {
   const FieldRange count{-1, 1e9};
   return {
-      field("no_reply", o.no_reply, count, "", "fault 27: no answer"),
-      field("hang_up", o.hang_up, count, "", "fault 29"),
-      field("exceptions", o.exceptions, count, "", "Modbus standard"),
-      field("exception", o.exception, {1, 255}, "", "Modbus standard"),
-      field("delayed", o.delayed, count, "", "fault 27: late answer"),
-      field("delay", o.delay, {0.0, 60.0}, "s", "ours"),
-      field("wrong_unit", o.wrong_unit, count, "", "fault 29"),
-      field("wrong_transaction", o.wrong_transaction, count, "", "ours"),
-      field("wrong_count", o.wrong_count, count, "", "ours"),
-      field("bad_crc", o.bad_crc, count, "", "fault 27: CRC not checked"),
-      field("merged", o.merged, count, "", "fault 26"),
-      field("truncated", o.truncated, count, "", "fault 27: too few bytes"),
-      field("garbage", o.garbage, count, "", "ours"),
-      field("fragments", o.fragments, "ours"),
+      field("no_reply", o.no_reply, count, "", "requests carried out without a reply"),
+      field("hang_up", o.hang_up, count, "", "requests at which the connection is closed (TCP)"),
+      field("exceptions", o.exceptions, count, "", "requests refused with `exception`"),
+      field("exception", o.exception, {1, 255}, "", "code of the refusals"),
+      field("delayed", o.delayed, count, "", "replies that come late by `delay`"),
+      field("delay", o.delay, {0.0, 60.0}, "s", "of delayed replies"),
+      field("wrong_unit", o.wrong_unit, count, "", "replies by another unit"),
+      field("wrong_transaction", o.wrong_transaction, count, "", "replies with another transaction id (TCP)"),
+      field("wrong_count", o.wrong_count, count, "", "replies with a byte count that does not fit"),
+      field("bad_crc", o.bad_crc, count, "", "replies with a flipped bit in the CRC (RTU)"),
+      field("merged", o.merged, count, "", "replies behind another one in one piece"),
+      field("truncated", o.truncated, count, "", "replies of which half is sent"),
+      field("garbage", o.garbage, count, "", "replies that are no frame"),
+      field("fragments", o.fragments, "true: replies come byte by byte"),
   };
 }
 

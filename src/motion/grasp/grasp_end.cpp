@@ -146,7 +146,7 @@ std::optional<EndFault> GraspEnd::arm_fault(const Grasp& grasp, const Pose& T_W_
   };
   const IkBranches at = branches(T_W_T);
   const IkBranches back = branches(T_W_T * Pose(Eigen::Translation3d(0, 0, -options_.approach)));
-  const IkBranches up = branches(Pose(Eigen::Translation3d(0, 0, kLift)) * T_W_T);
+  const IkBranches up = branches(Pose(Eigen::Translation3d(0, 0, kLiftHeight)) * T_W_T);
   bool reached = false;
   for (int i = 0; i < at.count; ++i) {
     IkSolution s = at.solutions[static_cast<std::size_t>(i)];

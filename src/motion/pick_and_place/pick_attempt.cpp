@@ -16,7 +16,7 @@ namespace {
 constexpr double kTransitSeconds = 0.5;  ///< effort for one transit of one candidate [s]
 constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
 constexpr double kWidestBlend = 0.2;     ///< corners cut, most [rad]
-constexpr std::array kLifts{1.0, 0.5};   ///< of kLift, where the arm has no room for more
+constexpr std::array kLifts{1.0, 0.5};   ///< of kLiftHeight, where the arm has no room for more
 constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out of a lean before it goes up [m]
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
@@ -107,14 +107,14 @@ std::optional<JointPath> PickAttempt::straight(const Joints& q, const Pose& T_W_
 
 std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pose& T_W_T) const {
   for (const double share : kLifts)
-    if (auto path = straight(q, raised(T_W_T, share * kLift)); path && is_free(held_.get(), *path))
+    if (auto path = straight(q, raised(T_W_T, share * kLiftHeight)); path && is_free(held_.get(), *path))
       return path;
   return std::nullopt;
 }
 
 std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
   const Eigen::Vector3d& along = task_.n_W_lift;
-  const double zone = std::min(kContactZone, kLift);
+  const double zone = std::min(kContactZone, kLiftHeight);
   const auto out = [&](double by) { return Pose(Eigen::Translation3d(by * along) * T_W_T_pick_); };
   auto loose = straight(q_pick, out(zone));
   if (!loose || !is_free(open_, *loose)) return std::nullopt;
@@ -160,7 +160,7 @@ PlanningScene PickAttempt::placed_alone() const {
 
 /// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
 WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
-  const double zone = std::min(kContactZone, kLift);
+  const double zone = std::min(kContactZone, kLiftHeight);
   const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
   if (!back || !is_free(open_, *back)) return WayFault::kApproach;
   const auto lift = lifted(q_pick);
