@@ -187,7 +187,12 @@ std::string next_command(const SearchCommand& command, const SearchStart& start)
   };
   const std::string catalogue = with("--catalogue", command.common.catalogue);
   if (!command.out.empty()) return concat("stonestack check ", quoted(command.out), catalogue);
-  const std::string again = concat("stonestack search ", quoted(command.input), catalogue,
+  const DepthInput& depth = command.depth;
+  const std::string view =
+      concat(depth.unit > 0.0 ? concat(" --depth-unit ", depth.unit) : "", with("--camera", depth.camera),
+             with("--distortion", depth.distortion), depth.frame > 0 ? concat(" --frame ", depth.frame) : "",
+             depth.units == "m" ? "" : " --units " + depth.units);
+  const std::string again = concat("stonestack search ", quoted(command.input), view, catalogue,
                                    with("--camera-pose", command.camera_pose),
                                    command.world ? " --world" : "", with("--site", command.site));
   if (start.frame == "camera_pose" && command.robot.empty())
@@ -256,13 +261,8 @@ Found find_in_time(const SearchCommand& command, const Clock& clock, Catalogue* 
   Found found;
   try {
     *catalogue = command.common.read();
-    *start = read_start({command.input,
-                         command.camera_pose,
-                         command.stones,
-                         command.site,
-                         command.world,
-                         !command.robot.empty(),
-                         {}},
+    *start = read_start({command.input, command.camera_pose, command.stones, command.site, command.world,
+                         !command.robot.empty(), command.depth},
                         *catalogue, command.detection);
     let_come_to_rest(command.options, &start->problem);
     ask_the_arm(command, *catalogue, &start->problem);
