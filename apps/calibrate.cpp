@@ -5,11 +5,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/hardware/cell_edit.hpp"
 #include "stonestack/kinematics/hand_eye_file.hpp"
 #include "stonestack/kinematics/hand_eye_stations.hpp"
 
@@ -29,11 +31,20 @@ struct CalibrateCommand {
   bool on_base = false;
   bool force = false;
   std::string method = "joint";
-  std::string check, out, like, write_pairs;
+  std::string check, out, cell, like, write_pairs;
+  Pose simulated_truth = Pose::Identity();  ///< what a simulated calibration should find
 };
 
-/// What a simulated calibration should find.
-const Pose kSimulatedTruth = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
+/// The mount of a simulated cell's camera, of the cell to be written if there is one; beside the arm any.
+Pose simulated_truth(const CalibrateCommand& command) {
+  if (command.on_base) return make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
+  CellLayout layout;
+  if (!command.cell.empty()) {
+    const CellFile file = read_cell(command.cell);
+    layout = true_layout(to_layout(file.cell), file.servers);
+  }
+  return layout.T_F_T * layout.T_T_C;
+}
 
 HandEyeFile stations(const CalibrateCommand& command) {
   require(command.pairs_file.empty() != (command.simulate == 0),
@@ -41,7 +52,7 @@ HandEyeFile stations(const CalibrateCommand& command) {
   if (command.simulate == 0) return read_hand_eye_pairs(command.pairs_file);
   const CameraMount mount = command.on_base ? CameraMount::kOnBase : CameraMount::kOnHand;
   return {mount,
-          simulate_hand_eye(kSimulatedTruth, mount, command.simulate, HandEyeNoise{},
+          simulate_hand_eye(command.simulated_truth, mount, command.simulate, HandEyeNoise{},
                             Random::stream(static_cast<std::uint64_t>(command.common.seed), "calibrate"))};
 }
 
@@ -56,7 +67,7 @@ void print_table(const HandEyeResult& result, const CalibrateCommand& command) {
     const auto& p = s.T_A_C.translation();
     std::printf("%-12s %12.3f %12.4f   %8.5f %8.5f %8.5f", s.method.c_str(), 1000 * s.residual.translation,
                 s.residual.rotation / kDegree, p.x(), p.y(), p.z());
-    const auto error = difference(s.T_A_C, kSimulatedTruth);
+    const auto error = difference(s.T_A_C, command.simulated_truth);
     if (command.simulate > 0) std::printf("   %6.3f %7.4f", 1000 * error.translation, error.angle / kDegree);
     std::printf("\n");
   }
@@ -126,6 +137,12 @@ void save(const CalibrateCommand& command, const HandEyeFile& file, const HandEy
   log_info("wrote " + command.out);
 }
 
+void write_into_cell(const CalibrateCommand& command, const HandEyeSolution& chosen) {
+  const std::string line = write_mount(command.cell, chosen.T_A_C, command.out);
+  log_info(concat(command.cell, ": wrote ", line,
+                  "; see what the camera makes of it: stonestack doctor --cell ", command.cell));
+}
+
 /// Stations that give no result are the file's fault.
 HandEyeResult solve(const CalibrateCommand& command, const HandEyeFile& file) {
   try {
@@ -147,7 +164,10 @@ std::string report(const Check& check, const std::string& path) {
 void calibrate(CalibrateCommand& command) {
   command.common.begin();
   command.common.settings.apply({});
+  if (command.simulate > 0) command.simulated_truth = simulated_truth(command);
   const HandEyeFile file = stations(command);
+  require(command.cell.empty() || file.mount == CameraMount::kOnHand, "--write ", command.cell,
+          ": a cell's camera is on the hand, and this calibration is of one beside the arm");
   if (!command.write_pairs.empty()) write_hand_eye_pairs(command.write_pairs, file);
   const HandEyeResult result = solve(command, file);
   const auto chosen = std::find_if(result.solutions.begin(), result.solutions.end(),
@@ -165,14 +185,15 @@ void calibrate(CalibrateCommand& command) {
   else
     print_table(result, command);
   for (const auto& warning : warnings) log_warning(warning);
-  if (command.out.empty()) return;
+  if (command.out.empty() && command.cell.empty()) return;
   if (!problem.empty() && !command.force)
     throw FileError(
         command.pairs_file.empty() ? "--simulate" : command.pairs_file,
-        concat("gives no calibration (", in_words(chosen->residual), "), so ", command.out,
-               " was not written"),
+        concat("gives no calibration (", in_words(chosen->residual), "), so nothing was written to ",
+               command.out, command.out.empty() || command.cell.empty() ? "" : " and ", command.cell),
         "check that each line holds one station's arm and target pose, in metres; --force writes it");
-  save(command, file, *chosen);
+  if (!command.out.empty()) save(command, file, *chosen);
+  if (!command.cell.empty()) write_into_cell(command, *chosen);
 }
 
 }  // namespace
@@ -191,6 +212,10 @@ void add_calibrate(CLI::App& app) {
   sub->add_option("--check", command->check, "An easy_handeye file to compare with the stations")
       ->type_name("FILE");
   sub->add_option("--out", command->out, "Write the result as an easy_handeye file")->type_name("FILE");
+  sub->add_option("--write", command->cell,
+                  "Write the result into this cell file and leave the rest as it is: layout.T_T_C, or "
+                  "layout.hand_eye: the file of --out")
+      ->type_name("CELL");
   sub->add_flag("--force", command->force, "Write a result that looks wrong, too");
   sub->add_option("--like", command->like, "Take frame names and the other parameters from this file")
       ->type_name("FILE");
@@ -201,6 +226,7 @@ void add_calibrate(CLI::App& app) {
       "Examples:\n"
       "  stonestack calibrate --simulate 15 --seed 1\n"
       "  stonestack calibrate pairs.yaml --out ur10_sr300.yaml\n"
+      "  stonestack calibrate pairs.yaml --write my_lab.yaml && stonestack doctor --cell my_lab.yaml\n"
       "  stonestack calibrate pairs.yaml --check ~/.ros/easy_handeye/ur10_sr300.yaml\n"
       "PAIRS: {schema: stonestack.hand_eye/1, camera: on_hand, pairs: [{T_R_F: {x, y, z, qx, qy, qz, qw}, "
       "T_C_B: ...}]}");

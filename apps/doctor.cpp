@@ -1,8 +1,10 @@
+#include <cmath>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "cell_input.hpp"
 #include "commands.hpp"
@@ -13,8 +15,12 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/socket.hpp"
+#include "stonestack/detection/table_frame.hpp"
+#include "stonestack/hardware/cell_edit.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 #include "stonestack/hardware/ur/primary_client.hpp"
+#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/mount_reading.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -108,10 +114,17 @@ std::string hear_primary(const CellConfig& cell) {
   return concat("scripts go to port ", primary.port());
 }
 
+/// Answers of the devices, for comparing them with each other.
+struct Said {
+  UrVersion version;
+  std::optional<Joints> q;          ///< of an arm that answers
+  std::optional<DepthImage> image;  ///< taken now: not of a recording
+};
+
 /// For a while, so that a stream that breaks again and again is found; with all that a run reads and writes.
-Look listen_rtde(const CellConfig& cell, UrVersion& version) {
+Look listen_rtde(const CellConfig& cell, Said& said) {
   const auto recipe = [&, served = served_recipe(cell.arm.address)](const UrVersion& reported) {
-    version = reported;
+    said.version = reported;
     return served(reported);
   };
   const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, recipe, cell.arm.rtde);
@@ -125,6 +138,7 @@ Look listen_rtde(const CellConfig& cell, UrVersion& version) {
            concat("the stream broke ", lost, " times within ", kListen, " s"),
            "look at cable and switch, and at the controller's log");
   const UrStatus status = read_status(sample, first_register(rtde.version()));
+  said.q = status.q;
   std::string text = concat("protocol ", rtde.protocol(), ", controller time ", sample.device_time(),
                             " s, joints ", status.q.transpose(), " rad");
   for (const std::string& name : rtde.missing()) text += "; this controller has no " + name;
@@ -161,7 +175,7 @@ std::string read_force(const CellConfig& cell) {
 
 /// Two frames or more, so that a camera whose stream or image stands still is found; of a recording the first
 /// only.
-std::string look(const CellConfig& cell, int frames) {
+std::string look(const CellConfig& cell, int frames, Said& said) {
   const auto describe = [](const DepthFrame& frame) {
     return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
   };
@@ -170,6 +184,7 @@ std::string look(const CellConfig& cell, int frames) {
   if (cell.camera == "recorded") return describe(first);
   DepthFrame last = first;
   for (int k = 1; k < frames; ++k) last = camera->capture();
+  said.image = last.image;
   std::string text =
       concat(describe(last), ", ", last.device_time - first.device_time, " s after the one before");
   if (frames > 2)
@@ -178,32 +193,116 @@ std::string look(const CellConfig& cell, int frames) {
   return text;
 }
 
-/// The camera sits behind the finger tips and looks where the hand points. The inverse transform puts it
-/// before them; how steeply it looks is the same in either.
-Look check_hand_eye(const CellConfig& cell) {
-  constexpr double kBefore = 0.02, kSteep = 0.5;  // m; cosine, to where the hand points
-  const std::string name = "hand-eye calibration", remedy = "see `stonestack calibrate`";
-  const Pose T_T_C = to_layout(cell).T_T_C;
+double degrees(double angle) {
+  return angle * 180.0 / std::numbers::pi;
+}
+
+double rounded(double value, double unit) {
+  return std::round(value / unit) * unit;
+}
+
+/// The hand-eye calibration as the cell file has it.
+struct GivenMount {
+  std::string name;  ///< "layout.T_T_C"
+  MountReading meant = MountReading::kTip;
+  Pose numbers = Pose::Identity();
+  CellLayout layout;
+
+  explicit GivenMount(const CellConfig& cell) : layout(to_layout(cell)) {
+    name = cell.T_F_C ? "layout.hand_eye (" + cell.hand_eye + ")" : "layout.T_T_C";
+    meant = cell.T_F_C ? MountReading::kFlange : MountReading::kTip;
+    numbers = cell.T_F_C ? *cell.T_F_C : layout.T_T_C;
+  }
+};
+
+const std::string kHandEye = "hand-eye calibration";
+const std::string kCalibrate = "calibrate: `stonestack calibrate PAIRS --write CELL`";
+
+/// "camera 0.17 m behind the finger tips, 0.11 m aside"
+std::string place_of(const Pose& T_T_C) {
   const Eigen::Vector3d p = T_T_C.translation();
-  const double view = T_T_C.linear()(2, 2);
-  if (p.z() > kBefore)
-    refuse(name, concat("layout.T_T_C puts the camera ", p.z(), " m in front of the finger tips"),
-           T_T_C.inverse().translation().z() <= kBefore
-               ? "it looks like T_C_T, the inverse: " + remedy
-               : "neither it nor its inverse can be right: " + remedy);
-  if (view <= 0)
-    refuse(name, concat("layout.T_T_C has the camera look back at the arm (z by ", view, ")"), remedy);
-  const std::string place =
-      concat("camera ", -p.z(), " m behind the finger tips, ", std::hypot(p.x(), p.y()), " m aside");
-  if (view >= kSteep) return place;
-  return {concat(place, ", looking ", std::acos(view) * 180 / std::numbers::pi,
-                 " deg away from where the hand points; if it is not mounted so, ", remedy),
+  return concat("camera ", rounded(std::abs(p.z()), 0.001), " m ", p.z() > 0 ? "in front of" : "behind",
+                " the finger tips, ", rounded(std::hypot(p.x(), p.y()), 0.001), " m aside");
+}
+
+std::string in_words(const TableOffset& table) {
+  return concat(rounded(std::abs(1000 * table.height), 1), " mm ", table.height < 0 ? "below" : "above",
+                " z = 0 and tilted by ", rounded(degrees(table.tilt), 0.1), " deg");
+}
+
+/// The line for the cell file.
+std::string write_instead(const Pose& T_T_C) {
+  return concat("if that is right, write `T_T_C: ", mount_text(T_T_C), "` in its place");
+}
+
+/// By the numbers alone: nothing here is known to be right, but much is known to be wrong.
+Look judge_numbers(const GivenMount& given, const std::string& why_no_view) {
+  const Pose& T_T_C = given.layout.T_T_C;
+  if (is_possible_mount(T_T_C))
+    return {concat(place_of(T_T_C), "; not compared with the table: ", why_no_view), true};
+  std::string candidates;
+  for (const MountReading reading : kMountReadings)
+    if (reading != given.meant && is_possible_mount(mount_of(reading, given.numbers, given.layout.T_F_T)))
+      candidates += (candidates.empty() ? "they may be " : ", or ") + to_text(reading);
+  refuse(kHandEye,
+         concat(given.name, " as ", to_text(given.meant), ": ", place_of(T_T_C),
+                T_T_C.linear()(2, 2) > 0 ? "" : ", facing the arm"),
+         candidates.empty() ? "nor is it the inverse or another frame; " + kCalibrate : candidates);
+  return {""};
+}
+
+/// The table that the camera sees, at the place where the mount puts it.
+Look judge_view(const GivenMount& given, const Pose& T_W_T, const Plane& table_C) {
+  const MountCheck check = check_mount(given.numbers, given.meant, given.layout.T_F_T, T_W_T, table_C);
+  const std::string seen =
+      concat(place_of(check.meant.T_T_C), "; the table is seen ", in_words(check.meant.table));
+  const std::string as_given = concat(given.name, " as ", to_text(given.meant), ": ", seen);
+  switch (check.verdict) {
+    case MountCheck::Verdict::kOther:
+      refuse(kHandEye,
+             concat(as_given, "; the numbers look like ", to_text(check.others.front().reading),
+                    ": with that it is ", in_words(check.others.front().table)),
+             write_instead(check.others.front().T_T_C));
+      break;
+    case MountCheck::Verdict::kNone:
+      refuse(kHandEye, concat(as_given, ", and no other reading of the numbers explains it"),
+             "see that the table is in view and layout.T_W_R is right, or " + kCalibrate);
+      break;
+    case MountCheck::Verdict::kAmbiguous:
+      return {
+          concat(seen, ", but would be so, too, if the numbers were ", to_text(check.others.front().reading),
+                 ": tilt the hand by 20 deg, the table in view, and ask again"),
           true};
+    case MountCheck::Verdict::kRough:
+      return {concat(seen, "; ", kCalibrate), true};
+    case MountCheck::Verdict::kFits:
+      break;
+  }
+  if (!is_possible_mount(check.meant.T_T_C))
+    return {concat(seen, "; if the camera is not mounted so, ", kCalibrate), true};
+  return concat(seen, " (one view does not show the camera's place along the table)");
+}
+
+/// Reason why the view cannot be compared; empty if it can.
+std::string obstacle_to_view(const CellConfig& cell, const Said& said) {
+  if (!said.q) return "the arm has not said where it is";
+  if (cell.camera == "recorded") return "a recording is not from where the arm is now";
+  if (!said.image) return "there is no depth image";
+  return "";
+}
+
+Look check_hand_eye(const CellConfig& cell, const Said& said) {
+  const GivenMount given(cell);
+  if (const std::string why = obstacle_to_view(cell, said); !why.empty()) return judge_numbers(given, why);
+  const auto table_C = find_table(*said.image);
+  if (!table_C) return judge_numbers(given, "the camera sees none; move the hand over it and ask again");
+  const Pose T_W_T = given.layout.T_W_R * forward(read_cell_robot(cell), *said.q) * given.layout.T_F_T;
+  return judge_view(given, T_W_T, *table_C);
 }
 
 /// RTDE first: its version tells what else there may be. PolyScope X has no Dashboard, and must not be asked
 /// to enable one.
-void examine_arm(const CellConfig& cell, Examination& examination) {
+void examine_arm(const CellConfig& cell, Said& said, Examination& examination) {
   if (cell.arm.address.empty()) {
     examination.step("cell file", "arm", [&] {
       require_arm_address(cell);
@@ -211,19 +310,29 @@ void examine_arm(const CellConfig& cell, Examination& examination) {
     });
     return;
   }
-  UrVersion version;
-  examination.step("arm", "RTDE", [&] { return listen_rtde(cell, version); });
-  if (version.major >= kPolyScopeX) return;
+  examination.step("arm", "RTDE", [&] { return listen_rtde(cell, said); });
+  if (said.version.major >= kPolyScopeX) return;
   examination.step("arm", "Dashboard", [&] { return ask_dashboard(cell); });
   examination.step("arm", "script port", [&] { return hear_primary(cell); });
 }
 
 void examine(const CellConfig& cell, int frames, Examination& examination) {
-  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell); });
-  examine_arm(cell, examination);
+  Said said;
+  examine_arm(cell, said, examination);
   examination.step("gripper", "status", [&] { return ask_gripper(cell); });
   examination.step("force sensor", "reading", [&] { return read_force(cell); });
-  examination.step("camera", "frames", [&] { return look(cell, frames); });
+  examination.step("camera", "frames", [&] { return look(cell, frames, said); });
+  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell, said); });
+}
+
+/// Sets what --set says; the file of a hand-eye calibration is read again.
+void apply_settings(Settings& settings, CellFile& file) {
+  const PoseNumbers given = file.cell.T_T_C;
+  settings.apply(join({fields(file.cell), cell_fields(file)}));
+  require(file.cell.hand_eye.empty() || file.cell.T_T_C == given,
+          "layout.T_T_C and layout.hand_eye are the same thing: set one of them, with --set layout.hand_eye= "
+          "where the file names one");
+  read_hand_eye(file.cell);
 }
 
 /// Does `stonestack simulate` serve the cell's standard ports already, in another process?
@@ -244,7 +353,7 @@ bool is_served(const CellFile& file) {
 void doctor(DoctorCommand& command) {
   command.common.begin();
   CellFile file = read_cell(command.cell.empty() ? data_path("cells/loopback-ur10.yaml") : command.cell);
-  command.common.settings.apply(join({fields(file.cell), cell_fields(file)}));
+  apply_settings(command.common.settings, file);
   CellConfig cell = file.cell;
   std::unique_ptr<SimulatedCell> world;
   std::unique_ptr<SimulatedServers> servers;
@@ -254,7 +363,8 @@ void doctor(DoctorCommand& command) {
     log_info("the devices of " + file.path + " are simulated by another process, which is examined");
   if (serve) {
     const RobotModel robot = read_robot(cell.robot);
-    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot, to_layout(cell));
+    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot,
+                                            true_layout(to_layout(cell), file.servers));
     servers = std::make_unique<SimulatedServers>(*world, robot, file.servers);
     connect_to(*servers, cell);
     log_info("the devices of " + file.path + " are simulated here");

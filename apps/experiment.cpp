@@ -140,6 +140,7 @@ std::vector<ExperimentRun> runs_done(const ExperimentCommand& command, const Sim
 /// that was under way then tells nothing about the design: its folder stays, but it is not counted.
 Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& settings,
                        const Catalogue& catalogue, const RobotModel& robot, const std::string& folder) {
+  const auto shapes = make_contact_shapes(catalogue.stones);  // held, so that all runs find them
   Performed performed;
   Experiment& experiment = performed.experiment;
   experiment.per_run = command.per_run;

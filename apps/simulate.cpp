@@ -51,7 +51,8 @@ void simulate(SimulateCommand& command) {
   RobotModel any = robot;  // served to whoever comes, with a hand of their own
   any.payload = std::numeric_limits<double>::infinity();
   const auto present = draw_stones(catalogue, command.per_run, command.common.seed, make_robotiq_3f(), any);
-  SimulatedCell world(catalogue.stones, present, robot, to_layout(file.cell), command.simulation);
+  SimulatedCell world(catalogue.stones, present, robot, true_layout(to_layout(file.cell), file.servers),
+                      command.simulation);
   const SimulatedServers servers(world, robot, file.servers);
   std::cout << servers.text() << std::flush;
   log_info("serving until Ctrl-C");

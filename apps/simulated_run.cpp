@@ -106,7 +106,8 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   report = open_report(run, catalogue, robot, present);
   log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
                   " stones"));
-  const CellLayout layout = file == nullptr ? CellLayout{} : to_layout(file->cell);
+  const CellLayout layout =
+      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell), file->servers);
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
   if (file == nullptr) {
     build(report, world.cell(), run, catalogue, robot, folder.path());

@@ -2,6 +2,7 @@
 
 #include "simulation/shared_world.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 
 namespace stonestack::emulators {
 
@@ -9,6 +10,12 @@ SimulatedServersOptions::SimulatedServersOptions() {
   force_torque.serial = false;
   force_torque.cap = true;
   force_torque.streaming = true;
+  T_T_C = CellConfig{}.T_T_C;
+}
+
+CellLayout true_layout(CellLayout layout, const SimulatedServersOptions& options) {
+  layout.T_T_C = to_pose(options.T_T_C, "simulators.camera.T_T_C");
+  return layout;
 }
 
 FieldList fields(SimulatedServersOptions& o) {
@@ -17,6 +24,7 @@ FieldList fields(SimulatedServersOptions& o) {
                nest("gripper.wire_faults", fields(o.modbus_faults)),
                nest("force_torque", fields(o.force_torque)),
                nest("force_torque.faults", fields(o.force_torque_faults)), nest("camera", fields(o.camera)),
+               nest("camera", pose_fields("T_T_C", o.T_T_C, "camera in the tool, as it really sits")),
                nest("camera.faults", fields(o.camera_faults))});
 }
 

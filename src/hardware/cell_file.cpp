@@ -1,8 +1,13 @@
 #include "stonestack/hardware/cell_file.hpp"
 
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
+#include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/kinematics/hand_eye_file.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -15,28 +20,13 @@ PoseNumbers to_numbers(const Pose& pose) {
   return {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-Pose to_pose(const PoseNumbers& n, const char* name) {
-  const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
-  require(std::abs(q.norm() - 1.0) < kQuaternionSlack, "layout.", name, ": (qx, qy, qz, qw) has the length ",
-          q.norm(), "; a rotation has 1");
-  return make_pose({n[0], n[1], n[2]}, q.normalized());
-}
-
-FieldList pose_fields(const std::string& name, PoseNumbers& n, const std::string& source) {
-  FieldList list;
-  const char* keys[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
-  for (std::size_t i = 0; i < n.size(); ++i)
-    list.push_back(i < 3 ? field(name + "." + keys[i], n[i], {-10.0, 10.0}, "m", source)
-                         : field(name + "." + keys[i], n[i], {-1.0, 1.0}, "", source));
-  return list;
-}
-
 FieldList layout_fields(CellConfig& c) {
   return join(
       {pose_fields("T_W_R", c.T_W_R, "robot base in the world; the table is z = 0"),
        pose_fields("T_F_T", c.T_F_T, "tool tip in the flange"),
-       pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate"),
-       {field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "of the force sensor; FT150 0.65, FT300 0.30"),
+       pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate --write"),
+       {field("hand_eye", c.hand_eye, "camera in the flange, in place of T_T_C: easy_handeye file"),
+        field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "of the force sensor; FT150 0.65, FT300 0.30"),
         field("camera_mass", c.camera_mass, {0.0, 10.0}, "kg", "with bracket and cable"),
         field("obstacles", c.obstacles_text, "what the arm must not touch: a list of name, shape, T_W_O"),
         field("padding", c.padding_text, "clearance between pairs of things: a list of a, b, m")},
@@ -80,6 +70,37 @@ void require_usable_settings(const CellConfig& config) {
     }
 }
 
+/// Both would be one too many: which of them holds?
+void require_one_mount(const CellConfig& config) {
+  if (config.hand_eye.empty()) return;
+  bool has_pose = false;
+  yaml::for_each_scalar(yaml::read_file(config.file), [&](const std::string& name, const std::string&) {
+    has_pose = has_pose || name.rfind("layout.T_T_C", 0) == 0;
+  });
+  if (has_pose)
+    throw FileError(config.file, "says layout.T_T_C and layout.hand_eye, which are the same thing",
+                    "keep hand_eye, the camera in the flange, or T_T_C, the camera in the tool");
+}
+
+/// Beside the cell file, unless the path is a whole one.
+std::string hand_eye_path(const CellConfig& config) {
+  const std::string& name = config.hand_eye;
+  const char* home = std::getenv("HOME");
+  if (name.rfind("~/", 0) == 0 && home != nullptr) return home + name.substr(1);
+  return std::filesystem::path(config.file).parent_path() / name;
+}
+
+/// ROS has frames at flange and camera that are turned against F and C.
+void warn_of_frames(const std::string& path, const EasyHandEye& calibration) {
+  const auto warn = [&](const char* key, const char* wanted, const std::string& end) {
+    for (const auto& p : calibration.parameters)
+      if (p.key == key && !p.value.empty() && p.value.find(end) == std::string::npos)
+        log_warning(concat(path, ": ", key, " is ", p.value, ", which is taken for ", wanted));
+  };
+  warn("robot_effector_frame", "the flange as the controller has it (tool0)", "tool0");
+  warn("tracking_base_frame", "the depth image's optical frame (z forward, x right)", "optical");
+}
+
 std::unique_ptr<DepthCamera> open_camera(const CellConfig& config) {
   if (config.camera == "stream") return std::make_unique<StreamCamera>(config.stream);
   if (config.camera == "v4l2") return std::make_unique<V4l2Camera>(config.v4l2);
@@ -119,11 +140,39 @@ FieldList fields(CellConfig& c) {
                nest("limits", fields(c.limits))});
 }
 
+FieldList pose_fields(const std::string& name, PoseNumbers& n, const std::string& source) {
+  FieldList list;
+  const char* keys[] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
+  for (std::size_t i = 0; i < n.size(); ++i)
+    list.push_back(i < 3 ? field(name + "." + keys[i], n[i], {-10.0, 10.0}, "m", source)
+                         : field(name + "." + keys[i], n[i], {-1.0, 1.0}, "", source));
+  return list;
+}
+
+Pose to_pose(const PoseNumbers& n, const std::string& name) {
+  const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
+  require(std::abs(q.norm() - 1.0) < kQuaternionSlack, name, ": (qx, qy, qz, qw) has the length ", q.norm(),
+          "; a rotation has 1");
+  return make_pose({n[0], n[1], n[2]}, q.normalized());
+}
+
+void read_hand_eye(CellConfig& config) {
+  config.T_F_C.reset();
+  if (config.hand_eye.empty()) return;
+  const std::string path = hand_eye_path(config);
+  const EasyHandEye calibration = read_easy_handeye(path);
+  if (calibration.mount != CameraMount::kOnHand)
+    throw FileError(path, "is the calibration of a camera beside the arm (eye_on_hand: false)",
+                    "layout.hand_eye needs one of the camera on the hand");
+  warn_of_frames(path, calibration);
+  config.T_F_C = calibration.T_A_C;
+}
+
 CellLayout to_layout(const CellConfig& c) {
   CellLayout layout;
-  layout.T_W_R = to_pose(c.T_W_R, "T_W_R");
-  layout.T_F_T = to_pose(c.T_F_T, "T_F_T");
-  layout.T_T_C = to_pose(c.T_T_C, "T_T_C");
+  layout.T_W_R = to_pose(c.T_W_R, "layout.T_W_R");
+  layout.T_F_T = to_pose(c.T_F_T, "layout.T_F_T");
+  layout.T_T_C = c.T_F_C ? layout.T_F_T.inverse() * *c.T_F_C : to_pose(c.T_T_C, "layout.T_T_C");
   layout.sensor_mass = c.sensor_mass;
   layout.camera_mass = c.camera_mass;
   layout.obstacles = c.obstacles;
@@ -149,6 +198,8 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   for (const Obstacle& obstacle : config.obstacles) names.push_back(obstacle.name);
   config.paddings = parse_pair_paddings(config.padding_text, path, "layout.padding", names);
   require_known_words(config, path);
+  require_one_mount(config);
+  read_hand_eye(config);
   require_usable_settings(config);
   static_cast<void>(read_cell_robot(config));
   return config;

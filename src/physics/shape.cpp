@@ -9,15 +9,30 @@
 
 namespace stonestack::physics {
 
-std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan, const MassProperties& mass,
-                                                       const std::string& name, const ShapeOptions& options) {
-  const std::string problem = check(mass);
-  require(problem.empty(), "stone ", name, ": ", problem);
+namespace {
+
+/// The shape holds the whole geometry, so that as long as it lives others find that.
+std::shared_ptr<const ContactShape> shape_of(const Mesh& scan, const MassProperties& mass,
+                                             const std::string& name,
+                                             const std::shared_ptr<const ShapeGeometry>& geometry) {
   double radius = 0.0;
   for (const auto& v : scan.vertices) radius = std::max(radius, (v - mass.p_O_M).norm());
-  const auto geometry = shape_geometry(scan, options);
   return std::make_shared<const ContactShape>(
-      ContactShape{name, geometry->distance, geometry->samples, mass, radius, scan, geometry->features});
+      ContactShape{name, geometry->distance, geometry->samples, mass, radius, scan,
+                   std::shared_ptr<const SurfaceFeatures>(geometry, geometry->features.get())});
+}
+
+void require_possible(const MassProperties& mass, const std::string& name) {
+  const std::string problem = check(mass);
+  require(problem.empty(), "stone ", name, ": ", problem);
+}
+
+}  // namespace
+
+std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan, const MassProperties& mass,
+                                                       const std::string& name, const ShapeOptions& options) {
+  require_possible(mass, name);
+  return shape_of(scan, mass, name, shape_geometry(scan, options));
 }
 
 std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(const std::vector<Stone>& stones,
@@ -26,6 +41,18 @@ std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(const std::
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
     throw_if_interrupted();
     shapes[i] = make_contact_shape(stones[i].scan, stones[i].mass, stones[i].name, options);
+  });
+  return shapes;
+}
+
+std::vector<std::shared_ptr<const ContactShape>> make_passing_shapes(const std::vector<Stone>& stones,
+                                                                     const ShapeOptions& options) {
+  std::vector<std::shared_ptr<const ContactShape>> shapes(stones.size());
+  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
+    throw_if_interrupted();
+    const Stone& stone = stones[i];
+    require_possible(stone.mass, stone.name);
+    shapes[i] = shape_of(stone.scan, stone.mass, stone.name, make_geometry(stone.scan, options));
   });
   return shapes;
 }

@@ -2,9 +2,8 @@
 
 #include <bit>
 #include <cstdint>
-#include <list>
-#include <mutex>
 
+#include "core/recently_used.hpp"
 #include "physics/features.hpp"
 
 namespace stonestack::physics {
@@ -28,37 +27,19 @@ std::uint64_t key_of(const Mesh& scan, const ShapeOptions& options) {
   return key;
 }
 
-struct Kept {
-  std::uint64_t key = 0;
-  std::shared_ptr<const ShapeGeometry> geometry;
-};
-
 }  // namespace
 
-std::shared_ptr<const ShapeGeometry> shape_geometry(const Mesh& scan, const ShapeOptions& options) {
-  static std::mutex mutex;
-  static std::list<Kept> kept;  // the last used first
-  const std::uint64_t key = key_of(scan, options);
-  const auto find = [key]() -> std::shared_ptr<const ShapeGeometry> {
-    for (auto it = kept.begin(); it != kept.end(); ++it) {
-      if (it->key != key) continue;
-      kept.splice(kept.begin(), kept, it);
-      return kept.front().geometry;
-    }
-    return nullptr;
-  };
-  {
-    const std::scoped_lock lock(mutex);
-    if (auto known = find()) return known;
-  }
-  auto made = std::make_shared<const ShapeGeometry>(
+std::shared_ptr<const ShapeGeometry> make_geometry(const Mesh& scan, const ShapeOptions& options) {
+  return std::make_shared<const ShapeGeometry>(
       ShapeGeometry{SignedDistance(scan, options.cell, options.band), sample_surface(scan, options.spacing),
                     std::make_shared<const SurfaceFeatures>(surface_features(scan))});
-  const std::scoped_lock lock(mutex);
-  if (auto known = find()) return known;  // another thread was faster
-  kept.push_front({key, made});
-  if (kept.size() > kMostKept) kept.pop_back();
-  return made;
+}
+
+std::shared_ptr<const ShapeGeometry> shape_geometry(const Mesh& scan, const ShapeOptions& options) {
+  static RecentlyUsed<ShapeGeometry> made(kMostKept);
+  const std::uint64_t key = key_of(scan, options);
+  if (auto known = made.find(key)) return known;
+  return made.keep(key, make_geometry(scan, options));
 }
 
 }  // namespace stonestack::physics

@@ -13,11 +13,18 @@ struct ShapeGeometry {
   std::shared_ptr<const SurfaceFeatures> features;  ///< of the scan
 };
 
-/// Makes it, or takes it from the last `kMostKept` that this process made: an experiment asks for the same
-/// stones run after run, and the planner and the simulated world each for theirs. From any thread.
+/// Makes it, and keeps nothing.
+[[nodiscard]] std::shared_ptr<const ShapeGeometry> make_geometry(const Mesh& scan,
+                                                                 const ShapeOptions& options);
+/// Makes it, or finds it: what somebody holds, or one of the last `kMostKept` that were used. An experiment
+/// asks for the same stones run after run, and the planner and the simulated world each for theirs. From any
+/// thread.
 [[nodiscard]] std::shared_ptr<const ShapeGeometry> shape_geometry(const Mesh& scan,
                                                                   const ShapeOptions& options);
-/// Some 3 to 6 MB each.
-inline constexpr std::size_t kMostKept = 48;
+/// Shapes of scans that never come again, so nothing of them is kept. In parallel over the list.
+[[nodiscard]] std::vector<std::shared_ptr<const ContactShape>> make_passing_shapes(
+    const std::vector<Stone>& stones, const ShapeOptions& options = {});
+/// Six stones, coarse for the planner and fine for the simulated world: some 3 to 12 MB each.
+inline constexpr std::size_t kMostKept = 12;
 
 }  // namespace stonestack::physics

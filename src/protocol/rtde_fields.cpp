@@ -64,7 +64,9 @@ void add_motion(std::vector<RtdeField>& f) {
   add(f, Type::kVector3d, {"target_gravity"}, kNever, kAfterGuide);
   add(f, Type::kVector3d, {"elbow_position", "elbow_velocity"}, {3, 5, 0, 0}, {5, 0, 0, 0});
   add(f, Type::kDouble, {"payload"}, kPayload3, kPayload5);
-  add(f, Type::kDouble, {"joint_position_deviation_ratio", "collision_detection_ratio"}, kNever, kAfterGuide);
+  // Not in that guide either; but UR's recording example asks every controller for it, whatever its version.
+  add(f, Type::kDouble, {"joint_position_deviation_ratio"}, {3, 15, 0, 0}, {5, 11, 0, 0});
+  add(f, Type::kDouble, {"collision_detection_ratio"}, kNever, kAfterGuide);
 }
 
 void add_modes(std::vector<RtdeField>& f) {

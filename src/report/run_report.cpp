@@ -96,28 +96,6 @@ std::string summary(const RunReport& report) {
 
 }  // namespace
 
-std::string to_text(RunResult::End end) {
-  switch (end) {
-    case RunResult::End::kAllPlaced:
-      return "all_placed";
-    case RunResult::End::kHeightReached:
-      return "height_reached";
-    case RunResult::End::kNoPose:
-      return "no_feasible_pose";
-    case RunResult::End::kNoPlan:
-      return "no_plan";
-    case RunResult::End::kPlacementFailed:
-      return "placement_failed";
-    case RunResult::End::kNothingSeen:
-      return "nothing_seen";
-    case RunResult::End::kStopped:
-      return "stopped";
-    case RunResult::End::kInterrupted:
-      return "interrupted";
-  }
-  return "unknown";
-}
-
 std::string run_json(const RunReport& report) {
   const RunResult& result = report.result;
   json placements = json::array();

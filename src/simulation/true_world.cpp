@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "physics/shape_store.hpp"
 #include "simulation/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -64,7 +65,10 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
     real.back().mass =
         true_mass(real.back().mass, options, Random::stream(seed, "true mass " + real.back().name));
   }
-  const auto shapes = make_contact_shapes(real, {kShapeCell, kShapeBand, kShapeSpacing});
+  // A surface drawn beside its scan is this world's own and goes with it.
+  const ShapeOptions fine{kShapeCell, kShapeBand, kShapeSpacing};
+  const auto shapes =
+      options.scan_error > 0.0 ? make_passing_shapes(real, fine) : make_contact_shapes(real, fine);
   for (std::size_t k = 0; k < present_.size(); ++k) {
     auto& it = states_[at(present_[k])];
     shapes_[at(present_[k])] = shapes[k];

@@ -1,6 +1,10 @@
 #include "stonestack/stacking/build_tower.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <future>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "stacking/learn.hpp"
@@ -104,6 +108,25 @@ Stop build(Workcell& w, StateWriter& states, Journal* journal) {
   }
 }
 
+/// The end of a run. Nothing moves any more: a disk that refuses costs the journal's last line, not the result.
+void tell_end(Workcell& w, const Stop& stop) {
+  try {
+    w.tell(RunEnded{stop.end, stop.reason});
+  } catch (const FileError& error) {
+    log_warning(error.what());
+  }
+}
+
+/// An arm that does not answer any more is part of the reason.
+Stop stop_arm(Arm& arm, RunEnd end, std::string reason) {
+  try {
+    arm.stop();
+  } catch (const Error& problem) {
+    reason += concat("; the arm did not confirm a stop: ", problem.what());
+  }
+  return {end, reason};
+}
+
 }  // namespace
 
 RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
@@ -114,21 +137,20 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   Workcell workcell{cell,    models, detection,
                     options, recorder.result().seconds, [&](const Event& event) { recorder.hear(event); }};
   StateWriter states(workcell, hooks.states_folder);
-  const auto stop = [&](RunEnd end, const std::string& reason) {
-    cell.arm.stop();
-    return Stop{end, reason};
-  };
   Stop ended;
   try {
     ended = build(workcell, states, hooks.journal);
   } catch (const Interrupted&) {
-    ended = stop(RunEnd::kInterrupted, "interrupted by the user");
+    ended = stop_arm(cell.arm, RunEnd::kInterrupted, "interrupted by the user");
   } catch (const DeviceError& error) {
-    ended = stop(RunEnd::kStopped, error.what());
+    ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
   } catch (const FileError& error) {  // of the journal: without it nothing moves, but what stands is reported
-    ended = stop(RunEnd::kStopped, error.what());
+    ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
+  } catch (const std::exception& error) {
+    tell_end(workcell, {RunEnd::kFailed, error.what()});
+    throw;
   }
-  workcell.tell(RunEnded{ended.end, ended.reason});
+  tell_end(workcell, ended);
   return std::move(recorder.result());
 }
 

@@ -143,6 +143,30 @@ struct Words {
 
 }  // namespace
 
+std::string to_text(RunEnd end) {
+  switch (end) {
+    case RunEnd::kAllPlaced:
+      return "all_placed";
+    case RunEnd::kHeightReached:
+      return "height_reached";
+    case RunEnd::kNoPose:
+      return "no_feasible_pose";
+    case RunEnd::kNoPlan:
+      return "no_plan";
+    case RunEnd::kPlacementFailed:
+      return "placement_failed";
+    case RunEnd::kNothingSeen:
+      return "nothing_seen";
+    case RunEnd::kStopped:
+      return "stopped";
+    case RunEnd::kInterrupted:
+      return "interrupted";
+    case RunEnd::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
 std::string to_text(const Event& event, const Catalogue& catalogue) {
   return std::visit(Words{catalogue}, event);
 }

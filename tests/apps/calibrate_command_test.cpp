@@ -58,6 +58,27 @@ TEST_F(CalibrateCommand, DoesNotWriteWhatLooksInverted) {
   EXPECT_FALSE(fs::exists(folder_ + "/bad.yaml"));
 }
 
+TEST_F(CalibrateCommand, WritesIntoACell) {
+  write("cell.yaml", "robot: ur10  # mine\nlayout:\n  T_F_T: {z: 0.3}\n");
+  ASSERT_EQ(run("calibrate pairs.yaml --write cell.yaml").code, 0);
+  EXPECT_THAT(
+      read_file(folder_ + "/cell.yaml", 1 << 16),
+      testing::AllOf(HasSubstr("robot: ur10  # mine\nlayout:\n  T_T_C: {x: "), HasSubstr("z: -0.20")));
+  // With --out the cell names the file, and takes over what stands there from then on.
+  write("cell.yaml", "robot: ur10\n");
+  const Outcome both = run("calibrate pairs.yaml --out eyes/mine.yaml --write cell.yaml");
+  EXPECT_THAT(both.err, HasSubstr("layout.hand_eye: eyes/mine.yaml"));
+  EXPECT_EQ(read_file(folder_ + "/cell.yaml", 1 << 16), "robot: ur10\nlayout:\n  hand_eye: eyes/mine.yaml\n");
+  // Nothing is written of a calibration that is none, or of a camera beside the arm.
+  write_stations("shuffled.yaml", stations_.size(), 5);
+  write("cell.yaml", "robot: ur10\n");
+  expect_refusal("calibrate shuffled.yaml -q --write cell.yaml", 3, {"cell.yaml", "--force"});
+  expect_refusal("calibrate --simulate 12 --on-base -q --write cell.yaml", 2,
+                 {"cell.yaml", "beside the arm"});
+  expect_refusal("calibrate pairs.yaml -q --write none.yaml", 3, {"none.yaml"});
+  EXPECT_EQ(read_file(folder_ + "/cell.yaml", 1 << 16), "robot: ur10\n");
+}
+
 TEST_F(CalibrateCommand, NamesTheFileThatHasTooFewStations) {
   write_stations("two.yaml", 2, 0);
   expect_refusal("calibrate two.yaml", 3, {"two.yaml", "three stations", "got 2"});

@@ -28,7 +28,8 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
   EXPECT_EQ(well.data()["findings"].size(), 7u);
   EXPECT_THAT(well.err, HasSubstr("note  gripper, status: not activated"));
   write("ill.yaml",
-        "simulate: true\nlayout: {T_T_C: {x: 0, y: 0.1, z: 0.17, qx: 0, qy: 0, qz: 0, qw: 1}}\n"
+        "simulate: true\nlayout: {T_T_C: {x: 0, y: -0.0788, z: 0.1865, qx: -0.0871557, qy: 0, qz: 0, qw: "
+        "0.9961947}}\n"
         "simulators: {arm: {faults: {protective_stop_at: 0.0}}}\n");
   const Outcome ill = run("doctor --cell ill.yaml");
   EXPECT_EQ(ill.code, 6);
@@ -74,23 +75,94 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
   EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
 }
 
-// Turned is not inverted: how steeply a camera looks is the same either way.
-TEST_F(DoctorCommand, AnInverseIsToldFromATiltedCamera) {
-  const auto hand_eye = [&](const std::string& T_T_C) {
-    write("eye.yaml", "simulate: true\nlayout: {T_T_C: {" + T_T_C + "}}\n" + kFreePorts);
-    const std::string err = run("doctor --cell eye.yaml").err;
-    return err.substr(0, err.find("arm, RTDE"));
+/// The finding about the hand-eye calibration of one simulated cell; `camera` are settings of its camera.
+class DoctorHandEye : public Commands {
+ protected:
+  [[nodiscard]] std::string finding(const std::string& layout, const std::string& camera = "") const {
+    write("eye.yaml", "simulate: true  # in a test\nlayout:\n  " + layout +
+                          "\nsimulators:\n  arm: {standard_ports: false}\n  gripper: {port: 0}\n"
+                          "  force_torque: {port: 0, command_port: 0}\n  camera: {port: 0" +
+                          camera + "}\n");
+    return finding_of("eye.yaml");
+  }
+  [[nodiscard]] std::string finding_of(const std::string& cell) const {
+    const std::string err = run("doctor --cell " + cell).err;
+    const auto end = err.find("cell file, hand-eye");
+    if (end == std::string::npos) return err;
+    const auto begin = err.rfind('\n', end) + 1;
+    return err.substr(begin, err.find('\n', end) - begin);
+  }
+  static std::string written(const Pose& pose) { return "T_T_C: " + to_text(pose); }
+
+  static constexpr const char* kStandard =
+      "x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947";  // as lab-ur10.yaml has it
+};
+
+TEST_F(DoctorHandEye, ACalibrationThatWasWrittenIntoTheCellIsRight) {
+  ASSERT_EQ(run("calibrate --simulate 15 --seed 1 --out eye_in_flange.yaml").code, 0);
+  EXPECT_THAT(finding("hand_eye: eye_in_flange.yaml"), HasSubstr("ok    cell file, hand-eye"));
+  const std::string cell =
+      concat("# my cell\nsimulate: true\nlayout:\n  site: {x: 0.7}  # tower\n", kFreePorts);
+  write("cell.yaml", cell);
+  ASSERT_EQ(run("calibrate --simulate 15 --seed 1 --write cell.yaml").code, 0);
+  const std::string now = read_file(folder_ + "/cell.yaml", 1 << 16);
+  const auto line = now.find("  T_T_C: {x: ");
+  ASSERT_NE(line, std::string::npos) << now;
+  std::string rest = now;
+  EXPECT_EQ(rest.erase(line, now.find('\n', line) + 1 - line), cell) << "nothing else has changed";
+  EXPECT_THAT(finding_of("cell.yaml"), HasSubstr("ok    cell file, hand-eye"));
+  EXPECT_THAT(now, HasSubstr(", z: -0.1")) << "in the finger tips, not in the flange";
+}
+
+TEST_F(DoctorHandEye, NamesTheFrameThatTheNumbersAreIn) {
+  ASSERT_EQ(run("calibrate --simulate 15 --seed 1 --out eye.yaml --json > eye.json").code, 0);
+  const Pose T_F_C = pose_of(json::parse(read_file(folder_ + "/eye.json", 1 << 20)).at("T_A_C"));
+  const auto names = [](const char* frame) {
+    return ContainsRegex(
+        concat("^FAIL  cell file, hand-eye: .*look like ", frame, ",.*write `T_T_C: .*z: -0.1[67]"));
   };
-  // As lab-ur10.yaml has it, and its inverse.
-  EXPECT_THAT(hand_eye("x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947"),
-              HasSubstr("ok    cell file, hand-eye"));
-  EXPECT_THAT(hand_eye("x: 0.0, y: -0.0788, z: 0.1865, qx: -0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947"),
-              ContainsRegex("FAIL  cell file, hand-eye: .*the inverse"));
-  // 65 deg aside; backwards.
-  EXPECT_THAT(hand_eye("x: 0.0, y: 0.11, z: -0.17, qx: 0.5373, qy: 0.0, qz: 0.0, qw: 0.8434"),
-              AllOf(HasSubstr("note  cell file, hand-eye"), Not(HasSubstr("inverse"))));
-  EXPECT_THAT(hand_eye("x: 0.0, y: 0.11, z: -0.17, qx: 1, qy: 0.0, qz: 0.0, qw: 0"),
-              AllOf(HasSubstr("FAIL  cell file, hand-eye"), Not(HasSubstr("inverse"))));
+  EXPECT_THAT(finding(written(T_F_C)), names("T_F_C"));
+  EXPECT_THAT(finding(written(T_F_C.inverse())), names("T_C_F"));
+  EXPECT_THAT(
+      finding("T_T_C: {x: 0.0, y: -0.0788, z: 0.1865, qx: -0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947}"),
+      names("T_C_T"));
+  // A file that holds what the cell wants in T_T_C, and one that is 166 mm off without being anything else.
+  write("tip.yaml", concat("parameters: {eye_on_hand: true}\ntransformation: {", kStandard, "}\n"));
+  EXPECT_THAT(finding("hand_eye: tip.yaml"), names("T_T_C"));
+  EXPECT_THAT(finding("T_T_C: {x: 0.0, y: 0.11, z: -0.336, qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947}"),
+              ContainsRegex("^FAIL  cell file, hand-eye: .*no other reading.*calibrate"));
+}
+
+TEST_F(DoctorHandEye, SaysWhatItCannotTell) {
+  // Straight down from half way between flange and finger tips: T_C_F puts the camera as high.
+  const std::string halfway = "x: 0.0, y: 0.11, z: -0.132, qx: 0.0, qy: 0.0, qz: 0.0, qw: 1.0";
+  EXPECT_THAT(finding("T_T_C: {" + halfway + "}", ", T_T_C: {" + halfway + "}"),
+              ContainsRegex("^note  cell file, hand-eye: .*T_C_F.*tilt the hand"));
+  // Without a picture of the table only what cannot be is refused.
+  const std::string blind = ", faults: {empty: -1}";
+  EXPECT_THAT(finding(concat("T_T_C: {", kStandard, "}"), blind),
+              ContainsRegex("^note  cell file, hand-eye: camera 0.17 m behind.*not compared with the table"));
+  EXPECT_THAT(
+      finding("T_T_C: {x: 0.0, y: 0.11, z: 0.094, qx: 0.0871557, qy: 0.0, qz: 0.0, qw: 0.9961947}", blind),
+      ContainsRegex("^FAIL  cell file, hand-eye: .*in front of.*T_C_T.*or T_F_C"));
+  EXPECT_THAT(finding("T_T_C: {x: 0.0, y: 0.11, z: -0.17, qx: 1, qy: 0.0, qz: 0.0, qw: 0}", blind),
+              AllOf(HasSubstr("FAIL  cell file, hand-eye"), HasSubstr("facing the arm")));
+}
+
+// Turned is not inverted: a camera that looks 40 deg aside is right where the simulated one does, too.
+TEST_F(DoctorHandEye, ATiltedCameraIsNoInverse) {
+  const std::string tilted = "x: 0.0, y: 0.11, z: -0.17, qx: 0.3420201, qy: 0.0, qz: 0.0, qw: 0.9396926";
+  EXPECT_THAT(finding("T_T_C: {" + tilted + "}", ", T_T_C: {" + tilted + "}"),
+              AllOf(HasSubstr("ok    cell file, hand-eye"), Not(HasSubstr("inverse"))));
+}
+
+TEST_F(DoctorHandEye, SettingsBeatTheFileAndOnlyOneHolds) {
+  ASSERT_EQ(run("calibrate --simulate 15 --seed 1 --out eye.yaml").code, 0);
+  write("cell.yaml",
+        concat("simulate: true\nlayout: {T_T_C: {x: 0.0, y: 0.11, z: 0.094, qx: 0, qw: 1}}\n", kFreePorts));
+  EXPECT_EQ(run("doctor --cell cell.yaml --set layout.hand_eye=eye.yaml").code, 0);
+  expect_refusal("doctor --cell cell.yaml --set layout.hand_eye=eye.yaml --set layout.T_T_C.x=0.1", 2,
+                 {"layout.T_T_C and layout.hand_eye"});
 }
 
 TEST_F(DoctorCommand, RefusesPolyScopeX) {

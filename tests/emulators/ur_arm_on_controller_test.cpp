@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <thread>
 
@@ -144,6 +145,64 @@ TEST(UrScripts, GuardedMotionEndsAtContactOrSilence) {
   EXPECT_EQ(mute.plant.state().q, ScriptBench::start()) << "no force, no motion";
 }
 
+/// What an arm does whose program is paused, which is then moved by hand, and resumed.
+struct Resumed {
+  int end = 0;
+  double fastest = 0.0;  ///< rad/s of any joint, after the pause
+};
+
+/// `knots`: paused once so many are passed. `shift`: rad, of every joint.
+Resumed pause_move_resume(const std::string& script, int knots, double shift) {
+  ScriptBench bench;
+  UrController& c = bench.controller;
+  const auto step = [&] {
+    c.input_written("input_int_register_24");
+    ++c.registers.in_int[25];  // force readings, for guarded programs
+    bench.run(c.period());
+  };
+  c.run_script(script);
+  for (int k = 0; k < 100; ++k) step();
+  while (c.registers.out_int[25] < knots && c.program_running()) step();
+  EXPECT_TRUE(c.pause_program());
+  for (int k = 0; k < 100; ++k) step();
+  Motion moved(bench.robot, bench.plant.state().q + Joints::Constant(shift));
+  moved.set_tool(c.motion.geometry().T_F_P);
+  c.motion = moved;
+  step();
+  EXPECT_TRUE(c.resume_program());
+  Resumed resumed;
+  for (int k = 0; k < 600; ++k) {
+    const Joints before = bench.plant.state().q;
+    step();
+    const double speed = (bench.plant.state().q - before).cwiseAbs().maxCoeff() / c.period();
+    resumed.fastest = std::max(resumed.fastest, speed);
+  }
+  EXPECT_EQ(bench.exceptions, "");
+  resumed.end = c.registers.out_int[26];
+  return resumed;
+}
+
+TEST(UrScripts, AnArmThatWasMovedInAPauseDoesNotJumpBack) {
+  ScriptBench bench;
+  const JointTrajectory path = planned();
+  const ScriptContext nine = context(bench.controller, 9);
+  const int last = static_cast<int>(path.time.size()) - 1;
+  const std::string program = write_trajectory(path, nine), guarded = write_guarded(planned(0.3), {}, nine);
+  for (const auto& [script, knots] :
+       {std::pair(program, 0), std::pair(program, last), std::pair(guarded, 0)}) {
+    const Resumed stopped = pause_move_resume(script, knots, 0.3);
+    EXPECT_EQ(stopped.end, static_cast<int>(ScriptEnd::kFellBehind)) << knots;
+    EXPECT_LT(stopped.fastest, 0.01) << knots;
+    // Without the check it is what moves the arm, and how.
+    std::string chasing = script;
+    const auto limit = chasing.find("global stk_lag_end = ");
+    ASSERT_NE(limit, std::string::npos);
+    chasing.replace(limit, chasing.find('\n', limit) - limit, "global stk_lag_end = 1000.0");
+    EXPECT_GT(pause_move_resume(chasing, knots, 0.3).fastest, 0.2) << knots;
+  }
+  EXPECT_EQ(pause_move_resume(program, 0, 0.0).end, static_cast<int>(ScriptEnd::kDone)) << "not moved";
+}
+
 /// UrArm on a server over loopback.
 struct Loopback {
   explicit Loopback(const UrServerOptions& options = {}, ForceTorqueSensor* sensor = nullptr)
@@ -163,6 +222,7 @@ struct Loopback {
     o.dashboard_port = or_closed(server.ports().dashboard);
     o.rtde.stale_after = o.script.force_stale = 1.0;  // a busy machine is not the point here
     o.script.heartbeat_rate = 2;
+    o.pause_limit = 20.0;  // what is paused by a mistake of a test does not hold it up
     return o;
   }
   RobotModel robot = read_robot("ur10");
@@ -181,6 +241,75 @@ TEST(UrArmOnController, FollowsSetsPayloadAndStops) {
   EXPECT_EQ(cell.arm->follow(there).status, Status::kRefused) << "the arm is not where it starts any more";
   cell.arm->stop();
   EXPECT_TRUE(cell.arm->state().can_move);
+}
+
+/// Somebody at the Dashboard while the arm follows a trajectory.
+struct Pendant {
+  explicit Pendant(Loopback& cell)
+      : arm(*cell.arm),
+        stream(TcpStream::connect({"127.0.0.1", cell.server.ports().dashboard}, Deadline::in(5))),
+        motion([this] {
+          moved = arm.follow(planned());
+          over = true;
+        }) {
+    static_cast<void>(stream.read_line(1024, Deadline::in(5)));  // the greeting
+    const Deadline limit = Deadline::in(20);
+    while (!limit.over() && !over && (arm.state().q - ScriptBench::start()).cwiseAbs().maxCoeff() < 0.1)
+      pass();
+  }
+  ~Pendant() {
+    if (motion.joinable()) motion.join();
+  }
+  Pendant(const Pendant&) = delete;
+  Pendant& operator=(const Pendant&) = delete;
+  std::string ask(const std::string& command) {
+    EXPECT_TRUE(stream.write_all(command + "\n", Deadline::in(5)));
+    return stream.read_line(1024, Deadline::in(5)).line;
+  }
+  static void pass(int milliseconds = 5) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+  }
+
+  UrArm& arm;
+  TcpStream stream;
+  MotionResult moved;
+  std::atomic<bool> over{false};
+  std::thread motion;
+};
+
+TEST(UrArmOnController, APauseAtTheDashboardIsWaitedForUntilPlay) {
+  Loopback cell;
+  Pendant pendant(cell);
+  EXPECT_EQ(pendant.ask("pause"), "Pausing program");
+  Pendant::pass(1000);  // a program that is gone is given 0.3 s
+  EXPECT_FALSE(pendant.over);
+  EXPECT_THAT(pendant.ask("programState"), HasSubstr("PAUSED stonestack_"));
+  const Joints held = cell.arm->state().q;
+  Pendant::pass(200);
+  EXPECT_LT((cell.arm->state().q - held).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ(pendant.ask("play"), "Starting program");
+  pendant.motion.join();
+  EXPECT_EQ(pendant.moved.status, Status::kDone) << pendant.moved.reason;
+  EXPECT_LT((pendant.moved.q - planned().q.back()).cwiseAbs().maxCoeff(), 0.0021);
+}
+
+TEST(UrArmOnController, AfterTooLongAPauseNothingIsLeftToPlay) {
+  Loopback cell;
+  UrArmOptions options = cell.arm_options();
+  options.pause_limit = 1.0;
+  cell.arm.reset();
+  cell.arm =
+      std::make_unique<UrArm>(cell.robot, options, Pose::Identity(), Pose(Eigen::Translation3d(0, 0, 0.264)));
+  Pendant pendant(cell);
+  EXPECT_EQ(pendant.ask("pause"), "Pausing program");
+  pendant.motion.join();
+  EXPECT_EQ(pendant.moved.status, Status::kStopped);
+  EXPECT_THAT(pendant.moved.reason, HasSubstr("paused by the user"));
+  EXPECT_THAT(pendant.ask("programState"), HasSubstr("STOPPED"));
+  const Joints held = cell.arm->state().q;
+  EXPECT_EQ(pendant.ask("play"), "Failed to execute: play");
+  Pendant::pass(300);
+  EXPECT_LT((cell.arm->state().q - held).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 TEST(UrArmOnController, ProtectiveStopNeedsAPerson) {

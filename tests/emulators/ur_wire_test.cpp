@@ -7,6 +7,10 @@
 #include "emulators/ur/primary_messages.hpp"
 #include "emulators/ur/rtde_session.hpp"
 #include "script_bench.hpp"
+#include "emulators/ur/dashboard_session.hpp"
+#include "emulators/ur/primary_messages.hpp"
+#include "simulation/ur/rtde_session.hpp"
+#include "emulators/ur/script_queue.hpp"
 #include "urscript/script_collector.hpp"
 
 namespace stonestack::emulators {
@@ -130,6 +134,26 @@ TEST(UrWire, RtdeFieldsCameWithVersions) {
   EXPECT_EQ(types("5.12.2.1101534", wrench), "VECTOR6D,NOT_FOUND");
   EXPECT_EQ(types("5.23.0.0", wrench), "VECTOR6D,VECTOR6D");
   EXPECT_EQ(types("3.15.8.106339", "target_gravity,control_step"), "NOT_FOUND,NOT_FOUND");
+}
+
+TEST(UrWire, UrsRecordingExampleGetsAllOfItsFields) {
+  // The outputs of record_configuration_v2.xml, with which UR's record.py begins.
+  const std::string names =
+      "timestamp,target_q,target_qd,target_qdd,target_current,target_moment,actual_q,actual_qd,actual_"
+      "current,"
+      "joint_control_output,actual_TCP_pose,actual_TCP_speed,actual_TCP_force,target_TCP_pose,"
+      "target_TCP_speed,actual_digital_input_bits,joint_temperatures,actual_execution_time,robot_mode,"
+      "joint_mode,safety_status,actual_tool_accelerometer,speed_scaling,target_speed_fraction,"
+      "actual_momentum,actual_main_voltage,actual_robot_voltage,actual_robot_current,actual_joint_voltage,"
+      "actual_digital_output_bits,runtime_state,joint_position_deviation_ratio";
+  for (const char* version : {"3.15.8.106339", "5.12.2.1101534"}) {
+    Rtde rtde(from_zero(), version);
+    rtde.ask(hex("00 05 56 00 02"));
+    const std::string reply = rtde.ask(packet('O', hex("405f400000000000") + names));
+    EXPECT_EQ(reply.find("NOT_FOUND"), std::string::npos) << version << ": " << reply.substr(4);
+    EXPECT_EQ(reply.substr(reply.size() - 13), "UINT32,DOUBLE") << version;
+    EXPECT_EQ(rtde.ask(hex("00 03 53")), hex("00 04 53 01")) << version;
+  }
 }
 
 TEST(UrWire, RtdeReads2048BytesOfASetup) {
@@ -311,7 +335,10 @@ TEST(UrWire, DashboardLines) {
   bench.controller.protective_stop(153, "test");
   EXPECT_EQ(say("safetymode"), "Safetymode: PROTECTIVE_STOP");
   bench.run(4.0);
-  EXPECT_EQ(say("unlock protective stop"), "Cannot unlock protective stop until 5s after occurrence");
+  EXPECT_EQ(
+      say("unlock protective stop"),
+      "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of protective stop "
+      "before unlocking");
   bench.run(1.1);
   EXPECT_EQ(say("unlock protective stop"), "Protective stop releasing");
   EXPECT_EQ(say("safetymode"), "Safetymode: NORMAL");
@@ -350,6 +377,78 @@ TEST(UrWire, ProgramsOfTheCellFileAreLoadedAndPlayed) {
   EXPECT_EQ(say("load /programs/hello.urp"), "Loading program: /programs/hello.urp");
   EXPECT_EQ(say("power off"), "Powering off");
   EXPECT_EQ(say("play"), "Failed to execute: play");
+}
+
+TEST(UrWire, WhatIsLoadedIsTheProgramOfTheDashboard) {
+  // UR's client library waits for "STOPPED <file>" after a load, and loads by other folders' names, too.
+  const RobotModel robot = read_robot("ur10");
+  IdealPlant plant(ScriptBench::start());
+  UrServerOptions options;
+  options.programs = "wait_program.urp";
+  UrController controller(options, robot, plant);
+  const auto say = [&](const std::string& command) { return answer_dashboard(controller, command).line; };
+  EXPECT_EQ(say("programState"), "STOPPED <unnamed>");
+  EXPECT_EQ(say("load /ursim/programs/wait_program.urp"),
+            "Loading program: /ursim/programs/wait_program.urp");
+  EXPECT_EQ(say("programState"), "STOPPED wait_program.urp");
+  EXPECT_EQ(say("isProgramSaved"), "true wait_program.urp");
+  EXPECT_EQ(say("load installation default.installation"), "Loading installation: default.installation");
+  EXPECT_EQ(say("load installation other.installation"), "File not found: other.installation");
+  EXPECT_EQ(say("load"), "could not understand: 'load'");
+}
+
+TEST(UrWire, LogAndReportsAreAnswered) {
+  ScriptBench bench, old("3.12.1.90940");
+  const auto say = [&](const char* command) { return answer_dashboard(bench.controller, command).line; };
+  EXPECT_EQ(say("addToLog Testing Log:"), "Added log message");
+  EXPECT_EQ(say("addToLog "), "No log message to add");
+  EXPECT_EQ(say("addToLog"), "No log message to add");
+  EXPECT_EQ(say("saveLog"), "Log saved to disk");
+  EXPECT_EQ(say("generate flight report "), "Flight Report generated with id: 1");
+  EXPECT_EQ(say("generate flight report system"), "Flight Report generated with id: 2");
+  EXPECT_EQ(say("generate support file ."), "Completed successfully: ./ur_2014301234_support_file.zip");
+  for (const char* later : {"saveLog", "generate flight report ", "generate support file ."})
+    EXPECT_EQ(answer_dashboard(old.controller, later).line.rfind("could not understand", 0), 0U) << later;
+}
+
+TEST(UrWire, AnUnlockOnAScriptPortIsKeptUntilItMayBe) {
+  // UR's client library sends it right after the stop and waits up to 5 s for the stop to end.
+  ScriptBench bench;
+  ScriptQueue port(bench.controller);
+  const auto run = [&](double seconds) {
+    for (double t = 0; t < seconds; t += bench.controller.period()) {
+      port.turn();
+      bench.run(bench.controller.period());
+    }
+  };
+  port.put(1, "set unlock protective stop");
+  run(0.1);
+  bench.controller.protective_stop(153, "test");
+  run(0.1);
+  EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kProtectiveStop);
+  port.put(1, "set unlock protective stop");
+  run(4.7);
+  EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kProtectiveStop) << "not before 5 s";
+  run(0.4);
+  EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kNormal);
+  bench.controller.protective_stop(153, "test");
+  run(6.0);
+  EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kProtectiveStop) << "one order, one stop";
+  port.put(1, "set unlock protective stop");
+  bench.controller.emergency_stop();
+  run(6.0);
+  EXPECT_EQ(bench.controller.safety_mode, SafetyMode::kRobotEmergencyStop);
+}
+
+TEST(UrWire, APathThatCannotBeFollowedIsAWarningToClients) {
+  ScriptBench bench;
+  for (const auto& [code, level] : {std::pair{153, 2}, std::pair{157, 3}}) {
+    bench.controller.safety_mode = SafetyMode::kNormal;
+    bench.controller.protective_stop(code, "test");
+    const auto events = bench.controller.take_events();
+    ASSERT_EQ(events.back().kind, ControllerEvent::Kind::kErrorCode);
+    EXPECT_EQ(events.back().level, level) << code;
+  }
 }
 
 TEST(UrWire, AStopThatCannotBeAcknowledged) {

@@ -1,7 +1,9 @@
-// Cell files: refused with a FileError, or a layout of rotations and finite places.
-#include "rooms.hpp"
+// Cell files: refused with a FileError, or a layout of rotations and finite places. A calibration that is
+// written into one is found there.
 #include "fuzz/checks.hpp"
+#include "rooms.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/hardware/cell_edit.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -17,6 +19,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     check(layout.site.allFinite() && layout.field_centre.allFinite() && layout.field_size.minCoeff() > 0);
     for (const auto& obstacle : layout.obstacles)
       for (const auto& piece : obstacle.pieces) fuzz::check_mesh(piece);
+    const Pose T_F_C = layout.T_F_T * make_pose({0.01, 0.11, -0.17}, Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3));
+    write_mount(path, T_F_C);
+    const CellLayout written = to_layout(read_cell_file(path));
+    check((written.T_F_T * written.T_T_C * T_F_C.inverse()).isApprox(Pose::Identity(), 1e-4));
+    check(written.site == layout.site && written.T_W_R.isApprox(layout.T_W_R));
   } catch (const FileError&) {
   }
   return 0;

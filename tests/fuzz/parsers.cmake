@@ -17,7 +17,7 @@ stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequenc
 stonestack_files(parsers stone scene_file stone_yaml)
 stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
 stonestack_files(parsers protocol dashboard_text frame_stream ft_frames modbus_frame primary_wire rtde_wire z16)
-stonestack_files(parsers hardware cell_file cell_limits camera/camera_settings camera/recording camera/v4l2_recording
+stonestack_files(parsers hardware cell_edit cell_file cell_limits camera/camera_settings camera/recording camera/v4l2_recording
   robotiq/gripper_words)
 stonestack_files(parsers motion pick_and_place/problem_file)
 stonestack_files(parsers urscript builtins builtins_poses builtins_text compile_expressions compile_statements lexer

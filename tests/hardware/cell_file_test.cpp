@@ -8,6 +8,7 @@
 #include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/kinematics/hand_eye_file.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -65,6 +66,37 @@ TEST_F(CellFile, NamesWhatTheArmMustNotTouchAndWhatTheHandWeighs) {
               HasSubstr("layout.obstacles[0].box.x is 0"));
   EXPECT_THAT(problem_of("layout: {obstacles: wall}\n"), HasSubstr("layout.obstacles is not a list"));
   EXPECT_THAT(problem_of("layout: {site: [1, 2]}\n"), HasSubstr("layout.site"));
+}
+
+TEST_F(CellFile, TakesTheCameraInTheFlangeFromACalibration) {
+  EasyHandEye calibration;
+  calibration.T_A_C = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
+  const std::string name = "cell_file_hand_eye.yaml";
+  write_easy_handeye(testing::TempDir() + name, calibration);
+  const std::string beside = "layout:\n  hand_eye: " + name + "\n";
+  const CellLayout layout = to_layout(read(beside));
+  EXPECT_TRUE((layout.T_F_T * layout.T_T_C).isApprox(calibration.T_A_C, 1e-12));
+  EXPECT_NEAR(layout.T_T_C.translation().z(), 0.08 - 0.264, 1e-12);
+  const CellLayout longer =
+      to_layout(read("layout:\n  T_F_T: {z: 0.3}\n  hand_eye: " + testing::TempDir() + name + "\n"));
+  EXPECT_NEAR(longer.T_T_C.translation().z(), 0.08 - 0.3, 1e-12);
+  // as ROS' easy_handeye writes it
+  write_file(testing::TempDir() + name,
+             "parameters:\n  eye_on_hand: true\n  freehand_robot_movement: false\n"
+             "  robot_base_frame: base_link\n  robot_effector_frame: tool0\n"
+             "  tracking_base_frame: camera_depth_optical_frame\n  tracking_marker_frame: aruco\n"
+             "transformation: {qw: 1.0, qx: 0.0, qy: 0.0, qz: 0.0, x: 0.01, y: 0.02, z: 0.1}\n");
+  EXPECT_NEAR(to_layout(read(beside)).T_T_C.translation().z(), 0.1 - 0.264, 1e-12);
+
+  EXPECT_THAT(problem_of(beside + "  T_T_C: {x: 0, y: 0.1, z: -0.1, qx: 0, qy: 0, qz: 0, qw: 1}\n"),
+              AllOf(HasSubstr(path_), HasSubstr("layout.T_T_C and layout.hand_eye")));
+  EXPECT_THAT(problem_of(beside + "  T_T_C: {qw: 1}\n"), HasSubstr("layout.T_T_C and layout.hand_eye"))
+      << "also where the numbers are the default";
+  EXPECT_THAT(problem_of("layout: {hand_eye: none.yaml}\n"), HasSubstr("none.yaml"));
+  calibration.mount = CameraMount::kOnBase;
+  write_easy_handeye(testing::TempDir() + name, calibration);
+  EXPECT_THAT(problem_of(beside), AllOf(HasSubstr(name), HasSubstr("beside the arm")));
+  std::filesystem::remove(testing::TempDir() + name);
 }
 
 TEST_F(CellFile, RefusesWhatCannotBe) {

@@ -27,6 +27,10 @@ class FakeUr {
     }
     void set_run(int run) { fields[reg(0)] = std::int32_t{run}; }
     void set_end(ScriptEnd end) { fields[reg(2)] = static_cast<std::int32_t>(end); }
+    void set_paused() {
+      fields["robot_status_bits"] = std::uint32_t{1};  // as the simulated controller clears it
+      fields["runtime_state"] = std::uint32_t{4};
+    }
     void set_running(bool running) {
       fields["robot_status_bits"] = std::uint32_t{running ? 3U : 1U};
       fields["runtime_state"] = std::uint32_t{running ? 2U : 1U};
@@ -90,6 +94,11 @@ class FakeUr {
     for (auto at = all.find(text); at != std::string::npos; at = all.find(text, at + 1)) ++n;
     return n;
   }
+  /// Seconds of the controller's clock from one state to the next; they go on coming every millisecond.
+  void set_period(double seconds) {
+    const std::lock_guard lock(mutex_);
+    period_ = seconds;
+  }
   [[nodiscard]] int script_connections() const { return primary_->connections(); }
   /// No scripts any more: the connection is closed and others are refused.
   void close_scripts() {
@@ -135,7 +144,7 @@ class FakeUr {
         state_.later.emplace_back(states, change);
     }
     if (std::exchange(drop_, false)) return {};
-    time_ += 0.008;
+    time_ += period_;
     state_.set("timestamp", time_);
     RtdeData data{1, {}};
     for (const std::string& name : outputs()) data.values.push_back(state_.fields[name]);
@@ -191,7 +200,7 @@ class FakeUr {
   std::mutex mutex_;
   State state_;
   std::string scripts_;
-  double time_ = 100.0;
+  double time_ = 100.0, period_ = 0.008;
   bool drop_ = false;
   std::atomic<bool> remote_{true};
   std::unique_ptr<FakeRtde> rtde_;

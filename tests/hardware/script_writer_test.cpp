@@ -77,7 +77,9 @@ TEST(ScriptWriter, TrajectoryIsWatchedAndTimedOnTheController) {
   EXPECT_THAT(script, Not(HasSubstr("stk_guard")));
   EXPECT_LT(script.find("register(26, 0)"), script.find("register(24, 17)"))
       << "the run id must not appear before the old end state is gone";
-  EXPECT_THAT(script.substr(script.size() - 50), HasSubstr("write_output_integer_register(26, 1)\nend\n"));
+  EXPECT_THAT(script, HasSubstr("  if stk_end == 0:\n    stk_end = 1\n  end\n  stk_pose ="));
+  EXPECT_THAT(script.substr(script.size() - 50),
+              HasSubstr("write_output_integer_register(26, stk_end)\nend\n"));
 }
 
 TEST(ScriptWriter, VersionGates) {

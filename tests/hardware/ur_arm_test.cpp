@@ -236,6 +236,113 @@ TEST(UrArm, SliderAtZeroIsAPauseNotATimeOut) {
   })) << "the program is not left running";
 }
 
+/// A program that somebody pauses soon after its start, and `later` plays after so many states.
+FakeUr::OnScript paused_soon(long later) {
+  return [later](State& s, const std::string& script, int run) {
+    obey(s, script, run);
+    if (is_stop(script)) return;
+    s.later.clear();
+    s.after(10, [](State& now) { now.set_paused(); });
+    s.after(later, [script, run](State& now) { obey(now, script, run); });
+  };
+}
+
+TEST(UrArm, APausedProgramIsWaitedFor) {
+  Bench bench(paused_soon(600));  // 0.6 s, and 4.8 s of the controller's clock: allowed are 0.1 s and 1.75 s
+  const MotionResult moved = bench.arm.follow(small_move());
+  EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
+  EXPECT_EQ(bench.robot.count("def stonestack"), 1) << "no stop";
+}
+
+TEST(UrArm, APausedProgramIsStoppedAfterFiveMinutes) {
+  FakeUr robot(paused_soon(1000000));
+  robot.set_period(0.5);
+  UrArmOptions options = robot.options();
+  options.pause_limit = UrArmOptions{}.pause_limit;
+  EXPECT_EQ(options.pause_limit, 300.0) << "as documented";
+  options.time_slack = 1e5;
+  UrArm arm(ur10(), options, Pose::Identity(), Bench::tool());
+  const double before = arm.state().device_time;
+  const MotionResult given_up = arm.follow(small_move());
+  EXPECT_GE(arm.state().device_time - before, 300.0);
+  EXPECT_EQ(given_up.status, Status::kStopped);
+  EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
+  EXPECT_EQ(robot.count("def stonestack"), 2) << "the program does not stay there for somebody to play it";
+}
+
+TEST(UrArm, AnArmThatWasMovedInAPauseIsNotResumed) {
+  Bench bench([](State& s, const std::string& script, int run) {
+    paused_soon(1000000)(s, script, run);
+    if (!is_stop(script))
+      s.after(200, [](State& now) { now.set("actual_q", std::array<double, 6>{0, 0, 0.02, 0, 0, 0}); });
+  });
+  const MotionResult stopped = bench.arm.follow(small_move());
+  EXPECT_EQ(stopped.status, Status::kStopped);
+  EXPECT_THAT(stopped.reason, HasSubstr("moved by 0.02 rad while the program was paused"));
+  EXPECT_EQ(bench.robot.count("def stonestack"), 2) << "the paused program is ended";
+}
+
+TEST(UrArm, APausedProgramThatDoesNotObeyAStopLosesItsHeartbeat) {
+  Bench bench([](State& s, const std::string& script, int run) {
+    if (!is_stop(script)) paused_soon(1000000)(s, script, run);
+  });
+  const MotionResult given_up = bench.arm.follow(small_move());
+  EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
+  const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // what was under way has arrived
+  const auto before = beats();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(beats(), before) << "the watchdog ends it when somebody plays it";
+  EXPECT_THAT(bench.arm.follow(small_move()).reason, HasSubstr("did not obey a stop"));
+  EXPECT_THROW(bench.arm.rearm(), DeviceError) << "it is still there";
+}
+
+TEST(UrArm, AnotherClientsPausedProgramIsNotReplaced) {
+  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  bench.robot.change([](State& s) { s.set_paused(); });
+  ASSERT_TRUE(eventually([&] {
+    return bench.arm.follow(small_move()).reason.find("paused on the controller") != std::string::npos;
+  }));
+}
+
+TEST(UrArm, EveryEndButItsOwnSendsAStop) {
+  const auto stops_after = [](const std::function<void(State&, const std::string&, int)>& program) {
+    Bench bench([&](State& s, const std::string& script, int run) {
+      obey(s, script, run);
+      if (!is_stop(script)) program(s, script, run);
+    });
+    EXPECT_NE(bench.arm.follow(small_move()).status, Status::kDone);
+    return eventually([&] { return bench.robot.count("def stonestack") == 2; });
+  };
+  const auto soon = [](std::function<void(State&)> what) {
+    return [what = std::move(what)](State& s, const std::string&, int) {
+      s.later.clear();
+      s.after(20, what);
+    };
+  };
+  EXPECT_TRUE(stops_after(soon([](State& s) { s.set_running(false); }))) << "killed";
+  EXPECT_TRUE(stops_after(soon([](State& s) { s.set_run(4711); }))) << "taken";
+  EXPECT_TRUE(stops_after(soon([](State& s) { s.set("safety_status", std::int32_t{3}); }))) << "safety";
+  EXPECT_TRUE(stops_after(soon([](State& s) {
+    s.set_running(false);
+    s.set_end(ScriptEnd::kFellBehind);
+  }))) << "fell behind";
+  EXPECT_TRUE(stops_after([](State& s, const std::string&, int) {
+    s.say = key_exception(6, "no inverse kinematics");
+    s.set_run(0);  // and it has not begun
+    s.later.clear();
+  })) << "died";
+  EXPECT_TRUE(stops_after([](State& s, const std::string&, int) { s.later.clear(); })) << "not done in time";
+}
+
+TEST(UrArm, AProgramThatFellBehindIsAStop) {
+  Bench bench(
+      [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kFellBehind); });
+  const MotionResult stopped = bench.arm.follow(small_move());
+  EXPECT_EQ(stopped.status, Status::kStopped);
+  EXPECT_THAT(stopped.reason, HasSubstr("too far from its path"));
+}
+
 TEST(UrArm, AMotionThatNeverEndsIsStopped) {
   Bench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run);

@@ -6,6 +6,7 @@
 
 #include "motion/grasp/grasp_wrench.hpp"
 #include "motion/grasp/nonnegative_least_squares.hpp"
+#include "motion/grasp_cache.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
@@ -129,6 +130,22 @@ TEST(Grasp, SameStoneSameGrasps) {
   GraspOptions other = few();
   other.yaws = 8;
   EXPECT_NE(b, cached_grasps(stone, kGripper, other));
+}
+
+/// An experiment meets new stones run after run.
+TEST(Grasp, OnlyTheLastUsedSetsAreKept) {
+  GraspOptions options = few();
+  options.directions = 12;
+  options.yaws = 4;
+  const auto grasps = [&](double length) {
+    return cached_grasps(box_stone({length, 0.09, 0.06}), kGripper, options);
+  };
+  const std::weak_ptr<const GraspSet> first = grasps(0.11);
+  const auto held = grasps(0.12);
+  EXPECT_EQ(grasps(0.11), first.lock());
+  for (std::size_t k = 0; k < kMostGraspSets; ++k) (void)grasps(0.121 + 0.0001 * static_cast<double>(k));
+  EXPECT_TRUE(first.expired());
+  EXPECT_EQ(grasps(0.12), held) << "what somebody holds is found";
 }
 
 TEST(Grasp, StoneWithoutMassIsRefused) {

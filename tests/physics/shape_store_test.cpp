@@ -33,14 +33,37 @@ TEST(ShapeStore, TellsScansAndOptionsApart) {
 
 TEST(ShapeStore, KeepsTheLastUsedOnly) {
   const Mesh old = make_box({0.05, 0.05, 0.05});
-  const auto first = shape_geometry(old, kCoarse);
+  const std::weak_ptr<const ShapeGeometry> first = shape_geometry(old, kCoarse);
   const Mesh used = make_box({0.06, 0.05, 0.05});
   const auto second = shape_geometry(used, kCoarse);
   for (std::size_t k = 0; k + 1 < kMostKept; ++k) {
     (void)shape_geometry(make_box({0.05, 0.05, 0.051 + 0.0001 * static_cast<double>(k)}), kCoarse);
     EXPECT_EQ(shape_geometry(used, kCoarse), second);
   }
-  EXPECT_NE(shape_geometry(old, kCoarse), first);
+  EXPECT_TRUE(first.expired());
+}
+
+TEST(ShapeStore, FindsWhatIsHeldAndLosesWhatIsNot) {
+  const Mesh held_scan = make_box({0.07, 0.05, 0.05}), lost_scan = make_box({0.08, 0.05, 0.05});
+  const auto held = make_contact_shape(held_scan, mass_properties(held_scan, 2000.0), "held", kCoarse);
+  const std::weak_ptr<const ShapeGeometry> lost = shape_geometry(lost_scan, kCoarse);
+  EXPECT_FALSE(lost.expired());
+  for (std::size_t k = 0; k < kMostKept; ++k)
+    (void)shape_geometry(make_box({0.05, 0.05, 0.081 + 0.0001 * static_cast<double>(k)}), kCoarse);
+  EXPECT_TRUE(lost.expired());
+  EXPECT_EQ(shape_geometry(held_scan, kCoarse)->features.get(), held->features.get());
+}
+
+TEST(ShapeStore, KeepsNothingOfAScanThatNeverComesAgain) {
+  Stone stone;
+  stone.scan = make_box({0.09, 0.05, 0.05});
+  stone.mass = mass_properties(stone.scan, 2000.0);
+  const std::weak_ptr<const SurfaceFeatures> kept = make_contact_shapes({stone}, kCoarse).front()->features;
+  EXPECT_FALSE(kept.expired());
+  stone.scan = make_box({0.091, 0.05, 0.05});
+  const std::weak_ptr<const SurfaceFeatures> passing =
+      make_passing_shapes({stone}, kCoarse).front()->features;
+  EXPECT_TRUE(passing.expired());
 }
 
 }  // namespace

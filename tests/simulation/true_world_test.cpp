@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "pebble.hpp"
+#include "simulation/true_shape.hpp"
 
 namespace stonestack::simulation {
 namespace {
@@ -98,6 +99,22 @@ TEST(TrueWorld, TrueMassIsNotTheBelievedOneButNearIt) {
   EXPECT_LE(largest, 0.05 + 1e-9);
   EXPECT_GT(shift, 0.001);
   EXPECT_LE(shift, 0.002 + 1e-9);
+}
+
+/// An experiment would keep new surfaces run after run. Those of the scans are asked for again.
+TEST(TrueWorld, ASurfaceDrawnBesideItsScanGoesWithItsWorld) {
+  for (const double scan_error : {0.0, 0.0003}) {
+    SimulationOptions options;
+    options.scan_error = scan_error;
+    std::weak_ptr<const SurfaceFeatures> features;
+    {
+      const TrueWorld world(as_they_are({make_pebble("pebble", 0.7)}, options), {0}, make_robotiq_3f(),
+                            options);
+      features = world.shapes()[0]->features;
+      ASSERT_FALSE(features.expired());
+    }
+    EXPECT_EQ(features.expired(), scan_error > 0.0) << scan_error;
+  }
 }
 
 }  // namespace

@@ -83,31 +83,36 @@ TEST(Limestone, IsMadeOfFewFacesToo) {
     }
 }
 
-/// Real rocks of this size, where they lie beside the checkout: the generated ones are as full, as compact
-/// and as jagged on average, within the spread of the real ones.
+double jaggedness(const Mesh& mesh) {
+  return surface_area(mesh) / std::pow(volume(mesh), 2.0 / 3.0);
+}
+
+/// Means of two measures of shape over some stones.
+struct Likeness {
+  double full = 0.0, jagged = 0.0;
+  void add(const Mesh& stone, int of) {
+    full += fullness(stone) / of;
+    jagged += jaggedness(stone) / of;
+  }
+};
+
+constexpr int kStones = 16;
+/// Sixteen scanned rocks of this size, stone_150 to stone_178 of github.com/qianqing-wanggg/StonePacking-3D.
+const Likeness kRocks{0.8577, 6.4407};
+
+/// The generated stones are as full, as compact and as jagged on average as real rocks.
 TEST(Limestone, ResemblesScannedRocks) {
+  Likeness made;
+  for (std::uint64_t seed = 1; seed <= kStones; ++seed) made.add(make_limestone(seed), kStones);
+  EXPECT_NEAR(made.full, kRocks.full, 0.03);
+  EXPECT_NEAR(made.jagged / kRocks.jagged, 1.0, 0.12);
   const std::string folder = STONESTACK_SOURCE_DIR "/../shared/stones/scans/";
-  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
-  const auto jaggedness = [](const Mesh& mesh) {
-    return surface_area(mesh) / std::pow(volume(mesh), 2.0 / 3.0);
-  };
-  double full = 0.0, jagged = 0.0, real_jagged = 0.0;
-  constexpr int kStones = 16;
-  for (std::uint64_t seed = 1; seed <= kStones; ++seed) {
-    const Mesh stone = make_limestone(seed);
-    full += fullness(stone) / kStones;
-    jagged += jaggedness(stone) / kStones;
-  }
-  const std::vector<int> scans = {150, 151, 153, 154, 156, 158, 159, 160,
-                                  161, 163, 166, 174, 175, 176, 177, 178};
-  double real_full = 0.0;
-  for (const int number : scans) {
-    const Mesh rock = read_mesh(folder + "stone_" + std::to_string(number) + ".obj");
-    real_full += fullness(rock) / kStones;
-    real_jagged += jaggedness(rock) / kStones;
-  }
-  EXPECT_NEAR(full, real_full, 0.03);
-  EXPECT_NEAR(jagged / real_jagged, 1.0, 0.12);
+  if (!std::filesystem::exists(folder)) return;  // the rocks' own figures are seen where the scans are
+  Likeness rocks;
+  for (const int number : {150, 151, 153, 154, 156, 158, 159, 160, 161, 163, 166, 174, 175, 176, 177, 178})
+    rocks.add(read_mesh(folder + "stone_" + std::to_string(number) + ".obj"), kStones);
+  EXPECT_NEAR(rocks.full, kRocks.full, 1e-3);
+  EXPECT_NEAR(rocks.jagged, kRocks.jagged, 1e-3);
 }
 
 }  // namespace

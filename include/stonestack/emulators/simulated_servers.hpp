@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,9 +30,14 @@ struct SimulatedServersOptions {
   FtFaults force_torque_faults;
   CameraFaults camera_faults;
   ServedDevices devices;
+  /// Where the camera really sits in the tool, whatever a cell file says of it: x, y, z (m), qx, qy, qz, qw.
+  std::array<double, 7> T_T_C;
 
-  SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals
+  SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals, standard camera mount
 };
+/// `layout` with the camera where the simulated one sits: what a simulated world is made of. Throws
+/// InvalidArgument for a quaternion that is not one.
+[[nodiscard]] CellLayout true_layout(CellLayout layout, const SimulatedServersOptions& options);
 /// arm.*, gripper.*, force_torque.*, camera.*, and the faults below each.
 [[nodiscard]] FieldList fields(SimulatedServersOptions& options);
 

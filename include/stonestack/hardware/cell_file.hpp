@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "stonestack/hardware/camera/realsense_camera.hpp"
@@ -36,6 +37,8 @@ struct CellConfig {
   PoseNumbers T_W_R{0, 0, 0, 0, 0, 0, 1};
   PoseNumbers T_F_T;                ///< tool tip in the flange
   PoseNumbers T_T_C;                ///< hand-eye calibration: camera in the tool
+  std::string hand_eye;             ///< file of the calibration in place of T_T_C, beside the cell file
+  std::optional<Pose> T_F_C;        ///< what `read_hand_eye` read there
   double sensor_mass, camera_mass;  ///< kg, in the hand beside the gripper
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
   std::string obstacles_text;                                         ///< the list as it stands in the file
@@ -50,10 +53,19 @@ struct CellConfig {
 [[nodiscard]] FieldList fields(CellConfig& config);
 /// Throws InvalidArgument for a quaternion that is not one (length off by more than 1e-3).
 [[nodiscard]] CellLayout to_layout(const CellConfig& config);
+/// `name`.x to `name`.qw
+[[nodiscard]] FieldList pose_fields(const std::string& name, PoseNumbers& numbers, const std::string& source);
+/// The pose, likewise; `name` is named in the error.
+[[nodiscard]] Pose to_pose(const PoseNumbers& numbers, const std::string& name);
+/// Sets `T_F_C` by the file `hand_eye` (an easy_handeye file, as `stonestack calibrate` writes it), or clears
+/// it where none is named. A relative path is sought beside the cell file, ~ is the home folder. Throws
+/// FileError, also for a camera that is not on the hand.
+void read_hand_eye(CellConfig& config);
 /// The cell's robot within the cell's limits. Throws FileError for either.
 [[nodiscard]] RobotModel read_cell_robot(const CellConfig& config);
 /// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value,
-/// also for a word that is none of those that a setting knows.
+/// also for a word that is none of those that a setting knows, and when both layout.T_T_C and layout.hand_eye
+/// are given.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
 
 /// Throws FileError that names the file when it says no `arm.address`.

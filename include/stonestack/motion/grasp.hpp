@@ -75,7 +75,7 @@ struct GraspSet {
                                         const GraspOptions& options = {});
 /// The grasps of both, best first, and their counts together.
 [[nodiscard]] GraspSet joined(const GraspSet& a, const GraspSet& b);
-/// Candidates made once for each stone, gripper and options, and kept for the life of the process.
+/// Candidates made once for each stone, gripper and options as long as they are held or among those used last.
 [[nodiscard]] std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                                             const GraspOptions& options = {});
 

@@ -9,8 +9,6 @@
 
 namespace stonestack::report {
 
-/// "all_placed", "height_reached", "no_feasible_pose", ...: `ended` of run_json.
-[[nodiscard]] std::string to_text(RunResult::End end);
 
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.
 [[nodiscard]] std::string run_json(const RunReport& report);

@@ -20,8 +20,12 @@ enum class RunEnd {
   kPlacementFailed,
   kNothingSeen,
   kStopped,
-  kInterrupted
+  kInterrupted,
+  kFailed  ///< by an error that no caller expects
 };
+/// "all_placed", "height_reached", "no_feasible_pose", "no_plan", "placement_failed", "nothing_seen",
+/// "stopped", "interrupted", "failed".
+[[nodiscard]] std::string to_text(RunEnd end);
 
 /// Put a stone on the stack: the first of these that a motion is found for.
 struct Place {

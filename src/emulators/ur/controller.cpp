@@ -19,7 +19,7 @@ constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider take
 constexpr double kGravity = 9.81;
 constexpr std::size_t kHistory = 1000;                 // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
-constexpr int kViolation = 3;                          // report level
+constexpr int kWarning = 2, kViolation = 3;            // report levels
 constexpr std::uint64_t kEarlyLook = 13;    // every so many steps RTDE looks before a script is through
 constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
 
@@ -79,6 +79,7 @@ std::int32_t Registers::seen_int(std::size_t i, std::uint64_t step) const {
 void UrController::step() {
   ++steps_;
   trigger_faults();
+  if (unlock_asked_) unlock_asked_ = safety_mode == SafetyMode::kProtectiveStop && !unlock_protective_stop();
   change_power();
   watch();
   run_programs();
@@ -143,7 +144,8 @@ void UrController::protective_stop(int code, const std::string& reason) {
   ControllerEvent error;
   error.kind = ControllerEvent::Kind::kErrorCode;
   error.code = code;
-  error.level = kViolation;
+  // C153A0 is a warning to UR's own client library, whose tests go by the level.
+  error.level = code == kPathDeviation ? kWarning : kViolation;
   error.text = reason;
   say(error);
 }

@@ -105,6 +105,8 @@ class UrController : public urscript::Host {
   void stop_program();
   /// The Dashboard's loaded program: runs until it is stopped. False when there is none or it may not run.
   bool play_loaded();
+  /// Stops what runs, as on the pendant.
+  void load_program(const std::string& file);
   /// False when there is nothing to pause or resume.
   bool pause_program();
   bool resume_program();
@@ -115,6 +117,9 @@ class UrController : public urscript::Host {
   /// False while it is too early (5 s) or something else is wrong. What the arm touches then stops it again
   /// only when it presses harder or is not left within 0.2 rad.
   bool unlock_protective_stop();
+  /// As the script ports take it: carried out as soon as it may be. UR's client library sends it at once
+  /// after a stop and waits for the stop to end.
+  void unlock_when_allowed() { unlock_asked_ = true; }
   void protective_stop(int code, const std::string& reason);
   void emergency_stop();
   void restart_safety();
@@ -169,6 +174,7 @@ class UrController : public urscript::Host {
   std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written
   bool popup_open = false;
+  int flight_reports = 0;  ///< that the Dashboard was asked for
 
  private:
   void trigger_faults();
@@ -209,6 +215,7 @@ class UrController : public urscript::Host {
   double program_started_ = 0.0;
   double scaling_ = 1.0;
   double stopped_at_ = -1.0;  // protective stop
+  bool unlock_asked_ = false;
   std::optional<Touched> touched_;
   double power_change_at_ = -1.0;  // when robot_mode goes on to
   RobotMode power_goal_ = RobotMode::kRunning;

@@ -132,6 +132,11 @@ void UrController::end_program(const char* title) {
   say(make_event(Kind::kKey, title, program_name_));
 }
 
+void UrController::load_program(const std::string& file) {
+  stop_program();
+  loaded_program = program_name_ = file;
+}
+
 bool UrController::play_loaded() {
   if (loaded_program.empty() || program_running() || !can_move()) return false;
   if (options_.external_control > 0 && loaded_program == kExternalControl) {

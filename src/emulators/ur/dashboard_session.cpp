@@ -49,7 +49,8 @@ std::string program_state(const UrController& c) {
 std::string unlock(UrController& c) {
   if (c.safety_mode != SafetyMode::kProtectiveStop) return "Protective stop releasing";
   return c.unlock_protective_stop() ? "Protective stop releasing"
-                                    : "Cannot unlock protective stop until 5s after occurrence";
+                                    : "Cannot unlock protective stop until 5s after occurrence. Always "
+                                      "inspect cause of protective stop before unlocking";
 }
 
 std::string upper(std::string text) {
@@ -83,16 +84,41 @@ std::string administer(UrController& c, const std::string& command) {
   return "No longer controlling the operational mode. Current operational mode: 'NONE'.";
 }
 
-// A running program is stopped, as on the pendant.
+// In whatever folder it is looked for: "/programs/x", "/ursim/programs/x".
+std::string file_of(const std::string& path) {
+  return path.substr(path.rfind('/') + 1);  // all of it when there is none
+}
+
 std::string load(UrController& c, const std::string& name) {
-  const std::string prefix = "/programs/";
-  const std::string file = name.rfind(prefix, 0) == 0 ? name.substr(prefix.size()) : name;
   auto known = split_names(c.options().programs);
   if (c.options().external_control > 0) known.emplace_back(kExternalControl);
-  if (std::find(known.begin(), known.end(), file) == known.end()) return "File not found: " + name;
-  c.stop_program();
-  c.loaded_program = file;
+  if (std::find(known.begin(), known.end(), file_of(name)) == known.end()) return "File not found: " + name;
+  c.load_program(file_of(name));
   return "Loading program: " + name;
+}
+
+// Every controller comes with this one.
+std::string load_installation(UrController& c, const std::string& name) {
+  if (file_of(name) != "default.installation") return "File not found: " + name;
+  c.stop_program();
+  return "Loading installation: " + name;
+}
+
+// What a controller does on its own disk, of which nobody sees more than the answer.
+std::string keep_record(UrController& c, const std::string& command) {
+  static const std::string kLog = "addToLog", kReport = "generate flight report",
+                           kSupport = "generate support file ";
+  const bool has_reports = c.version().has({3, 13, 0, 0}, {5, 8, 0, 0});
+  if (command == kLog || command.rfind(kLog + " ", 0) == 0)
+    return command.find_first_not_of(' ', kLog.size()) == std::string::npos ? "No log message to add"
+                                                                            : "Added log message";
+  if (!has_reports) return {};
+  if (command == "saveLog") return "Log saved to disk";
+  if (command == kReport || command.rfind(kReport + " ", 0) == 0)
+    return concat("Flight Report generated with id: ", ++c.flight_reports);
+  if (command.rfind(kSupport, 0) != 0) return {};
+  return concat("Completed successfully: ", command.substr(kSupport.size()), "/ur_", c.options().serial,
+                "_support_file.zip");
 }
 
 // Commands that change something; empty when the command is none of them.
@@ -168,11 +194,9 @@ DashboardAnswer answer_dashboard(UrController& controller, const std::string& co
     return {"Command is not allowed due to safety reasons", false};
   if (auto line = act(controller, command); !line.empty()) return {line, false};
   if (auto line = administer(controller, command); !line.empty()) return {line, false};
-  if (command == "saveLog" && controller.version().has({3, 13, 0, 0}, {5, 8, 0, 0}))
-    return {"Log saved to disk", false};
+  if (auto line = keep_record(controller, command); !line.empty()) return {line, false};
   if (starts("popup ")) return {"showing popup", false};
-  if (starts("addToLog ")) return {"Added log message", false};
-  if (starts("load installation ")) return {"File not found: " + command.substr(18), false};
+  if (starts("load installation ")) return {load_installation(controller, command.substr(18)), false};
   if (starts("load ")) return {load(controller, command.substr(5)), false};
   return {"could not understand: '" + command + "'", false};
 }

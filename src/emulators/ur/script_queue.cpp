@@ -27,7 +27,7 @@ bool obey(UrController& c, const std::string& line) {
   } else if (line == "set robotmode run") {
     c.release_brakes();
   } else if (line == "set unlock protective stop") {
-    static_cast<void>(c.unlock_protective_stop());
+    c.unlock_when_allowed();
   } else if (line == "stop program") {
     c.stop_program();
   } else if (line.rfind("set speed ", 0) == 0) {

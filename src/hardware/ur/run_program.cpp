@@ -12,7 +12,8 @@ namespace {
 
 using Status = MotionResult::Status;
 
-constexpr double kStragglers = 0.1;  // s for errors that follow the end of a program
+constexpr double kStragglers = 0.1;   // s for errors that follow the end of a program
+constexpr double kComesToRest = 0.5;  // s after which a paused arm stands
 
 /// Keeps what the controller says about the program.
 class Hearing {
@@ -55,7 +56,20 @@ class Run {
   Run(UrLink& link, const ProgramOrder& order)
       : link_(link), order_(order), hearing_(link, order.script), sessions_(link.rtde.counts().sessions) {}
 
+  /// Sends a stop unless the program came to its own end: what nobody waits for any more must not go on.
   MotionResult carry_through() {
+    const MotionResult ended = wait_for_end();
+    if (ended.status == Status::kDone || ended.status == Status::kContact ||
+        ended.status == Status::kNoContact)
+      return ended;
+    if (order_.stop_asked != nullptr && *order_.stop_asked) return ended;  // who asked sends it
+    send_stop(link_);
+    if (last_.is_held()) confirm_stop();
+    return ended;
+  }
+
+ private:
+  MotionResult wait_for_end() {
     if (auto failed = start()) return *failed;
     for (;;) {
       const UrStatus now = turn();
@@ -63,14 +77,16 @@ class Run {
     }
   }
 
- private:
   [[nodiscard]] MotionResult result(Status status, const std::string& reason) const {
     return {status, last_.q, last_.force, reason};
   }
 
-  MotionResult stop_because(const std::string& reason) {
-    send_stop(link_);
-    return result(Status::kStopped, reason);
+  /// A paused program that a stop does not reach would move when somebody plays it: without the heartbeat,
+  /// the controller's watchdog ends it then.
+  void confirm_stop() {
+    const Deadline deadline = Deadline::in(link_.options.stop_timeout);
+    while (link_.next_status().is_held())
+      if (deadline.over()) return link_.starve("a paused program did not obey a stop");
   }
 
   UrStatus turn() {
@@ -99,7 +115,6 @@ class Run {
       link_.primary.send(order_.script);
       deadline = Deadline::in(link_.options.start_timeout);
     }
-    send_stop(link_);  // it must not start when nobody waits for it any more
     return result(Status::kRefused, concat("the program did not start within ", link_.options.start_timeout,
                                            " s; ", link_.explain_silence()));
   }
@@ -108,12 +123,11 @@ class Run {
   std::optional<MotionResult> find_stop(const UrStatus& now) {
     if (const auto safety = find_safety_stop(now); !safety.empty()) {
       link_.disarm(safety);
-      return stop_because(safety);
+      return result(Status::kStopped, safety);
     }
     if (order_.stop_asked != nullptr && *order_.stop_asked)
       return result(Status::kStopped, "stopped by command");
     if (link_.rtde.counts().sessions == sessions_) return std::nullopt;
-    send_stop(link_);
     return result(Status::kLost,
                   "the RTDE link was lost on the way; the controller's watchdog has stopped it");
   }
@@ -122,9 +136,24 @@ class Run {
     if (auto stopped = find_stop(now)) return stopped;
     if (now.run != order_.run)
       return result(Status::kStopped, "another program has taken the controller; end the other client");
-    if (!now.program_running) return now.end != 0 ? finish(now) : look_for_death();
+    if (!now.program_running && !now.is_held()) return now.end != 0 ? finish(now) : look_for_death();
     ended_for_.reset();
+    if (auto moved = look_for_moved_arm(now)) return moved;
     return keep_time(now);
+  }
+
+  /// In a pause nothing but a person moves the arm, and the program would jump back to where it was.
+  std::optional<MotionResult> look_for_moved_arm(const UrStatus& now) {
+    if (now.runtime_state != UrStatus::kPaused) {
+      held_.reset();
+      return std::nullopt;
+    }
+    if (!held_) held_ = Held{now.device_time, now.q};
+    if (now.device_time - held_->since < kComesToRest) held_->q = now.q;
+    const double moved = (now.q - held_->q).cwiseAbs().maxCoeff();
+    if (moved <= link_.options.script.start_tolerance) return std::nullopt;
+    return result(Status::kStopped, concat("the arm was moved by ", moved,
+                                           " rad while the program was paused; it is not resumed"));
   }
 
   std::optional<MotionResult> finish(const UrStatus& now) {
@@ -138,6 +167,11 @@ class Run {
       case ScriptEnd::kStaleForce:
         return result(Status::kStopped,
                       "the force readings stopped coming through; the arm stopped by itself");
+      case ScriptEnd::kFellBehind:
+        return result(
+            Status::kStopped,
+            "the arm was too far from its path (held back, or moved in a pause); it stopped by itself "
+            "instead of catching up");
       case ScriptEnd::kRunning:
         break;
     }
@@ -166,14 +200,14 @@ class Run {
     if (now.is_paused()) {
       paused_ += dt;
       if (paused_ < link_.options.pause_limit) return std::nullopt;
-      return stop_because(
-          concat("paused by the user (program paused or speed slider at 0) for ", paused_, " s"));
+      return result(Status::kStopped,
+                    concat("paused by the user (program paused or speed slider at 0) for ", paused_, " s"));
     }
     used_ += dt * std::min(1.0, now.speed);
     const double allowed = kTimeFactor * order_.duration + link_.options.time_slack;
     if (used_ < allowed) return std::nullopt;
-    return stop_because(
-        concat("not done after ", used_, " s, expected ", order_.duration, " s; at knot ", now.progress));
+    return result(Status::kStopped, concat("not done after ", used_, " s, expected ", order_.duration,
+                                           " s; at knot ", now.progress));
   }
 
   UrLink& link_;
@@ -183,6 +217,11 @@ class Run {
   UrStatus last_;
   std::optional<Stopwatch> ended_for_;
   std::optional<double> before_;
+  struct Held {
+    double since = 0.0;  // s, the controller's clock
+    Joints q;            // where the arm came to rest
+  };
+  std::optional<Held> held_;  // in a pause
   double used_ = 0.0, paused_ = 0.0;
 };
 

@@ -13,6 +13,8 @@ namespace stonestack::hardware {
 namespace {
 
 constexpr UrVersion kUpperRegisters3{3, 9, 0, 0}, kUpperRegisters5{5, 3, 0, 0};
+constexpr double kChase =
+    2.0;  // times the lag at which the path waits, which leaves the arm little more behind
 
 /// The run id comes last: who sees it never sees the end of an older run.
 void begin(ScriptLines& out) {
@@ -51,7 +53,9 @@ void define_globals(ScriptLines& out, const JointTrajectory& trajectory) {
   for (const Joints& qd : trajectory.qd) fastest = std::max(fastest, qd.cwiseAbs().maxCoeff());
   const ScriptOptions& o = out.options();
   out.add(1, "global stk_dt = ", out.step_time());
-  out.add(1, "global stk_lag_limit = ", to_script(kHoldLag + 2 * kLookahead * fastest));
+  const double lag_limit = kHoldLag + 2 * kLookahead * fastest;
+  out.add(1, "global stk_lag_limit = ", to_script(lag_limit));
+  out.add(1, "global stk_lag_end = ", to_script(kChase * lag_limit));
   out.add(1, "global stk_t = 0.0");
   out.add(1, "global stk_end = ", number(ScriptEnd::kRunning));
   out.add(1, "global stk_force = 0.0");
@@ -76,7 +80,8 @@ void define_lag(ScriptLines& out) {
 }
 
 /// One cubic Hermite piece, a servoj a control step. The clock of the path waits while the arm lags behind it
-/// (speed slider, pause), so that nothing jumps afterwards.
+/// (speed slider, pause), so that nothing jumps afterwards. An arm that is further away than a waiting path
+/// leaves it (moved in a pause, held back) would jump, for servoj has no speed limit: that ends the program.
 void define_piece(ScriptLines& out, bool guarded) {
   const ScriptOptions& o = out.options();
   out.add(1, "def stk_to(knot, h, q1, v1):");
@@ -93,8 +98,11 @@ void define_piece(ScriptLines& out, bool guarded) {
   out.add(3, "local q = [", q, "]");
   out.add(3, "servoj(q, t=stk_dt, lookahead_time=", to_script(kLookahead), ", gain=", to_script(kGain), ")");
   if (guarded) out.add(3, "stk_guard()");
-  out.add(3, "if stk_lag(q) < stk_lag_limit:");
+  out.add(3, "local lag = stk_lag(q)");
+  out.add(3, "if lag < stk_lag_limit:");
   out.add(4, "stk_t = stk_t + stk_dt");
+  out.add(3, "elif (lag > stk_lag_end) and (stk_end == 0):");
+  out.add(4, "stk_end = ", number(ScriptEnd::kFellBehind));
   out.add(3, "end");
   out.add(2, "end");
   out.add(2, "stk_t = stk_t - h");
@@ -109,12 +117,26 @@ void follow_pieces(ScriptLines& out, const JointTrajectory& trajectory, bool gua
     out.add(1, "stk_to(", k, ", ", to_script(trajectory.time[k] - trajectory.time[k - 1]), ", ",
             to_script(trajectory.q[k]), ", ", to_script(trajectory.qd[k]), ")");
   out.add(1, "local goal = ", to_script(trajectory.q.back()));
-  out.add(1, "while (stk_end == 0) and (stk_lag(goal) > ", to_script(kArrived), "):");
-  out.add(2, "servoj(goal, t=stk_dt, lookahead_time=", to_script(kLookahead), ", gain=", to_script(kGain),
-          ")");
-  if (guarded) out.add(2, "stk_guard()");
+  out.add(1, "local gap = stk_lag(goal)");
+  out.add(1, "while (stk_end == 0) and (gap > ", to_script(kArrived), "):");
+  out.add(2, "if gap > stk_lag_end:");
+  out.add(3, "stk_end = ", number(ScriptEnd::kFellBehind));
+  out.add(2, "else:");
+  out.add(3, "servoj(goal, t=stk_dt, lookahead_time=", to_script(kLookahead),
+          ", gain=", to_script(kGain), ")");
+  if (guarded) out.add(3, "stk_guard()");
+  out.add(3, "gap = stk_lag(goal)");
+  out.add(2, "end");
   out.add(1, "end");
   out.add(1, "stopj(", to_script(out.options().stop_acceleration), ")");
+}
+
+/// The program's own end, unless something ended it before.
+void end_well(ScriptLines& out, ScriptEnd state) {
+  out.add(1, "if stk_end == 0:");
+  out.add(2, "stk_end = ", number(state));
+  out.add(1, "end");
+  end(out, "stk_end");
 }
 
 void require_trajectory(const JointTrajectory& trajectory) {
@@ -142,7 +164,7 @@ std::string write_trajectory(const JointTrajectory& trajectory, const ScriptCont
   define_lag(out);
   define_piece(out, false);
   follow_pieces(out, trajectory, false);
-  end(out, concat(number(ScriptEnd::kDone)));
+  end_well(out, ScriptEnd::kDone);
   return out.take();
 }
 
@@ -163,10 +185,7 @@ std::string write_guarded(const JointTrajectory& trajectory, const ScriptGuard& 
   take_zero(out);
   follow_pieces(out, trajectory, true);
   comply(out, guard);
-  out.add(1, "if stk_end == 0:");
-  out.add(2, "stk_end = ", number(ScriptEnd::kNoContact));
-  out.add(1, "end");
-  end(out, "stk_end");
+  end_well(out, ScriptEnd::kNoContact);
   return out.take();
 }
 

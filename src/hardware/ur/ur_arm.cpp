@@ -44,6 +44,7 @@ struct UrArm::Device {
     if (auto reason = link.stop_reason(); !reason.empty())
       return "there was a stop, and nobody has looked and re-armed: " + reason;
     if (now.program_running) return "another program runs on the controller; stop it first";
+    if (now.is_held()) return "another program is paused on the controller; stop it first";
     return {};
   }
 
@@ -172,7 +173,9 @@ void UrArm::stop() {
   const Deadline deadline = Deadline::in(device_->link.options.stop_timeout);
   while (!deadline.over()) {
     const UrStatus now = device_->link.next_status();
-    if (!now.program_running && now.qd.cwiseAbs().maxCoeff() < kStandstillSpeed) return;
+    if (!now.program_running && !now.is_held() &&
+        now.qd.cwiseAbs().maxCoeff() < kStandstillSpeed)
+      return;
     if (!find_safety_stop(now).empty()) return;  // the safety system has stopped it
   }
   device_->link.starve("a stop was not obeyed");

@@ -109,7 +109,7 @@ void UrLink::starve(const std::string& reason) {
 
 void UrLink::rearm() {
   const UrStatus now = next_status();
-  if (starved_ && now.program_running)
+  if (starved_ && (now.program_running || now.is_held()))
     throw DeviceError("UR arm at " + options.address, "a program still runs that could not be stopped",
                       "stop it on the pendant");
   if (const auto stop = find_safety_stop(now); !stop.empty())

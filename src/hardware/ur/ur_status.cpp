@@ -11,7 +11,6 @@ constexpr std::uint32_t kFirstWithoutScripts = 10;
 constexpr int kRunningMode = 7;
 constexpr int kNormal = 1, kReduced = 2;
 constexpr std::uint32_t kProgramRunning = 1U << 1;
-constexpr std::uint32_t kPausing = 3, kPaused = 4;
 constexpr double kStandingSlider = 1e-3;
 constexpr int kStatusRegisters = 3, kResultRegisters = 7, kForceRegister = 6, kForceInputs = 3;
 
@@ -59,8 +58,12 @@ Joints joints(const RtdeSample& sample, const char* name) {
 
 }  // namespace
 
+bool UrStatus::is_held() const {
+  return runtime_state == kPausing || runtime_state == kPaused || runtime_state == kResuming;
+}
+
 bool UrStatus::is_paused() const {
-  return runtime_state == kPausing || runtime_state == kPaused || speed < kStandingSlider;
+  return is_held() || speed < kStandingSlider;
 }
 
 RtdeRecipe arm_recipe(const UrVersion& version) {

@@ -7,6 +7,7 @@
 namespace stonestack::hardware {
 
 struct STONESTACK_EXPORT UrStatus {
+  static constexpr std::uint32_t kPausing = 3, kPaused = 4, kResuming = 5;  ///< of `runtime_state`
   Joints q, qd;
   double device_time = 0.0, host_time = 0.0;  ///< s
   int robot_mode = 0;                         ///< 7: running
@@ -18,7 +19,10 @@ struct STONESTACK_EXPORT UrStatus {
   int run = 0, progress = 0, end = 0;
   double force = 0.0;  ///< N, of the last program
 
-  /// A person (or a pendant) holds the program: paused, or the slider at zero.
+  /// A person (or the pendant) holds the program: it is there and goes on when somebody plays it. Controllers
+  /// may clear `program_running` meanwhile.
+  [[nodiscard]] bool is_held() const;
+  /// Held, or the speed slider at zero.
   [[nodiscard]] bool is_paused() const;
 };
 

@@ -1,8 +1,8 @@
-#include <bit>
-#include <map>
-#include <mutex>
+#include "motion/grasp_cache.hpp"
 
+#include "core/recently_used.hpp"
 #include "motion/grasp/finger_strips.hpp"
+#include <bit>
 #include "stonestack/motion/grasp.hpp"
 
 namespace stonestack::motion {
@@ -50,16 +50,10 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
 
 std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                               const GraspOptions& options) {
-  static std::mutex mutex;
-  static std::map<std::uint64_t, std::shared_ptr<const GraspSet>> made;
+  static RecentlyUsed<GraspSet> made(kMostGraspSets);
   const std::uint64_t key = key_of(stone, gripper, options);
-  {
-    const std::scoped_lock lock(mutex);
-    if (const auto found = made.find(key); found != made.end()) return found->second;
-  }
-  auto set = std::make_shared<const GraspSet>(grasp_candidates(stone, gripper, options));
-  const std::scoped_lock lock(mutex);
-  return made.emplace(key, std::move(set)).first->second;  // two threads may have made the same one
+  if (auto known = made.find(key)) return known;
+  return made.keep(key, std::make_shared<const GraspSet>(grasp_candidates(stone, gripper, options)));
 }
 
 }  // namespace stonestack::motion

@@ -30,6 +30,7 @@ enum class ScriptEnd {
   kContact = 2,
   kNoContact = 3,
   kStaleForce = 4,  ///< the streamed force stopped changing its counter
+  kFellBehind = 5,  ///< the arm was too far from where the path had it
 };
 
 struct ScriptOptions {

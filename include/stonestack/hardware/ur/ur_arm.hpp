@@ -46,9 +46,9 @@ class UrArm : public Arm {
   ~UrArm() override;
 
   [[nodiscard]] ArmState state() override;
-  /// kStopped: protective or emergency stop, paused for too long, killed, not done in time, died of an error
-  /// (with its line). kRefused: not started, nothing has moved. kLost: the link broke; the controller's
-  /// watchdog has stopped the arm.
+  /// kStopped: protective or emergency stop, paused for too long, moved by hand in a pause, too far from its
+  /// path, killed, not done in time, died of an error (with its line). kRefused: not started, nothing has
+  /// moved. kLost: the link broke; the controller's watchdog has stopped the arm.
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
   void stop() override;

@@ -1,0 +1,122 @@
+// The journal's last line: how a run ended, and what stopped it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "stonestack/core/data.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+/// The arm of a simulated cell, whose first motion ends as the test says.
+struct EndingArm : Arm {
+  explicit EndingArm(Arm& real) : arm(real) {}
+  ArmState state() override { return arm.state(); }
+  MotionResult follow(const JointTrajectory&) override { return ends(); }
+  MotionResult follow_guarded(const GuardedMotion&) override { return ends(); }
+  void stop() override {
+    if (dead) throw DeviceError("UR arm at 10.0.0.7", "no data for 0.1 s", "look at the cable");
+  }
+  void set_payload(double, const Eigen::Vector3d&) override {}
+
+  Arm& arm;
+  std::function<MotionResult()> ends;
+  bool dead = false;
+};
+
+struct Run {
+  RunResult result;
+  std::string thrown;
+  json last;  ///< line of the journal
+};
+
+Run run_until(const std::function<MotionResult()>& ends, bool dead = false) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, {});
+  const Cell real = world.cell();
+  EndingArm arm(real.arm);
+  arm.ends = ends;
+  arm.dead = dead;
+  Cell cell{arm, real.gripper, real.force_torque, real.camera, real.clock, real.layout};
+  const std::string path = testing::TempDir() + "journal_end_test.jsonl";
+  std::filesystem::remove(path);
+  Run run;
+  {
+    Journal journal(path);
+    BuildHooks hooks;
+    hooks.journal = &journal;
+    try {
+      run.result = build_tower(cell, catalogue, robot, {}, hooks);
+    } catch (const std::exception& error) {
+      run.thrown = error.what();
+    }
+  }
+  std::string text = read_file(path, 1 << 20);
+  EXPECT_FALSE(text.empty());
+  if (text.empty()) return run;
+  text.pop_back();
+  run.last = json::parse(text.substr(text.rfind('\n') + 1));
+  std::filesystem::remove(path);
+  return run;
+}
+
+MotionResult stopped(const std::string& reason) {
+  return {MotionResult::Status::kStopped, Joints::Zero(), 0.0, reason};
+}
+
+TEST(JournalEnd, NamesTheStop) {
+  for (const char* reason :
+       {"protective stop (safety 3, bits 0x404)", "emergency stop of the robot (safety 7, bits 0x4c0)",
+        "paused by the user (program paused or speed slider at 0) for 300 s",
+        "the arm was moved by 0.3 rad while the program was paused"}) {
+    const Run run = run_until([&] { return stopped(reason); });
+    EXPECT_EQ(run.result.end, RunResult::End::kStopped);
+    EXPECT_EQ(run.last["kind"], "end") << reason;
+    EXPECT_EQ(run.last["data"]["end"], "stopped") << reason;
+    EXPECT_THAT(run.last["data"]["reason"].get<std::string>(), HasSubstr(reason));
+  }
+}
+
+TEST(JournalEnd, NamesALostLinkAndAnArmThatDoesNotConfirmItsStop) {
+  const Run run = run_until(
+      []() -> MotionResult {
+        throw DeviceError("UR arm at 10.0.0.7", "closed the connection", "look at the controller");
+      },
+      true);
+  EXPECT_EQ(run.thrown, "") << "what was done until then is a result";
+  EXPECT_EQ(run.result.end, RunResult::End::kStopped);
+  EXPECT_EQ(run.last["kind"], "end");
+  const auto reason = run.last["data"]["reason"].get<std::string>();
+  EXPECT_EQ(reason, run.result.ended);
+  EXPECT_THAT(reason, HasSubstr("closed the connection"));
+  EXPECT_THAT(reason, HasSubstr("did not confirm a stop: UR arm at 10.0.0.7: no data"));
+}
+
+TEST(JournalEnd, NamesAnInterruption) {
+  const Run run = run_until([]() -> MotionResult { throw Interrupted(); });
+  EXPECT_EQ(run.last["kind"], "end");
+  EXPECT_EQ(run.last["data"]["end"], "interrupted");
+}
+
+TEST(JournalEnd, NamesWhatNobodyForesaw) {
+  const Run run = run_until([]() -> MotionResult { throw std::logic_error("a \"defect\" \xff"); });
+  EXPECT_THAT(run.thrown, HasSubstr("defect")) << "it is passed on";
+  EXPECT_EQ(run.last["kind"], "end");
+  EXPECT_EQ(run.last["data"]["end"], "failed");
+  EXPECT_THAT(run.last["data"]["reason"].get<std::string>(), HasSubstr("a \"defect\""));
+}
+
+}  // namespace
+}  // namespace stonestack::stacking
