@@ -51,7 +51,7 @@ TEST_F(CommandLine, ColoursOnATerminalUnlessTheUserWantsNone) {
 
 TEST_F(CommandLine, ConfigSpeaksJson) {
   write("stonestack.yaml", "search:\n  friction: 0.3\n");
-  const json shown = run("config show --json").data();
+  const json shown = run("config show --expert --json").data();
   ASSERT_EQ(shown["schema"], "stonestack.config/1");
   const auto option = [](const json& data, const std::string& name) {
     for (const json& entry : data["options"])
@@ -64,11 +64,12 @@ TEST_F(CommandLine, ConfigSpeaksJson) {
   EXPECT_EQ(friction["range"].size(), 2U);
   EXPECT_EQ(option(shown, "search.method")["value"], "default");
   EXPECT_EQ(option(shown, "simulation.sensor_noise")["value"], true);
-  const Outcome text = run("config show");
+  const Outcome text = run("config show --expert");
   EXPECT_EQ(static_cast<std::size_t>(std::count(text.out.begin(), text.out.end(), '\n')),
             shown["options"].size());
+  EXPECT_LT(run("config show --json").data()["options"].size(), shown["options"].size());
 
-  const json cell = run("config cell --json").data();
+  const json cell = run("config cell --expert --json").data();
   EXPECT_EQ(cell["schema"], "stonestack.config/1");
   EXPECT_EQ(option(cell, "arm.rtde_port")["value"], 30004);
   EXPECT_EQ(option(cell, "arm.rtde_port")["range"], json({0.0, 65535.0}));
