@@ -178,7 +178,7 @@ double DescentTrial::room(double most) {
   const Eigen::Vector3d turn(belief_.normal(0.0, kSeenTurn), belief_.normal(0.0, kSeenTurn),
                              belief_.normal(0.0, kSeenTurn));
   T_W_O.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * T_W_O.linear();
-  return room_below(believed, cell_.arm.state().q, cell_.gripper.state().opening, -1, most, options_);
+  return room_below(believed, cell_.arm.state().q, cell_.gripper.state().opening, -1, most);
 }
 
 void DescentTrial::print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,

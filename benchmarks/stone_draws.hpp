@@ -11,7 +11,7 @@
 /// Stones that benchmarks draw from, and the draws.
 namespace stonestack::bench {
 
-/// What benchmarks of the search alone plan for, by their protocol: stones any way up, exact centres of mass,
+/// Options of benchmarks of the search alone, by their protocol: stones any way up, exact centres of mass,
 /// placements within 1 mm and 0.5 deg.
 [[nodiscard]] inline SearchOptions search_without_robot() {
   SearchOptions options;

@@ -13,7 +13,7 @@ struct Capsule {
   double radius = 0.0;
 };
 
-/// m^3.
+/// [m^3]
 [[nodiscard]] double volume(const Capsule& capsule);
 /// From the surface of the capsule, negative inside. m.
 [[nodiscard]] double distance(const Capsule& capsule, const Eigen::Vector3d& p);

@@ -12,7 +12,7 @@ namespace stonestack::geometry {
 
 struct MeshImport {
   std::string program;    ///< stonestack-import; empty: the one beside this program or as installed
-  double seconds = 30.0;  ///< s, after which the process is ended (it ends itself after 10 s of CPU)
+  double seconds = 30.0;  ///< after which the process is ended (it ends itself after 10 s of CPU) [s]
 };
 
 /// A file's mesh as PLY, from the helper process `stonestack-import` (apps/import.cpp), which can open no

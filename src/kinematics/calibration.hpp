@@ -10,11 +10,11 @@ namespace stonestack::kinematics {
 
 /// A row of a standard DH table: Rz(theta + q) Tz(d) Tx(a) Rx(alpha).
 struct DhRow {
-  double theta = 0.0, d = 0.0, a = 0.0, alpha = 0.0;  ///< rad, m, m, rad
+  double theta = 0.0, d = 0.0, a = 0.0, alpha = 0.0;  ///< m, rad [rad] [m]
 };
 /// A joint's frame in its parent's at zero angle, as ROS' ur_calibration writes it.
 struct JointOrigin {
-  double x = 0.0, y = 0.0, z = 0.0, roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< m, rad
+  double x = 0.0, y = 0.0, z = 0.0, roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< rad [m]
 };
 
 /// What a calibration file may say: numbers that it leaves out stay the robot's own.

@@ -6,7 +6,7 @@
 /// Private to kinematics: the parts of the closed form, in DH angles.
 namespace stonestack::kinematics {
 
-inline constexpr double kClamp = 5e-10;  ///< m: how far outside the reach a pose may lie and still be met
+inline constexpr double kClamp = 5e-10;  ///< how far outside the reach a pose may lie and still be met [m]
 /// m that a solution may be off before it is polished: where the wrist is over the base, rounding leaves 1e-8
 /// rad of the base's angle, and with wrist 2 in line to within that no more is left of wrist 3 than a guess.
 inline constexpr double kGuess = 1e-6;
@@ -28,7 +28,7 @@ struct Turn {
 /// The two angles of the base that bring the wrist into the arm's plane.
 struct Shoulder {
   std::array<Turn, 2> q1;
-  double miss = 0;  ///< m, by which the target was out of reach: the two are then one
+  double miss = 0;  ///< by which the target was out of reach [m]: the two are then one
 };
 /// `apart` rad: the two are kept at least so far from being one.
 [[nodiscard]] Shoulder solve_shoulder(const RobotModel& robot, const Target& t, double apart = 0.0);

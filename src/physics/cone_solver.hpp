@@ -62,7 +62,7 @@ class ConeSolver : public btConstraintSolver {
   std::vector<Body> bodies_;
   std::vector<Row> rows_;
   int iterations_ = 0;
-  double last_dt_ = 0.0;  ///< s, of the step that the kept impulses are from
+  double last_dt_ = 0.0;  ///< of the step that the kept impulses are from [s]
 };
 
 }  // namespace stonestack::physics

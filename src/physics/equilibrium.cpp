@@ -72,7 +72,7 @@ class Balance {
   }
 
   struct Push {
-    double acceleration = 0.0;  ///< g
+    double acceleration = 0.0;  ///< in g
     int weakest = -1;           ///< into the contacts
   };
   /// Largest acceleration along a unit direction, from the programme solved at rest.

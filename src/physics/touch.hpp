@@ -11,7 +11,7 @@ namespace stonestack::physics {
 struct Surface {
   const SurfaceFeatures* features = nullptr;
   const SignedDistance* distance = nullptr;        ///< null: a box of half sides `half`
-  Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< m
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();  ///< [m]
 };
 /// Negative inside; the gradient has unit length.
 [[nodiscard]] double signed_distance(const Surface& surface, const Eigen::Vector3d& p,
@@ -27,14 +27,14 @@ struct Touch {
   int b = -1;                                      ///< vertex or edge of B, else face
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();   ///< on B
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  ///< from B to A
-  double gap = 0.0;                                ///< m, negative: penetration
+  double gap = 0.0;                                ///< negative [m]: penetration
   Eigen::Vector3d p_A =
       Eigen::Vector3d::Zero();  ///< the same point in A: what a touch is known by from step to step
   double impulse = 0.0;         ///< N s, normal
   Eigen::Vector3d friction = Eigen::Vector3d::Zero();  ///< N s, on A, world axes
 };
 
-/// m: touches are reported up to this gap.
+/// touches are reported up to this gap [m].
 inline constexpr double kTouchGap = 0.001;
 
 /// Exact touches between two concave surfaces: vertices of one on faces of the other, and crossing edges,

@@ -45,7 +45,7 @@ struct World::Bullet {
     bool moves = false;  ///< has a target for the next step
     Pose T_W_target = Pose::Identity();
     Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
-    Eigen::Vector3d weight_offset_P = Eigen::Vector3d::Zero();  ///< m, where the weight acts
+    Eigen::Vector3d weight_offset_P = Eigen::Vector3d::Zero();  ///< where the weight acts [m]
   };
 
   explicit Bullet(const WorldOptions& o)

@@ -18,7 +18,7 @@ const Eigen::Vector3d kMovedColour(0.80, 0.52, 0.25), kOtherColour(0.75, 0.72, 0
 /// What the hand does during a step.
 struct Stage {
   bool held = false, placed = false;
-  double opening = 0.0;  ///< m
+  double opening = 0.0;  ///< [m]
 };
 
 Stage stage_of(const PickAndPlacePlan& plan, std::size_t step) {

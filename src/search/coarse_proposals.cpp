@@ -8,8 +8,8 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kOffsetPitch = 0.008;  ///< m
-constexpr double kSurveyPitch = 0.016;  ///< m
+constexpr double kOffsetPitch = 0.008;  ///< [m]
+constexpr double kSurveyPitch = 0.016;  ///< [m]
 constexpr int kWindow = 3;              ///< offsets about the survey's best, as OffsetGrid::n (measured)
 constexpr std::size_t kPromising = 48;  ///< orientations of a stone that pass the survey (measured)
 

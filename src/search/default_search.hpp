@@ -5,8 +5,11 @@
 
 namespace stonestack::search {
 
-/// Plans towers of up to `horizon` levels and returns their first placements: those that lead highest, and of
-/// these the likeliest to be finished, first. What was found when it is interrupted is kept.
+/// Anytime beam search over towers (TowerSearch): plans towers of up to `horizon` levels and returns their
+/// first placements, ranked by the levels that the best tower above each reaches, then by the chance that it
+/// can be finished. Eq. (2) of the paper does not rank here: it is computed for each placement and reported
+/// (`cost`, `terms`); it ranks in paper mode only (paper_search.hpp). What was found when it is interrupted
+/// is kept.
 void default_search(const SearchContext& context, SearchResult* result);
 
 /// Settles and judges a plan and nothing else: its first placement, or the reason why it does not hold.

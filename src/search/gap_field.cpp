@@ -11,8 +11,8 @@ constexpr float kPadding = -1e9F;
 /// The centre of mass is moved by this fraction of a cell, so that it never lies on a line between two nodes
 /// and the ratio test has no ties.
 constexpr float kOffLine = 0.0137F;
-constexpr double kViolation = 1e-5;      ///< m
-constexpr double kArtificialRim = 0.12;  ///< m, radius of the three artificial cells
+constexpr double kViolation = 1e-5;      ///< [m]
+constexpr double kArtificialRim = 0.12;  ///< radius of the three artificial cells [m]
 constexpr double kDeepestStart = 0.1;    ///< m below the largest gap: what lies deeper says nothing
 constexpr int kMostPivots = 60;
 

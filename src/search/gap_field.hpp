@@ -22,8 +22,8 @@ inline constexpr int kRun = 8;
 /// its lowest point only, in runs of kRun neighbours. Nodes of a run that do not count are infinitely high.
 struct Underside {
   Eigen::Matrix3d R_W_O;
-  double lowest = 0.0;     ///< m, lowest point under the centre of mass (negative)
-  double run_reach = 0.0;  ///< m, from a run's middle to its ends along x
+  double lowest = 0.0;     ///< lowest point under the centre of mass (negative) [m]
+  double run_reach = 0.0;  ///< from a run's middle to its ends along x [m]
   std::vector<int> step;   ///< each run's first node: index from the centre's in a raster of the given stride
   std::vector<float> middle_x, row_y;  ///< each run's
   std::vector<float> x, y, z;          ///< each node's
@@ -86,8 +86,8 @@ struct GapRest {
 
 /// How well a resting pose is carried.
 struct GapContact {
-  double margin = 0.0;  ///< m: centre of mass to the rim of the cells that nearly touch
-  double height = 0.0;  ///< m: centre of mass over the mean contact
+  double margin = 0.0;  ///< centre of mass to the rim of the cells that nearly touch [m]
+  double height = 0.0;  ///< centre of mass over the mean contact [m]
 };
 /// Cells within `tolerance` of the resting plane count as touching.
 [[nodiscard]] GapContact contact_of(const GapField& field, const GapRest& rest, const TopSurface& top,

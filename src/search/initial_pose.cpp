@@ -5,7 +5,7 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kTouchGap = 0.001;  ///< m
+constexpr double kTouchGap = 0.001;  ///< [m]
 
 }  // namespace
 

@@ -6,10 +6,10 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kActive = 0.022;       ///< m: cells further from touching are left out (measured)
+constexpr double kActive = 0.022;       ///< cells further from touching are left out (measured) [m]
 constexpr double kLargestSlope = 0.2;   ///< about 11 deg of tilt (measured)
-constexpr double kTouch = 0.0006;       ///< m: cells nearer than this to the resting plane carry (measured)
-constexpr double kDoesNotHold = -0.25;  ///< g
+constexpr double kTouch = 0.0006;       ///< cells nearer than this to the resting plane carry (measured) [m]
+constexpr double kDoesNotHold = -0.25;  ///< [g]
 
 /// `cells`: where the search for a rest begins, and the rest's cells.
 Landing set_down(const StackField& stack, const Underside& underside, int i, int j, GapField* buffer,

@@ -15,12 +15,12 @@ struct StackField {
 /// One orientation of a stone set down over one node of a stack's top.
 struct Landing {
   bool holds = false;       ///< rests on three points around its centre of mass, all on the top stone
-  double height = 0.0;      ///< m, of the centre of mass, W
+  double height = 0.0;      ///< of the centre of mass, W [m]
   double a = 0.0, b = 0.0;  ///< tilt still needed
-  double margin = 0.0;      ///< m, centre of mass to the rim of the contacts
-  double lever = 0.0;       ///< m, centre of mass over the contacts
+  double margin = 0.0;      ///< centre of mass to the rim of the contacts [m]
+  double lever = 0.0;       ///< centre of mass over the contacts [m]
   double slope = 0.0;       ///< rise of the centre of mass over sideways distance, least of eight directions
-  double estimate = -1.0;   ///< g: horizontal acceleration that it should bear
+  double estimate = -1.0;   ///< horizontal acceleration that it should bear [g]
 };
 
 /// A square of offsets of the centre of mass around a node: (2 n + 1)^2, `step` nodes apart. The rim has no

@@ -9,12 +9,12 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kCell = 0.005;   ///< m
+constexpr double kCell = 0.005;   ///< [m]
 constexpr std::size_t kYaws = 4;  ///< measured: fewer make all answers alike
 constexpr OffsetGrid kFullOffsets{0, 0, 3, 3};
 constexpr OffsetGrid kQuickOffsets{0, 0, 2, 4};
 constexpr std::size_t kBestCounted = 3;  ///< measured: 3 rather than 8
-constexpr double kLeast = -0.25;         ///< g
+constexpr double kLeast = -0.25;         ///< [g]
 
 }  // namespace
 

@@ -6,7 +6,7 @@ namespace stonestack::search {
 /// What eq. (2) of the paper looks at.
 struct ContactPose {
   SupportPolygon support;                                      ///< S_i
-  double kinetic_energy = 0.0;                                 ///< J, E_kin
+  double kinetic_energy = 0.0;                                 ///< E_kin [J]
   Eigen::Vector3d p_W_com = Eigen::Vector3d::Zero();           ///< P_i
   Eigen::Vector3d p_W_previous_com = Eigen::Vector3d::Zero();  ///< P_j; on the table: the site
   Eigen::Vector3d v_W = -Eigen::Vector3d::UnitZ();             ///< thrust line direction v_i, unit

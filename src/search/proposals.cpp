@@ -10,9 +10,9 @@ namespace stonestack::search {
 namespace {
 
 constexpr std::size_t kRefined = 24;      ///< a stone (measured)
-constexpr double kDistinctAngle = 0.14;   ///< rad
-constexpr double kDistinctShift = 0.010;  ///< m
-constexpr double kSideCell = 0.005;       ///< m
+constexpr double kDistinctAngle = 0.14;   ///< [rad]
+constexpr double kDistinctShift = 0.010;  ///< [m]
+constexpr double kSideCell = 0.005;       ///< [m]
 
 }  // namespace
 

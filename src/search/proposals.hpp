@@ -9,8 +9,8 @@ struct Proposal {
   int stone = -1;  ///< index into SearchProblem::shapes
   BodyPose body;
   Landing landing;
-  double robust = 0.0;      ///< g: mean estimate over the placement uncertainty
-  double look_ahead = 0.0;  ///< g: what the stones that are left could bear on top of it
+  double robust = 0.0;      ///< mean estimate over the placement uncertainty [g]
+  double look_ahead = 0.0;  ///< what the stones that are left could bear on top of it [g]
   double score = 0.0;
 };
 
@@ -26,14 +26,14 @@ struct LooseStone {
   int stone = -1;
   const StoneGeometry* geometry = nullptr;
   std::vector<Eigen::Matrix3d> orientations;  ///< R_W_O, each stands for all yaws
-  double raster_radius = 0.0;  ///< m, at least the stone's own: how wide the rasters of tops are
+  double raster_radius = 0.0;  ///< at least the stone's own [m]: how wide the rasters of tops are
   std::shared_ptr<const SurveySides> surveyed;  ///< may be empty
 };
 /// Gives each stone the raster radius of the largest, and its survey sides, so that a search over many tops
 /// makes them once (some 5 kB a side).
 void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options);
 
-inline constexpr double kOffsetReach = 0.04;  ///< m, offsets from the middle of the top that are tried
+inline constexpr double kOffsetReach = 0.04;  ///< offsets from the middle of the top that are tried [m]
 
 /// The gap field of a stack for any of the stones: raster as wide as the largest.
 [[nodiscard]] StackField stack_field(const StackBodies& stack, std::span<const LooseStone> stones,

@@ -13,8 +13,8 @@ namespace stonestack::search {
 namespace {
 
 constexpr double kStandSeconds = 2.0;
-constexpr double kNearShift = 0.005;  ///< m
-constexpr double kNearTurn = 0.0873;  ///< rad
+constexpr double kNearShift = 0.005;  ///< [m]
+constexpr double kNearTurn = 0.0873;  ///< [rad]
 /// m and rad: what moves more until it rests was given above or askew of its contacts (`rests_of` asks the
 /// scans within 0.8 mm); what moves less keeps its pose to the letter.
 constexpr double kAtRestShift = 1e-4;

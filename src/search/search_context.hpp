@@ -42,7 +42,7 @@ inline constexpr const char* kTimeOver = "the time was over before a pose was fo
 }
 /// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
 inline constexpr double kStill = 1e-7;
-/// s: the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact).
+/// the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact) [s].
 inline constexpr double kVerdictStep = 1.0 / 480.0;
 
 /// Throws InvalidArgument for stones and options that cannot be.

@@ -16,8 +16,8 @@ void raise_by(HeightRaster& raster, const BodyPose& body) {
   raise_to(raster, vertices_W, body.stone->faces, Winding::kCounterclockwise);
 }
 
-constexpr double kInterfaceCell = 0.003;  ///< m
-constexpr double kRestGap = 0.0008;       ///< m, between a stone and what it is taken to rest on
+constexpr double kInterfaceCell = 0.003;  ///< [m]
+constexpr double kRestGap = 0.0008;       ///< between a stone and what it is taken to rest on [m]
 
 Rest rest_on(const std::vector<Eigen::Vector3d>& points_W) {
   Rest rest;

@@ -40,12 +40,12 @@ struct SurfaceGrid {
 /// Where a stone rests on what is below it.
 struct Rest {
   Polygon2 polygon_W;  ///< hull of the contacts seen from above
-  double z = 0.0;      ///< m, mean height of the contacts
+  double z = 0.0;      ///< mean height of the contacts [m]
 };
 /// That, and what it carries without the stone that is to come.
 struct Interface {
   Rest rest;
-  double mass_above = 0.0;      ///< kg
+  double mass_above = 0.0;      ///< [kg]
   Eigen::Vector3d moment_above  ///< kg m: mass times centre of mass
       = Eigen::Vector3d::Zero();
 };

@@ -6,10 +6,12 @@
 
 namespace stonestack::search {
 
-/// Grows towers on the given stack: in every round and on every level the `beam` most promising towers get
-/// their next stones (gap field proposals, look-ahead, settling, equilibrium, judgement), then the round
-/// begins again with what was left aside. The first round that finishes a firm tower of all `levels` ends the
-/// search; so do the rounds, the budget and Ctrl-C.
+/// Anytime beam search: a beam search, level by level, that is repeated in rounds over one kept tree. In
+/// every round and on every level the `beam` most promising towers (TowerTree::choose: static margin plus
+/// look-ahead, less what crowds) get their next stones (gap field proposals, look-ahead, settling,
+/// equilibrium, judgement); towers that the beam left out stay in the tree and compete in the next round. The
+/// first round that finishes a firm tower of all `levels` ends the search; so do the rounds, the budget and
+/// Ctrl-C. Eq. (2) plays no part in the order.
 class TowerSearch {
  public:
   TowerSearch(const SearchContext& context, int levels);

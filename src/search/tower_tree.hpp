@@ -10,7 +10,7 @@ struct TowerNode {
   Trial trial;      ///< of the last stone
   Stack stack;      ///< with that stone
   std::vector<PlacedStone> left;
-  double promise = 0.0;    ///< g: reserve and prospects
+  double promise = 0.0;    ///< reserve and prospects [g]
   bool judged = false;     ///< by simulation of the whole stack
   bool predicted = false;  ///< tried in displaced worlds
   int grown = 0;           ///< times that it got children

@@ -9,13 +9,13 @@ namespace stonestack::search {
 struct Trial {
   int stone = -1;
   Pose T_W_O = Pose::Identity();  ///< proposed
-  double estimate = 0.0;          ///< g, of the proposal
-  double look_ahead = 0.0;        ///< g
+  double estimate = 0.0;          ///< of the proposal [g]
+  double look_ahead = 0.0;        ///< [g]
 
   bool alive = true;
   std::string outcome;  ///< why it was dropped
   Placement placement;  ///< with the pose at rest
-  double margin = 0.0;  ///< g, of the whole stack by equilibrium
+  double margin = 0.0;  ///< of the whole stack by equilibrium [g]
   double score = 0.0;   ///< what to verify first: margin and look-ahead
   int worlds = 0;       ///< with displaced placements and centres of mass that it was tried in;
   int tried = 0;        ///< of these tell something,

@@ -8,8 +8,8 @@ namespace stonestack::simulation {
 /// back.
 struct FingerDriveState {
   double target = 0.0;  ///< m from the plane x = 0 of T
-  double speed = 0.0;   ///< m/s
-  double force = 0.0;   ///< N
+  double speed = 0.0;   ///< [m/s]
+  double force = 0.0;   ///< [N]
   /// Pushes on when what it holds gives way, as the gripper does while rGTO is set: the request stands, and
   /// only the current limit had stopped the motor (manual 2014, registers rGTO and rFRA).
   bool regrip = true;

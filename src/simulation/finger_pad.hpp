@@ -10,22 +10,22 @@ namespace stonestack::simulation {
 /// bristle friction sideways. Elastic constants of 5 mm of soft rubber (E about 0.75 MPa): at 60 N on 4 cm^2
 /// it gives by 1 mm. Ours, as is the friction: rubber on dry stone.
 struct PadOptions {
-  double width = 0.031;      ///< m, along y of P
-  double length = 0.040;     ///< m, along x of P
+  double width = 0.031;      ///< along y of P [m]
+  double length = 0.040;     ///< along x of P [m]
   double thickness = 0.005;  ///< m of rubber; behind it lies the rigid finger
   double stiffness = 1.5e8;  ///< N/m^3, normal
   double shear = 5e7;        ///< N/m^3, sideways: a third of it, as for rubber
-  double damping = 4e-4;     ///< s, viscous part of both: stress = stiffness (d + damping d')
+  double damping = 4e-4;     ///< viscous part of both [s]: stress = stiffness (d + damping d')
   double friction = 0.5;     ///< rubber on stone
   double entry_depth =
-      5e-4;  ///< m: what appears deeper than this came in from the side, and starts unstressed
+      5e-4;  ///< what appears deeper than this came in from the side, and starts unstressed [m]
 };
 
 /// What a pad does to a stone; world axes.
 struct PadLoad {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< Nm, about the world's origin
-  double normal = 0.0;                               ///< N, elastic, along the pad's normal
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the world's origin [Nm]
+  double normal = 0.0;                               ///< elastic, along the pad's normal [N]
   int samples = 0;                                   ///< of the stone's surface in the pad
   /// Moment about another point.
   [[nodiscard]] Eigen::Vector3d moment_about(const Eigen::Vector3d& p_W) const {
@@ -57,7 +57,7 @@ class PadContact {
   /// True if the last `press` found the stone in the pad.
   [[nodiscard]] bool touching() const { return touching_; }
 
-  static constexpr double kReach = 0.006;  ///< m
+  static constexpr double kReach = 0.006;  ///< [m]
 
  private:
   struct Bristle {

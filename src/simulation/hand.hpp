@@ -14,8 +14,8 @@ inline constexpr int kFingers = 3;
 /// Where the hand is: tool frame, and how far each finger's pad stands from the plane x = 0 of T.
 struct HandPose {
   Pose T_W_T = Pose::Identity();
-  std::array<double, kFingers> finger{};  ///< m, 0 when closed
-  double narrowed = 0.0;                  ///< m, by which B and C stand closer than the model has them
+  std::array<double, kFingers> finger{};  ///< 0 when closed [m]
+  double narrowed = 0.0;                  ///< by which B and C stand closer than the model has them [m]
 };
 /// The hand over time, by seconds from the start of a motion.
 using HandPath = std::function<HandPose(double seconds)>;

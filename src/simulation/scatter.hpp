@@ -6,7 +6,7 @@ namespace stonestack::simulation {
 /// Where loose stones may lie.
 struct StoneField {
   Eigen::Vector2d centre;
-  Eigen::Vector2d size;    ///< m
+  Eigen::Vector2d size;    ///< [m]
   double clearance = 0.0;  ///< m between two stones' outlines seen from above
 };
 

@@ -14,12 +14,12 @@ struct TrueMounting {
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
   Pose T_T_C = Pose::Identity();
-  Joints joint_error = Joints::Zero();  ///< rad, what calibration left over: true q = reported q + this
+  Joints joint_error = Joints::Zero();  ///< what calibration left over [rad]: true q = reported q + this
 };
 /// Draws the errors that the options ask for; the arm's as large as they ask where it stands at `q`.
 [[nodiscard]] TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options,
                                          const RobotModel& robot, const Joints& q);
-/// rad, of each joint, that moves the tool's tip by `tip_error` (m, root of the mean square) at `q`.
+/// of each joint, that moves the tool's tip by `tip_error` (m, root of the mean square) at `q` [rad].
 [[nodiscard]] double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
                                  const Joints& q);
 

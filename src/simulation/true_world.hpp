@@ -13,8 +13,8 @@ namespace stonestack::simulation {
 
 /// What the world does to the hand, gravity on the hand itself left out; world axes.
 struct HandLoad {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< N
-  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< Nm, about the world's origin
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the world's origin [Nm]
   void add(const Eigen::Vector3d& p_W, const Eigen::Vector3d& f) {
     force += f;
     moment += p_W.cross(f);

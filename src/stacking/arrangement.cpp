@@ -68,8 +68,7 @@ bool something_stands_on(const ShapeList& shapes, const std::vector<Sighting>& s
 
 /// The stack from the table up; what belongs to it is taken out of `left`.
 std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector2d& site,
-                                    const std::vector<StoneEstimate>& expected,
-                                    std::vector<Sighting>& left) {
+                                    const std::vector<StoneEstimate>& expected, std::vector<Sighting>& left) {
   std::vector<MeasuredStone> stack;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const StoneEstimate& before = expected[i];
@@ -82,10 +81,10 @@ std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector
     }
     const PlacedStone measured{found->stone, found->T_W_O};
     const bool at_site = (measured.T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
-    const bool belongs = stack.empty() ? at_site
-                                       : rests_over(shapes, measured,
-                                                    {stack.back().estimate.stone,
-                                                     stack.back().estimate.T_W_O_at_rest});
+    const bool belongs = stack.empty()
+                             ? at_site
+                             : rests_over(shapes, measured,
+                                          {stack.back().estimate.stone, stack.back().estimate.T_W_O_at_rest});
     if (!belongs) break;
     const bool newest = i + 1 == expected.size();
     const auto above = newest ? left.end() : find(left, expected[i + 1].stone);
@@ -111,7 +110,8 @@ StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout
       if (same_place(shapes, {measured[i].estimate.stone, measured[i].estimate.T_W_O_at_rest},
                      {expected[i].stone, expected[i].T_W_O_at_rest}, options.placed_shift,
                      options.placed_turn))
-        measured[i] = {{expected[i].stone, measured[i].estimate.T_W_O_seen, expected[i].T_W_O_at_rest}, false};
+        measured[i] = {{expected[i].stone, measured[i].estimate.T_W_O_seen, expected[i].T_W_O_at_rest},
+                       false};
   StoneEstimates estimates{settle_stack(shapes, measured, options.most_friction), {}};
   std::vector<PlacedStone> stack;
   for (const StoneEstimate& stone : estimates.stack) stack.push_back({stone.stone, stone.T_W_O_at_rest});
@@ -124,13 +124,14 @@ StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout
 }
 
 Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
-                    const std::vector<PlacedStone>& stones) {
+                         const std::vector<PlacedStone>& stones) {
   Arrangement arrangement{{}, stones};
-  std::sort(arrangement.loose.begin(), arrangement.loose.end(), [&](const PlacedStone& a, const PlacedStone& b) {
-    const double za = (a.T_W_O * shape_of(shapes, a.stone).mass.p_O_M).z();
-    const double zb = (b.T_W_O * shape_of(shapes, b.stone).mass.p_O_M).z();
-    return za != zb ? za < zb : a.stone < b.stone;
-  });
+  std::sort(arrangement.loose.begin(), arrangement.loose.end(),
+            [&](const PlacedStone& a, const PlacedStone& b) {
+              const double za = (a.T_W_O * shape_of(shapes, a.stone).mass.p_O_M).z();
+              const double zb = (b.T_W_O * shape_of(shapes, b.stone).mass.p_O_M).z();
+              return za != zb ? za < zb : a.stone < b.stone;
+            });
   for (auto it = arrangement.loose.begin(); it != arrangement.loose.end();) {
     const bool near = (it->T_W_O.translation().head<2>() - site).norm() < kBaseAtSite;
     const bool stacked = arrangement.stack.empty() ? near : rests_over(shapes, *it, arrangement.stack.back());
@@ -233,8 +234,8 @@ double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stone
   return top;
 }
 
-PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone, const Pose& T_W_O,
-                           const Joints& q_start) {
+PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone,
+                           const Pose& T_W_O, const Joints& q_start) {
   PickAndPlaceTask task;
   task.stone = &catalogue.stones[static_cast<std::size_t>(stone)];
   task.T_W_O_place = T_W_O;

@@ -1,10 +1,6 @@
 #include "stonestack/stacking/build_tower.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <future>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "stacking/learn.hpp"
@@ -89,7 +85,9 @@ class StateWriter {
 Stop build(Workcell& w, StateWriter& states, Journal* journal) {
   Expectation at_first;
   at_first.first = true;
-  Known known = observe_and_learn(w, at_first, make_memory(w.options));
+  const RunMemory empty = make_memory(w.options);
+  at_first.friction = empty.friction;
+  Known known = observe_and_learn(w, at_first, empty);
   for (;;) {
     states.write(known);
     const auto [action, memory, why] = decide(w, known, w.tell);
@@ -108,7 +106,8 @@ Stop build(Workcell& w, StateWriter& states, Journal* journal) {
   }
 }
 
-/// The end of a run. Nothing moves any more: a disk that refuses costs the journal's last line, not the result.
+/// The end of a run. Nothing moves any more: a disk that refuses costs the journal's last line, not the
+/// result.
 void tell_end(Workcell& w, const Stop& stop) {
   try {
     w.tell(RunEnded{stop.end, stop.reason});
@@ -134,8 +133,9 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   const Models models = make_models(catalogue, robot, cell.layout);
   const DetectionModels detection(catalogue.stones, options.detection);
   Recorder recorder(models, hooks);
-  Workcell workcell{cell,    models, detection,
-                    options, recorder.result().seconds, [&](const Event& event) { recorder.hear(event); }};
+  Workcell workcell{cell, models, detection, options, recorder.result().seconds, [&](const Event& event) {
+                      recorder.hear(event);
+                    }};
   StateWriter states(workcell, hooks.states_folder);
   Stop ended;
   try {

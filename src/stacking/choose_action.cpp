@@ -6,6 +6,7 @@
 #include "stacking/choose_placement.hpp"
 #include "stacking/free_places.hpp"
 #include "stacking/next_view.hpp"
+#include "stacking/settle_stack.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/motion/fit_for_hand.hpp"
@@ -13,7 +14,7 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr int kMaxCleared = 4;     // tries to take stones away from the base of the tower
+constexpr int kMaxCleared = 4;      // tries to take stones away from the base of the tower
 constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
 
 /// Unit: up and away from what a stone leans on, by as much.
@@ -24,7 +25,8 @@ Eigen::Vector3d out_of_the_lean(const Eigen::Vector3d& p_W_leaning, const Eigen:
   return (away.normalized() + Eigen::Vector3d::UnitZ()).normalized();
 }
 
-/// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known stones.
+/// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known
+/// stones.
 std::string fault_of_site(const WorldEstimate& world, const Models& models) {
   if (world.site == SiteStatus::kFree) return "";
   if (world.site == SiteStatus::kUnseen)
@@ -170,6 +172,12 @@ Models make_models(const Catalogue& catalogue, const RobotModel& robot, const Ce
   return models;
 }
 
+void add_resting_stacks(const Models& models, const BuildOptions& options, const FrictionEstimate& friction,
+                        WorldEstimate& world) {
+  world.resting =
+      resting_stacks(models.shapes, Stack{at_rest(world).stack}, options.search, friction.frictions);
+}
+
 RunMemory make_memory(const BuildOptions& options) {
   RunMemory memory;
   memory.friction = first_estimate(assumed_frictions(options));
@@ -178,6 +186,8 @@ RunMemory make_memory(const BuildOptions& options) {
 
 Decision choose_action(const WorldEstimate& world, const RunMemory& memory, const Models& models,
                        const BuildOptions& options, const Listener& listener) {
+  require(world.resting.size() == memory.friction.frictions.size(), "the stack was settled at ",
+          world.resting.size(), " frictions, not at ", memory.friction.frictions.size());
   Decision decision{Stop{}, memory, {}};
   const Listener note = [&](const Event& event) {
     decision.why.push_back(event);

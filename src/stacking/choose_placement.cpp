@@ -13,10 +13,10 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr std::size_t kDirectFirst = 3;   // frictions at which no stone is reoriented: that takes 25 s each
-constexpr std::size_t kMaxRefused = 12;   // poses without a motion, after which no others are searched for
-constexpr double kSamePlace = 0.012;      // m, of the centre of mass: nearer is what was tried before
-constexpr double kSameTurn = 0.26;        // rad: the same
+constexpr std::size_t kDirectFirst = 3;  // frictions at which no stone is reoriented: that takes 25 s each
+constexpr std::size_t kMaxRefused = 12;  // poses without a motion, after which no others are searched for
+constexpr double kSamePlace = 0.012;     // m, of the centre of mass: nearer is what was tried before
+constexpr double kSameTurn = 0.26;       // rad: the same
 
 std::vector<PlacedStone> plan_of(const Placement& first) {
   std::vector<PlacedStone> plan{{first.stone, first.T_W_O}};
@@ -206,9 +206,9 @@ struct FrictionSearch {
   }
 
   /// A plan that still holds needs no search. Otherwise what holds with little friction first, but not the
-  /// lowest, with which towers of four are rarely found (it counts in the expected height); more is assumed as
-  /// long as the tower found so far is not expected to stand whole: first to go on from where it ends, then
-  /// for other towers. From the third friction on, or the last, stones may be reoriented.
+  /// lowest, with which towers of four are rarely found (it counts in the expected height); more is assumed
+  /// as long as the tower found so far is not expected to stand whole: first to go on from where it ends,
+  /// then for other towers. From the third friction on, or the last, stones may be reoriented.
   [[nodiscard]] SearchOutcome run() const {
     Route route = Route::kDirect;
     SearchProblem current = problem(route);
@@ -234,8 +234,8 @@ struct FrictionSearch {
       const SearchOptions options = options_at(s.options, memory.friction, level, route);
       SearchResult found;
       if (const auto resting = at_friction(here, s.world.resting[level]))
-        found = find_next_pose(*resting, options,
-                               [&](const std::string& line) { s.tell(SearchProgress{line}); });
+        found =
+            find_next_pose(*resting, options, [&](const std::string& line) { s.tell(SearchProgress{line}); });
       else
         found.reason = s.world.resting[level].reason;
       if (way_up_only && (found.best.empty() || plan_of(found.best.front()).size() <= here.way_up.size()))
@@ -266,9 +266,9 @@ struct FrictionSearch {
     }
     if (!best.found.best.empty() && s.options.search.verify && most < s.options.least_expected) {
       best.found.best.clear();
-      best.found.reason = concat("by the best tower found only ", std::round(100 * most) / 100,
-                                 " more stones are expected to stand (minimum: ", s.options.least_expected,
-                                 ")");
+      best.found.reason =
+          concat("by the best tower found only ", std::round(100 * most) / 100,
+                 " more stones are expected to stand (minimum: ", s.options.least_expected, ")");
     }
     return best;
   }
@@ -351,10 +351,10 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
     for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
     if (lower.stack.size() + tower.size() <= s.arrangement.stack.size()) continue;
     higher = true;
-    most = std::max(most, weighted_mean(expected_by_friction(problem, problem.way_up,
-                                                             memory.friction.frictions, possible, nullptr,
-                                                             s.options.search),
-                                        possible, memory.friction));
+    most =
+        std::max(most, weighted_mean(expected_by_friction(problem, problem.way_up, memory.friction.frictions,
+                                                          possible, nullptr, s.options.search),
+                                     possible, memory.friction));
     if (tower.size() == problem.available.size()) problem.way_up.clear();  // whole, but doubtful
   }
   return higher ? static_cast<double>(lower.stack.size()) + most : 0.0;
@@ -394,8 +394,7 @@ bool height_is_reached(const Arrangement& arrangement, const BuildOptions& optio
 }
 
 std::vector<double> expected_by_friction(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
-                                         const std::vector<double>& frictions,
-                                         const std::vector<bool>& asked,
+                                         const std::vector<double>& frictions, const std::vector<bool>& asked,
                                          const std::vector<RestingStack>* resting,
                                          const SearchOptions& options) {
   SearchProblem here = problem;

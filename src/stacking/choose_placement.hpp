@@ -25,9 +25,9 @@ struct Situation {
 [[nodiscard]] Situation make_situation(const WorldEstimate& world, const Models& models,
                                        const BuildOptions& options, const Listener& listener);
 
-/// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans reach
-/// highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no pose is
-/// left; `memory.search->dead_end` then says why.
+/// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans
+/// reach highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no
+/// pose is left; `memory.search->dead_end` then says why.
 [[nodiscard]] std::optional<Action> choose_placement(const Situation& situation, RunMemory& memory);
 
 /// Stones expected to stand in the end when the top k + 1 of the stack are unstacked first, for each k that
@@ -44,11 +44,8 @@ struct Situation {
 
 /// Stones of a plan that are expected to stand, at each friction that is `asked` about; 0 for the others.
 /// `resting`: the problem's stack at these frictions, or null to let it come to rest here.
-[[nodiscard]] std::vector<double> expected_by_friction(const SearchProblem& problem,
-                                                       const std::vector<PlacedStone>& plan,
-                                                       const std::vector<double>& frictions,
-                                                       const std::vector<bool>& asked,
-                                                       const std::vector<RestingStack>* resting,
-                                                       const SearchOptions& options);
+[[nodiscard]] std::vector<double> expected_by_friction(
+    const SearchProblem& problem, const std::vector<PlacedStone>& plan, const std::vector<double>& frictions,
+    const std::vector<bool>& asked, const std::vector<RestingStack>* resting, const SearchOptions& options);
 
 }  // namespace stonestack::stacking

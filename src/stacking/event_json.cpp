@@ -54,7 +54,9 @@ struct Records {
   Record operator()(const PlacementJudged& e) const {
     return {"outcome", {{"stone", e.record.stone}, {"outcome", to_text(e.record.outcome)}}};
   }
-  Record operator()(const RunEnded& e) const { return {"end", {{"end", to_text(e.end)}, {"reason", e.reason}}}; }
+  Record operator()(const RunEnded& e) const {
+    return {"end", {{"end", to_text(e.end)}, {"reason", e.reason}}};
+  }
   Record operator()(const StepBegun& e) const { return {"step", {{"name", e.name}}}; }
   Record operator()(const HoldMeasured& e) const {
     return {"hold", {{"weight", e.weight}, {"expected", e.expected}, {"off", e.offset}}};
@@ -79,7 +81,7 @@ struct Records {
 
 std::pair<std::string, std::string> to_record(const Event& event, const Catalogue& catalogue) {
   const auto [kind, data] = std::visit(Records{catalogue}, event);
-  return {kind, kind.empty() ? "" : data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+  return {kind, kind.empty() ? "" : data.dump(-1, ' ', false, json::error_handler_t::replace)};
 }
 
 }  // namespace stonestack::stacking

@@ -38,7 +38,8 @@ struct Words {
                   e.view.where == LookAgain::Where::kWhereItWas ? " where it was" : " beside the site");
   }
   std::string operator()(const StoneUncertain& e) const {
-    return concat(name(e.stone), " may be turned or another stone of similar shape: it is seen with a certainty of ",
+    return concat(name(e.stone),
+                  " may be turned or another stone of similar shape: it is seen with a certainty of ",
                   std::lround(100 * e.certainty), " %");
   }
   std::string operator()(const CameraRefined& e) const {
@@ -66,14 +67,15 @@ struct Words {
   }
   std::string operator()(const StonesNotHeld& e) const {
     std::string text;
-    for (const auto& [stone, why] : e.stones) text += concat(text.empty() ? "" : "; ", name(stone), ": ", why);
+    for (const auto& [stone, why] : e.stones)
+      text += concat(text.empty() ? "" : "; ", name(stone), ": ", why);
     return text.empty() ? "" : "no grasp holds a stone as it lies: " + text;
   }
   std::string operator()(const SearchProgress& e) const { return e.line; }
   std::string operator()(const SearchedAtFriction& e) const {
-    return concat("friction ", e.friction, e.route == Route::kReorienting ? ", stones reoriented: " : ": ",
-                  e.found ? concat(tenth(e.expected), " of ", e.levels, " stones are expected to stand")
-                          : e.reason);
+    return concat(
+        "friction ", e.friction, e.route == Route::kReorienting ? ", stones reoriented: " : ": ",
+        e.found ? concat(tenth(e.expected), " of ", e.levels, " stones are expected to stand") : e.reason);
   }
   std::string operator()(const PlanHolds&) const { return "the plan still holds"; }
   std::string operator()(const PlanBroken& e) const {
@@ -93,7 +95,8 @@ struct Words {
   }
   std::string operator()(const UnstackChosen& e) const {
     return concat("nothing fits on ", name(e.top), ": another tower promises ", tenth(e.expected),
-                  " stones in all, so ", e.count, e.count == 1 ? " stone is unstacked" : " stones are unstacked");
+                  " stones in all, so ", e.count,
+                  e.count == 1 ? " stone is unstacked" : " stones are unstacked");
   }
   std::string operator()(const UnstackToFree& e) const {
     return concat(name(e.top), " is unstacked so that ", name(e.freed), " comes free");

@@ -36,8 +36,8 @@ Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
 
 }  // namespace
 
-std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout, const Arrangement& arrangement,
-                              const PlacedStone& held) {
+std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
+                              const Arrangement& arrangement, const PlacedStone& held) {
   const int stone = held.stone;
   const Pose rest = rest_on_table(shapes, held);
   const Eigen::Vector3d com = rest * shape_of(shapes, stone).mass.p_O_M;

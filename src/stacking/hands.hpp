@@ -16,7 +16,7 @@ struct Hands {
   Cell& cell;
   const MotionOptions& options;
   Journal* journal;
-  double hangs = 0.0;  ///< N, when the stone was carried last
+  double hangs = 0.0;  ///< when the stone was carried last [N]
   Wrist wrist{cell, scene.robot, sensed_hand(scene.gripper, cell.layout)};
 
   void intend(const PlanStep& step) const;
@@ -30,7 +30,7 @@ struct Hands {
   /// What the wrist says of the stone that hangs in the hand, against what should hang there: its weight, and
   /// where it pulls.
   [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift) const;
-  /// m: how far from where the stone's centre of mass is in the hand, held as planned, it pulls.
+  /// how far from where the stone's centre of mass is in the hand, held as planned, it pulls [m].
   [[nodiscard]] double swing(const WristLoad& load) const;
   [[nodiscard]] static std::string turned(double off);
   /// Before the hand goes nearer to the tower: a stone that is gone is not set down. `lift` is the step that
@@ -43,9 +43,9 @@ struct Hands {
   [[nodiscard]] ExecutionResult let_go(const std::string& why) const;
   /// Down again the way it was lifted, until it touches; then lets go.
   [[nodiscard]] ExecutionResult put_back(const PlanStep& lift, const std::string& why) const;
-  /// m, W.
+  /// W [m].
   [[nodiscard]] Eigen::Vector3d tip(const Joints& q) const;
-  /// m, that the tool stands above where the step would have ended.
+  /// that the tool stands above where the step would have ended [m].
   [[nodiscard]] double above_end(const PlanStep& step) const;
   /// To a grasp that brings the finger tips nearer to the table than the arm is exact: slowly, and what is
   /// met ends it. Fingers that stand on the table cannot close, so they are lifted a little then.

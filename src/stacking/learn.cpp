@@ -11,15 +11,15 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kStillUp = 0.9;  // cosine (26 deg) between the ups of a stone as set down and as seen
+constexpr double kStillUp = 0.9;    // cosine (26 deg) between the ups of a stone as set down and as seen
 constexpr double kMaxBias = 0.008;  // m: a stone that came to rest further off has slid
 
 using Outcome = PlacementRecord::Outcome;
 using Status = ExecutionResult::Status;
 
 const StoneEstimate* find(const std::vector<StoneEstimate>& stones, int stone) {
-  const auto found = std::find_if(stones.begin(), stones.end(),
-                                  [&](const StoneEstimate& s) { return s.stone == stone; });
+  const auto found =
+      std::find_if(stones.begin(), stones.end(), [&](const StoneEstimate& s) { return s.stone == stone; });
   return found == stones.end() ? nullptr : &*found;
 }
 
@@ -116,9 +116,9 @@ void learn_from_placing(RunMemory& memory, const Attempt& attempt, const Placeme
     if (missed_picks(memory.records, record.stone) < options.pick_attempts) return;
   }
   if (++memory.failures < options.most_failures && record.outcome != Outcome::kLost) return;
-  memory.failure = {RunEnd::kPlacementFailed, concat("placing ", record.stone, " failed: ",
-                                                     to_text(record.outcome),
-                                                     record.note.empty() ? "" : ", " + record.note)};
+  memory.failure = {RunEnd::kPlacementFailed,
+                    concat("placing ", record.stone, " failed: ", to_text(record.outcome),
+                           record.note.empty() ? "" : ", " + record.note)};
 }
 
 /// A stone that is seen otherwise than it was set down: that resting pose is not tried with it again.
@@ -212,11 +212,10 @@ RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionP
   return memory;
 }
 
-RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& action,
-                   const MotionPlan& plan, const ExecutionResult& done) {
+RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& action, const MotionPlan& plan,
+                   const ExecutionResult& done) {
   ++memory.actions;
-  if (done.status == Status::kStopped)
-    memory.failure = {RunEnd::kStopped, "the arm stopped: " + done.reason};
+  if (done.status == Status::kStopped) memory.failure = {RunEnd::kStopped, "the arm stopped: " + done.reason};
   if (const auto* view = std::get_if<LookAgain>(&action)) {
     note_view(memory, *view);
     return memory;
@@ -242,8 +241,7 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
   if (!std::holds_alternative<Place>(action) && done.status != Status::kReleased)
     memory.failed_grasps[plan.placement.stone].push_back(plan.pick_and_place.T_O_T);
   forget_world(memory);
-  Attempt attempt{action,       done, plan.placement,         plan.pick_and_place.T_O_T,
-                  plan.p_W_aim, {},   {},                     {}};
+  Attempt attempt{action, done, plan.placement, plan.pick_and_place.T_O_T, plan.p_W_aim, {}, {}, {}};
   attempt.below = at_rest(world).stack;
   expect(attempt, world);
   memory.attempt = std::move(attempt);
@@ -253,6 +251,7 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
 Expectation expected_after(const WorldEstimate& world, const RunMemory& memory, const Action& action) {
   Expectation expected;
   expected.site = world.site;
+  expected.friction = memory.friction;
   for (const auto& [stone, p_W] : memory.last_seen) expected.known.push_back(stone);
   if (memory.attempt) {
     expected.stack = memory.attempt->expected_stack;
@@ -273,18 +272,19 @@ PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const M
   record.p_W_aim = attempt.p_W_aim;
   const StoneEstimate* now = find(seen.loose, attempt.placement.stone);
   const bool places = std::holds_alternative<Place>(attempt.action);
-  if (const StoneEstimate* in_stack = find(seen.stack, attempt.placement.stone); places && in_stack != nullptr)
+  if (const StoneEstimate* in_stack = find(seen.stack, attempt.placement.stone);
+      places && in_stack != nullptr)
     now = in_stack;
   if (now != nullptr) {
     record.T_W_O_measured = now->T_W_O_seen;
     record.T_W_O_at_rest = now->T_W_O_at_rest;
   }
   if (places) return judge_placing(attempt, seen, std::move(record), options);
-  record.outcome = attempt.done.status == Status::kReleased
-                       ? (std::holds_alternative<Reorient>(attempt.action) ? Outcome::kReoriented
-                                                                           : Outcome::kUnstacked)
-                   : attempt.done.status == Status::kLost ? Outcome::kDropped
-                                                          : Outcome::kNotPicked;
+  record.outcome =
+      attempt.done.status == Status::kReleased
+          ? (std::holds_alternative<Reorient>(attempt.action) ? Outcome::kReoriented : Outcome::kUnstacked)
+      : attempt.done.status == Status::kLost ? Outcome::kDropped
+                                             : Outcome::kNotPicked;
   return record;
 }
 

@@ -14,8 +14,7 @@ std::vector<int> missing_stones(const WorldEstimate& world, const RunMemory& mem
 
 std::optional<LookAgain> next_view(const WorldEstimate& world, const RunMemory& memory) {
   constexpr double kBeside = 0.22, kHeight = 0.04;  // m, from the site and above the table
-  static const std::array<Eigen::Vector2d, 4> kDirections{
-      {{0.0, 1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, -1.0}}};
+  static const std::array<Eigen::Vector2d, 4> kDirections{{{0.0, 1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, -1.0}}};
   const std::vector<int> missing = missing_stones(world, memory);
   for (const int stone : missing)
     if (!memory.sought_where_it_was.contains(stone))

@@ -7,8 +7,8 @@
 namespace stonestack::stacking {
 
 /// The next view of a stone that was seen before and is not now: where it was, once a stone, then four places
-/// beside the site, where a stone that fell off the tower may have rolled to. Nothing when no stone is missing
-/// or all of these were tried since the last action.
+/// beside the site, where a stone that fell off the tower may have rolled to. Nothing when no stone is
+/// missing or all of these were tried since the last action.
 [[nodiscard]] std::optional<LookAgain> next_view(const WorldEstimate& world, const RunMemory& memory);
 /// Stones that were seen before and are not now, but for those that were looked for in vain.
 [[nodiscard]] std::vector<int> missing_stones(const WorldEstimate& world, const RunMemory& memory);

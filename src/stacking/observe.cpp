@@ -123,8 +123,8 @@ std::vector<Pose> view_poses(const CellLayout& layout, const Eigen::Vector3d& p_
 }
 
 std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
-                                                const std::vector<Pose>& T_W_C_candidates,
-                                                const MotionOptions& options) {
+                                                  const std::vector<Pose>& T_W_C_candidates,
+                                                  const MotionOptions& options) {
   const Pose T_C_F = (cell.layout.T_F_T * cell.layout.T_T_C).inverse();
   const Joints q_start = cell.arm.state().q;
   for (const Pose& T_W_C : T_W_C_candidates)

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "stacking/arrangement.hpp"
-#include "stacking/settle_stack.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -65,8 +64,8 @@ std::vector<StoneEstimate> stack_seen(const Workcell& w, const std::vector<Sight
   return as_estimates(sort_by_site(w.models.shapes, w.cell.layout.site, seen).stack);
 }
 
-/// The world by one view of the tower, and what was known of the field before; nothing if the new stone is not
-/// where it should be or another leans on the tower: something else comes first then.
+/// The world by one view of the tower, and what was known of the field before; nothing if the new stone is
+/// not where it should be or another leans on the tower: something else comes first then.
 std::optional<WorldEstimate> predict_by_tower(Workcell& w, const Expectation& expected,
                                               const CameraView& of_site) {
   const Stopwatch watch;
@@ -80,13 +79,12 @@ std::optional<WorldEstimate> predict_by_tower(Workcell& w, const Expectation& ex
   predicted.stack =
       estimate_stones(w.models.shapes, w.cell.layout, expected.stack, sightings, w.options).stack;
   w.seconds.detection += watch.seconds();
-  if (predicted.stack.size() != expected.stack.size() ||
-      stray_at_stack(w.models.shapes, at_rest(predicted)))
+  if (predicted.stack.size() != expected.stack.size() || stray_at_stack(w.models.shapes, at_rest(predicted)))
     return std::nullopt;
   const PoseDifference off =
       difference(predicted.stack.back().T_W_O_at_rest, expected.stack.back().T_W_O_at_rest);
   if (off.translation > w.options.placed_shift || off.angle > w.options.placed_turn) return std::nullopt;
-  add_resting_stacks(w, predicted);
+  add_resting_stacks(w.models, w.options, expected.friction, predicted);
   return predicted;
 }
 
@@ -127,8 +125,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   if (expected.views) {
     seen.views = *expected.views;
     const DepthFrame frame = w.cell.camera.capture();
-    seen.views.push_back(
-        {frame.image, camera_pose(w.cell.layout, *w.models.robot, w.cell.arm.state().q)});
+    seen.views.push_back({frame.image, camera_pose(w.cell.layout, *w.models.robot, w.cell.arm.state().q)});
     return seen;
   }
   const ViewScene scene{seen.before, expected.first};
@@ -139,7 +136,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   if (expected.stack.empty()) {
     seen.views.push_back(view_along(w, route_to(w, scene, above_field)));
     if (expected.first && w.options.refine_camera)
-      seen.before = refine_camera(w, seen.views, keep_prediction);
+      seen.before = refine_camera(w, expected.friction, seen.views, keep_prediction);
     if (expected.first) seen.site = view_site(w, seen.views);
     return seen;
   }
@@ -149,18 +146,12 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   const JointTrajectory route = route_to(w, scene, above_field);
   seen.views.push_back(view_along(w, route, [&] {
     if (!expected.as_planned) return;
-    if (const auto predicted = predict_by_tower(w, expected, seen.views.front()))
-      keep_prediction(*predicted);
+    if (const auto predicted = predict_by_tower(w, expected, seen.views.front())) keep_prediction(*predicted);
   }));
   return seen;
 }
 
 }  // namespace
-
-void add_resting_stacks(const Workcell& w, WorldEstimate& world) {
-  world.resting = resting_stacks(w.models.shapes, Stack{at_rest(world).stack}, w.options.search,
-                                 assumed_frictions(w.options));
-}
 
 void tell_uncertain(const Workcell& w, const std::vector<Sighting>& sightings) {
   for (const Sighting& seen : sightings)
@@ -182,8 +173,8 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
       find_in_views(seen.views, w.detection, wanted, together, seen.before, w.options.detection);
   const bool found_stack = expected.first && seen.site == SiteStatus::kOccupied;
   StoneEstimates stones =
-      estimate_stones(w.models.shapes, w.cell.layout,
-                      found_stack ? stack_seen(w, sightings) : expected.stack, sightings, w.options);
+      estimate_stones(w.models.shapes, w.cell.layout, found_stack ? stack_seen(w, sightings) : expected.stack,
+                      sightings, w.options);
   Observation observation;
   WorldEstimate& world = observation.world;
   world.stack = std::move(stones.stack);
@@ -192,7 +183,7 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   world.layout = w.cell.layout;
   world.views = std::make_shared<const Views>(std::move(seen.views));
   observation.as_predicted = adopt(w.models.shapes, seen.predicted, world);
-  if (!observation.as_predicted) add_resting_stacks(w, world);
+  if (!observation.as_predicted) add_resting_stacks(w.models, w.options, expected.friction, world);
   w.seconds.detection += watch.seconds();
   tell_uncertain(w, sightings);
   return observation;

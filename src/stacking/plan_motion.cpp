@@ -149,10 +149,9 @@ MotionPlan plan_motion(Workcell& w, const WorldEstimate& world, const Action& ac
                        const RunMemory& memory) {
   const Stopwatch watch;
   const Arrangement arrangement = at_rest(world);
-  PlanningScene scene =
-      make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
-  Planner planner{w, memory, arrangement, Reach(arrangement, scene, *w.models.catalogue, w.options.motion),
-                  {}};
+  PlanningScene scene = make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
+  Planner planner{
+      w, memory, arrangement, Reach(arrangement, scene, *w.models.catalogue, w.options.motion), {}};
   planner.plan.scene = std::move(scene);
   planner.plan.no_pick = memory.no_pick;
   std::visit(planner, action);

@@ -17,7 +17,8 @@ MotionOptions near_table(MotionOptions options) {
 
 }  // namespace
 
-Reach::Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options)
+Reach::Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& catalogue,
+             const MotionOptions& options)
     : arrangement_(std::move(arrangement)),
       scene_(std::move(scene)),
       catalogue_(catalogue),
@@ -33,7 +34,7 @@ bool Reach::in_one_go(int stone, const Pose& T_W_O, const Stack& below, const st
 }
 
 bool Reach::by_reorienting(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid,
-                       const RegraspOptions& regrasp) {
+                           const RegraspOptions& regrasp) {
   auto at = turning_.find(stone);
   if (at == turning_.end()) {
     const auto task = lying(stone);

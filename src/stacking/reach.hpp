@@ -17,7 +17,8 @@ class STONESTACK_EXPORT Reach {
  public:
   /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and
   /// must be among the loose ones (InvalidArgument else).
-  Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& catalogue, const MotionOptions& options);
+  Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& catalogue,
+        const MotionOptions& options);
 
   /// How grasps of the stone fare where it lies.
   [[nodiscard]] const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
@@ -36,7 +37,7 @@ class STONESTACK_EXPORT Reach {
 
   /// The same, if it is set down on the table on the way.
   [[nodiscard]] bool by_reorienting(int stone, const Pose& T_W_O, const Stack& below,
-                                const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
+                                    const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
  private:
   const GraspFinder& direct(int stone);

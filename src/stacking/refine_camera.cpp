@@ -62,7 +62,8 @@ Arrangement seen_in(const Views& views, const std::vector<DetectionResult>& seen
 
 }  // namespace
 
-Arrangement refine_camera(Workcell& w, Views& views, const WhileMoving& while_moving) {
+Arrangement refine_camera(Workcell& w, const FrictionEstimate& friction, Views& views,
+                          const WhileMoving& while_moving) {
   const Pose T_T_C = w.cell.layout.T_T_C;
   std::vector<MountView> mounts;
   std::vector<DetectionResult> seen;
@@ -85,7 +86,7 @@ Arrangement refine_camera(Workcell& w, Views& views, const WhileMoving& while_mo
     predicted.loose = estimate_stones(w.models.shapes, w.cell.layout, {},
                                       sightings_in(views.front(), seen.front()), w.options)
                           .loose;
-    add_resting_stacks(w, predicted);
+    add_resting_stacks(w.models, w.options, friction, predicted);
     while_moving(predicted);
   }));
   detect(views.back());
@@ -93,8 +94,7 @@ Arrangement refine_camera(Workcell& w, Views& views, const WhileMoving& while_mo
   add_marks(w.models.shapes, views[0], seen[0], views[1], seen[1], mounts[0], mounts[1]);
   const MountRefinement found = refine_camera_mount(mounts, T_T_C);
   w.seconds.detection += watch.seconds();
-  const bool accepted =
-      found.shift <= kMaxShift && found.turn <= kMaxTurn && found.after <= kMaxLeft;
+  const bool accepted = found.shift <= kMaxShift && found.turn <= kMaxTurn && found.after <= kMaxLeft;
   w.tell(CameraRefined{found.shift, found.turn, found.shared_marks, found.before, found.after, accepted});
   if (accepted) {
     w.cell.layout.T_T_C = found.T_T_C;

@@ -9,11 +9,11 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kSigma = 0.001;       // m, along each axis, that the camera may err by; design choice
-constexpr double kSigmaTurn = 0.01;    // rad
-constexpr int kStoneTries = 12;        // the measured pose, then displaced ones
-constexpr int kStackTries = 24;        // the same
-constexpr double kLetDownFrom = 0.002;  // m above a measured pose
+constexpr double kSigma = 0.001;          // m, along each axis, that the camera may err by; design choice
+constexpr double kSigmaTurn = 0.01;       // rad
+constexpr int kStoneTries = 12;           // the measured pose, then displaced ones
+constexpr int kStackTries = 24;           // the same
+constexpr double kLetDownFrom = 0.002;    // m above a measured pose
 constexpr double kLetDownFriction = 0.5;  // it was seen to rest: little friction would make it slide
 
 /// A measured pose moved by what the camera may err; the hand-eye error is common to the stack and left out.
@@ -85,8 +85,8 @@ std::vector<StoneEstimate> settle_stack(const ShapeList& shapes, const std::vect
   for (const auto& [estimate, moved] : stack) {
     estimates.push_back(estimate);
     const int stone = estimate.stone;
-    standing.stones.push_back({stone, moved ? let_down(shapes, standing, {stone, estimate.T_W_O_seen})
-                                            : estimate.T_W_O_at_rest});
+    standing.stones.push_back(
+        {stone, moved ? let_down(shapes, standing, {stone, estimate.T_W_O_seen}) : estimate.T_W_O_at_rest});
   }
   standing = nearest_that_stands(shapes, standing, friction);
   for (std::size_t i = 0; i < estimates.size(); ++i) estimates[i].T_W_O_at_rest = standing.stones[i].T_W_O;

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/pose_json.hpp"
-#include "stacking/settle_stack.hpp"
+#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -212,19 +212,21 @@ json layout_json(const CellLayout& layout) {
           {"site", vector_json(layout.site)},
           {"field_centre", vector_json(layout.field_centre)},
           {"field_size", vector_json(layout.field_size)},
-          {"obstacles", list_json(layout.obstacles, [](const Obstacle& o) {
-             return json{{"name", o.name},
-                         {"T_W_O", pose_json(o.T_W_O)},
-                         {"pieces", list_json(o.pieces, [](const Mesh& mesh) {
-                            return json{{"vertices", list_json(mesh.vertices,
-                                                               [](const Eigen::Vector3d& v) {
-                                                                 return json{v.x(), v.y(), v.z()};
-                                                               })},
-                                        {"faces", list_json(mesh.faces, [](const auto& t) {
-                                           return json{t[0], t[1], t[2]};
-                                         })}};
-                          })}};
-           })},
+          {"obstacles",
+           list_json(layout.obstacles,
+                     [](const Obstacle& o) {
+                       return json{{"name", o.name},
+                                   {"T_W_O", pose_json(o.T_W_O)},
+                                   {"pieces", list_json(o.pieces, [](const Mesh& mesh) {
+                                      return json{{"vertices", list_json(mesh.vertices,
+                                                                         [](const Eigen::Vector3d& v) {
+                                                                           return json{v.x(), v.y(), v.z()};
+                                                                         })},
+                                                  {"faces", list_json(mesh.faces, [](const auto& t) {
+                                                     return json{t[0], t[1], t[2]};
+                                                   })}};
+                                    })}};
+                     })},
           {"paddings", list_json(layout.paddings, [](const PairPadding& p) {
              return json{{"a", p.a}, {"b", p.b}, {"m", p.m}};
            })}};
@@ -331,10 +333,9 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.stray_stays = j.at("stray_stays").get<bool>();
   m.stack_stays = j.at("stack_stays").get<bool>();
   if (j.contains("plan"))
-    m.plan = FollowedPlan{r.placement(j.at("plan").at("placement")),
-                          j.at("plan").at("stack_before").get<std::size_t>(),
-                          j.at("plan").at("friction_level").get<std::size_t>(),
-                          route_of(j.at("plan").at("route"))};
+    m.plan = FollowedPlan{
+        r.placement(j.at("plan").at("placement")), j.at("plan").at("stack_before").get<std::size_t>(),
+        j.at("plan").at("friction_level").get<std::size_t>(), route_of(j.at("plan").at("route"))};
   if (j.contains("failure"))
     m.failure = Failure{static_cast<RunEnd>(j.at("failure").at("end").get<int>()),
                         j.at("failure").at("reason").get<std::string>()};
@@ -363,6 +364,15 @@ json options_json(const BuildOptions& options) {
   return j;
 }
 
+/// The path; empty for the stones that come with stonestack, wherever they are.
+std::string catalogue_name(const std::string& path) {
+  try {
+    return path == data_path("stones") ? "" : path;
+  } catch (const FileError&) {
+    return path;
+  }
+}
+
 /// Reads and checks the file; what is wrong with it becomes a FileError.
 template <class F>
 auto read_as(const std::string& path, const F& read) {
@@ -385,7 +395,7 @@ void write_state(const std::string& path, const WorldEstimate& world, const RunM
   const Writer writer{*models.catalogue};
   constexpr const char* kSites[] = {"unseen", "free", "occupied"};
   const json j{{"schema", kSchema},
-               {"catalogue", models.catalogue->path},
+               {"catalogue", catalogue_name(models.catalogue->path)},
                {"robot", models.robot->name},
                {"options", options_json(options)},
                {"layout", layout_json(world.layout)},
@@ -432,12 +442,14 @@ std::string decision_json(const Decision& decision, const Catalogue& catalogue) 
   const auto candidates = [&](const std::vector<Placement>& list) {
     if (list.empty()) return;
     action["placement"] = w.placement(list.front());
-    for (auto other = list.begin() + 1; other != list.end(); ++other) alternatives.push_back(w.placement(*other));
+    for (auto other = list.begin() + 1; other != list.end(); ++other)
+      alternatives.push_back(w.placement(*other));
   };
   const auto places = [&](const std::vector<Pose>& list) {
     if (list.empty()) return;
     action["T_W_O_down"] = pose_json(list.front());
-    for (auto other = list.begin() + 1; other != list.end(); ++other) alternatives.push_back(pose_json(*other));
+    for (auto other = list.begin() + 1; other != list.end(); ++other)
+      alternatives.push_back(pose_json(*other));
   };
   if (const auto* place = std::get_if<Place>(&decision.action)) candidates(place->candidates);
   if (const auto* reorient = std::get_if<Reorient>(&decision.action)) candidates(reorient->candidates);

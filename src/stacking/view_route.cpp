@@ -24,8 +24,8 @@ Eigen::Vector3d direction_of_tool(const PlanningScene& scene, const JointPath& p
   return (p_W(path.back()) - p_W(path.front())).normalized();
 }
 
-/// Where the gripper stands too near to something to go anywhere: backs away from it, until it touches. Throws
-/// DeviceError when it does, or when the arm stops.
+/// Where the gripper stands too near to something to go anywhere: backs away from it, until it touches.
+/// Throws DeviceError when it does, or when the arm stops.
 void back_away(Workcell& w, const PlanningScene& scene) {
   const auto out = way_out(scene, w.cell.arm.state().q, w.options.motion);
   if (!out || out->size() < 2) return;  // without a path out no route is found, which is reported
@@ -46,8 +46,7 @@ void back_away(Workcell& w, const PlanningScene& scene) {
 }  // namespace
 
 PlanningScene scene_of_view(const Workcell& w, const Arrangement& arrangement) {
-  PlanningScene scene =
-      make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
+  PlanningScene scene = make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
   // Fingers that let a stone go beside another were opened no further than there was clearance.
   scene.opening = std::min(scene.opening, w.cell.gripper.state().opening + kOpeningError);
   return scene;

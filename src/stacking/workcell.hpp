@@ -23,10 +23,12 @@ struct Workcell {
 struct Expectation {
   std::vector<StoneEstimate> stack, loose;
   SiteStatus site = SiteStatus::kFree;
+  FrictionEstimate friction;  ///< at whose frictions the stack is settled
   std::vector<int> known;     ///< stones that were seen in this run
   bool first = false;         ///< nothing was observed yet
   bool as_planned = false;    ///< a stone has just been released where it should be
-  std::shared_ptr<const Views> views;  ///< to which one more view is added from where the camera is; else null
+  std::shared_ptr<const Views>
+      views;  ///< to which one more view is added from where the camera is; else null
 };
 
 /// The world as seen, and whether it is what was predicted while the arm moved.
@@ -37,9 +39,9 @@ struct Observation {
 /// Called with a prediction of the world, from part of the views, while the arm moves to the next view.
 using WhileMoving = std::function<void(const WorldEstimate& predicted)>;
 
-/// Eq. (1) for every stone that can be seen: first the site, when something was built there, and the field. The
-/// first time the camera's mount is refined and the site examined. The stack is settled. Throws DeviceError
-/// when no view can be reached.
+/// Eq. (1) for every stone that can be seen: first the site, when something was built there, and the field.
+/// The first time the camera's mount is refined and the site examined. The stack is settled. Throws
+/// DeviceError when no view can be reached.
 [[nodiscard]] Observation observe(Workcell& workcell, const Expectation& expected,
                                   const WhileMoving& while_moving);
 
@@ -47,7 +49,8 @@ using WhileMoving = std::function<void(const WorldEstimate& predicted)>;
 
 /// What the arm must stay clear of on its route to a view, gripper empty.
 [[nodiscard]] PlanningScene scene_of_view(const Workcell& workcell, const Arrangement& arrangement);
-/// Views are taken as long as nobody knows what lies there (`all_unknown`), or with these stones in the scene.
+/// Views are taken as long as nobody knows what lies there (`all_unknown`), or with these stones in the
+/// scene.
 struct ViewScene {
   Arrangement arrangement;
   bool all_unknown = false;
@@ -57,16 +60,16 @@ struct ViewScene {
                                                         const std::vector<Pose>& T_W_C);
 [[nodiscard]] JointTrajectory route_to(Workcell& workcell, const ViewScene& scene,
                                        const std::vector<Pose>& T_W_C);
-/// Follows the route and takes a view at its end. `meanwhile` is done while the arm moves, and may use anything
-/// but arm and camera; its seconds of detection and search count only as far as the arm has to wait for them.
+/// Follows the route and takes a view at its end. `meanwhile` is done while the arm moves, and may use
+/// anything but arm and camera; its seconds of detection and search count only as far as the arm has to wait
+/// for them.
 [[nodiscard]] CameraView view_along(Workcell& workcell, const JointTrajectory& route,
                                     const std::function<void()>& meanwhile = {});
 /// Views the field once more, half a turn about the optical axis away, and corrects where the camera is taken
 /// to sit, in the layout and in the views; the second view is added to them. Returns what they showed, as
 /// loose. `while_moving` hears what the first view shows.
-[[nodiscard]] Arrangement refine_camera(Workcell& workcell, Views& views, const WhileMoving& while_moving);
-/// Adds what `stack` is at each assumed friction to a world.
-void add_resting_stacks(const Workcell& workcell, WorldEstimate& world);
+[[nodiscard]] Arrangement refine_camera(Workcell& workcell, const FrictionEstimate& friction, Views& views,
+                                        const WhileMoving& while_moving);
 /// Reports stones of which detection is not sure which they are or how they lie.
 void tell_uncertain(const Workcell& workcell, const std::vector<Sighting>& sightings);
 

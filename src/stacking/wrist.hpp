@@ -7,22 +7,22 @@ namespace stonestack::stacking {
 
 /// Of what the sensor carries always.
 struct HandMass {
-  double mass = 0.0;                                   ///< kg
-  Eigen::Vector3d p_F_hand = Eigen::Vector3d::Zero();  ///< m, centre of mass
+  double mass = 0.0;                                   ///< [kg]
+  Eigen::Vector3d p_F_hand = Eigen::Vector3d::Zero();  ///< centre of mass [m]
 };
 
 /// What hangs there beside the hand itself.
 struct WristLoad {
-  double weight = 0.0;  ///< N, downwards
+  double weight = 0.0;  ///< downwards [N]
   /// On the line along which that pulls which came after the zero was taken, level with F.
   Eigen::Vector3d p_F_pull = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< as the arm stands
-  /// m, by which that line may be wrong: where the hand's own weight pulls is known to 3 cm, and how it pulls
-  /// changes with the tilt.
+  /// by which that line may be wrong [m]: where the hand's own weight pulls is known to 3 cm, and how it
+  /// pulls changes with the tilt.
   double doubt = 0.0;
 };
 
-/// m: how far the line along which it pulls passes a point of the flange's frame, level; of the arm of a
+/// how far the line along which it pulls passes a point of the flange's frame, level [m]; of the arm of a
 /// weight only that part can be told.
 [[nodiscard]] double beside(const WristLoad& load, const Eigen::Vector3d& p_F);
 
@@ -51,8 +51,8 @@ class Wrist {
   double hung_at_zero_ = 0.0;
 };
 
-/// N, so much more than nothing hangs in a hand that is not empty: the stone's `weight` (N) for the most part
-/// rests on the tower while a finger still has it, and the sensor drifts while it is carried.
+/// so much more than nothing hangs in a hand that is not empty [N]: the stone's `weight` (N) for the most
+/// part rests on the tower while a finger still has it, and the sensor drifts while it is carried.
 [[nodiscard]] double most_in_empty_hand(double weight);
 
 /// What is left in the hand of a stone that was carried.

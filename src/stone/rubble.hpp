@@ -23,10 +23,10 @@ struct Rubble {
     double depth;
   };
 
-  Eigen::Vector3d half = Eigen::Vector3d::Ones();  ///< m, half of the extents
+  Eigen::Vector3d half = Eigen::Vector3d::Ones();  ///< half of the extents [m]
   std::vector<Cut> cuts;
   std::vector<Dent> dents;
-  double roughness = 0.0;  ///< m, RMS
+  double roughness = 0.0;  ///< RMS [m]
   std::uint64_t seed = 0;  ///< of its noise
 };
 

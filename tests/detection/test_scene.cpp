@@ -1,5 +1,5 @@
-#include "rooms.hpp"
 #include "detection/test_scene.hpp"
+#include "rooms.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace {
 
 /// A star-shaped surface: radius over direction.
 struct RubbleShape {
-  Eigen::Vector3d half;                                  ///< m
+  Eigen::Vector3d half;                                  ///< [m]
   std::vector<std::pair<Eigen::Vector3d, double>> cuts;  ///< unit normal, distance
   std::vector<Eigen::Vector4d> waves;                    ///< wave vector and phase
 

@@ -6,11 +6,8 @@
 #include "emulators/ur/dashboard_session.hpp"
 #include "emulators/ur/primary_messages.hpp"
 #include "emulators/ur/rtde_session.hpp"
-#include "script_bench.hpp"
-#include "emulators/ur/dashboard_session.hpp"
-#include "emulators/ur/primary_messages.hpp"
-#include "simulation/ur/rtde_session.hpp"
 #include "emulators/ur/script_queue.hpp"
+#include "script_bench.hpp"
 #include "urscript/script_collector.hpp"
 
 namespace stonestack::emulators {

@@ -6,7 +6,7 @@
 
 namespace {
 
-using namespace stonestack::hardware::modbus;
+using namespace stonestack::protocol::modbus;
 
 void check(bool held) {
   if (!held) std::abort();

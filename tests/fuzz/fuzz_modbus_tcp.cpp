@@ -10,7 +10,7 @@ namespace {
 
 using namespace stonestack;
 using namespace stonestack::report;
-using namespace stonestack::hardware::modbus;
+using namespace stonestack::protocol::modbus;
 
 void check(bool held) {
   if (!held) std::abort();

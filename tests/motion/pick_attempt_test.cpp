@@ -38,7 +38,7 @@ struct UnderABoard {
 
   /// A way with one of the grasps that point down, and how it ended.
   struct Tried {
-    double opening = 0.0;  ///< m, of the open hand
+    double opening = 0.0;  ///< of the open hand [m]
     double spacing = 0.0;
     PickAttempt::Result result;
   };

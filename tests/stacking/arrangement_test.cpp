@@ -33,7 +33,8 @@ Sighting seen(int stone, const Pose& T_W_O) {
 TEST(EstimateStones, SortsStackAndLooseStones) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
   const Pose aside = make_pose({0.7, -0.2, 0.025});
-  const StoneEstimates stones = estimate(expected, {seen(2, aside), seen(1, on_site(0.0755, 0.001)), seen(0, on_site(0.0252))});
+  const StoneEstimates stones =
+      estimate(expected, {seen(2, aside), seen(1, on_site(0.0755, 0.001)), seen(0, on_site(0.0252))});
   ASSERT_EQ(stones.stack.size(), 2U);
   EXPECT_EQ(stones.stack[1].stone, 1);
   EXPECT_NEAR(stones.stack[1].T_W_O_at_rest.translation().z(), 0.075, 1e-4);  // settled on the stone below
@@ -58,7 +59,8 @@ TEST(EstimateStones, AStoneThatCarriesAnotherHasNotMoved) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}, {2, on_site(0.125)}};
   // The middle one is half hidden and badly seen.
   const StoneEstimates stones = estimate(
-      expected, {seen(0, on_site(0.025)), seen(1, on_site(0.078, 0.012, 20 * kDegree)), seen(2, on_site(0.1255))});
+      expected,
+      {seen(0, on_site(0.025)), seen(1, on_site(0.078, 0.012, 20 * kDegree)), seen(2, on_site(0.1255))});
   ASSERT_EQ(stones.stack.size(), 3U);
   EXPECT_LT(difference(stones.stack[1].T_W_O_at_rest, expected[1].T_W_O).translation, 1e-9);
 }

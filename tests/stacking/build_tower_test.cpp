@@ -11,7 +11,7 @@
 namespace stonestack::stacking {
 namespace {
 
-/// m: how far from the truth the base of a tower is estimated to lie after it has been placed.
+/// how far from the truth the base of a tower is estimated to lie after it has been placed [m].
 double error_of_base(bool refine_camera) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
@@ -27,7 +27,8 @@ double error_of_base(bool refine_camera) {
   EXPECT_EQ(result.height, 1) << result.ended;
   if (result.world.stack.empty()) return 1.0;
   const StoneEstimate& base = result.world.stack.front();
-  return difference(base.T_W_O_at_rest, world.truth().T_W_O[static_cast<std::size_t>(base.stone)]).translation;
+  return difference(base.T_W_O_at_rest, world.truth().T_W_O[static_cast<std::size_t>(base.stone)])
+      .translation;
 }
 
 TEST(BuildTower, TwoFirstViewsCorrectTheCamera) {

@@ -1,8 +1,10 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "stacking/heard.hpp"
+#include "stacking/saved_states.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -48,10 +50,11 @@ struct Pushed {
   RunResult result;
   std::string said;
   bool pushed = false;
+  std::vector<std::string> decisions;  ///< in its saved states
 };
 
 /// Builds with two stones; the second is slid against the first once that stands, and may fall against it.
-Pushed build_and_push(const Eigen::Vector3d& from, double tilt = 0.0) {
+Pushed build_and_push(const char* name, const Eigen::Vector3d& from, double tilt = 0.0) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const ShapeList shapes = make_contact_shapes(catalogue.stones);
   const RobotModel robot = read_robot("ur10");
@@ -68,10 +71,13 @@ Pushed build_and_push(const Eigen::Vector3d& from, double tilt = 0.0) {
   };
   BuildOptions options;
   options.search.horizon = 1;
+  options.save_states = true;
+  hooks.states_folder = test::states_folder(testing::TempDir(), name);
   options.search.friction = options.most_friction;
   Cell cell = world.cell();
   run.result = build_tower(cell, catalogue, robot, options, hooks);
   run.said = test::words(run.result.events, catalogue);
+  run.decisions = test::decisions(hooks.states_folder, catalogue, robot);
   return run;
 }
 
@@ -82,15 +88,17 @@ bool set_down_one(const RunResult& result) {
 }
 
 TEST(ClearBase, AStoneThatLiesAgainstTheTowerIsTakenBackAndBuiltOn) {
-  const Pushed run = build_and_push(-Eigen::Vector3d::UnitX());  // the side that the robot can reach
+  const Pushed run =
+      build_and_push("clear_base", -Eigen::Vector3d::UnitX());  // the side that the robot can reach
   EXPECT_TRUE(run.pushed);
   ASSERT_FALSE(all_of<StoneLeans>(run.result.events).empty()) << run.said;
   EXPECT_TRUE(set_down_one(run.result));
   EXPECT_EQ(run.result.height, 2) << run.said;
+  EXPECT_THAT(run.decisions, testing::Contains("clear_base"));
 }
 
 TEST(ClearBase, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
-  const Pushed run = build_and_push(-Eigen::Vector3d::UnitX(), 1.2);
+  const Pushed run = build_and_push("unstack", -Eigen::Vector3d::UnitX(), 1.2);
   EXPECT_TRUE(run.pushed);
   const auto refused = all_of<MotionRefused>(run.result.events);
   ASSERT_FALSE(refused.empty()) << "else this tests nothing";
@@ -101,6 +109,8 @@ TEST(ClearBase, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
   EXPECT_EQ(freeing[0].freed, 1);
   EXPECT_TRUE(set_down_one(run.result));
   EXPECT_EQ(run.result.height, 2) << run.said;
+  EXPECT_THAT(run.decisions, testing::Contains("clear_base"));
+  EXPECT_THAT(run.decisions, testing::Contains("unstack"));
 }
 
 }  // namespace

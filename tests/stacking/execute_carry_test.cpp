@@ -16,7 +16,7 @@ using Status = MotionResult::Status;
 /// the lift, the carry and the lowering.
 struct Carried : scripted::Bench {
   std::vector<double> hangs;
-  std::vector<double> beside;  ///< m, level, from where it should pull; nothing said: 0
+  std::vector<double> beside;  ///< level, from where it should pull [m]; nothing said: 0
 
   explicit Carried(std::vector<double> felt) : hangs(std::move(felt)) {
     PlanStep lift, carry;

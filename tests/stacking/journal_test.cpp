@@ -23,10 +23,12 @@ TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
     Journal journal(path);
     journal.record("intent", "3");
   }
-  EXPECT_EQ(read_file(path, 1000),
-            R"({"seq":0,"kind":"intent","data":{"step":1}})" "\n"
-            R"({"seq":1,"kind":"done","data":{}})" "\n"
-            R"({"seq":2,"kind":"intent","data":3})" "\n");
+  EXPECT_EQ(read_file(path, 1000), R"({"seq":0,"kind":"intent","data":{"step":1}})"
+                                   "\n"
+                                   R"({"seq":1,"kind":"done","data":{}})"
+                                   "\n"
+                                   R"({"seq":2,"kind":"intent","data":3})"
+                                   "\n");
   std::filesystem::remove(path);
 }
 

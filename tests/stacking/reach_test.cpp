@@ -30,7 +30,9 @@ struct Bench {
     MotionOptions options;
     options.approach_padding = padding;
     const PlanningScene scene = make_planning_scene(layout, robot, catalogue, arrangement);
-    return GraspFinder(scene, catalogue.stones[1], 0, arrangement.loose[0].T_W_O, options).at_pick().can_be_held();
+    return GraspFinder(scene, catalogue.stones[1], 0, arrangement.loose[0].T_W_O, options)
+        .at_pick()
+        .can_be_held();
   }
 };
 

@@ -1,8 +1,10 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "stacking/heard.hpp"
+#include "stacking/saved_states.hpp"
 #include "stonestack/core/data.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/regrasp.hpp"
@@ -44,8 +46,11 @@ TEST(Reorient, AStoneThatLiesOnTheWrongSideIsReorientedAndPlaced) {
   options.search.least_margin = 0.24;  // g
   options.search.friction = 0.35;
   options.most_friction = 0.475;
+  options.save_states = true;
+  BuildHooks hooks;
+  hooks.states_folder = test::states_folder(testing::TempDir(), "reorient");
   Cell cell = world.cell();
-  const RunResult result = build_tower(cell, catalogue, robot, options);
+  const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
   const std::string said = test::words(result.events, catalogue);
   const auto set_down = all_of<SetDownBegun>(result.events);
   ASSERT_FALSE(set_down.empty()) << said;
@@ -57,6 +62,9 @@ TEST(Reorient, AStoneThatLiesOnTheWrongSideIsReorientedAndPlaced) {
   EXPECT_EQ(result.height, 1) << said;
   const Eigen::Vector3d n_O_up = world.truth().T_W_O[kStone].linear().row(2).transpose();
   EXPECT_GT(n_O_up.dot(rests[0].R_W_O.inverse() * Eigen::Vector3d::UnitZ()), 0.95) << "on its broad side";
+  EXPECT_THAT(test::decisions(hooks.states_folder, catalogue, robot),
+              testing::ElementsAre("place", "reorient", "place", "stop"))
+      << "of each saved state: no motion places it in one go, so it is reoriented first";
 }
 
 }  // namespace

@@ -44,8 +44,8 @@ struct ScriptedArm : Arm {
     return {status, q, 7.0, "scripted"};
   }
   void stop() override { told.push_back("stop"); }
-  std::vector<double> payloads;  ///< kg, as they were set
-  double most_payload = 1000.0;  ///< kg
+  std::vector<double> payloads;  ///< as they were set [kg]
+  double most_payload = 1000.0;  ///< [kg]
   void set_payload(double mass, const Eigen::Vector3d&) override {
     require(mass <= most_payload, "the arm carries ", most_payload, " kg, not ", mass, " kg");
     payloads.push_back(mass);

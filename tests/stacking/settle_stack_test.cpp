@@ -15,7 +15,8 @@ const ShapeList& slabs() {
   return list;
 }
 
-/// The stack as it rests when it was measured like that; `let_down`: its stones are let down one by one first.
+/// The stack as it rests when it was measured like that; `let_down`: its stones are let down one by one
+/// first.
 Stack settled(const Stack& seen, bool let_down = false) {
   std::vector<MeasuredStone> measured;
   for (const StoneEstimate& stone : as_estimates(seen.stones)) measured.push_back({stone, let_down});
@@ -58,7 +59,8 @@ TEST(SettleStack, ALittleTiltIsRightedAndMuchIsNot) {
   const Stack seen = two(0.001, 0.36);
   ASSERT_FALSE(stands(seen));
   const Stack resting = settled(seen);
-  EXPECT_EQ(resting.stones[1].T_W_O.matrix(), seen.stones[1].T_W_O.matrix()) << "the camera does not err by 21 deg";
+  EXPECT_EQ(resting.stones[1].T_W_O.matrix(), seen.stones[1].T_W_O.matrix())
+      << "the camera does not err by 21 deg";
   const Stack little = settled(two(0.001, 0.03));
   EXPECT_TRUE(stands(little));
   EXPECT_LT(off_measured(little.stones[1].T_W_O, two(0.001, 0.03).stones[1].T_W_O), kConsistent);

@@ -21,7 +21,7 @@ class Clock {
 /// s of std::chrono::steady_clock, one origin for all of the process: when something reached this host.
 [[nodiscard]] double host_seconds();
 
-/// s, of all threads of this process so far: what a stage costs, however busy the machine is.
+/// of all threads of this process so far [s]: what a stage costs, however busy the machine is.
 [[nodiscard]] double processor_seconds();
 
 /// Measures how long a stage took: `Stopwatch watch; ...; watch.seconds()`. Host time.

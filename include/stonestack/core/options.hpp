@@ -11,7 +11,7 @@
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
-///     double step = 1.0 / 240.0;  ///< s
+///     double step = 1.0 / 240.0;  ///< time step, s
 ///     int iterations = 50;
 ///   };
 ///   FieldList fields(SettleOptions& o) {
@@ -30,7 +30,7 @@ struct FieldRange {
   double high = 1e300;
 };
 
-/// Who an option is for.
+/// Audience of an option.
 enum class Tier {
   kUser,    ///< shown by `config show`
   kExpert,  ///< shown by `config show --expert`; a test or a benchmark sets it
@@ -56,9 +56,9 @@ using FieldList = std::vector<Field>;
 
 /// Marks a field as one for users.
 [[nodiscard]] Field user(Field field);
-/// The same for every field of a list.
+/// Marks every field of a list.
 [[nodiscard]] FieldList user(FieldList list);
-/// Those for users.
+/// Fields for users.
 [[nodiscard]] FieldList user_fields(const FieldList& list);
 
 /// Prefixes every name with `prefix.`: several structs in one file, `search.friction`.

@@ -1,6 +1,8 @@
 #pragma once
 #include "stonestack/core/clock.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::core {
 
 /// Ends long work at a time: while one lives and its time is over, `interrupt_noted` answers true and
@@ -24,3 +26,5 @@ class TimeLimit {
 [[nodiscard]] bool time_is_over() noexcept;
 
 }  // namespace stonestack::core
+
+#pragma GCC visibility pop

@@ -61,13 +61,13 @@ struct DetectionOptions {
   std::string keypoints = "voxel";    ///< voxel, iss
   std::string descriptor = "shot";    ///< shot, fpfh, iss, rops
   std::string matching = "exact";     ///< exact, kdtree (the same matches)
-  double nearest = 0.15;              ///< m, depth range that is looked at
-  double farthest = 2.0;              ///< m
+  double nearest = 0.15;              ///< depth range that is looked at [m]
+  double farthest = 2.0;              ///< [m]
   int copies = 1;                     ///< of each model at most, in one scene
   bool sweep = true;                  ///< also try all orientations on each cluster
   double accept_score = 0.85;         ///< at least; 0.89 in a clean image of one view (measured)
   double accept_inlier_ratio = 0.75;  ///< with paper
-  double bias_sigma = 0.0005;  ///< m, smooth error of a depth image, where no table shows what it is ...
+  double bias_sigma = 0.0005;  ///< smooth error of a depth image, where no table shows what it is ... [m]
   bool trace = false;          ///< keep what each stage saw
   int seed = 1;
 };

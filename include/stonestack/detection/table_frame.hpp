@@ -4,6 +4,8 @@
 
 #include "stonestack/detection/detect_stones.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::detection {
 
 /// The table in one depth image, in C with the normal towards the camera: the plane that `detect_stones` will
@@ -17,7 +19,7 @@ namespace stonestack::detection {
 
 /// Which part of the table (z = 0 of W) a view shows, in square cells.
 struct TableView {
-  double cell = 0.02;                    ///< m, side of a cell
+  double cell = 0.02;                    ///< side of a cell [m]
   std::vector<Eigen::Vector2d> p_W;      ///< centres of the cells in which the bare table is seen, sorted
   Eigen::Vector2d p_W_middle{0.0, 0.0};  ///< of the box around them
 };
@@ -26,3 +28,5 @@ struct TableView {
                                       const DetectionOptions& options = {});
 
 }  // namespace stonestack::detection
+
+#pragma GCC visibility pop

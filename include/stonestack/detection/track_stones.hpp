@@ -33,8 +33,8 @@ struct TrackResult {
 
 /// When a stone counts as moved or fallen.
 struct TrackOptions {
-  double moved_shift = 0.003;  ///< m
-  double fallen_drop = 0.015;  ///< m, of the centre, towards the table
+  double moved_shift = 0.003;  ///< [m]
+  double fallen_drop = 0.015;  ///< of the centre, towards the table [m]
 };
 [[nodiscard]] FieldList fields(TrackOptions& options);
 

@@ -17,8 +17,8 @@ struct TruthReport {
   int height = 0;         ///< stones that rest on the stone below and on nothing else
   bool stands = false;    ///< the tower that the run reports still stands after `seconds`
   double seconds = 60.0;  ///< simulated, with the arm away
-  double shift = 0.0;     ///< m, largest movement of a tower stone in that time
-  double turn = 0.0;      ///< rad, likewise
+  double shift = 0.0;     ///< largest movement of a tower stone in that time [m]
+  double turn = 0.0;      ///< likewise [rad]
   std::string note;
 };
 

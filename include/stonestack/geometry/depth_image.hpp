@@ -33,7 +33,7 @@ struct DepthImage {
 struct DepthFrame {
   DepthImage image;
   long number = 0;
-  double device_time = 0.0;  ///< s
+  double device_time = 0.0;  ///< [s]
   double host_time = 0.0;    ///< s of `host_seconds`, when it was here; in a simulated cell of its clock
 };
 

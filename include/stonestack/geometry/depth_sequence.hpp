@@ -13,7 +13,7 @@ namespace stonestack::geometry {
 struct DepthRecord {
   std::string path;   ///< 16-bit PNG
   int number = 0;     ///< in the recording (BOP: the image's number)
-  double time = 0.0;  ///< s, as recorded; 0 if the layout has none
+  double time = 0.0;  ///< as recorded [s]; 0 if the layout has none
   double unit = 0.0;  ///< m a count
   CameraIntrinsics camera;
   std::optional<Pose> T_W_C;

@@ -7,7 +7,7 @@ namespace stonestack::geometry {
 
 /// Mass, centre of mass and inertia of a rigid body, in the frame of its mesh (O).
 struct MassProperties {
-  double mass = 0.0;                                ///< kg
+  double mass = 0.0;                                ///< [kg]
   Eigen::Vector3d p_O_M = Eigen::Vector3d::Zero();  ///< centre of mass, m
   Eigen::Matrix3d I_M = Eigen::Matrix3d::Zero();    ///< about the centre of mass, axes of O, kg m^2
 };

@@ -16,7 +16,7 @@ struct Mesh {
 };
 
 [[nodiscard]] Eigen::AlignedBox3d bounds(const Mesh& mesh);
-/// m^2.
+/// [m^2]
 [[nodiscard]] double surface_area(const Mesh& mesh);
 /// Signed (divergence theorem); positive when faces point outwards. m^3.
 [[nodiscard]] double volume(const Mesh& mesh);
@@ -37,7 +37,7 @@ struct Mesh {
 struct SurfaceSample {
   Eigen::Vector3d point;
   Eigen::Vector3d normal;
-  double area = 0.0;  ///< m^2
+  double area = 0.0;  ///< [m^2]
 };
 /// Samples a surface: every vertex, points along edges and inside faces so that neighbours are at most about
 /// `spacing` apart. Deterministic; areas sum to the surface area.

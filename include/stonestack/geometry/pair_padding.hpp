@@ -14,7 +14,7 @@ namespace stonestack::geometry {
 struct PairPadding {
   std::string a;   ///< arm, hand, held, or a link: shoulder, upper arm, forearm, wrist 1, wrist 2, wrist 3
   std::string b;   ///< table, or an obstacle's name
-  double m = 0.0;  ///< m
+  double m = 0.0;  ///< [m]
 };
 
 /// Reads a YAML list of them:

@@ -10,7 +10,7 @@ namespace stonestack::geometry {
 /// {p : normal . p = offset}, normal of unit length.
 struct Plane {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double offset = 0.0;  ///< m
+  double offset = 0.0;  ///< [m]
   [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
 };
 

@@ -21,8 +21,8 @@ using Pose = Eigen::Isometry3d;
 
 /// Difference of two poses of one frame.
 struct PoseDifference {
-  double translation = 0.0;  ///< m, between the origins
-  double angle = 0.0;        ///< rad, in [0, pi]
+  double translation = 0.0;  ///< between the origins [m]
+  double angle = 0.0;        ///< in [0, pi] [rad]
 };
 [[nodiscard]] PoseDifference difference(const Pose& a, const Pose& b);
 

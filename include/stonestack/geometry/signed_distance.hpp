@@ -17,7 +17,7 @@ class SignedDistance {
   /// nodes.
   SignedDistance(const Mesh& mesh, double cell, double band);
 
-  /// m; `band` outside the grid.
+  /// `band` outside the grid [m].
   [[nodiscard]] double distance(const Eigen::Vector3d& p) const;
   /// Distance and its unit gradient, outward near the surface: the direction of steepest rise of the
   /// interpolation. Zero where the distance is clamped, so flat.

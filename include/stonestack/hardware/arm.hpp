@@ -25,7 +25,7 @@ struct MotionResult {
   enum class Status { kDone, kContact, kNoContact, kStopped, kRefused, kLost };
   Status status = Status::kDone;
   Joints q = Joints::Zero();  ///< where the arm stands
-  double force = 0.0;         ///< N, along the guard's direction when it ended
+  double force = 0.0;         ///< along the guard's direction when it ended [N]
   std::string reason;         ///< for a person
 };
 

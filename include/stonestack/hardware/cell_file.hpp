@@ -39,7 +39,7 @@ struct CellConfig {
   PoseNumbers T_T_C;                ///< hand-eye calibration: camera in the tool
   std::string hand_eye;             ///< file of the calibration in place of T_T_C, beside the cell file
   std::optional<Pose> T_F_C;        ///< what `read_hand_eye` read there
-  double sensor_mass, camera_mass;  ///< kg, in the hand beside the gripper
+  double sensor_mass, camera_mass;  ///< in the hand beside the gripper [kg]
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
   std::string obstacles_text;                                         ///< the list as it stands in the file
   std::vector<Obstacle> obstacles;                                    ///< what `read_cell_file` read there

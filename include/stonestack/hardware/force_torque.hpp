@@ -11,7 +11,7 @@ namespace stonestack::hardware {
 struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
-  double device_time = 0.0;  ///< s
+  double device_time = 0.0;  ///< [s]
   double host_time = 0.0;    ///< s of `host_seconds`, when it arrived; in a simulated cell of its clock
 };
 

@@ -27,7 +27,7 @@ struct MountView {
 struct MountRefinement {
   Pose T_T_C = Pose::Identity();
   double shift = 0.0, turn = 0.0;    ///< against the mount that was given: m, rad
-  double before = 0.0, after = 0.0;  ///< m, root mean square distance of marks between views
+  double before = 0.0, after = 0.0;  ///< root mean square distance of marks between views [m]
   int shared_marks = 0;              ///< marks that more than one view saw
 };
 

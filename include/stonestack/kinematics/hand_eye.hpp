@@ -25,8 +25,8 @@ struct HandEyePair {
 
 /// How far the target seems to move although it does not: root mean square over the stations.
 struct HandEyeResidual {
-  double translation = 0.0;  ///< m
-  double rotation = 0.0;     ///< rad
+  double translation = 0.0;  ///< [m]
+  double rotation = 0.0;     ///< [rad]
 };
 
 /// What one method says.

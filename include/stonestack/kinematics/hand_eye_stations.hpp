@@ -10,10 +10,10 @@ namespace stonestack::kinematics {
 
 /// What a simulated arm and camera err by, standard deviations of each station.
 struct HandEyeNoise {
-  double arm_translation = 0.0002;     ///< m
-  double arm_rotation = 0.0003;        ///< rad
-  double target_translation = 0.0003;  ///< m, of a board half a metre away
-  double target_rotation = 0.0010;     ///< rad
+  double arm_translation = 0.0002;     ///< [m]
+  double arm_rotation = 0.0003;        ///< [rad]
+  double target_translation = 0.0003;  ///< of a board half a metre away [m]
+  double target_rotation = 0.0010;     ///< [rad]
 };
 
 /// Stations of a hand with a camera that looks at a board on the table from all sides, 0.4 to 0.7 m away and

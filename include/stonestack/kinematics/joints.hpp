@@ -17,9 +17,9 @@ using JointPath = std::vector<Joints>;
 
 /// Joint angles over time: cubic Hermite pieces between knots, so position and velocity are continuous.
 struct JointTrajectory {
-  std::vector<double> time;  ///< s, strictly rising, first is 0
-  std::vector<Joints> q;     ///< rad
-  std::vector<Joints> qd;    ///< rad/s
+  std::vector<double> time;  ///< strictly rising, first is 0 [s]
+  std::vector<Joints> q;     ///< [rad]
+  std::vector<Joints> qd;    ///< [rad/s]
 
   [[nodiscard]] double duration() const { return time.empty() ? 0.0 : time.back(); }
 };

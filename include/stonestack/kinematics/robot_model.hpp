@@ -17,7 +17,7 @@ struct LinkCapsule {
   int link =
       0;  ///< 0 base_link, 1 shoulder, 2 upper arm, 3 forearm, 4 wrist 1, 5 wrist 2, 6 wrist 3 (flange)
   Eigen::Vector3d a, b;
-  double radius = 0.0;  ///< m
+  double radius = 0.0;  ///< [m]
 };
 
 /// A robot with UR kinematics: six revolute joints, spherical-offset wrist. Frames as in its URDF, except
@@ -25,20 +25,20 @@ struct LinkCapsule {
 /// T_R_F(q) = T_R_D * DH(q + dh_offset) * T_D6_F, standard DH with twists 90, 0, 0, 90, -90, 0 degrees.
 struct RobotModel {
   std::string name;
-  double d1 = 0, a2 = 0, a3 = 0, d4 = 0, d5 = 0, d6 = 0;  ///< m, standard DH (data sheet)
-  Joints lower, upper;                                    ///< rad, within one turn either way
-  Joints velocity;                                        ///< rad/s
-  Joints acceleration;                                    ///< rad/s^2; not in the URDF, 1.4 by default
+  double d1 = 0, a2 = 0, a3 = 0, d4 = 0, d5 = 0, d6 = 0;  ///< standard DH (data sheet) [m]
+  Joints lower, upper;                                    ///< within one turn either way [rad]
+  Joints velocity;                                        ///< [rad/s]
+  Joints acceleration;                                    ///< not in the URDF, 1.4 by default [rad/s^2]
   std::array<Pose, 6> T_parent_joint;  ///< joint frames at zero angle, from the URDF; every axis is local z
   Pose T_6_F = Pose::Identity();       ///< flange (tool0) in link 6
   Pose T_R_D = Pose::Identity();       ///< base of the DH chain (UR: half a turn about z)
-  Joints dh_offset = Joints::Zero();   ///< rad, DH angle minus joint angle (UR: zero)
+  Joints dh_offset = Joints::Zero();   ///< DH angle minus joint angle (UR [rad]: zero)
   Pose T_D6_F = Pose::Identity();      ///< flange in the last DH frame (UR: identity)
   /// The URDF's chain departs from the DH chain by more than 1e-9 (a factory calibration): inverse solutions
   /// are polished on the chain.
   bool calibrated = false;
   std::vector<LinkCapsule> capsules;  ///< collision shape
-  double payload = 10.0;              ///< kg
+  double payload = 10.0;              ///< [kg]
   std::optional<ToolRoom> room;       ///< where a cell lets the tool go; empty: anywhere
 };
 

@@ -9,9 +9,9 @@ namespace stonestack::motion {
 
 /// How straight a straight path is. Measured: 99.65 % of the reachable 12 cm approaches keep to it.
 struct CartesianOptions {
-  double deviation = 0.0005;  ///< m, of the tool from the line, between way points
-  double angle = 0.0087;      ///< rad (0.5 deg)
-  double longest = 0.02;      ///< m, between way points at most
+  double deviation = 0.0005;  ///< of the tool from the line, between way points [m]
+  double angle = 0.0087;      ///< [rad] (0.5 deg)
+  double longest = 0.02;      ///< between way points at most [m]
 };
 
 /// Joint path that moves the tool from where `q_from` has it along a straight line (rotation spherical) to

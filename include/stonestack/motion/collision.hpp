@@ -22,9 +22,9 @@ inline constexpr int kTableObject = -1;
 
 /// What may touch, and how far everything else stays away.
 struct CollisionRules {
-  double padding = 0.010;              ///< m; 0.010 in transit, 0.002 on approach, 0 at contact
-  double self_padding = 0.005;         ///< m, arm against itself, the gripper and what it holds
-  double opening = 0.155;              ///< m, of the fingers
+  double padding = 0.010;              ///< 0.010 in transit, 0.002 on approach, 0 at contact [m]
+  double self_padding = 0.005;         ///< arm against itself, the gripper and what it holds [m]
+  double opening = 0.155;              ///< of the fingers [m]
   int left_out = -1;                   ///< index of an object that is not there (it is held); -1: none
   std::vector<int> held_may_touch;     ///< objects, or kTableObject: supports of the held stone
   std::vector<int> gripper_may_touch;  ///< objects, or kTableObject: what the fingers are about to grasp
@@ -33,7 +33,7 @@ struct CollisionRules {
 /// The two things that are nearest to each other.
 struct Clearance {
   double distance =
-      std::numeric_limits<double>::infinity();  ///< m, between surfaces; negative: overlap depth
+      std::numeric_limits<double>::infinity();  ///< between surfaces [m]; negative: overlap depth
   std::string first;                            ///< "forearm", "finger", a held stone's name
   std::string second;                           ///< "table", an object's name, a link
 };

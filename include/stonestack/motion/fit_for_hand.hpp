@@ -7,8 +7,8 @@
 
 namespace stonestack::motion {
 
-/// m, narrowest horizontal width of a stone that stands on a table: over its poses of rest (`rest_poses`) and
-/// all turns about the vertical. A hand from above that is to hold it about its middle opens that wide at
+/// narrowest horizontal width of a stone that stands on a table [m]: over its poses of rest (`rest_poses`)
+/// and all turns about the vertical. A hand from above that is to hold it about its middle opens that wide at
 /// least. 0 for a stone without a firm pose of rest. Throws InvalidArgument as `rest_poses`.
 [[nodiscard]] double least_width_at_rest(const Stone& stone);
 

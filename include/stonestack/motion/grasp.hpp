@@ -14,16 +14,16 @@ namespace stonestack::motion {
 struct GraspOptions {
   int directions = 400;          ///< approach directions over the sphere (about 10 deg apart)
   int yaws = 12;                 ///< turns about the approach, each direction
-  double spacing = 0.008;        ///< m, between surface points that stand for the scan
-  double shallowest = -0.004;    ///< m, finger tips past the centre of mass, least
-  double deepest = 0.028;        ///< m, most
+  double spacing = 0.008;        ///< between surface points that stand for the scan [m]
+  double shallowest = -0.004;    ///< finger tips past the centre of mass, least [m]
+  double deepest = 0.028;        ///< most [m]
   int depths = 5;                ///< steps between the two
-  double sideways = 0.012;       ///< m, the hand shifted along y by +- this where the middle gives nothing
-  double pad_softness = 0.0015;  ///< m, surface that deep under a pad counts as touched
-  double unequal = 0.003;        ///< m, most that finger B meets the stone before finger C (a stone turns by
+  double sideways = 0.012;       ///< the hand shifted along y by +- this where the middle gives nothing [m]
+  double pad_softness = 0.0015;  ///< surface that deep under a pad counts as touched [m]
+  double unequal = 0.003;        ///< [m] most that finger B meets the stone before finger C (a stone turns by
                                  ///< that over the finger spacing when it is squeezed)
-  double finger_clearance = 0.012;  ///< m, between each open pad and the stone on approach
-  double palm_clearance = 0.005;    ///< m, between palm and stone
+  double finger_clearance = 0.012;  ///< between each open pad and the stone on approach [m]
+  double palm_clearance = 0.005;    ///< between palm and stone [m]
   double friction_share = 0.8;      ///< of the pad friction that the squeeze alone may use
   double force_factor = 2.0;        ///< grip force over what friction needs
   /// Unit vector, frame O: only approaches within `cone` (rad) of it are sampled. Zero: all.
@@ -38,9 +38,9 @@ struct GraspOptions {
 /// tips, midway between the pads, x the closing direction towards A, z out of the gripper.
 struct Grasp {
   Pose T_O_T = Pose::Identity();
-  double opening = 0.0;      ///< m, between the pads when closed
-  double pre_opening = 0.0;  ///< m, on approach and after release
-  double spacing = 0.0;      ///< m, of fingers B and C
+  double opening = 0.0;      ///< between the pads when closed [m]
+  double pre_opening = 0.0;  ///< on approach and after release [m]
+  double spacing = 0.0;      ///< of fingers B and C [m]
   /// A, B, C: middle of the touched surface, and its mean outward unit normal.
   std::array<Eigen::Vector3d, 3> p_O_contact{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                              Eigen::Vector3d::Zero()};
@@ -63,7 +63,7 @@ struct GraspSet {
   int hand_in_stone = 0;   ///< palm or upper finger would touch the stone first
   int slips = 0;           ///< a squeeze is not in the friction cones
   int too_heavy = 0;       ///< needs more force than the hand has, whatever the orientation
-  double narrowest = 0.0;  ///< m, least width that was met between pads; 0: none met
+  double narrowest = 0.0;  ///< least width that was met between pads [m]; 0: none met
 };
 /// Samples grasps over the whole stone. Deterministic. Contacts come from the scan.
 ///
@@ -75,7 +75,8 @@ struct GraspSet {
                                         const GraspOptions& options = {});
 /// The grasps of both, best first, and their counts together.
 [[nodiscard]] GraspSet joined(const GraspSet& a, const GraspSet& b);
-/// Candidates made once for each stone, gripper and options as long as they are held or among those used last.
+/// Candidates made once for each stone, gripper and options as long as they are held or among those used
+/// last.
 [[nodiscard]] std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                                             const GraspOptions& options = {});
 

@@ -14,22 +14,21 @@ namespace stonestack::motion {
 /// Options of grasp, transit, approach and placing. Measured in the simulated cell, where no source is named.
 struct MotionOptions {
   double speed_scale = 0.5;   ///< of the joint velocity limits
-  double acceleration = 1.4;  ///< rad/s^2
+  double acceleration = 1.4;  ///< [rad/s^2]
   double jerk = 0.0;  ///< rad/s^3, of every joint in every motion of a plan; 0: no limit, else 1 or more
   double tool_speed = 1.0;          ///< m/s of the tool, largest, on transits
-  double near_speed = 0.35;         ///< m/s, the same where the tool is near a stone or another object
+  double near_speed = 0.35;         ///< the same where the tool is near a stone or another object [m/s]
   double near_distance = 0.05;      ///< m between tool (or what it holds) and object that are near
-  double approach = 0.10;           ///< m, straight approach and retreat
-  double descent_speed = 0.005;     ///< m/s, guarded
+  double approach = 0.10;           ///< straight approach and retreat [m]
+  double descent_speed = 0.005;     ///< guarded [m/s]
   double descent_past = 0.015;      ///< m past the expected contact where it gives up at the latest
-  double transit_padding = 0.010;   ///< m
-  double approach_padding = 0.002;  ///< m
+  double transit_padding = 0.010;   ///< [m]
+  double approach_padding = 0.002;  ///< [m]
   double approach_speed = 0.10;     ///< m/s of the tool on straight approaches, lifts and retreats
-  double least_threshold = 5.0;     ///< N, contact at the descent
-  double early_threshold = 20.0;    ///< N, contact while the stone is lowered towards the guarded descent
-  double force_noise = 0.15;        ///< N, one sigma of the force sensor; the threshold is at least six
+  double least_threshold = 5.0;     ///< contact at the descent [N]
+  double early_threshold = 20.0;    ///< contact while the stone is lowered towards the guarded descent [N]
+  double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
   bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
-  int alternatives = 3;          ///< complete plans to choose the quickest from
   double planning_effort = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
   int seed = 1;
 };
@@ -41,12 +40,12 @@ struct PlanStep {
   Kind kind = Kind::kTransit;
   std::string name;            ///< "move above stone 3"
   JointTrajectory trajectory;  ///< for motions
-  double opening = 0.0;        ///< m, for kOpen (before the hand goes near the stone) and kRelease: target;
+  double opening = 0.0;        ///< for kOpen (before the hand goes near the stone) and kRelease [m]: target;
                                ///< for kGrasp: expected between the pads once closed
-  double spacing = 0.0;        ///< m, of fingers B and C, for kOpen
-  double finger_speed = 0.0;   ///< m/s, for kOpen, kGrasp and kRelease
+  double spacing = 0.0;        ///< of fingers B and C, for kOpen [m]
+  double finger_speed = 0.0;   ///< for kOpen, kGrasp and kRelease [m/s]
   double force = 0.0;          ///< N a finger, for kGrasp
-  double threshold = 0.0;      ///< N, for kDescent, and for kApproach with a stone in the hand
+  double threshold = 0.0;      ///< for kDescent, and for kApproach with a stone in the hand [N]
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
@@ -61,7 +60,7 @@ struct PickAndPlacePlan {
   std::string reason;  ///< "of 212 grasps 140 hit the table at pick, ..."
   std::vector<PlanStep> steps;
   Pose T_O_T = Pose::Identity();  ///< the grasp: tool in the stone's frame
-  double spacing = 0.0;           ///< m, of fingers B and C during it
+  double spacing = 0.0;           ///< of fingers B and C during it [m]
   double seconds = 0.0;           ///< of motion
   /// Of a plan that failed: grasps T_O_T that were tried and do not bring the stone up from where it lies,
   /// whatever the target: no free straight approach, or no free lift.

@@ -25,28 +25,28 @@ struct GripperBox {
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
 /// (measured on the meshes that Robotiq publishes).
 struct GripperModel {
-  double largest_opening = 0.155;  ///< m
-  double smallest_object = 0.020;  ///< m
-  double finger_width = 0.031;     ///< m, along y
-  double finger_spacing = 0.073;   ///< m, between B and C where their pads are
-  double narrow_spacing = 0.042;   ///< m, the same with B and C drawn together; 0: the hand cannot
-  double pad_length = 0.040;       ///< m, along z, ends at the tip (z of T = 0)
+  double largest_opening = 0.155;  ///< [m]
+  double smallest_object = 0.020;  ///< [m]
+  double finger_width = 0.031;     ///< along y [m]
+  double finger_spacing = 0.073;   ///< between B and C where their pads are [m]
+  double narrow_spacing = 0.042;   ///< the same with B and C drawn together [m]; 0: the hand cannot
+  double pad_length = 0.040;       ///< along z, ends at the tip (z of T = 0) [m]
   double force = 60.0;             ///< N a finger
   double friction = 0.5;           ///< rubber on stone
   double pad_thickness = 0.005;    ///< m of rubber
   double pad_stiffness = 1.5e8;    ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
   double pad_shear = 5e7;          ///< N/m^3, sideways: a third of it
-  double mass = 2.5;               ///< kg, of the gripper alone
-  double sensor_mass = 0.65;       ///< kg, of the force sensor behind it (Robotiq FT150; FT300: 0.30)
-  double camera_mass = 0.20;       ///< kg, of camera, bracket and cable; ours
+  double mass = 2.5;               ///< of the gripper alone [kg]
+  double sensor_mass = 0.65;       ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
+  double camera_mass = 0.20;       ///< of camera, bracket and cable [kg]; ours
   double payload = 2.5;            ///< kg at the finger tips
   std::vector<GripperBox> boxes;   ///< fingers, palm, sensor, camera
 };
 /// With its boxes.
 [[nodiscard]] GripperModel make_robotiq_3f();
-/// kg, gripper and camera: what the force sensor carries without a stone.
+/// gripper and camera [kg]: what the force sensor carries without a stone.
 [[nodiscard]] double sensed_mass(const GripperModel& gripper);
-/// kg, gripper, camera and sensor: what the arm carries without a stone.
+/// gripper, camera and sensor [kg]: what the arm carries without a stone.
 [[nodiscard]] double carried_mass(const GripperModel& gripper);
 /// The hand with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing that
 /// is not between `narrow_spacing` and `finger_spacing`.
@@ -71,12 +71,12 @@ struct PlanningScene {
   GripperModel gripper = make_robotiq_3f();
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
-  double table_z = 0.0;               ///< m; the half space below is solid
-  double opening = 0.155;             ///< m, of the empty hand while `plan_transit` moves it
+  double table_z = 0.0;               ///< the half space below is solid [m]
+  double opening = 0.155;             ///< of the empty hand while `plan_transit` moves it [m]
   std::vector<SceneObject> objects;   ///< loose stones, stack, user's boxes and meshes
   std::vector<PairPadding> paddings;  ///< users', instead of a motion's padding unless that is 0 (contact)
 };
-/// m, that what moves stays away from what stands: of the user's paddings that name both the last, otherwise
+/// that what moves stays away from what stands [m]: of the user's paddings that name both the last, otherwise
 /// `padding`, which alone counts where it is 0. `part`: "arm", "hand" or "held"; `link`: "forearm", or the
 /// part again.
 [[nodiscard]] double padding_between(const PlanningScene& scene, const std::string& part,

@@ -17,7 +17,7 @@ struct MotionProblem {
 /// A scene with questions about it.
 struct MotionProblems {
   PlanningScene scene;
-  double padding = 0.010;  ///< m
+  double padding = 0.010;  ///< [m]
   std::vector<MotionProblem> problems;
 };
 

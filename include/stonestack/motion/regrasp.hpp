@@ -12,17 +12,17 @@ namespace stonestack::motion {
 
 /// How a stone is turned over. Numbers without a source are ours.
 struct RegraspOptions {
-  double rest_margin = 0.004;   ///< m, centre of mass inside the support polygon of a pose of rest, least
-  double rest_tilt = 0.17;      ///< rad, by which a pose of rest may be turned before it topples, least
-  double least_margin = 0.002;  ///< m, the same where no way leads over firmer poses of rest
-  double least_tilt = 0.07;     ///< rad, the same; in poses below it every stone fell
-  double flat = 0.0015;         ///< m, scan points that near the table carry the stone
+  double rest_margin = 0.004;   ///< centre of mass inside the support polygon of a pose of rest, least [m]
+  double rest_tilt = 0.17;      ///< by which a pose of rest may be turned before it topples, least [rad]
+  double least_margin = 0.002;  ///< the same where no way leads over firmer poses of rest [m]
+  double least_tilt = 0.07;     ///< the same [rad]; in poses below it every stone fell
+  double flat = 0.0015;         ///< scan points that near the table carry the stone [m]
   int turns = 8;                ///< about the vertical, each pose of rest
-  double around = 0.30;         ///< m, from where it lies to the farthest place to set it down, along x and y
-  double spacing = 0.06;        ///< m, between these places
-  double apart = 0.01;          ///< m, between the stone where it is set down and everything else
-  int most = 2;                 ///< times that the stone is set down on the way
-  int attempts = 8;             ///< times that plans are made, most
+  double around = 0.30;   ///< from where it lies to the farthest place to set it down, along x and y [m]
+  double spacing = 0.06;  ///< between these places [m]
+  double apart = 0.01;    ///< between the stone where it is set down and everything else [m]
+  int most = 2;           ///< times that the stone is set down on the way
+  int attempts = 8;       ///< times that plans are made, most
   /// Directions of the stone, frame O, that were up in poses of rest which did not hold: these are left out.
   std::vector<Eigen::Vector3d> n_O_not_up = {};
 };
@@ -31,8 +31,8 @@ struct RegraspOptions {
 /// A way in which a stone can stand on a level table.
 struct RestPose {
   Eigen::Quaterniond R_W_O = Eigen::Quaterniond::Identity();
-  double margin = 0.0;  ///< m, centre of mass inside the support polygon
-  double tilt = 0.0;    ///< rad, turned by more than that about the nearest edge of its support it topples
+  double margin = 0.0;  ///< centre of mass inside the support polygon [m]
+  double tilt = 0.0;    ///< turned by more than that about the nearest edge of its support it topples [rad]
 };
 /// All of a stone, by its convex hull; the one with the largest margin first. Throws InvalidArgument for a
 /// stone without scan or mass.
@@ -65,7 +65,7 @@ struct RegraspPlan {
   bool planned = false;
   std::string reason;
   std::vector<Pose> T_W_O_between;      ///< where the stone is set down on the table, in order
-  std::vector<double> tilts;            ///< rad, RestPose::tilt of these poses
+  std::vector<double> tilts;            ///< RestPose [rad]::tilt of these poses
   std::vector<PickAndPlacePlan> plans;  ///< one more than `T_W_O_between`; each starts where the arm was left
 };
 

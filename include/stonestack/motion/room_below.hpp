@@ -12,7 +12,7 @@ namespace stonestack::motion {
 /// between the pads, `object` (or -1) the held stone's index in scene.objects; the hand is scene.gripper with
 /// its spacing. To 1 mm, never more than there is. Throws InvalidArgument for a negative `most`.
 [[nodiscard]] double room_below(const PlanningScene& scene, const Joints& q, double opening, int object,
-                                double most, const MotionOptions& options = {});
+                                double most);
 
 }  // namespace stonestack::motion
 

@@ -3,6 +3,8 @@
 
 #include "stonestack/motion/pick_and_place.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::motion {
 
 /// What the arm stands in with these joints, where no motion can begin: "at the start the arm stands in
@@ -17,3 +19,5 @@ namespace stonestack::motion {
 [[nodiscard]] std::string scene_problem(const PlanningScene& scene, const PickAndPlaceTask& task);
 
 }  // namespace stonestack::motion
+
+#pragma GCC visibility pop

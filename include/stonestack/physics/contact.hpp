@@ -17,7 +17,7 @@ struct Contact {
   int above = 0;       ///< body index; `normal` points from `below` to `above`
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
-  double gap = 0.0;      ///< m; negative: penetration
+  double gap = 0.0;      ///< negative [m]: penetration
   double impulse = 0.0;  ///< N s, normal, of the last step
 };
 

@@ -10,11 +10,11 @@ struct SettleOptions {
   WorldOptions world;
   double seconds = 1.0;          ///< at most
   double damping = 0.4;          ///< linear and angular, while dropping
-  double largest_travel = 0.03;  ///< m: further is a fall, the trial ends early
-  double calm_speed = 0.001;     ///< m/s, of the centre of mass plus radius times turning
+  double largest_travel = 0.03;  ///< further is a fall, the trial ends early [m]
+  double calm_speed = 0.001;     ///< of the centre of mass plus radius times turning [m/s]
   int calm_samples = 8;          ///< samples in a row (4 steps apart) below the calm speed end the trial
   bool fixed_stack = true;       ///< the stack does not move while the new stone settles
-  Eigen::Vector3d com_error_O = Eigen::Vector3d::Zero();  ///< m, of the new stone: see StandOptions
+  Eigen::Vector3d com_error_O = Eigen::Vector3d::Zero();  ///< of the new stone [m]: see StandOptions
 };
 struct SettleResult {
   bool rests = false;  ///< calm, touching only the top stone (or the table for an empty stack)

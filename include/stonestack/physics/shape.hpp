@@ -12,9 +12,9 @@ namespace stonestack::physics {
 
 /// How finely a contact shape follows the scan.
 struct ShapeOptions {
-  double cell = 0.0015;    ///< m, grid of the signed distance
-  double band = 0.012;     ///< m, distance known around the surface
-  double spacing = 0.003;  ///< m, between surface samples
+  double cell = 0.0015;    ///< grid of the signed distance [m]
+  double band = 0.012;     ///< distance known around the surface [m]
+  double spacing = 0.003;  ///< between surface samples [m]
 };
 
 struct SurfaceFeatures;  // private: vertices, convex edges and faces, arranged for contact
@@ -28,7 +28,7 @@ struct ContactShape {
   SignedDistance distance;
   std::vector<SurfaceSample> samples;               ///< in O
   MassProperties mass;                              ///< in O
-  double radius = 0.0;                              ///< m, of the bounding sphere about the centre of mass
+  double radius = 0.0;                              ///< of the bounding sphere about the centre of mass [m]
   Mesh scan;                                        ///< full resolution, in O: what heightmaps are made from
   std::shared_ptr<const SurfaceFeatures> features;  ///< of `scan`
 };

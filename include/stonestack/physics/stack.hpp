@@ -24,13 +24,13 @@ struct StandOptions {
   double friction = 0.1;
   double seconds = 10.0;  ///< simulated
   int iterations = 200;
-  double step = 0.001;              ///< s; finer than the search takes (docs/measurements.md, Contact)
-  double largest_shift = 0.001;     ///< m
-  double largest_turn = 0.0174533;  ///< rad (1 deg)
-  double touch_gap = 0.001;         ///< m: nearer counts as touching for the clean rule
+  double step = 0.001;              ///< finer than the search takes (docs/measurements.md, Contact) [s]
+  double largest_shift = 0.001;     ///< [m]
+  double largest_turn = 0.0174533;  ///< [rad] (1 deg)
+  double touch_gap = 0.001;         ///< nearer counts as touching for the clean rule [m]
   double still = 0.0;  ///< m of motion in 0.1 s below which, three times running, the rest is not simulated
   double fall = 1.0;   ///< s that a stack which moved is given to show which stones stay; 0: it is not asked
-  /// m, frame O, a level each or none at all: how far from the centre of mass that is known the true one
+  /// frame O, a level each or none at all [m]: how far from the centre of mass that is known the true one
   /// lies.
   std::vector<Eigen::Vector3d> com_error_O = {};
 };
@@ -41,8 +41,8 @@ struct StandVerdict {
   bool stands = false;
   bool clean = false;
   int standing = 0;         ///< stones from the bottom that stayed and are clean
-  double shift = 0.0;       ///< m, largest of any stone
-  double turn = 0.0;        ///< rad
+  double shift = 0.0;       ///< largest of any stone [m]
+  double turn = 0.0;        ///< [rad]
   std::vector<Pose> T_W_O;  ///< at the end
   std::string reason;       ///< when it does not stand or is not clean: which stone (from 0), what happened
 };

@@ -15,7 +15,7 @@ struct SupportPolygon {
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();          ///< n_i: mean contact normal, upwards
   std::vector<Eigen::Vector3d> corners_W;
   double area = 0.0;    ///< A_i, m^2
-  double margin = 0.0;  ///< m: distance of the projected centre of mass (along gravity) to the nearest edge,
+  double margin = 0.0;  ///< [m] distance of the projected centre of mass (along gravity) to the nearest edge,
                         ///< negative outside
   int contacts = 0;     ///< distinct contact points that went in
 };

@@ -16,10 +16,10 @@ namespace stonestack::physics {
 /// Settings of a Bullet world. Source of the defaults: measured, docs/measurements.md.
 struct WorldOptions {
   double friction = 0.1;        ///< stone on stone and stone on table, unless given for a pair
-  double step = 1.0 / 240.0;    ///< s
+  double step = 1.0 / 240.0;    ///< [s]
   int iterations = 50;          ///< over all touches, at most; 200 for a verdict
-  double gravity = 9.81;        ///< m/s^2
-  double contact_gap = 0.0005;  ///< m, contacts further apart do not count
+  double gravity = 9.81;        ///< [m/s^2]
+  double contact_gap = 0.0005;  ///< contacts further apart do not count [m]
   double linear_damping = 0.0;
   double angular_damping = 0.0;
 };
@@ -27,8 +27,8 @@ struct WorldOptions {
 
 /// Velocity of a body at its centre of mass, world axes.
 struct Twist {
-  Eigen::Vector3d v = Eigen::Vector3d::Zero();  ///< m/s
-  Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< rad/s
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();  ///< [m/s]
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< [rad/s]
 };
 
 /// Stones and boxes on a table (z = 0) in Bullet. Contact is exact: vertices on faces and edges on edges of
@@ -73,7 +73,7 @@ class World {
   [[nodiscard]] int bodies() const;
   [[nodiscard]] Pose pose(int body) const;
   [[nodiscard]] Twist twist(int body) const;
-  /// J, translation and rotation.
+  /// translation and rotation [J].
   [[nodiscard]] double kinetic_energy(int body) const;
   /// Contacts of the last step with gap at most `contact_gap`; `below` is the table, else the body with the
   /// lower index. As found at the begin of the step, with the impulses of the step.

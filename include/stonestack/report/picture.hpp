@@ -26,7 +26,7 @@ struct DrawnMesh {
 struct View {
   Eigen::Vector3d p_W_eye{1.2, -0.8, 0.7};
   Eigen::Vector3d p_W_target{0.7, 0.28, 0.15};
-  double angle = 0.6;  ///< rad, vertical field of view
+  double angle = 0.6;  ///< vertical field of view [rad]
   int width = 1200, height = 900;
 };
 

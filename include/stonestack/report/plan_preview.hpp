@@ -17,7 +17,7 @@ struct PlanMoment {
   Joints q = Joints::Zero();
   double tool_speed = 0.0;  ///< m/s of T's origin
   double clearance =
-      0.0;  ///< m, the smallest distance between things that must not touch; negative: overlap.
+      0.0;  ///< the smallest distance between things that must not touch [m]; negative: overlap.
             ///< Left out are what is touched on purpose: the fingers and the stone to grasp (or
             ///< let go of), and while it is lifted or set down the stone and what carries it
 };

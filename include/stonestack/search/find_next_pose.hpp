@@ -23,8 +23,8 @@ struct SearchOptions {
   bool si_cost = false;  ///< eq. (2) in SI, with the literal units
 
   // Paper mode.
-  double theta_init = 0.785398;     ///< rad: random initial rotation (companion paper, weak)
-  double area_min = 1e-5;           ///< m^2: a contact pose on a smaller support polygon is none
+  double theta_init = 0.785398;     ///< random initial rotation (companion paper, weak) [rad]
+  double area_min = 1e-5;           ///< a contact pose on a smaller support polygon is none [m^2]
   int local_solutions = 5;          ///< x
   int restarts = 40;                ///< initial orientations tried for one local solution
   double initial_gap = 0.002;       ///< m along n_j between stack and stone at the start
@@ -33,20 +33,20 @@ struct SearchOptions {
   double descent_tolerance = 0.01;  ///< relative change of the cost that counts as converged
 
   // Default mode.
-  double grid = 0.004;   ///< m, cell of the gap field; refined at half of it
+  double grid = 0.004;   ///< cell of the gap field [m]; refined at half of it
   int directions = 160;  ///< which side of a stone points down: directions over the sphere
   int yaws = 12;         ///< turns about the vertical, each direction
   int settled = 12;      ///< proposals for each tower that are let fall in simulation, at most
   int horizon = 4;       ///< levels that find_next_pose plans ahead; 1: greedy
   int beam = 4;          ///< towers that get their next stones, each level and round
   int rounds = 6;        ///< at most; the first that finishes a firm tower ends the search
-  /// rad, between the world's up axis seen from the stone as it lies now and as it will lie; yaw is free.
+  /// between the world's up axis seen from the stone as it lies now and as it will lie [rad]; yaw is free.
   /// Little as in the paper, as one grasp serves both.
   double largest_tilt = 1.0;
 
   // Verification, both modes.
   bool verify = true;              ///< false: what the search proposes, not settled nor judged
-  double least_margin = 0.02;      ///< g: a stack below it is not proposed
+  double least_margin = 0.02;      ///< a stack below it is not proposed [g]
   double least_success = 0.5;      ///< a placement predicted to succeed less often is dropped
   int alternatives = 6;            ///< placements returned, at most
   double verdict_seconds = 10.0;   ///< s simulated, whole stack
@@ -54,14 +54,14 @@ struct SearchOptions {
   double perturbed_seconds = 2.0;  ///< s simulated, each of them
   // Measured with the camera refined, planned against measured poses of `stonestack run`: 0.5 to 1.8 mm and
   // 0.4 to 1.2 deg in all for stones that hold at once.
-  double placement_sigma_translation = 0.0015;  ///< m, one sigma along each axis
-  double placement_sigma_rotation = 0.015;      ///< rad, one sigma about each axis
-  /// m, one sigma of every centre of mass along each axis: known to 2 mm, say evenly in a ball, 0.9 mm an
+  double placement_sigma_translation = 0.0015;  ///< one sigma along each axis [m]
+  double placement_sigma_rotation = 0.015;      ///< one sigma about each axis [rad]
+  /// one sigma of every centre of mass along each axis [m]: known to 2 mm, say evenly in a ball, 0.9 mm an
   /// axis
   double com_sigma = 0.001;
 
   int threads = 0;      ///< 0: all cores; the result does not depend on it
-  double budget = 0.0;  ///< s; 0: none (deterministic)
+  double budget = 0.0;  ///< 0 [s]: none (deterministic)
   int seed = 1;
   bool trace = false;  ///< keep every candidate in SearchResult::trace
 };
@@ -85,7 +85,7 @@ struct Placement {
 /// What is known of the site.
 struct SearchProblem {
   const ShapeList* shapes = nullptr;
-  Stack stack;  ///< what stands (measured)
+  Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)

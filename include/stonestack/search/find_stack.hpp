@@ -5,6 +5,8 @@
 
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::search {
 
 /// Stones that were seen, sorted by what carries them.
@@ -37,3 +39,5 @@ struct SortedStones {
                                                          double cell, const Eigen::Vector2d& p_W_middle);
 
 }  // namespace stonestack::search
+
+#pragma GCC visibility pop

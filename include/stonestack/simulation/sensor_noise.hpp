@@ -15,26 +15,26 @@ struct SensorModel {
   std::string name = "ideal";
   CameraIntrinsics camera;        ///< as the device reports it
   double unit = 0.000125;         ///< m a count of the depth image
-  double nearest = 0.2;           ///< m
-  double farthest = 1.5;          ///< m
-  double sigma = 0.0;             ///< m, standard deviation of depth at z = 0 ...
-  double sigma_square = 0.0;      ///< 1/m, ... plus this times z^2
-  double stereo_subpixel = 0.0;   ///< px, RMS disparity; adds z^2 * this / (fx * stereo_baseline)
-  double stereo_baseline = 0.05;  ///< m
-  double correlation = 0.0;       ///< px, standard deviation of the Gaussian that correlates neighbours
+  double nearest = 0.2;           ///< [m]
+  double farthest = 1.5;          ///< [m]
+  double sigma = 0.0;             ///< standard deviation of depth at z = 0 ... [m]
+  double sigma_square = 0.0;      ///< ... plus this times z^2 [1/m]
+  double stereo_subpixel = 0.0;   ///< RMS disparity [px]; adds z^2 * this / (fx * stereo_baseline)
+  double stereo_baseline = 0.05;  ///< [m]
+  double correlation = 0.0;       ///< standard deviation of the Gaussian that correlates neighbours [px]
   double grazing = 0.0;           ///< factor 1 + grazing * theta^2 / (pi/2 - theta)^2 (Nguyen et al. 2012)
   double least_cosine = 0.0;      ///< no return from a surface seen at a smaller cosine
-  double bias = 0.0;              ///< m, standard deviation of a smooth error that stays from frame to frame
-  double bias_pixels = 32.0;      ///< px, its wave length
+  double bias = 0.0;              ///< standard deviation of a smooth error that stays from frame to frame [m]
+  double bias_pixels = 32.0;      ///< its wave length [px]
   std::uint64_t bias_seed = 1;    ///< one device, one bias
-  double edge_step = 0.015;       ///< m, depth range in 3 x 3 pixels from which on a pixel is at an edge
-  double edge_jitter = 0.0;       ///< px, standard deviation, sideways, at edges
+  double edge_step = 0.015;       ///< depth range in 3 x 3 pixels from which on a pixel is at an edge [m]
+  double edge_jitter = 0.0;       ///< standard deviation, sideways, at edges [px]
   double edge_flying = 0.0;       ///< share of edge pixels that float between front and back
   double edge_holes = 0.0;        ///< share of edge pixels without a return
-  double shadow_baseline = 0.0;   ///< m, to the projector or second eye, along +x of C; 0: no shadow
+  double shadow_baseline = 0.0;   ///< to the projector or second eye, along +x of C [m]; 0: no shadow
   double hole_share = 0.0;        ///< of all pixels
   int blobs = 0;                  ///< patches without a return, a frame
-  double blob_radius = 6.0;       ///< px, mean
+  double blob_radius = 6.0;       ///< mean [px]
 };
 
 /// Coded light at 640 x 480: 0.2 to 1.5 m, 1/8 mm counts, 0.4 mm + 1.0 mm/m^2 z^2.

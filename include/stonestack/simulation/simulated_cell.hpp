@@ -22,14 +22,14 @@ struct SimulationOptions {
   double friction_spread = 0.15;        ///< half width of the uniform draw per pair
   std::string sensor = "sr300";         ///< depth camera: sr300, d435 or ideal
   bool sensor_noise = true;             ///< of the camera's model and of the force sensor
-  double hand_eye_translation = 0.001;  ///< m, error of T_T_C
-  double hand_eye_rotation = 0.005236;  ///< rad (0.3 deg)
-  double arm_repeatability = 0.0001;    ///< m, of the tool's tip, root of the mean square
-  double arm_residual = 0.001;          ///< m, calibration residual of the arm, likewise
-  double force_delay = 0.0;             ///< s, from the wrist's force to the arm that guards a motion by it
+  double hand_eye_translation = 0.001;  ///< error of T_T_C [m]
+  double hand_eye_rotation = 0.005236;  ///< [rad] (0.3 deg)
+  double arm_repeatability = 0.0001;    ///< of the tool's tip, root of the mean square [m]
+  double arm_residual = 0.001;          ///< calibration residual of the arm, likewise [m]
+  double force_delay = 0.0;             ///< from the wrist's force to the arm that guards a motion by it [s]
   double mass_error = 0.02;             ///< share, one sigma
-  double com_error = 0.002;             ///< m, at most
-  double scan_error = 0.0;              ///< m, root of the mean square: true surfaces beside their scans
+  double com_error = 0.002;             ///< at most [m]
+  double scan_error = 0.0;              ///< root of the mean square [m]: true surfaces beside their scans
   double pad_friction = 0.5;            ///< true, rubber on stone: mean over stones
   double pad_friction_spread = 0.0;     ///< half width of the uniform draw per stone
   double pad_stiffness = 1.5e8;         ///< N/m^3, of the fingers' rubber; a third of it sideways
@@ -40,7 +40,7 @@ struct SimulationOptions {
 
 /// The true state, for judging, drawing and recording ground truth only: never for planning.
 struct Truth {
-  double time = 0.0;              ///< s
+  double time = 0.0;              ///< [s]
   std::vector<Pose> T_W_O;        ///< by stone index; frames of the catalogue; identity for absent stones
   std::vector<Contact> contacts;  ///< between stones and with the table
 };

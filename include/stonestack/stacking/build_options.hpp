@@ -6,6 +6,8 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Options of the whole loop.
@@ -15,10 +17,10 @@ struct BuildOptions {
   MotionOptions motion;
   int most_stones = 0;          ///< stop at this height; 0: all that are seen
   double look_distance = 0.62;  ///< m from camera to what it looks at; SR300: 0.2 to 1.5 m
-  double placed_shift = 0.030;  ///< m: measured nearer than this to the planned pose counts as placed
-  double placed_turn = 0.35;    ///< rad
+  double placed_shift = 0.030;  ///< measured nearer than this to the planned pose counts as placed [m]
+  double placed_turn = 0.35;    ///< [rad]
   double moved_shift =
-      0.012;  ///< m: a stone of the stack seen further from where it was (or was aimed) is reported
+      0.012;  ///< a stone of the stack seen further from where it was (or was aimed) is reported [m]
   /// The search starts at search.friction and climbs to this while it finds no sure pose: dry limestone on
   /// limestone slides at more (ours).
   double most_friction = 0.475;
@@ -47,3 +49,5 @@ struct BuildOptions {
 [[nodiscard]] std::vector<double> assumed_frictions(const BuildOptions& options);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "stonestack/stacking/event.hpp"
 #include "stonestack/stacking/run_memory.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// What is known of stones and robot before anything is seen. Catalogue and robot must outlive it.
@@ -22,6 +24,11 @@ struct Models {
 [[nodiscard]] Models make_models(const Catalogue& catalogue, const RobotModel& robot,
                                  const CellLayout& layout);
 
+/// Adds the stack as it rests at each friction: needed by `choose_action`, for a world that was read from a
+/// file or made by hand.
+void add_resting_stacks(const Models& models, const BuildOptions& options, const FrictionEstimate& friction,
+                        WorldEstimate& world);
+
 /// A memory with which a run begins.
 [[nodiscard]] RunMemory make_memory(const BuildOptions& options);
 
@@ -33,12 +40,15 @@ struct Decision {
 };
 
 /// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
-/// options give the same decision. In this order: ends after a failure; looks for stones out of sight; goes on
-/// unstacking; clears the base; ends when the height is reached; places or reorients a stone by the search
+/// options give the same decision. In this order: ends after a failure; looks for stones out of sight; goes
+/// on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the search
 /// (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
-/// `listener` hears events as they happen. Throws Interrupted.
+/// `listener` hears events as they happen. Throws Interrupted, and InvalidArgument for a world without
+/// resting stacks.
 [[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
                                      const Models& models, const BuildOptions& options,
                                      const Listener& listener = {});
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/stacking/run_memory.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#pragma GCC visibility push(default)
+
 /// What happens in a run, as values: log lines, journal, report and tests are made from these.
 namespace stonestack::stacking {
 
@@ -23,7 +25,7 @@ struct Observed {  ///< without its views
 };
 struct StoneMoved {  ///< a stone of the stack, beside where it was or was aimed
   int stone = -1;
-  double shift = 0.0;  ///< m
+  double shift = 0.0;  ///< [m]
 };
 struct StoneLeftStack {
   int stone = -1;
@@ -36,15 +38,15 @@ struct StoneUncertain {  ///< which stone it is, or how it lies
   double certainty = 1.0;
 };
 struct CameraRefined {
-  double shift = 0, turn = 0;  ///< m, rad, from the calibrated mount
-  int marks = 0;               ///< stones seen twice
-  double before = 0, after = 0;  ///< m, between the views
+  double shift = 0, turn = 0;    ///< rad, from the calibrated mount [m]
+  int marks = 0;                 ///< stones seen twice
+  double before = 0, after = 0;  ///< between the views [m]
   bool accepted = true;
 };
-struct CameraNotTurned {};    ///< no motion to a turned view: the mount stays as calibrated
-struct SiteOccupied {};       ///< when the run begins
+struct CameraNotTurned {};  ///< no motion to a turned view: the mount stays as calibrated
+struct SiteOccupied {};     ///< when the run begins
 struct SiteSeenFromOneSide {};
-struct BackedAway {};         ///< the gripper stood too near to something
+struct BackedAway {};  ///< the gripper stood too near to something
 
 // Choice
 struct StonesUnfit {  ///< for gripper or arm, wherever they lie
@@ -135,8 +137,8 @@ struct CarriedMeasured {  ///< before the stone is lowered; N, N, m, m
 };
 struct TouchMeasured {
   bool touched = false;
-  double force = 0;      ///< N
-  double above_end = 0;  ///< m
+  double force = 0;      ///< [N]
+  double above_end = 0;  ///< [m]
 };
 struct ReleaseMeasured {  ///< N that hang in the gripper after release, and the most that count as nothing
   double weight = 0, max_weight = 0;
@@ -165,3 +167,5 @@ template <class E>
 }
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -14,7 +14,7 @@ struct ExecutionResult {
   /// kNotPicked: it did not come up with the hand. kLost: it came up and fell out of the hand on the way.
   enum class Status { kReleased, kNotPicked, kLost, kStopped };
   Status status = Status::kReleased;
-  double contact_force = 0.0;  ///< N, at the end of the guarded descent
+  double contact_force = 0.0;  ///< at the end of the guarded descent [N]
   std::string reason;          ///< when it was not released
 };
 

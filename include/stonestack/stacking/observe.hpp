@@ -22,7 +22,7 @@ namespace stonestack::stacking {
 /// lowest stone within 12 cm of the site is the base; each next one is clear of the table with its centre of
 /// mass over the one below.
 [[nodiscard]] Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
-                                  const std::vector<PlacedStone>& stones);
+                                       const std::vector<PlacedStone>& stones);
 
 /// The gripper of a cell, with the masses and the camera's mount that its layout names.
 [[nodiscard]] GripperModel hand_of(const CellLayout& layout);
@@ -34,8 +34,8 @@ namespace stonestack::stacking {
 
 /// The motion task that brings loose stone `stone` from where it is seen to lie to T_W_O. Throws
 /// InvalidArgument when it is not among the loose stones.
-[[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone,
-                                         const Pose& T_W_O, const Joints& q_start);
+[[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement,
+                                         int stone, const Pose& T_W_O, const Joints& q_start);
 
 /// Where the arm waits and starts: folded above the middle of the cell, tool down, view free.
 [[nodiscard]] Joints home_joints();
@@ -48,8 +48,8 @@ namespace stonestack::stacking {
 /// A motion to the first of `T_W_C_candidates` that the arm reaches without touching anything; nothing if it
 /// reaches none.
 [[nodiscard]] std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
-                                                              const std::vector<Pose>& T_W_C_candidates,
-                                                              const MotionOptions& options);
+                                                                const std::vector<Pose>& T_W_C_candidates,
+                                                                const MotionOptions& options);
 /// Follows it and takes a frame at its end. Throws DeviceError when the arm does not get there.
 [[nodiscard]] CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory& route);
 

@@ -11,6 +11,8 @@
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stacking/world_estimate.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// How likely each of some frictions is that the stones may have.
@@ -36,8 +38,8 @@ struct PlacementRecord {
   Outcome outcome = Outcome::kPlaced;
   std::string note;
   int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
-  std::optional<Pose> T_W_O_at_rest = std::nullopt;  ///< where it rests by physics, near `T_W_O_measured`
-  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< m, by which the aim was moved against the bias
+  std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
+  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< by which the aim was moved against the bias [m]
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
 /// not seen afterwards), "unstacked", "reoriented".
@@ -70,9 +72,9 @@ struct SearchOutcome {
 
 /// Stones that are being unstacked, one an action.
 struct Unstacking {
-  int remaining = 0;          ///< tries
+  int remaining = 0;  ///< tries
   int tried = 0;
-  std::size_t down_to = 0;    ///< stones of the stack that stay
+  std::size_t down_to = 0;           ///< stones of the stack that stay
   std::optional<PlacedStone> freed;  ///< the stone that leans on the stack, if it is done to free that one
 };
 
@@ -83,7 +85,7 @@ struct Attempt {
   Placement placement;  ///< where the stone was to go
   Pose T_O_T = Pose::Identity();
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();
-  std::vector<PlacedStone> below;                           ///< the stack before
+  std::vector<PlacedStone> below;                             ///< the stack before
   std::vector<StoneEstimate> expected_stack, expected_loose;  ///< if all went as far as `done` says
 };
 
@@ -105,7 +107,7 @@ struct RunMemory {
   std::map<int, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone
   std::map<int, std::vector<Eigen::Vector3d>> toppled;  ///< ups, frame O, in which it did not stay
   std::vector<PlacedStone> given_up;                    ///< tops of stacks on which nothing was found to fit
-  std::map<int, Eigen::Vector3d> last_seen;             ///< m, W, centre of mass
+  std::map<int, Eigen::Vector3d> last_seen;             ///< W, centre of mass [m]
   std::set<int> out_of_sight;                           ///< looked for in vain
   std::optional<Unstacking> unstacking;
   std::optional<Attempt> attempt;
@@ -121,3 +123,5 @@ struct RunMemory {
 };
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

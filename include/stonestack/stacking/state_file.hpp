@@ -3,11 +3,13 @@
 
 #include "stonestack/stacking/choose_action.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// All that a decision depends on.
 struct State {
-  std::string catalogue;  ///< path
+  std::string catalogue;  ///< path; empty: the stones that come with stonestack
   std::string robot;      ///< name or path
   WorldEstimate world;
   RunMemory memory;
@@ -21,7 +23,7 @@ void write_state(const std::string& path, const WorldEstimate& world, const RunM
 
 /// What a state file says of the files it needs.
 struct StateHeader {
-  std::string catalogue;  ///< path
+  std::string catalogue;  ///< path; empty: the stones that come with stonestack
   std::string robot;      ///< name or path
 };
 /// @throws FileError when it cannot be read or is no state.
@@ -32,3 +34,5 @@ struct StateHeader {
 [[nodiscard]] std::string decision_json(const Decision& decision, const Catalogue& catalogue);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

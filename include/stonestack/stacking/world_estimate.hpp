@@ -8,6 +8,8 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Stones of a scene by where they are: the stack from the table up, and the loose ones.
@@ -45,9 +47,9 @@ struct WorldEstimate {
   std::vector<StoneEstimate> stack;  ///< from the table up
   std::vector<StoneEstimate> loose;  ///< on the table
   SiteStatus site = SiteStatus::kFree;
-  CellLayout layout;                    ///< as calibrated, the camera's mount as the first views corrected it
-  std::vector<RestingStack> resting;    ///< the stack (`T_W_O_at_rest`) at each friction that is assumed
-  std::shared_ptr<const Views> views;   ///< that it was made from; null when it was read from a file
+  CellLayout layout;                   ///< as calibrated, the camera's mount as the first views corrected it
+  std::vector<RestingStack> resting;   ///< the stack (`T_W_O_at_rest`) at each friction that is assumed
+  std::shared_ptr<const Views> views;  ///< that it was made from; null when it was read from a file
 };
 
 /// The stones where they rest.
@@ -57,3 +59,5 @@ struct WorldEstimate {
 [[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, int stone);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

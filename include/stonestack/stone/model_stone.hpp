@@ -13,16 +13,16 @@ namespace stonestack::stone {
 
 /// How a scan becomes a stone.
 struct ModelOptions {
-  /// m, cm, mm or auto: the unit that makes a hand-size stone (scans come in all three).
+  /// cm, mm or auto [m]: the unit that makes a hand-size stone (scans come in all three).
   std::string units = "m";
   double scale = 1.0;       ///< further factor, e.g. 0.12 for boulders
-  double density = 2600.0;  ///< kg/m^3, limestone
-  double mass = 0.0;        ///< kg; 0: from density
+  double density = 2600.0;  ///< limestone [kg/m^3]
+  double mass = 0.0;        ///< 0 [kg]: from density
   double friction = 0.1;    ///< paper §4.1
   int faces = 500;          ///< at most, of the reduced mesh, paper §4.1
   int convex_pieces = 5;    ///< at most
   double contact_cell =
-      0.0015;  ///< m, grid that the contact deviation is measured with: physics' ShapeOptions
+      0.0015;  ///< grid that the contact deviation is measured with [m]: physics' ShapeOptions
 };
 [[nodiscard]] FieldList fields(ModelOptions& options);
 

@@ -24,7 +24,7 @@ struct Stone {
   std::vector<Mesh> pieces;          ///< convex pieces: motion's collision checks
   MassProperties mass;               ///< in O
   double friction = 0.1;             ///< stone on stone, what the planner assumes (paper §4.1)
-  double density = 2600.0;           ///< kg/m^3
+  double density = 2600.0;           ///< [kg/m^3]
   Pose T_O_file = Pose::Identity();  ///< where the scanned file's frame, scaled to metres, lies in O
   double scale = 1.0;                ///< metres per unit of the scanned file
   std::string source;                ///< file or generator with seed

@@ -14,8 +14,8 @@ struct Hypothesis {
 
 /// How correspondences are grouped.
 struct ConsistencyOptions {
-  double size = 0.008;        ///< m, how much the distances of two points may differ between scene and model
-  double normal_angle = 0.6;  ///< rad, how much the angles of their normals may differ
+  double size = 0.008;        ///< how much the distances of two points may differ between scene and model [m]
+  double normal_angle = 0.6;  ///< how much the angles of their normals may differ [rad]
   int fewest = 5;             ///< correspondences in a group
   int best = 30;              ///< hypotheses at most, largest groups first
 };

@@ -10,8 +10,8 @@ namespace stonestack::detection {
 
 /// Scales of intrinsic shape signatures (Zhong 2009), as multiples of the points' spacing.
 struct IssOptions {
-  double salient_radius = 0.018;  ///< m
-  double non_max_radius = 0.005;  ///< m; smaller finds more, measured better on smooth stones
+  double salient_radius = 0.018;  ///< [m]
+  double non_max_radius = 0.005;  ///< smaller finds more, measured better on smooth stones [m]
   double gamma_21 = 0.975;
   double gamma_32 = 0.975;
   int fewest_neighbours = 5;

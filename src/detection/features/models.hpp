@@ -20,7 +20,7 @@ struct Features {
 struct ModelSide {
   Eigen::Vector3f towards;  ///< unit, from the stone to the camera, in O
   Eigen::Vector3f centre;   ///< mean of what shows, weighted as pixels weigh it, in O
-  float area = 0.0F;        ///< m^2, projected
+  float area = 0.0F;        ///< projected [m^2]
 };
 
 /// A stone prepared for detection, in O.
@@ -28,9 +28,9 @@ struct DetectionModel {
   std::string name;
   Mesh mesh;
   std::vector<Eigen::Vector3d> face_normals;
-  double area = 0.0;       ///< m^2, of the whole surface
+  double area = 0.0;       ///< of the whole surface [m^2]
   Eigen::Vector3d centre;  ///< of the bounding sphere
-  double radius = 0.0;     ///< m, of it
+  double radius = 0.0;     ///< of it [m]
   SurfacePoints surface;   ///< dense samples, for registration
   SurfaceField field;      ///< over them
   SurfaceTree tree;        ///< over the mesh itself

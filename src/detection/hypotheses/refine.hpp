@@ -9,9 +9,9 @@ namespace stonestack::detection {
 /// How to refine.
 struct RefineOptions {
   int iterations = 12;
-  double gate_first = 0.015;  ///< m, furthest correspondence, at first
-  double gate_last = 0.005;   ///< m, at last
-  double robust = 0.002;      ///< m, residual at which a point counts half
+  double gate_first = 0.015;  ///< furthest correspondence, at first [m]
+  double gate_last = 0.005;   ///< at last [m]
+  double robust = 0.002;      ///< residual at which a point counts half [m]
   double least_cosine = 0.5;  ///< between seen and model normal, in the second half
 };
 
@@ -19,7 +19,7 @@ struct RefineOptions {
 struct Refined {
   Pose T_C_O = Pose::Identity();
   int correspondences = 0;
-  double rms = 0.0;  ///< m, robustly weighted point-to-plane residual
+  double rms = 0.0;  ///< robustly weighted point-to-plane residual [m]
 };
 
 /// Aligns scene to model, point to plane: seen points look for the nearest model sample, never the other way

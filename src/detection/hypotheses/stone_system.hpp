@@ -37,10 +37,10 @@ class StoneInView {
   std::vector<StoneSample> samples_;
   Eigen::MatrixXd prior_;           ///< covariance of the patches' error
   Eigen::VectorXd table_, weight_;  ///< what the table shows of it, and how surely (1 / m^2)
-  Eigen::VectorXd error_;           ///< m, the present estimate
+  Eigen::VectorXd error_;           ///< the present estimate [m]
   Eigen::MatrixXd cross_, gain_;    ///< of the last equations
   Eigen::VectorXd gradient_;
-  double noise_ = 0.0;  ///< m^2, of a pixel
+  double noise_ = 0.0;  ///< of a pixel [m^2]
 };
 
 }  // namespace stonestack::detection

@@ -11,14 +11,14 @@ struct SweepOptions {
   int turns = 24;        ///< about the line of sight
   int points = 48;       ///< of the cluster that each trial looks at
   int best = 16;         ///< hypotheses at most
-  double apart = 0.3;    ///< rad, between any two hypotheses
-  double reach = 0.015;  ///< m, distances count up to this
+  double apart = 0.3;    ///< between any two hypotheses [rad]
+  double reach = 0.015;  ///< distances count up to this [m]
   double area_low =
       0.35;  ///< of the side's shadow that the cluster covers at least (it may be hidden in part)
   double area_high = 1.4;  ///< and at most
   int shifts = 0;          ///< steps by which each trial may slide to where it fits, ...
-  double aside = 0.0;      ///< m, ... from the aligned centres and from this far to four sides of them: where
-                           ///< other stones hide a part, centres do not agree
+  double aside = 0.0;  ///< ... from the aligned centres and from this far to four sides of them [m]: where
+                       ///< other stones hide a part, centres do not agree
 };
 
 /// Tries every orientation of the model on one cluster that one view saw from `eye`, with the visible centres

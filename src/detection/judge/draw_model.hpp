@@ -11,7 +11,7 @@ struct DrawnModel {
   int u0 = 0, v0 = 0;  ///< image pixel of the first drawn one
   int step = 1;
   int width = 0, height = 0;               ///< drawn pixels
-  std::vector<float> z;                    ///< m, 0 where the mesh is not
+  std::vector<float> z;                    ///< 0 where the mesh is not [m]
   std::vector<int> face;                   ///< hit face, where z > 0
   std::vector<Eigen::Vector3d> normals_C;  ///< of every face of the mesh
 };

@@ -24,9 +24,9 @@ struct Verdict {
 
 /// Tolerances and weights of a check.
 struct VerifyOptions {
-  double tolerance = 0.005;    ///< m, along the surface normal
+  double tolerance = 0.005;    ///< along the surface normal [m]
   double hidden_weight = 0.3;  ///< what a pixel costs that something unknown hides
-  double below_table = 0.008;  ///< m, how deep a vertex may lie below the table
+  double below_table = 0.008;  ///< how deep a vertex may lie below the table [m]
   int drawn_pixels = 1500;     ///< about, for a pose in full view, in each view
   bool keep_pixels = false;    ///< fill Verdict::pixels
   bool contour = false;        ///< check the outline as well

@@ -12,13 +12,13 @@ struct DetectionOptions;
 /// camera's fault. Depth cameras err smoothly over tens of pixels (half a millimetre, say), and that does not
 /// average out over a stone; beside the stone it can be read off, and how far it carries, too.
 struct DepthError {
-  int cell = 12;                ///< px
+  int cell = 12;                ///< [px]
   int columns = 0, rows = 0;    ///< cells
-  std::vector<float> offset;    ///< m, mean of measured minus flat depth in a cell of bare table
+  std::vector<float> offset;    ///< mean of measured minus flat depth in a cell of bare table [m]
   std::vector<int> count;       ///< pixels of bare table in it
-  double sigma = 0.0005;        ///< m, standard deviation of the smooth error ...
-  double length = 32.0;         ///< px, ... over which it is correlated
-  double pixel_noise = 0.0006;  ///< m, of a smoothed pixel, as if pixels erred independently
+  double sigma = 0.0005;        ///< standard deviation of the smooth error ... [m]
+  double length = 32.0;         ///< ... over which it is correlated [px]
+  double pixel_noise = 0.0006;  ///< of a smoothed pixel, as if pixels erred independently [m]
 
   [[nodiscard]] int cell_at(double u, double v) const;
   /// Covariance of the smooth error of two places `distance` px apart, m^2 (Matern 3/2).

@@ -14,7 +14,7 @@ namespace stonestack::detection {
 struct SurfacePoints {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;  ///< unit, towards the camera (scene) or outwards (model)
-  std::vector<float> areas;              ///< m^2: seen across the line of sight (scene), of surface (model)
+  std::vector<float> areas;              ///< seen across the line of sight (scene), of surface (model) [m^2]
 };
 
 /// One view of a scene; V is its camera.
@@ -32,7 +32,7 @@ struct SeenView {
 struct DetectionScene {
   std::vector<SeenView> views;
   std::optional<Plane> table_C;  ///< normal towards the camera
-  double noise = 0.0006;     ///< m, deviation of the smoothed depth from the table plane, along its normal
+  double noise = 0.0006;     ///< deviation of the smoothed depth from the table plane, along its normal [m]
   SurfacePoints surface;     ///< above the table, `voxel` apart in each view, without what is explained
   std::vector<int> view_of;  ///< the view that saw each point
   std::vector<int> cluster;  ///< of each point: 0.., or -1 for specks

@@ -8,9 +8,9 @@ namespace stonestack::detection {
 
 /// How creases are found.
 struct SplitOptions {
-  double radius = 0.012;    ///< m, of the neighbourhood that decides
+  double radius = 0.012;    ///< of the neighbourhood that decides [m]
   double concavity = 0.12;  ///< mean sine of the angle by which neighbours rise above the tangent plane
-  double gap = 0.006;       ///< m, between points of one part
+  double gap = 0.006;       ///< between points of one part [m]
   int fewest = 60;          ///< points of a part
 };
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "detection/constants.hpp"
 #include "detection/scene/preprocess.hpp"
 
 namespace stonestack::detection {
@@ -38,7 +39,7 @@ TableView view_of_table(const DepthImage& image, const Plane& table_C, const Pos
       const double z = depth.at(u, v);
       if (z <= 0) continue;
       const Eigen::Vector3d p_C = z * deproject(depth.camera, u, v);
-      if (std::abs(table_C.distance(p_C)) > options.table_tolerance) continue;
+      if (std::abs(table_C.distance(p_C)) > kTableTolerance) continue;
       const Eigen::Vector2d p_W = (T_W_C * p_C).head<2>() / view.cell;
       cells.emplace(static_cast<int>(std::floor(p_W.x())), static_cast<int>(std::floor(p_W.y())));
     }

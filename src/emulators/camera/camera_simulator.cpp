@@ -67,7 +67,6 @@ FieldList fields(CameraSimulatorOptions& o) {
   return {
       field("address", o.address, "any 127.x.y.z"),
       field("port", o.port, {0, 65535}, "", "ours; 0: a free one"),
-      field("allow_remote", o.allow_remote, "ours: loopback only"),
       field("rate", o.rate, {0.1, 300.0}, "1/s", "SR300"),
       field("unit", o.unit, {1e-6, 0.1}, "m", "SR300: 1/8 mm"),
   };
@@ -140,9 +139,8 @@ struct CameraSimulator::Parts {
 CameraSimulator::CameraSimulator(DepthPlant& plant, const CameraSimulatorOptions& options)
     : parts_(std::make_unique<Parts>(plant, options)) {
   Parts& parts = *parts_;
-  parts.service =
-      std::make_unique<TcpService>(ListenOptions{options.address, options.port, options.allow_remote},
-                                   [&parts](TcpStream& stream) { parts.serve(stream); });
+  parts.service = std::make_unique<TcpService>(ListenOptions{options.address, options.port},
+                                               [&parts](TcpStream& stream) { parts.serve(stream); });
 }
 
 CameraSimulator::~CameraSimulator() = default;

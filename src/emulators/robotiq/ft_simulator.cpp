@@ -47,7 +47,6 @@ FieldList fields(FtSimulatorOptions& o) {
       field("address", o.address, "any 127.x.y.z"),
       field("port", o.port, {0, 65535}, "", "Robotiq's UR cap"),
       field("command_port", o.command_port, {0, 65535}, "", "Robotiq's UR cap"),
-      field("allow_remote", o.allow_remote, "ours: loopback only"),
       field("rate", o.rate, {1.0, 1000.0}, "1/s", "Robotiq manual"),
       field("speed_up", o.speed_up, {0.01, 1000.0}, "", "ours"),
   };
@@ -118,11 +117,10 @@ FtSimulator::FtSimulator(WrenchPlant& plant, const FtSimulatorOptions& options) 
   Parts& parts = *parts_;
   if (options.serial) parts.serial = std::make_unique<FtSerialServer>(parts.source, options);
   if (!options.cap) return;
-  parts.cap = std::make_unique<TcpService>(ListenOptions{options.address, options.port, options.allow_remote},
+  parts.cap = std::make_unique<TcpService>(ListenOptions{options.address, options.port},
                                            [&parts](TcpStream& stream) { parts.stream(stream); });
-  parts.commands =
-      std::make_unique<TcpService>(ListenOptions{options.address, options.command_port, options.allow_remote},
-                                   [&parts](TcpStream& stream) { parts.obey(stream); });
+  parts.commands = std::make_unique<TcpService>(ListenOptions{options.address, options.command_port},
+                                                [&parts](TcpStream& stream) { parts.obey(stream); });
 }
 
 FtSimulator::~FtSimulator() = default;

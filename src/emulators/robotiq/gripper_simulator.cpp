@@ -42,7 +42,6 @@ FieldList fields(GripperSimulatorOptions& o) {
       field("tcp", o.tcp, "ours"),
       field("address", o.address, "any 127.x.y.z"),
       field("port", o.port, {0, 65535}, "", "Modbus standard: 502; 0: a free one"),
-      field("allow_remote", o.allow_remote, "ours: loopback only"),
       field("rtu", o.rtu, "ours"),
       field("link", o.link, "a name for the pseudo terminal"),
       field("unit", o.unit, {1, 247}, "", "Robotiq manual: 9"),
@@ -100,8 +99,8 @@ GripperSimulator::GripperSimulator(GripperPlant& plant, const GripperSimulatorOp
   Parts& parts = *parts_;
   const ModbusHandler handler = [&parts](const modbus::Request& request) { return parts.handle(request); };
   if (options.tcp)
-    parts.tcp = std::make_unique<ModbusTcpServer>(
-        ListenOptions{options.address, options.port, options.allow_remote}, handler, parts.wire);
+    parts.tcp =
+        std::make_unique<ModbusTcpServer>(ListenOptions{options.address, options.port}, handler, parts.wire);
   if (options.rtu)
     parts.rtu = std::make_unique<ModbusRtuServer>(options.link, options.unit, handler, parts.wire);
   parts.stepper = std::thread([&parts] { parts.step(); });

@@ -51,7 +51,6 @@ UrController::UrController(const UrServerOptions& options, const RobotModel& rob
       period_(1.0 / version_.control_rate()),
       start_(options.faults.boot_seconds >= 0 ? options.faults.boot_seconds : kLongSinceBoot),
       measured_(plant.state()) {
-  if (!options.powered) robot_mode = RobotMode::kPowerOff;
   power_goal_ = robot_mode;
   speed_slider = faults.speed_slider;
   set_payload(options.payload, options.payload_cog);

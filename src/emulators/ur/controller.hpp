@@ -70,9 +70,9 @@ struct CompiledScript {
 /// rtde_set_watchdog.
 struct Watchdog {
   std::string variable;
-  double period = 0.0;  ///< s; 0: off
+  double period = 0.0;  ///< 0 [s]: off
   std::string action;
-  double fed = 0.0;  ///< s
+  double fed = 0.0;  ///< [s]
 };
 
 /// A connection that a script has opened to somebody else.
@@ -193,7 +193,7 @@ class UrController : public urscript::Host {
   struct Touched {
     Joints q;
     double force = 0.0;  ///< N on the flange
-    double last = 0.0;   ///< s, uptime of the last touch
+    double last = 0.0;   ///< uptime of the last touch [s]
   };
 
   UrServerOptions options_;

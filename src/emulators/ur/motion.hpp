@@ -12,7 +12,7 @@ struct MoveOptions {
   double acceleration = 1.4;
   double speed = 1.05;
   double seconds = 0.0;  ///< > 0: overrides the other two
-  double blend = 0.0;    ///< m
+  double blend = 0.0;    ///< [m]
 };
 
 /// What force_mode asks for.
@@ -20,8 +20,8 @@ struct ForceMode {
   bool active = false;
   Pose T_B_task = Pose::Identity();
   Six selection = Six::Zero();
-  Six wrench = Six::Zero();  ///< N, Nm that the tool shall press with, task frame
-  Six limits = Six::Zero();  ///< m/s, rad/s on the compliant axes
+  Six wrench = Six::Zero();  ///< Nm that the tool shall press with, task frame [N]
+  Six limits = Six::Zero();  ///< rad/s on the compliant axes [m/s]
 };
 
 /// Makes joint targets, a control step at a time, as the controller's motion functions ask. One command is

@@ -8,9 +8,9 @@ namespace stonestack::emulators {
 struct Profile {
   double length = 0.0;  ///< m or rad
   double speed = 0.0;   ///< of the steady part
-  double rise = 0.0;    ///< s
-  double steady = 0.0;  ///< s
-  double fall = 0.0;    ///< s
+  double rise = 0.0;    ///< [s]
+  double steady = 0.0;  ///< [s]
+  double fall = 0.0;    ///< [s]
 
   [[nodiscard]] double duration() const { return rise + steady + fall; }
   /// Way done after `t` seconds.

@@ -49,7 +49,6 @@ FieldList fields(UrServerOptions& o) {
                    field("programs", o.programs, "by commas, as hello.urp: what the Dashboard can load"),
                    field("external_control", o.external_control, {0, 65535}, "",
                          "port of a script sender on 127.0.0.1, for external_control.urp; 0: no such URCap"),
-                   field("powered", o.powered, "starts with the brakes released"),
                },
                nest("faults", fields(o.faults))});
 }

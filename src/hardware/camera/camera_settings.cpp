@@ -86,8 +86,8 @@ DepthFrame FrameCheck::pass(DepthFrame frame) {
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
   std::nth_element(depths.begin(), middle, depths.end());
   const double median = static_cast<double>(*middle);
-  if (median < kNearest || median > kFarthest)
-    fail(concat("median depth ", median, " m is outside ", kNearest, " to ", kFarthest, " m"),
+  if (median < kNearestMedian || median > kFarthestMedian)
+    fail(concat("median depth ", median, " m is outside ", kNearestMedian, " to ", kFarthestMedian, " m"),
          "check depth_scale");
   const std::string_view bytes(reinterpret_cast<const char*>(frame.image.z.data()),
                                frame.image.z.size() * sizeof(float));

@@ -8,7 +8,7 @@
 namespace stonestack::hardware {
 
 struct RecordedFrame {
-  double time = 0.0;  ///< s
+  double time = 0.0;  ///< [s]
   std::string path;
   std::size_t offset = 0;          ///< bytes, of raw frames
   std::size_t bytes_per_line = 0;  ///< of raw frames; 0: no padding

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "hardware/constants.hpp"
 #include "protocol/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
@@ -12,7 +13,6 @@ FieldList fields(StreamCameraOptions& o) {
   FieldList own = {
       user(field("address", o.address, "of the server, numeric IPv4")),
       user(field("port", o.port, {0, 65535}, "", "of the server")),
-      field("connect_timeout", o.connect_timeout, {0.05, 60.0}, "s", "until the server accepts a connection"),
       field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "until the next frame"),
       field("attempts", o.attempts, {1, 10}, "", "of a connection"),
   };
@@ -30,8 +30,8 @@ struct StreamCamera::Link {
 
   void connect() {
     try {
-      stream = std::make_unique<TcpStream>(TcpStream::connect(
-          {options.address, options.port}, Deadline::in(options.connect_timeout).or_interrupt()));
+      stream = std::make_unique<TcpStream>(
+          TcpStream::connect({options.address, options.port}, Deadline::in(kConnectTimeout).or_interrupt()));
     } catch (const DeviceError& error) {
       throw DeviceError(name, error.what(), "start the camera's server");
     }

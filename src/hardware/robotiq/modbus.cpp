@@ -12,7 +12,6 @@ FieldList fields(ModbusOptions& o) {
       field("port", o.port, {1, 65535}, "", "over TCP; the standard's is 502"),
       user(field("device", o.device, "over a serial line: its path")),
       field("unit", o.unit, {0, 255}, "", "Robotiq manual: 2 over TCP, 9 on a serial line"),
-      field("connect_timeout", o.connect_timeout, {0.01, 60.0}, "s", "until the device accepts a connection"),
       field("reply_timeout", o.reply_timeout, {0.01, 10.0}, "s", "of each attempt"),
       field("attempts", o.attempts, {1, 10}, "", "of each request, the first one included"),
       field("quiet", o.quiet, {0.002, 0.5}, "s", "silence on a serial line before a request is repeated"),

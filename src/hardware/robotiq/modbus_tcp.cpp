@@ -1,5 +1,6 @@
 #include <array>
 
+#include "hardware/constants.hpp"
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/socket.hpp"
@@ -44,8 +45,8 @@ class TcpTransport final : public ModbusTransport {
 
  private:
   void connect() {
-    stream_ = std::make_unique<TcpStream>(TcpStream::connect(
-        {options_.address, options_.port}, Deadline::in(options_.connect_timeout).or_interrupt()));
+    stream_ = std::make_unique<TcpStream>(
+        TcpStream::connect({options_.address, options_.port}, Deadline::in(kConnectTimeout).or_interrupt()));
   }
 
   [[nodiscard]] ModbusAttempt lost(IoStatus status) const {

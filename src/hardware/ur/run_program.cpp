@@ -151,7 +151,7 @@ class Run {
     if (!held_) held_ = Held{now.device_time, now.q};
     if (now.device_time - held_->since < kComesToRest) held_->q = now.q;
     const double moved = (now.q - held_->q).cwiseAbs().maxCoeff();
-    if (moved <= link_.options.script.start_tolerance) return std::nullopt;
+    if (moved <= kStartTolerance) return std::nullopt;
     return result(Status::kStopped, concat("the arm was moved by ", moved,
                                            " rad while the program was paused; it is not resumed"));
   }

@@ -23,7 +23,7 @@ class ScriptLines {
   [[nodiscard]] int reg(int n) const { return base_ + n; }
   [[nodiscard]] const ScriptContext& context() const { return context_; }
   [[nodiscard]] const ScriptOptions& options() const { return context_.options; }
-  /// s, of a control step: an expression of URScript.
+  /// of a control step [s]: an expression of URScript.
   [[nodiscard]] std::string step_time() const {
     constexpr UrVersion kFirstToTell{5, 4, 0, 0};
     const UrVersion& version = context_.version;

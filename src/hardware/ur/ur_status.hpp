@@ -9,7 +9,7 @@ namespace stonestack::hardware {
 struct STONESTACK_EXPORT UrStatus {
   static constexpr std::uint32_t kPausing = 3, kPaused = 4, kResuming = 5;  ///< of `runtime_state`
   Joints q, qd;
-  double device_time = 0.0, host_time = 0.0;  ///< s
+  double device_time = 0.0, host_time = 0.0;  ///< [s]
   int robot_mode = 0;                         ///< 7: running
   int safety = 0;                             ///< safety_status, or safety_mode on older controllers
   std::uint32_t safety_bits = 0;
@@ -17,7 +17,7 @@ struct STONESTACK_EXPORT UrStatus {
   bool program_running = false;
   double speed = 0.0;  ///< of the arm as a fraction: slider times what the safety system leaves
   int run = 0, progress = 0, end = 0;
-  double force = 0.0;  ///< N, of the last program
+  double force = 0.0;  ///< of the last program [N]
 
   /// A person (or the pendant) holds the program: it is there and goes on when somebody plays it. Controllers
   /// may clear `program_running` meanwhile.

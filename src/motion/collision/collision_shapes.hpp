@@ -15,18 +15,18 @@ struct Mover {
   Part part = Part::kArm;
   std::size_t link = 0;  ///< 0..6; `core` is in its frame
   ConvexCore core;
-  double span = 0.0;  ///< m, furthest point of the hull from the link's origin
+  double span = 0.0;  ///< furthest point of the hull from the link's origin [m]
   bool sees_table = true;
   Eigen::AlignedBox3d box_T;  ///< of a gripper box, in T; empty for others
   std::string name;
-  double table_padding = 0.0;  ///< m
+  double table_padding = 0.0;  ///< [m]
 };
 
 /// A convex piece of an object.
 struct ObstaclePiece {
   ConvexCore core;
   Eigen::Vector3d centre;
-  double sphere = 0.0;  ///< m, around `centre`
+  double sphere = 0.0;  ///< around `centre` [m]
   Bounds box;
 };
 
@@ -38,8 +38,8 @@ struct ObstacleGroup {
   Eigen::Vector3d centre;
   double sphere = 0.0;
   std::vector<char> sees;       ///< one a mover: 0 where the two may touch
-  std::vector<double> padding;  ///< m, one a mover
-  double hand_padding = 0.0;    ///< m, largest of gripper and held stone
+  std::vector<double> padding;  ///< one a mover [m]
+  double hand_padding = 0.0;    ///< largest of gripper and held stone [m]
 };
 
 /// Two movers that could touch; the second is on the same or a later link.
@@ -59,8 +59,8 @@ struct CollisionShapes {
   // Gripper and held stone are on one link: a capsule around both spares most of their tests.
   std::size_t first_hand = 0;          ///< movers from here on
   ConvexCore hand;                     ///< around them, in the frame of link 6
-  double hand_span = 0.0;              ///< m, like Mover::span
-  double hand_table_padding = 0.0;     ///< m, largest of them
+  double hand_span = 0.0;              ///< like Mover [m]::span
+  double hand_table_padding = 0.0;     ///< largest of them [m]
   std::vector<MoverPair> arm_pairs;    ///< of `pairs`, those within the arm
   std::vector<std::size_t> sees_hand;  ///< capsules of the arm that the hand could touch
   Pose T_6_T = Pose::Identity();

@@ -13,9 +13,9 @@ namespace stonestack::motion {
 /// A convex point set with its bounds, in some frame. A capsule is the hull of its two ends with a radius.
 struct ConvexCore {
   std::vector<Eigen::Vector3d> points;
-  double radius = 0.0;  ///< m, around the hull
+  double radius = 0.0;  ///< around the hull [m]
   Segment axis;         ///< with `reach` a capsule around hull and radius
-  double reach = 0.0;   ///< m
+  double reach = 0.0;   ///< [m]
   std::unique_ptr<btConvexHullShape> hull;
 };
 [[nodiscard]] ConvexCore make_core(std::vector<Eigen::Vector3d> points, double radius);

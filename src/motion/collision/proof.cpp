@@ -20,7 +20,7 @@ struct Couple {
   enum class With { kTable, kPiece, kMover, kRoom };
   With with = With::kTable;
   std::size_t mover = 0, other = 0;
-  double padding = 0.0;  ///< m
+  double padding = 0.0;  ///< [m]
 };
 
 /// The middle of a piece of the motion, and how far the joints turn from there.

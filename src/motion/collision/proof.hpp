@@ -17,7 +17,7 @@ struct CollisionShapes;
 [[nodiscard]] double largest_shift(const std::array<Pose, 7>& pose, const Joints& turn, const Segment& axis,
                                    double reach, std::size_t link, std::size_t base = 0);
 
-/// m, from the tool's tip to the nearest wall of the room that a cell leaves it, negative outside; infinite
+/// from the tool's tip to the nearest wall of the room that a cell leaves it, negative outside [m]; infinite
 /// where a cell leaves it any.
 [[nodiscard]] double room_left(const CollisionShapes& shapes, const std::array<Pose, 7>& pose);
 

@@ -8,16 +8,16 @@
 /// Private to motion: what closing fingers meet of a stone's surface.
 namespace stonestack::motion {
 
-/// m, z in T of what stands out furthest towards the tips beside the fingers.
+/// z in T of what stands out furthest towards the tips beside the fingers [m].
 [[nodiscard]] double palm_front(const GripperModel& gripper);
 
-inline constexpr double kNoStone = -1e300;  ///< m, a height where there is nothing
+inline constexpr double kNoStone = -1e300;  ///< a height where there is nothing [m]
 
 /// The surface from the hand's side: points about the centre of mass in T's axes.
 struct HandView {
   Eigen::Matrix3d R_O_T;
   std::vector<Eigen::Vector3d> p_T;
-  double back = 0.0;  ///< m, z of the point nearest to the palm
+  double back = 0.0;  ///< z of the point nearest to the palm [m]
 };
 [[nodiscard]] HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
                                  const Eigen::Matrix3d& R_O_T);
@@ -26,7 +26,7 @@ struct HandView {
 struct FingerStrip {
   static constexpr int kSlices = 160;
   static constexpr double kPerMetre = 250.0;  ///< slices of 4 mm
-  double y = 0.0;                             ///< m, middle of the finger
+  double y = 0.0;                             ///< middle of the finger [m]
   double side = 1.0;                          ///< finger at +x or -x
   std::array<double, kSlices> highest;
 

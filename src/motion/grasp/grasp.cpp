@@ -44,7 +44,7 @@ struct Sampler {
   const std::vector<SurfaceSample>& surface;
   GraspSet& set;
   double score_factor = 1.0;
-  double palm_front = 0.0;  ///< m, z of the palm's front in T (negative)
+  double palm_front = 0.0;  ///< z of the palm's front in T (negative) [m]
 };
 
 HandView seen_from(const Sampler& s, const Eigen::Matrix3d& R_O_T) {

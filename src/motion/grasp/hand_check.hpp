@@ -25,7 +25,7 @@ class HandCheck {
   [[nodiscard]] bool touches_object(const Pose& T_W_T, double opening, double padding) const;
 
  private:
-  static constexpr double kNoPadding = -1.0;  ///< m: the user asks for none of his own
+  static constexpr double kNoPadding = -1.0;  ///< the user asks for none of his own [m]
   struct Part {
     ConvexCore core;  ///< swept, in T, fingers closed
     double finger_side = 0.0;

@@ -15,10 +15,10 @@ constexpr double kSlipStiffness = 0.02;  ///< share of the shear stiffness that 
 constexpr int kSqueezeRounds = 12;
 constexpr int kIterations = 12;
 constexpr double kUnbalanced = 0.03;                         ///< share of the load
-constexpr double kLargestMove = 0.003, kLargestTurn = 0.06;  ///< m, rad: further, it counts as lost
-constexpr double kLength = 0.05;                             ///< m, makes torques comparable with forces
+constexpr double kLargestMove = 0.003, kLargestTurn = 0.06;  ///< rad [m]: further, it counts as lost
+constexpr double kLength = 0.05;                             ///< makes torques comparable with forces [m]
 constexpr double kLoadStep = 0.5;                            ///< of the weight
-constexpr double kDeepest = 0.02;                            ///< m, that a stone is pressed into a pad
+constexpr double kDeepest = 0.02;                            ///< that a stone is pressed into a pad [m]
 constexpr int kHalvings = 24;                                ///< of that
 
 /// Adds J^T diag(along, across, across) J to the lower triangle of `K`, where J = (1, -[r]x) is how a point

@@ -20,16 +20,16 @@ class PadPress {
   /// How a load is borne.
   struct Load {
     double share = 0.0;   ///< of the weight, largest that the pads were found to bear
-    double moved = 0.0;   ///< m, centre of mass in the hand under the weight itself
-    double turned = 0.0;  ///< rad, the same
+    double moved = 0.0;   ///< centre of mass in the hand under the weight itself [m]
+    double turned = 0.0;  ///< the same [rad]
   };
   /// With gravity along the unit vector `n_T_down`; loads up to `most` times the weight are tried.
   [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double most) const;
   /// False: the stone slips out while the hand closes; no load is borne.
   [[nodiscard]] bool holds() const { return holds_; }
-  /// rad, by which closing the hand turns the stone.
+  /// by which closing the hand turns the stone [rad].
   [[nodiscard]] double squeeze_turn() const { return gripped_.u.tail<3>().norm(); }
-  /// m, how deep the stone presses into the pad of finger A, B or C.
+  /// how deep the stone presses into the pad of finger A, B or C [m].
   [[nodiscard]] double deepest(int finger) const;
 
  private:

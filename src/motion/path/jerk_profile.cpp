@@ -65,8 +65,8 @@ std::vector<Stretch> stretches(const JointPath& path, const TimingLimits& limits
 
 /// A change of speed on a line that begins and ends without acceleration.
 struct Change {
-  double ramp = 0.0;  ///< s, in which acceleration rises, and falls
-  double hold = 0.0;  ///< s, in which it is constant
+  double ramp = 0.0;  ///< in which acceleration rises, and falls [s]
+  double hold = 0.0;  ///< in which it is constant [s]
   [[nodiscard]] double seconds() const { return 2 * ramp + hold; }
 };
 Change change(const Stretch& s, double from, double to) {

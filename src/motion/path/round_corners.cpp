@@ -5,8 +5,8 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr std::array kBlends{0.2, 0.08, 0.03, 0.01, 0.005, 0.002, 0.0005};  ///< rad, widest first
-constexpr double kStep = 0.1;  ///< rad, of points on lines; on curves they are as near as the curve asks
+constexpr std::array kBlends{0.2, 0.08, 0.03, 0.01, 0.005, 0.002, 0.0005};  ///< widest first [rad]
+constexpr double kStep = 0.1;  ///< of points on lines [rad]; on curves they are as near as the curve asks
 
 }  // namespace
 

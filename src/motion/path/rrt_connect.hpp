@@ -9,9 +9,9 @@ namespace stonestack::motion {
 
 /// What a tree may do.
 struct TreeLimits {
-  double resolution = 0.0;  ///< rad, at which edges are certified; 0: they are only sampled
+  double resolution = 0.0;  ///< at which edges are certified [rad]; 0: they are only sampled
   long most_motions = 0;    ///< motion checks
-  double longest = 0.0;     ///< rad: only samples that a path of this length could pass are drawn; 0: all
+  double longest = 0.0;     ///< only samples that a path of this length could pass are drawn [rad]; 0: all
 };
 struct Tree {
   JointPath path;    ///< from start to a goal, not shortened; empty: none found

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBlendCells = 16;  ///< measured: 64 shorten a motion by less than 0.1 %
 constexpr double kUnbounded = 1e12;
-constexpr double kShortestJudged = 1e-5;  ///< s
+constexpr double kShortestJudged = 1e-5;  ///< [s]
 constexpr double kLeastJerk = 1.0;        ///< rad/s^3: with less a plan of a minute becomes one of many
 
 /// A stretch of the path between two grid points, and the squared path speeds x = (ds/dt)^2 at its ends.

@@ -12,7 +12,8 @@ struct ToolLimit {
   ToolSpeed speed;
 };
 
-inline constexpr double kToolLine = 0.05;  ///< rad; on such a piece of a line the tool's speed hardly changes
+inline constexpr double kToolLine =
+    0.05;  ///< on such a piece of a line the tool's speed hardly changes [rad]
 
 /// Fastest path speed ds/dt (rad/s) on the piece that keeps the limit; from points on the piece, with a share
 /// to spare for those between. Infinity where the tool does not move.

@@ -29,7 +29,6 @@ FieldList fields(MotionOptions& o) {
       field("force_noise", o.force_noise, {0, 10}, "N",
             "of the force sensor, one sigma; contact is at least six of these"),
       field("press_pads", o.press_pads, "true: grasps are ranked by how firmly the elastic pads hold, too"),
-      field("alternatives", o.alternatives, {1, 100}, "", "complete plans to choose the quickest from"),
       field("planning_effort", o.planning_effort, {0.01, 600}, "",
             "work on a plan at most, counted in collision checks; 1 is about a second on one core"),
       field("seed", o.seed, {0, 2147483647}, "", "seed of the planner's random numbers")};

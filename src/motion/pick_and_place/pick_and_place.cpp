@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "motion/constants.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "motion/pick_and_place/pick_candidates.hpp"
 #include "stonestack/core/error.hpp"
@@ -20,13 +21,13 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kInTable = 0.003;  ///< m: what a scan and a measured pose may err by
+constexpr double kInTable = 0.003;  ///< what a scan and a measured pose may err by [m]
 
 using Status = PickAndPlacePlan::Status;
 
 constexpr std::size_t kMostHard = 8;     ///< ways whose transit is hard to find, before one gets much effort
-constexpr double kNearGrasp = 0.020;     ///< m: a grasp that near to one that failed would fail as well
-constexpr double kNearGraspTurn = 0.35;  ///< rad
+constexpr double kNearGrasp = 0.020;     ///< a grasp that near to one that failed would fail as well [m]
+constexpr double kNearGraspTurn = 0.35;  ///< [rad]
 
 PickAndPlacePlan refused(Status status, std::string reason) {
   PickAndPlacePlan plan;
@@ -99,7 +100,7 @@ class PickFaults {
   std::map<int, bool> only_at_pick_;
 };
 
-/// m, by which the stone at its target would reach into the table.
+/// by which the stone at its target would reach into the table [m].
 double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) {
   double lowest = scene.table_z;
   for (const Eigen::Vector3d& p : task.stone->scan.vertices)
@@ -147,7 +148,7 @@ double total_seconds(const std::vector<PlanStep>& steps) {
   return seconds;
 }
 
-/// s, a rough guess of what that attempt took: it is what planning_effort counts, so that a busy machine
+/// a rough guess of what that attempt took [s]: it is what planning_effort counts, so that a busy machine
 /// plans as an idle one does.
 double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) {
   constexpr double kStraight = 0.002, kFound = 0.03, kLittle = 0.1, kMuch = 0.5;
@@ -168,7 +169,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
   std::size_t again = 0;  // of these, tried with much effort
   bool in_time = true;
   double best_cost = 0.0, spent = 0.0;  // s
-  while (found < options.alternatives) {
+  while (found < kPlans) {
     throw_if_interrupted();
     in_time = spent <= options.planning_effort;
     if (!in_time) break;

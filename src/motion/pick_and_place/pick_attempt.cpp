@@ -13,11 +13,11 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kTransitSeconds = 0.5;  ///< s, effort for one transit of one candidate
+constexpr double kTransitSeconds = 0.5;  ///< effort for one transit of one candidate [s]
 constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
-constexpr double kWidestBlend = 0.2;     ///< rad, corners cut, most
+constexpr double kWidestBlend = 0.2;     ///< corners cut, most [rad]
 constexpr std::array kLifts{1.0, 0.5};   ///< of kLift, where the arm has no room for more
-constexpr std::array kOut{0.03, 0.06};   ///< m, that a stone is taken out of a lean before it goes up
+constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out of a lean before it goes up [m]
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 CollisionRules rules(double padding, double opening, int left_out) {
@@ -132,7 +132,7 @@ std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
 }
 
 std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
-  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past, options_);
+  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past);
   return straight(q, raised(T_W_T_place_, -room));
 }
 

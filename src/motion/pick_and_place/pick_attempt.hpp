@@ -17,7 +17,7 @@ enum class WayFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarr
 /// A path between straight motions, and how far its corners may be cut.
 struct Transit {
   JointPath path;
-  double blend = 0.0;  ///< rad
+  double blend = 0.0;  ///< [rad]
 };
 
 /// The joint paths of one pick and place, all free of collision.
@@ -85,7 +85,7 @@ class PickAttempt {
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   Pose T_W_T_pick_, T_W_T_place_, T_T_O_;
-  double opening_, holding_;  ///< m, of the hand before and after it holds the stone, and meanwhile
+  double opening_, holding_;  ///< of the hand before and after it holds the stone, and meanwhile [m]
   CollisionChecker open_;     ///< hand open, the stone not there: approach, retreat
   LazyChecker open_wide_;     ///< hand open, the stone there: transit
   LazyChecker open_tight_;    ///< the same with the padding of an approach

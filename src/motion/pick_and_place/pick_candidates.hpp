@@ -13,8 +13,8 @@ namespace stonestack::motion {
 struct PickCandidate {
   int grasp = -1;
   Joints q_pick, q_place;
-  double price = 0.0;  ///< s, what the grasp itself is charged for
-  double cost = 0.0;   ///< s, the price and a lower bound of the motion
+  double price = 0.0;  ///< what the grasp itself is charged for [s]
+  double cost = 0.0;   ///< the price and a lower bound of the motion [s]
 };
 
 /// The usable grasps of a task, each with a few inverse kinematic solutions in which the arm is free at both
@@ -36,18 +36,18 @@ class PickCandidates {
   struct Looseness {
     std::optional<PadPress> pads;
     double pressed = 0.0;           ///< risk from how deep it presses into a pad
-    double turned = 0.0;            ///< s, for the turn that closing brings
+    double turned = 0.0;            ///< for the turn that closing brings [s]
     double risk = 0.0;              ///< that it slips, largest of the ends looked at
-    std::vector<double> cost{0.0};  ///< s, after so many parts
+    std::vector<double> cost{0.0};  ///< after so many parts [s]
   };
   struct Entry {
     PickCandidate bare;      ///< without what looseness costs
-    double looseness = 0.0;  ///< s, of the parts that are in
+    double looseness = 0.0;  ///< of the parts that are in [s]
     std::size_t parts = 0;   ///< that are in
     [[nodiscard]] double cost() const { return bare.cost + looseness; }
   };
   struct Later;
-  /// s, a grasp's looseness from its first `parts` parts.
+  /// a grasp's looseness from its first `parts` parts [s].
   [[nodiscard]] double looseness_cost(int grasp, std::size_t parts);
   void add_part(const Grasp& grasp, Looseness& looseness) const;
   void push(Entry entry);

@@ -11,7 +11,7 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kLeastForce = 50.0;  ///< N; the gripper can do 15 to 60 N a finger (Robotiq)
+constexpr double kLeastForce = 50.0;  ///< the gripper can do 15 to 60 N a finger (Robotiq) [N]
 
 using Kind = PlanStep::Kind;
 
@@ -35,7 +35,7 @@ double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, con
   return std::min(force, scene.gripper.force);
 }
 
-/// m, from the tool's tip to the furthest point of the stone that it holds.
+/// from the tool's tip to the furthest point of the stone that it holds [m].
 double reach_of(const Stone& stone, const Grasp& grasp) {
   const Pose T_T_O = grasp.T_O_T.inverse();
   double reach = 0.0;
@@ -66,7 +66,7 @@ class StepWriter {
   [[nodiscard]] std::vector<PlanStep>& steps() { return steps_; }
 
  private:
-  /// rad; way points of a straight motion lie so that cutting their corners moves the tool by less than 0.5
+  /// [rad] way points of a straight motion lie so that cutting their corners moves the tool by less than 0.5
   /// mm.
   static constexpr double kStraightBlend = 0.0003;
 

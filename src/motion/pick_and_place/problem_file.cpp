@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 22;
 constexpr std::size_t kMostObjects = 10000, kMostProblems = 100000;
-constexpr double kFurthest = 100.0;    ///< m; nothing a robot plans with is larger or further away
-constexpr double kHandLength = 0.264;  ///< m, flange to tip of the hand that a file has by default
+constexpr double kFurthest = 100.0;    ///< nothing a robot plans with is larger or further away [m]
+constexpr double kHandLength = 0.264;  ///< flange to tip of the hand that a file has by default [m]
 
 /// The statements of one line and where it stands, for messages.
 class Line {

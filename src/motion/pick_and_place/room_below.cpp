@@ -11,7 +11,7 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kFineness = 0.001;  ///< m
+constexpr double kFineness = 0.001;  ///< [m]
 
 /// Did the user say how far hand and table stay apart?
 bool is_kept_off_table(const PlanningScene& scene) {
@@ -21,8 +21,7 @@ bool is_kept_off_table(const PlanningScene& scene) {
 
 }  // namespace
 
-double room_below(const PlanningScene& scene, const Joints& q, double opening, int object, double most,
-                  const MotionOptions& options) {
+double room_below(const PlanningScene& scene, const Joints& q, double opening, int object, double most) {
   require(most >= 0, "a descent goes down by something, not by ", most, " m");
   CollisionRules rules;
   rules.padding = kDescentPadding;

@@ -137,6 +137,12 @@ TEST_F(Recorded, PlaysRawFramesByTheByte) {
     EXPECT_FLOAT_EQ(camera.capture().image.at(7, 5), 0.5F);
     EXPECT_FLOAT_EQ(camera.capture().image.at(0, 0), 0.6F);
   }
+  options.rate = 4.0;
+  {
+    RecordedCamera camera(options);
+    const double first = camera.capture().device_time;
+    EXPECT_DOUBLE_EQ(camera.capture().device_time - first, 0.25) << "a recording without times has this rate";
+  }
   raw.pop_back();
   write_file(options.path, raw);
   EXPECT_THAT([&] { RecordedCamera camera(options); },

@@ -269,6 +269,15 @@ TEST(V4l2Camera, AFrozenImageIsRefused) {
   EXPECT_EQ(stream.capture().number, 3);
 }
 
+TEST(V4l2Camera, EqualImagesPassWhereTheOptionAllowsThem) {
+  Bench bench;
+  bench.options.check.refuse_equal_image = false;
+  bench.script.frames = {{100.1, 0, 12, kRaw}, {100.2, 0, 12, kRaw}};
+  V4l2Stream stream = bench.open();
+  (void)stream.capture();
+  EXPECT_EQ(stream.capture().number, 2);
+}
+
 TEST(V4l2Camera, SilenceEndsAtTheDeadlineAndTellsOfDamagedFrames) {
   Bench bench;
   bench.script.frames = {{100.1, V4L2_BUF_FLAG_ERROR, 12, kRaw}};

@@ -53,14 +53,13 @@ struct CameraFaults {
   int empty = 0;       ///< no depth anywhere
   int scaled = 0;      ///< depth unit a thousand times too small
   int delayed = 0;     ///< late by `delay`
-  double delay = 1.0;  ///< s
+  double delay = 1.0;  ///< [s]
 };
 [[nodiscard]] FieldList fields(CameraFaults& faults);
 
 struct CameraSimulatorOptions {
   std::string address = "127.0.0.1";  ///< any 127.x.y.z
   int port = 0;                       ///< 0: a free one
-  bool allow_remote = false;          ///< other addresses than loopback
   double rate = 30.0;                 ///< frames/s to clients that asked for a stream
   double unit = 0.000125;             ///< m a count (SR300)
 };

@@ -66,7 +66,6 @@ struct FtSimulatorOptions {
   std::string address = "127.0.0.1";  ///< any 127.x.y.z
   int port = 63351;                   ///< stream; 0: a free one
   int command_port = 63350;           ///< "SET ZRO"; 0: a free one
-  bool allow_remote = false;          ///< other addresses than loopback
   double rate = 100.0;                ///< readings/s
   double speed_up = 1.0;              ///< simulated seconds per second
 };

@@ -21,7 +21,7 @@ struct AxisCommand {
   bool go = false;      ///< false: stay where it is
   double target = 0.0;  ///< counts
   double speed = 0.0;   ///< counts/s
-  double force = 0.0;   ///< N
+  double force = 0.0;   ///< [N]
 };
 
 /// What one axis does.

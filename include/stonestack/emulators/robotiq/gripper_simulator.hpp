@@ -26,7 +26,6 @@ struct GripperSimulatorOptions {
   bool tcp = true;                    ///< serve Modbus/TCP
   std::string address = "127.0.0.1";  ///< any 127.x.y.z
   int port = 502;                     ///< 0: a free one
-  bool allow_remote = false;          ///< other addresses than loopback
   bool rtu = false;                   ///< serve Modbus/RTU on a pseudo terminal
   std::string link;                   ///< a name for the pseudo terminal, e.g. /tmp/ttyGripper
   int unit = 9;                       ///< on the serial line

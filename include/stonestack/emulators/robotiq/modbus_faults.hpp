@@ -13,7 +13,7 @@ struct ModbusFaults {
   int exceptions = 0;         ///< the reply is `exception` and the request is not carried out
   int exception = 6;          ///< code
   int delayed = 0;            ///< the reply comes late by `delay`
-  double delay = 0.5;         ///< s
+  double delay = 0.5;         ///< [s]
   int wrong_unit = 0;         ///< by another unit id
   int wrong_transaction = 0;  ///< with another transaction id (TCP)
   int wrong_count = 0;        ///< a byte count that does not fit

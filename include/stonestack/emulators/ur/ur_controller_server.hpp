@@ -46,8 +46,7 @@ struct UrServerOptions {
                                           ///< 10.x: PolyScope X, which has no Dashboard (failure mode 21)
   std::string model = "UR10";             ///< as the Dashboard names it
   std::string serial = "2014301234";
-  double speed = 1.0;   ///< control steps a second, times the real ones
-  bool powered = true;  ///< starts with the brakes released; else in POWER_OFF
+  double speed = 1.0;  ///< control steps a second, times the real ones
   /// Programs, separated by commas, that the Dashboard finds: `load hello.urp`. Played, one runs until it is
   /// stopped, and does nothing: what a program on the pendant does that waits for others.
   std::string programs;
@@ -55,8 +54,8 @@ struct UrServerOptions {
   /// `external_control.urp` is played, as its URCap does; 0: the URCap is not installed.
   int external_control = 0;
   /// As the installation on the pendant says what the arm carries; SimulatedServers: the hand that is there.
-  double payload = 0.0;                                   ///< kg
-  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< m, from the flange
+  double payload = 0.0;                                   ///< [kg]
+  Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< from the flange [m]
   ControllerFaults faults;
 };
 [[nodiscard]] FieldList fields(UrServerOptions& options);

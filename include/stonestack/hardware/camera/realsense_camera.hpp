@@ -13,7 +13,7 @@ struct RealsenseCameraOptions {
   int width = 640;
   int height = 480;
   int rate = 30;               ///< frames/s
-  double frame_timeout = 2.0;  ///< s
+  double frame_timeout = 2.0;  ///< [s]
   FrameCheckOptions check;
 };
 [[nodiscard]] FieldList fields(RealsenseCameraOptions& options);

@@ -11,9 +11,8 @@ namespace stonestack::hardware {
 struct StreamCameraOptions {
   std::string address = "127.0.0.1";
   int port = 0;
-  double connect_timeout = 2.0;  ///< s
-  double frame_timeout = 3.0;    ///< s, from asking to the last byte
-  int attempts = 2;              ///< per frame; each after the first on a new connection
+  double frame_timeout = 3.0;  ///< from asking to the last byte [s]
+  int attempts = 2;            ///< per frame; each after the first on a new connection
   FrameCheckOptions check;
 };
 [[nodiscard]] FieldList fields(StreamCameraOptions& options);

@@ -11,7 +11,7 @@ namespace stonestack::hardware {
 struct V4l2CameraOptions {
   std::string device = "/dev/video0";  ///< the depth node: an SR300 and a D4xx have several
   CameraSettings camera;               ///< V4L2 carries neither scale nor intrinsics
-  double frame_timeout = 2.0;          ///< s
+  double frame_timeout = 2.0;          ///< [s]
   std::string record;  ///< folder that keeps what the driver gives, as it came; empty: nothing is kept
   FrameCheckOptions check;
 };

@@ -17,14 +17,13 @@ struct ModbusOptions {
   int port = 502;                     ///< tcp
   std::string device;                 ///< rtu: path of the serial line
   int unit = 2;                       ///< unit (slave) id; a reply by another one is refused
-  double connect_timeout = 2.0;       ///< s
-  double reply_timeout = 0.3;         ///< s, each attempt
+  double reply_timeout = 0.3;         ///< each attempt [s]
   int attempts = 3;                   ///< per call, the first one included
   double quiet = 0.02;                ///< s of silence on a serial line before an attempt is repeated
 };
 [[nodiscard]] FieldList fields(ModbusOptions& options);
 
-/// A Modbus master for one device. Every call ends within `attempts` x (`connect_timeout` + `reply_timeout` +
+/// A Modbus master for one device. Every call ends within `attempts` x (2 s + `reply_timeout` +
 /// 10 `quiet`), and throws DeviceError that names device, address and unit: no connection, no reply, a bad
 /// reply with its bytes, a reply by another unit, an exception reply with its code.
 ///

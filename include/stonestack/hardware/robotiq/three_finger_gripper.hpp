@@ -35,7 +35,7 @@ struct ThreeFingerOptions {
   double open_count = 0.0;           ///< request that opens fully
   double closed_count = 255.0;       ///< request at which the pads meet
   double narrow_count = 220.0;       ///< of the scissor
-  double activation_timeout = 20.0;  ///< s
+  double activation_timeout = 20.0;  ///< [s]
   double echo_timeout = 1.0;         ///< s until the gripper must repeat a request; then it is sent once more
   double move_margin = 2.0;          ///< s beyond stroke / speed
   double poll = 0.02;                ///< s between readings of the status

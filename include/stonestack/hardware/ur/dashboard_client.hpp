@@ -11,9 +11,9 @@
 namespace stonestack::hardware {
 
 struct DashboardOptions {
-  double connect_timeout = 2.0;    ///< s
-  double greeting_timeout = 10.0;  ///< s, the server may be slow to greet
-  double reply_timeout = 1.0;      ///< s
+  double connect_timeout = 2.0;    ///< [s]
+  double greeting_timeout = 10.0;  ///< the server may be slow to greet [s]
+  double reply_timeout = 1.0;      ///< [s]
 };
 
 /// Asks a UR controller's Dashboard server (port 29999; PolyScope 3 and 5). One line out, one line in. A late

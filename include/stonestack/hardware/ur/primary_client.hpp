@@ -11,8 +11,8 @@ namespace stonestack::hardware {
 
 struct PrimaryOptions {
   std::vector<int> ports = {30001, 30002, 30003};  ///< primary, then secondary, then realtime
-  double connect_timeout = 2.0;                    ///< s, each
-  double send_timeout = 5.0;                       ///< s
+  double connect_timeout = 2.0;                    ///< each [s]
+  double send_timeout = 5.0;                       ///< [s]
 };
 
 /// Sends scripts to a controller and hears what it says about them. A thread of its own drains the

@@ -25,10 +25,10 @@ struct RtdeRecipe {
 using RtdeRecipeFor = std::function<RtdeRecipe(const UrVersion&)>;
 
 struct RtdeOptions {
-  double frequency = 0.0;        ///< Hz; 0: the control rate, 125 or 500
-  double connect_timeout = 2.0;  ///< s
-  double reply_timeout = 2.0;    ///< s, each step of the setup
-  double stale_after = 0.1;      ///< s, age at which a state is refused
+  double frequency = 0.0;        ///< 0 [Hz]: the control rate, 125 or 500
+  double connect_timeout = 2.0;  ///< [s]
+  double reply_timeout = 2.0;    ///< each step of the setup [s]
+  double stale_after = 0.1;      ///< age at which a state is refused [s]
   double silent_after = 1.0;     ///< s without a packet after which the link is set up anew
   int attempts = 3;              ///< of the first connection
   double retry_pause = 0.5;      ///< s between attempts

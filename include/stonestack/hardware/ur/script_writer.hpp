@@ -34,7 +34,7 @@ enum class ScriptEnd {
 };
 
 struct ScriptOptions {
-  double stop_acceleration = 2.0;  ///< rad/s^2, stopj
+  double stop_acceleration = 2.0;  ///< stopj [rad/s^2]
   double heartbeat_rate = 10;      ///< Hz below which the controller stops the program
   double force_stale = 0.05;       ///< s without a new force sample that stop a guarded motion: as old as a
                                    ///< ForceTorqueSensor's reading may be
@@ -49,8 +49,8 @@ struct ScriptContext {
   UrVersion version;
   int run = 1;  ///< positive, another one for each program
   Pose T_F_T = Pose::Identity();
-  std::optional<double> payload;                      ///< kg; empty: the controller keeps its own
-  Eigen::Vector3d p_F_com = Eigen::Vector3d::Zero();  ///< m
+  std::optional<double> payload;                      ///< empty [kg]: the controller keeps its own
+  Eigen::Vector3d p_F_com = Eigen::Vector3d::Zero();  ///< [m]
   ScriptOptions options;
 };
 

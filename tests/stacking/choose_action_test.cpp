@@ -1,0 +1,211 @@
+#include "stonestack/stacking/choose_action.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "stacking/heard.hpp"
+#include "stonestack/core/data.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/stacking/state_file.hpp"
+
+/// Decisions without a cell: states that runs saved, and what is changed in them.
+namespace stonestack::stacking {
+namespace {
+
+const Catalogue& limestones() {
+  static const Catalogue catalogue = read_catalogue(data_path("stones"));
+  return catalogue;
+}
+const RobotModel& ur10() {
+  static const RobotModel robot = read_robot("ur10");
+  return robot;
+}
+const Models& models() {
+  static const Models made = make_models(limestones(), ur10(), CellLayout{});
+  return made;
+}
+
+std::string state_path(const std::string& name) {
+  return std::string(STONESTACK_SOURCE_DIR "/tests/data/states/") + name + ".json";
+}
+
+State read(const std::string& name) {
+  State state = read_state(state_path(name), limestones());
+  add_resting_stacks(models(), state.options, state.memory.friction, state.world);
+  return state;
+}
+
+Decision decide(const State& state) {
+  return choose_action(state.world, state.memory, models(), state.options);
+}
+
+TEST(ChooseAction, PlacesByWhatTheSearchFound) {
+  const State state = read("place");
+  const Decision decision = decide(state);
+  const auto* place = std::get_if<Place>(&decision.action);
+  ASSERT_NE(place, nullptr) << name_of(decision.action);
+  ASSERT_FALSE(place->candidates.empty());
+  EXPECT_TRUE(holds(state.world.loose, place->candidates.front().stone));
+  ASSERT_TRUE(decision.memory.search.has_value());
+  EXPECT_FALSE(decision.memory.search->found.best.empty());
+}
+
+TEST(ChooseAction, IsPure) {
+  const State state = read("place");
+  const std::string once = decision_json(decide(state), limestones());
+  EXPECT_EQ(decision_json(decide(state), limestones()), once);
+}
+
+TEST(ChooseAction, ReorientsWhereNoGraspServesBothEnds) {
+  const Decision decision = decide(read("reorient"));
+  const auto* reorient = std::get_if<Reorient>(&decision.action);
+  ASSERT_NE(reorient, nullptr) << name_of(decision.action) << "\n" << test::words(decision.why, limestones());
+  EXPECT_EQ(reorient->candidates.front().stone, 1);
+}
+
+TEST(ChooseAction, ClearsTheBaseFirst) {
+  const State state = read("clear_base");
+  const Decision decision = decide(state);
+  const auto* clear = std::get_if<ClearBase>(&decision.action);
+  ASSERT_NE(clear, nullptr) << name_of(decision.action);
+  EXPECT_EQ(clear->stray.stone, 1);
+  EXPECT_EQ(clear->level, 0U);
+  EXPECT_FALSE(clear->T_W_O_down.empty());
+
+  State often = state;
+  often.memory.cleared = 4;
+  EXPECT_FALSE(std::holds_alternative<ClearBase>(decide(often).action)) << "not for ever";
+}
+
+TEST(ChooseAction, UnstacksWhereNoMotionClearsTheBase) {
+  const State state = read("unstack");
+  const Decision decision = decide(state);
+  const auto* unstack = std::get_if<Unstack>(&decision.action);
+  ASSERT_NE(unstack, nullptr) << name_of(decision.action);
+  EXPECT_EQ(unstack->top.stone, state.world.stack.back().stone);
+  EXPECT_TRUE(unstack->n_W_lift.has_value()) << "out of the lean";
+  const auto why = all_of<UnstackToFree>(decision.why);
+  ASSERT_EQ(why.size(), 1U);
+  EXPECT_EQ(why[0].freed, 1);
+
+  State never = state;
+  never.options.most_taken_off = 0;
+  EXPECT_FALSE(std::holds_alternative<Unstack>(decide(never).action));
+}
+
+TEST(ChooseAction, StopsWhenAllStonesArePlaced) {
+  const Decision decision = decide(read("stop"));
+  const auto* stop = std::get_if<Stop>(&decision.action);
+  ASSERT_NE(stop, nullptr) << name_of(decision.action);
+  EXPECT_EQ(stop->end, RunEnd::kAllPlaced);
+}
+
+TEST(ChooseAction, StopsAtTheHeightThatWasAskedFor) {
+  State state = read("place");
+  ASSERT_FALSE(state.world.stack.empty());
+  state.options.most_stones = static_cast<int>(state.world.stack.size());
+  const Decision decision = decide(state);
+  ASSERT_TRUE(std::holds_alternative<Stop>(decision.action)) << name_of(decision.action);
+  EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kHeightReached);
+}
+
+TEST(ChooseAction, StopsAfterAFailureBeforeAllElse) {
+  State state = read("clear_base");
+  state.memory.failure = Failure{RunEnd::kPlacementFailed, "it fell"};
+  const Decision decision = decide(state);
+  ASSERT_TRUE(std::holds_alternative<Stop>(decision.action));
+  EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kPlacementFailed);
+  EXPECT_EQ(std::get<Stop>(decision.action).reason, "it fell");
+}
+
+TEST(ChooseAction, LooksForAStoneWhereItWasThenBesideTheSiteThenGivesUp) {
+  State state = read("stop");
+  const int gone = state.world.stack.back().stone;
+  state.memory.last_seen[gone] = {0.7, -0.2, 0.03};
+  state.world.stack.pop_back();
+  Decision decision = decide(state);
+  ASSERT_TRUE(std::holds_alternative<LookAgain>(decision.action)) << name_of(decision.action);
+  EXPECT_EQ(std::get<LookAgain>(decision.action).stone, gone);
+  EXPECT_EQ(std::get<LookAgain>(decision.action).where, LookAgain::Where::kWhereItWas);
+  EXPECT_DOUBLE_EQ(std::get<LookAgain>(decision.action).p_W_target.y(), -0.2);
+  state.memory.sought_where_it_was.insert(gone);
+  decision = decide(state);
+  ASSERT_TRUE(std::holds_alternative<LookAgain>(decision.action));
+  EXPECT_EQ(std::get<LookAgain>(decision.action).where, LookAgain::Where::kBesideSite);
+  state.memory.sought_beside_site = 4;
+  EXPECT_FALSE(std::holds_alternative<LookAgain>(decide(state).action));
+}
+
+TEST(ChooseAction, WithoutAStoneInSightARunEnds) {
+  State state = read("place");
+  state.world.stack.clear();
+  state.world.loose.clear();
+  state.memory = make_memory(state.options);
+  const Decision decision = decide(state);
+  ASSERT_TRUE(std::holds_alternative<Stop>(decision.action));
+  EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNothingSeen);
+}
+
+/// Grasps that failed are tried again before a run ends, and only then.
+TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
+  State state = read("stop");
+  ASSERT_GE(state.world.stack.size(), 2U);
+  const StoneEstimate top = state.world.stack.back();  // lies in the field again, where nothing lifts it
+  state.world.stack.pop_back();
+  Pose T_W_O = top.T_W_O_at_rest;
+  T_W_O.translation().head<2>() = state.world.layout.field_centre;
+  T_W_O.translation().z() -= 1.0;  // below the table
+  state.world.loose = {{top.stone, T_W_O, T_W_O}};
+  state.memory.last_seen.clear();
+  state.memory.failed_grasps[top.stone] = {Pose::Identity()};
+  state.options.most_taken_off = 0;
+  const Decision decision = decide(state);
+  ASSERT_TRUE(std::holds_alternative<Stop>(decision.action)) << name_of(decision.action);
+  EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNoPose);
+  EXPECT_EQ(all_of<GraspsRetried>(decision.why).size(), 1U);
+  EXPECT_TRUE(decision.memory.failed_grasps.empty());
+}
+
+TEST(StateFile, IsReadAsItWasWritten) {
+  for (const char* name : {"place", "reorient", "clear_base", "unstack", "stop"}) {
+    const State state = read(name);
+    const std::string path = testing::TempDir() + "state_again.json";
+    write_state(path, state.world, state.memory, models(), state.options);
+    const State again = read_state(path, limestones());
+    ASSERT_EQ(again.world.stack.size(), state.world.stack.size());
+    for (std::size_t i = 0; i < again.world.stack.size(); ++i) {
+      EXPECT_EQ(again.world.stack[i].stone, state.world.stack[i].stone);
+      EXPECT_LT(difference(again.world.stack[i].T_W_O_seen, state.world.stack[i].T_W_O_seen).translation,
+                1e-12);
+    }
+    write_state(path + ".2", again.world, again.memory, models(), again.options);
+    const auto rounded = [](const std::string& file) {  // whose last digits may differ
+      nlohmann::json state = nlohmann::json::parse(read_file(file, 1 << 24)).flatten();
+      for (auto& value : state)
+        if (value.is_number_float()) value = std::round(1e9 * value.get<double>());
+      return state;
+    };
+    EXPECT_EQ(rounded(path), rounded(path + ".2"));
+    EXPECT_DOUBLE_EQ(again.options.search.least_margin, state.options.search.least_margin);
+    std::filesystem::remove(path);
+    std::filesystem::remove(path + ".2");
+  }
+}
+
+TEST(StateFile, WhatIsNoStateIsRefusedWithItsName) {
+  const std::string path = testing::TempDir() + "no_state.json";
+  for (const char* text :
+       {"", "{}", "[1]", R"({"schema": "stonestack.run/1"})", R"({"schema": "stonestack.state/1"})"}) {
+    write_file(path, text);
+    EXPECT_THROW(static_cast<void>(read_state(path, limestones())), FileError) << text;
+  }
+  EXPECT_THROW(static_cast<void>(read_state(path + ".gone", limestones())), FileError);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace stonestack::stacking
