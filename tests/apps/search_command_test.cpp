@@ -65,16 +65,18 @@ TEST_F(SearchCommand, ChecksItsFilesFirst) {
 }
 
 TEST_F(SearchCommand, TakesACloudInTheUnitThatItsRemedyNames) {
-  ASSERT_EQ(run("render --out scene --catalogue boxes --seed 3").code, 0);
+  ASSERT_EQ(run("render --out scene --seed 3 --stones limestone_1").code, 0);
   Cloud cloud = read_cloud(folder_ + "/scene/cloud.ply");
   for (auto& p : cloud.points) p *= 1000.0F;
   write_cloud(folder_ + "/mm.ply", cloud);
-  const std::string search = "search mm.ply --camera-pose scene/scene.yaml --catalogue boxes --json";
-  const Outcome metres = run(search);
+  const std::string arguments = "search mm.ply --camera-pose scene/scene.yaml --json";
+  const Outcome metres = run(arguments);
   EXPECT_NE(metres.code, 0);
   EXPECT_THAT(metres.err, HasSubstr("--units"));
-  const Outcome millimetres = run(search + " --units mm");
-  EXPECT_EQ(millimetres.code, 0) << millimetres.err;
+  const Outcome millimetres = run(arguments + " --units mm");
+  ASSERT_EQ(millimetres.code, 0) << millimetres.err;
+  EXPECT_EQ(millimetres.data()["placements"][0]["stone"], "limestone_1");
+  EXPECT_THAT(millimetres.data()["next"].get<std::string>(), HasSubstr("--units mm"));
 }
 
 TEST_F(SearchCommand, SaysThatABudgetMayEndItElsewhereNextTime) {
