@@ -93,7 +93,7 @@ std::string in_words(const HandEyeResidual& r) {
   return concat("residual ", 1000 * r.translation, " mm, ", r.rotation / kDegree, " deg");
 }
 
-/// What is wrong with the result, and what to do about it; empty if nothing is.
+/// Describes what is wrong with the result, and the remedy; empty if nothing is.
 std::string doubt(const HandEyeResult& result, const HandEyeSolution& chosen) {
   if (!result.warning.empty()) return result.warning;
   if (chosen.residual.translation <= kMostShift && chosen.residual.rotation <= kMostTurn) return {};

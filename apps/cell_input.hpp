@@ -9,7 +9,7 @@
 
 namespace stonestack::apps {
 
-/// What a cell file says: the devices, and, if `simulate`, how this program shall serve them itself.
+/// Content of a cell file: the devices, and, if `simulate`, how this program shall serve them itself.
 struct CellFile {
   std::string path;
   bool simulate = false;

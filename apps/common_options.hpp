@@ -10,7 +10,7 @@
 
 namespace stonestack::apps {
 
-/// What nearly every subcommand takes.
+/// Options of nearly every subcommand.
 struct CommonOptions {
   std::string catalogue;  ///< empty: the stones that come with the project
   int seed = 1;

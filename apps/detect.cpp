@@ -84,7 +84,7 @@ void print_table(const Catalogue& catalogue, const DetectionResult& result, cons
   }
 }
 
-/// What else a detection may be: the other stones by name, and in how many other poses.
+/// Names what else a detection may be: the other stones by name, and in how many other poses.
 std::string in_words(const Detection& found, const Catalogue& catalogue) {
   std::string others;
   int turned = 0;

@@ -35,7 +35,7 @@ struct DoctorCommand {
   int frames = 2;
 };
 
-/// What a step found: `to_do` is nothing wrong, but something to know or to do before a run.
+/// Finding of a step: `to_do` is nothing wrong, but something to know or to do before a run.
 struct Look {
   Look(std::string all_well) : text(std::move(all_well)) {}  // NOLINT: most looks find only that
   Look(std::string found, bool something_to_do) : text(std::move(found)), to_do(something_to_do) {}

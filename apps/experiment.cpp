@@ -52,7 +52,7 @@ void write_record(const Experiment& experiment, const std::string& folder) {
   write_file(folder + "/summary.txt", experiment_table(experiment));
 }
 
-/// What was done, and whether the user ended it early.
+/// Runs that were done, and whether the user ended them early.
 struct Performed {
   Experiment experiment;
   bool interrupted = false;

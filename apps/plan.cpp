@@ -39,7 +39,7 @@ struct PlanCommand {
   MotionOptions options;
 };
 
-/// What a plan was made for; the task points into the catalogue.
+/// Plan with its task; the task points into the catalogue.
 struct Planned {
   PlanningScene scene;
   PickAndPlaceTask task;

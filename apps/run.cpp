@@ -35,7 +35,7 @@ void check_permission(const RunCommand& command, const CellFile& file) {
           "`, clear it of people, and add --execute");
 }
 
-/// What can be refused before a folder is made.
+/// Refuses what can be refused before a folder is made.
 void check_command(const RunCommand& command, const Catalogue& catalogue) {
   require_stones(catalogue, command.per_run, command.asked_per_run);
   if (!command.file) return;

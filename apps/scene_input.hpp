@@ -18,7 +18,7 @@ struct SceneView {
   bool world = false;  ///< of a cloud in W: no camera took it, T_W_C is one that is put above it
 };
 
-/// What a depth image, a recording or a cloud does not say of itself.
+/// Data that a depth image, a recording or a cloud does not contain.
 struct DepthInput {
   double unit = 0.0;        ///< m a count; 0: it must stand in the files
   std::string camera;       ///< fx,fy,cx,cy

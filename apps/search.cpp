@@ -49,7 +49,7 @@ struct SearchCommand {
   DepthInput depth;
 };
 
-/// What was found: the next placement, or one a level; other poses for the first, should the arm refuse it.
+/// Result of a search: the next placement, or one a level; other poses for the first, should the arm refuse it.
 struct Found {
   std::vector<Placement> placements, alternatives;
   std::string reason;
@@ -179,7 +179,7 @@ std::string quoted(const std::string& word) {
   return result + "'";
 }
 
-/// What to type next, for a result that was found in a view; empty for others.
+/// Returns the command to type next, for a result that was found in a view; empty for others.
 std::string next_command(const SearchCommand& command, const SearchStart& start) {
   if (!start.seen) return {};
   const auto with = [](const char* name, const std::string& value) {
@@ -188,14 +188,14 @@ std::string next_command(const SearchCommand& command, const SearchStart& start)
   const std::string catalogue = with("--catalogue", command.common.catalogue);
   if (!command.out.empty()) return concat("stonestack check ", quoted(command.out), catalogue);
   const DepthInput& depth = command.depth;
-  const std::string view =
-      concat(depth.unit > 0.0 ? concat(" --depth-unit ", depth.unit) : "", with("--camera", depth.camera),
-             with("--distortion", depth.distortion), depth.frame > 0 ? concat(" --frame ", depth.frame) : "",
-             depth.units == "m" ? "" : " --units " + depth.units);
+  const std::string view = concat(with("--units", depth.units == "m" ? "" : depth.units),
+                                  with("--depth-unit", depth.unit == 0.0 ? "" : concat(depth.unit)),
+                                  with("--camera", depth.camera), with("--distortion", depth.distortion),
+                                  with("--frame", depth.frame == 0 ? "" : concat(depth.frame)));
   const std::string again = concat("stonestack search ", quoted(command.input), view, catalogue,
                                    with("--camera-pose", command.camera_pose),
                                    command.world ? " --world" : "", with("--site", command.site));
-  if (start.frame == "camera_pose" && command.robot.empty())
+  if ((start.frame == "camera_pose" || command.world) && command.robot.empty())
     return again + " --robot ur10 --json > next.json";
   return concat(again, with("--robot", command.robot), " --out tower.yaml --picture tower.png");
 }

@@ -12,7 +12,7 @@
 
 namespace stonestack::apps {
 
-/// What a search starts from, as the command line names it.
+/// Start of a search, as the command line names it.
 struct SearchInput {
   std::string scene;        ///< scene file or view; empty: `stones` on the empty table
   std::string camera_pose;  ///< of a view; may be empty
@@ -27,7 +27,7 @@ struct SearchInput {
 struct SearchStart {
   std::shared_ptr<const ShapeList> shapes;  ///< of the stones that occur, by catalogue index; others are null
   SearchProblem problem;
-  /// What defines W: cell (nothing was seen), scene_file, camera_pose, world_cloud, or table (found in a
+  /// Definition of W: cell (nothing was seen), scene_file, camera_pose, world_cloud, or table (found in a
   /// view); unknown before the input was read.
   std::string frame = "unknown";
   std::string frame_text;     ///< the same for a person

@@ -32,7 +32,7 @@ std::vector<std::string> values(const FieldList& list) {
   return texts;
 }
 
-/// What detection.method stands for, by name, as far as it is not the default.
+/// Returns the options that detection.method stands for, by name, as far as it is not the default.
 std::vector<std::pair<std::string, std::string>> set_of_method(const FieldList& list) {
   const auto method =
       std::find_if(list.begin(), list.end(), [](const Field& f) { return f.name == "detection.method"; });

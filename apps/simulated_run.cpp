@@ -26,7 +26,7 @@ void draw_truth(const Truth& truth, const Catalogue& catalogue, const std::vecto
   write_png(path, draw(meshes, view_of_site(layout.site, top)));
 }
 
-/// What is known before anything is done.
+/// Opens the report with what is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                       const std::vector<int>& present) {
   RunReport report;
@@ -84,7 +84,7 @@ void write_report(std::string& problem, const RunReport& report, const std::stri
 
 using DrawPicture = std::function<void(const std::string& path)>;
 
-/// What cannot be made again first, the largest last: a disk that fills up costs the picture.
+/// Writes what cannot be made again first, the largest last: a disk that fills up costs the picture.
 void close_report(FinishedRun& done, const std::string& folder, const DrawPicture& draw_picture) {
   write_report(done.unwritten, done.report, folder);
   if (!draw_picture) return;

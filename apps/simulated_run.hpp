@@ -13,7 +13,7 @@ namespace stonestack::apps {
 
 struct CellFile;
 
-/// What a run came to.
+/// Outcome of a run.
 struct FinishedRun {
   RunReport report;
   Survival survival;      ///< how the tower fares when it is tried further; empty: not tried
@@ -27,7 +27,7 @@ struct FinishedRun {
                                   const RobotModel& robot, const std::vector<int>& present,
                                   const RecordFolder& folder, const SurvivalOptions* survival = nullptr,
                                   const CellFile* file = nullptr);
-/// The same with the devices of a real cell: there is no truth to judge by, and the picture shows what was
+/// Performs a run with the devices of a real cell: there is no truth to judge by, and the picture shows what was
 /// measured last. The caller has asked for the permission to move.
 [[nodiscard]] FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue,
                                        const CellFile& file, const RecordFolder& folder);

@@ -2,7 +2,7 @@
 
 #include "rooms.hpp"
 
-/// What a caller may have done to stdin, stdout and stderr.
+/// Checks of stdin, stdout and stderr, which a caller may have closed.
 namespace stonestack::apps {
 
 /// Gives a standard file that the caller has closed (`>&-`) a stand-in, so that no file of ours becomes

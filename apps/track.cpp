@@ -32,7 +32,7 @@ Pose pose_in(const nlohmann::json& entry, const std::string& key, const std::str
   return make_pose({number("x"), number("y"), number("z")}, q);
 }
 
-/// What an earlier `detect --json` or `track --json` found.
+/// Reads the poses that an earlier `detect --json` or `track --json` found.
 std::vector<NamedPose> poses_of_result(const std::string& path) {
   const auto content = read_json(path);
   const char* key = content.is_object() && content.contains("tracked") ? "tracked" : "detections";

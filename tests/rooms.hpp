@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/core/rooms.hpp"
 
-/// What tests share may use the whole library.
+/// Shared test code may use the whole library.
 namespace stonestack::test {
 using namespace report;
 }

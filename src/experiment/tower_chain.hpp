@@ -9,7 +9,7 @@
 /// Which stones of the true world are a tower.
 namespace stonestack::experiment {
 
-/// Who touches whom, by catalogue index; the table is a neighbour like any other.
+/// Contact graph by catalogue index; the table is a neighbour like any other.
 class Neighbours {
  public:
   /// `T_W_O` by stone index; nearer than `touch_gap` (m) counts as touching.

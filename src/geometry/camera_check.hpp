@@ -17,7 +17,7 @@ inline void require_usable(const CameraIntrinsics& camera) {
           ", cx ", camera.cx, ", cy ", camera.cy);
 }
 
-/// The same, and that there is a depth for each pixel.
+/// Requires a usable camera and a depth for each pixel.
 inline void require_usable(const DepthImage& image) {
   require_usable(image.camera);
   const auto pixels =

@@ -106,7 +106,7 @@ struct Cut {
   double saved = 0.0;  // m^3
 };
 
-/// What the capsule of the one side happens to hold of the other side is its own.
+/// Cuts the surface in two; what one side's capsule contains of the other becomes its own.
 Cut cut_in_two(const Surface& surface, const std::vector<Eigen::Index>& side,
                const std::vector<Eigen::Index>& other_side) {
   Part one = make_part(surface, side, false);
@@ -139,7 +139,7 @@ std::optional<Cut> best_cut(const Surface& surface, const Part& part) {
   return best;
 }
 
-/// What lies in another part's capsule, too, is left to that, where this makes the own one smaller.
+/// Hands over what lies in another part's capsule, too, where this makes the own one smaller.
 bool hand_over(const Surface& surface, std::vector<Part>& parts, std::size_t from) {
   std::vector<Eigen::Index> kept;
   std::vector<std::pair<std::size_t, Eigen::Index>> given;

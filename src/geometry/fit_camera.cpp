@@ -61,7 +61,7 @@ std::optional<std::pair<Line, Line>> fit_lines(const Cloud& cloud) {
   return lines;
 }
 
-/// What holds all but a hundredth of `tangents`; at least `usual`.
+/// Half width that contains all but a hundredth of `tangents`; at least `usual`.
 double half_width(std::vector<float> tangents, double usual) {
   if (tangents.empty()) return usual;
   const auto at = tangents.begin() + static_cast<std::ptrdiff_t>(tangents.size() * 99 / 100);

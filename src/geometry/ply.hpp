@@ -7,7 +7,7 @@
 
 namespace stonestack::geometry {
 
-/// What this library reads of a PLY file.
+/// Content of a PLY file that this library reads.
 struct PlyContent {
   std::vector<Eigen::Vector3d> points;   ///< as in the file, possibly not finite
   std::vector<Eigen::Vector3f> normals;  ///< empty without nx, ny, nz

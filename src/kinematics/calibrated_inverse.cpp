@@ -59,7 +59,7 @@ class CalibratedSearch {
     return found_;
   }
 
-  /// That branch alone, where its start leaves no doubt; empty otherwise.
+  /// Returns that branch alone, where its start leaves no doubt; empty otherwise.
   [[nodiscard]] IkBranches one(int branch) {
     if (shoulder_.miss > 0.0) return {};
     const Wrist wrist = start_wrist(branch & 3);

@@ -19,7 +19,7 @@ using Links = std::array<Pose, 7>;  ///< base and the six links at zero angles, 
 Pose about_z(double angle) {
   return Pose(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
 }
-/// What follows the rotation in a row.
+/// Returns the transform after the rotation in a row.
 Pose beyond(const DhRow& row) {
   return Pose(Eigen::Translation3d(row.a, 0.0, row.d) *
               Eigen::AngleAxisd(row.alpha, Eigen::Vector3d::UnitX()));

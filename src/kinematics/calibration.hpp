@@ -17,7 +17,7 @@ struct JointOrigin {
   double x = 0.0, y = 0.0, z = 0.0, roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< rad [m]
 };
 
-/// What a calibration file may say: numbers that it leaves out stay the robot's own.
+/// Content of a calibration file: numbers that it leaves out stay the robot's own.
 struct Calibration {
   std::array<DhRow, 6> dh;
   std::array<JointOrigin, 6> origins;  ///< of the first joint: turned to the base of the DH chain

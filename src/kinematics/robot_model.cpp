@@ -34,7 +34,7 @@ fs::path urdf_path(const std::string& name_or_path) {
   }
 }
 
-/// What a URDF has no place for, and what was measured on one robot.
+/// Reads what a URDF has no place for, and what was measured on one robot.
 void read_extras(const fs::path& yaml, RobotModel& robot, FieldList more) {
   double acceleration = robot.acceleration[0];
   const Calibration nominal = nominal_calibration(robot);

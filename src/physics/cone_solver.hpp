@@ -33,7 +33,7 @@ class ConeSolver : public btConstraintSolver {
     Vector6 velocity;
     Vector6 push;  ///< correction of the position, as a velocity
   };
-  /// What a touch does to its two bodies along one direction.
+  /// Effect of a touch on its two bodies along one direction.
   struct Axis {
     Vector6 of_a, of_b;          ///< relative speed is of_a . velocity of A + of_b . velocity of B
     Vector6 change_a, change_b;  ///< of their velocities by an impulse of 1

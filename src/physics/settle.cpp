@@ -19,7 +19,7 @@ const std::shared_ptr<const ContactShape>& shape_at(const ShapeList& shapes, int
   return shapes[static_cast<std::size_t>(stone)];
 }
 
-/// What else than its support the stone touches; empty if nothing.
+/// Names what the stone touches beside its support; empty if nothing.
 std::string wrong_touch(const std::vector<Contact>& contacts, int body, int support) {
   for (const Contact& c : contacts)
     if (c.above == body && c.below != support)

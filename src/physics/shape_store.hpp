@@ -6,7 +6,7 @@
 
 namespace stonestack::physics {
 
-/// What of a contact shape follows from the scan alone, without its mass.
+/// Part of a contact shape that follows from the scan alone, without its mass.
 struct ShapeGeometry {
   SignedDistance distance;
   std::vector<SurfaceSample> samples;               ///< in O

@@ -35,7 +35,7 @@ class SurfaceShape : public btCollisionShape {
   btVector3 scaling_{1, 1, 1};
 };
 
-/// What two bodies do to each other.
+/// Contact rule of two bodies.
 struct PairRule {
   double friction = 0.1;
   bool touches = true;

@@ -17,7 +17,7 @@ struct Surface {
 [[nodiscard]] double signed_distance(const Surface& surface, const Eigen::Vector3d& p,
                                      Eigen::Vector3d* gradient);
 
-/// What touches what. A and B are the two bodies of a pair, in the order of their indices.
+/// Kind of a touch. A and B are the two bodies of a pair, in the order of their indices.
 enum class TouchKind { kVertexOfA, kVertexOfB, kEdges, kDeepA, kDeepB };
 
 /// One point where A and B touch or nearly do.
@@ -73,7 +73,7 @@ class FeaturePairs {
   std::vector<int> deep_a_, deep_b_;  ///< vertices far inside the other body
 };
 
-/// The same against the table, z = 0: vertices of A on the plane. B is the table.
+/// Finds touches against the table, z = 0: vertices of A on the plane. B is the table.
 class TablePairs {
  public:
   [[nodiscard]] std::vector<Touch> touches(const Surface& A, const Pose& T_W_A);

@@ -10,7 +10,7 @@ namespace stonestack::protocol {
 
 /// "URSoftware 3.15.8.106339 (Nov 05 2021)" and the like; empty for anything else.
 [[nodiscard]] std::optional<UrVersion> parse_polyscope_version(std::string_view line);
-/// What follows `label` in a reply, "RUNNING" of "Robotmode: RUNNING"; empty if the line does not begin so.
+/// Value that follows `label` in a reply, "RUNNING" of "Robotmode: RUNNING"; empty if the line does not begin so.
 [[nodiscard]] std::optional<std::string> dashboard_value(std::string_view line, std::string_view label);
 /// "true" and "false", in either case of letters; empty for anything else.
 [[nodiscard]] std::optional<bool> dashboard_truth(std::string_view text);

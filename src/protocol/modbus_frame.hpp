@@ -42,13 +42,13 @@ struct Request {
   std::vector<std::uint16_t> values;
 };
 [[nodiscard]] Bytes request_pdu(const Request& request);
-/// What a server makes of a PDU: the request, or the exception that it answers.
+/// Parses a PDU on the server: the request, or the exception that it answers.
 [[nodiscard]] std::variant<Request, Exception> parse_request(View pdu);
 /// The answer; `registers` are what was read, unused for writes.
 [[nodiscard]] Bytes reply_pdu(const Request& request, std::span<const std::uint16_t> registers);
 [[nodiscard]] Bytes exception_pdu(std::uint8_t function, Exception code);
 
-/// What a client makes of a reply PDU to its request.
+/// Parsed reply PDU to a client's request.
 struct Reply {
   enum class Kind { kDone, kException, kMalformed };
   Kind kind = Kind::kMalformed;

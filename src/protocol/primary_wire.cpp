@@ -30,7 +30,7 @@ void get_version(BigEndianReader& in, PrimaryMessage& m) {
   m.text = take_rest(in);  // build date
 }
 
-/// What follows the kind; true if that kind is read here.
+/// Reads the body after the kind; true if that kind is read here.
 bool get_body(BigEndianReader& in, PrimaryMessage& m) {
   switch (m.kind) {
     case Kind::kText:

@@ -15,7 +15,7 @@ using Kind = PlanStep::Kind;
 const Eigen::Vector3d kArmColour(0.42, 0.52, 0.62), kHandColour(0.24, 0.25, 0.28);
 const Eigen::Vector3d kMovedColour(0.80, 0.52, 0.25), kOtherColour(0.75, 0.72, 0.66);
 
-/// What the hand does during a step.
+/// Gripper motion during a step.
 struct Stage {
   bool held = false, placed = false;
   double opening = 0.0;  ///< [m]

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kTableYaws = 8;  ///< turns of a first stone that are offered to the arm
 
-/// What the search proposes, neither settled nor judged.
+/// Runs the proposals alone, neither settled nor judged.
 void propose_only(TowerSearch& search, SearchResult* result) {
   for (const Trial& trial : search.offers(0)) {
     Placement placement;

@@ -8,7 +8,7 @@
 
 namespace stonestack::search {
 
-/// What a new stone may come to lie on, seen from above: heights in W and, per node, whether the surface may
+/// Surface that a new stone may come to lie on, seen from above: heights in W and, per node, whether the surface may
 /// be touched. What must not be touched (lower stones, the table) is raised by a clearance.
 struct TopSurface {
   HeightRaster heights;

@@ -4,7 +4,7 @@
 
 namespace stonestack::search {
 
-/// What a new stone is aimed at: C_j and n_j of the last placed stone's support polygon (paper §3.1), and its
+/// Target of a new stone: C_j and n_j of the last placed stone's support polygon (paper §3.1), and its
 /// centre of mass P_j. On the empty table: the site and the vertical.
 struct Target {
   Eigen::Vector3d p_W_centroid = Eigen::Vector3d::Zero();

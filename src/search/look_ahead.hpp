@@ -6,7 +6,7 @@ namespace stonestack::search {
 /// How thoroughly to look: the quick way tells good tops from bad ones at an eighth of the cost.
 enum class LookAheadEffort { kQuick, kFull };
 
-/// What the stones that are left could bear on top of a stack, by the gap field alone. Undersides are made
+/// Look-ahead on what the remaining stones could bear on top of a stack, by the gap field alone. Undersides are made
 /// once; then a question costs some 0.1 s for five stones. Read-only after construction, for any thread.
 class LookAhead {
  public:

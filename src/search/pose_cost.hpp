@@ -3,7 +3,7 @@
 
 namespace stonestack::search {
 
-/// What eq. (2) of the paper looks at.
+/// Terms of eq. (2) of the paper.
 struct ContactPose {
   SupportPolygon support;                                      ///< S_i
   double kinetic_energy = 0.0;                                 ///< E_kin [J]

@@ -64,7 +64,7 @@ inline constexpr double kOffsetReach = 0.04;  ///< offsets from the middle of th
 [[nodiscard]] Proposal refined(const Proposal& start, const StackField& fine, bool on_table,
                                const SearchOptions& options, long* evaluated);
 
-/// What the top of `stack` and the undersides of the stones offer each other: coarse, refined, at most `keep`
+/// Proposals between the top of `stack` and the undersides of the stones: coarse, refined, at most `keep`
 /// a stone and distinct. Sorted by stone, best first.
 [[nodiscard]] std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,
                                             const Eigen::Vector2d& site, int keep,

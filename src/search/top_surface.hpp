@@ -42,7 +42,7 @@ struct Rest {
   Polygon2 polygon_W;  ///< hull of the contacts seen from above
   double z = 0.0;      ///< mean height of the contacts [m]
 };
-/// That, and what it carries without the stone that is to come.
+/// Support surface, and what it carries without the stone that is to come.
 struct Interface {
   Rest rest;
   double mass_above = 0.0;      ///< [kg]

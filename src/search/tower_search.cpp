@@ -199,7 +199,7 @@ int TowerSearch::highest() const {
   return best;
 }
 
-/// What was not tried in displaced worlds may be taken for better than it is: of finished towers ways are
+/// Predicts in displaced worlds what may be taken for better than it is: of finished towers ways are
 /// predicted until the best is known, of others the best alone.
 void TowerSearch::find_best() {
   do {

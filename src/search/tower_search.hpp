@@ -27,7 +27,7 @@ class TowerSearch {
   /// The node whose tower is highest and, of those, most likely to stand, after the last whole round; 0 for
   /// none. It and all below it are predicted.
   [[nodiscard]] int best() const { return best_; }
-  /// The same by what is known now, predicted or not.
+  /// Greatest height by what is known now, predicted or not.
   [[nodiscard]] int highest() const;
   /// Judges nodes (all at once) that are not judged yet; some die. First placements are predicted, too: they
   /// are what a search that is cut short returns.
@@ -57,7 +57,7 @@ class TowerSearch {
     int node;
     Trial trial;
   };
-  /// What the loose stones offer: made once, when something is searched at all.
+  /// Surveys what the loose stones offer: made once, when something is searched at all.
   void survey();
   void grow(std::span<const int> nodes);
   /// Proposals for the next stone on a node's tower, best first, not asked of the arm.

@@ -21,7 +21,7 @@ struct PadOptions {
       5e-4;  ///< what appears deeper than this came in from the side, and starts unstressed [m]
 };
 
-/// What a pad does to a stone; world axes.
+/// Load of a pad on a stone; world axes.
 struct PadLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the world's origin [Nm]

@@ -57,7 +57,7 @@ class SharedWorld {
   void start(double speed);
   void stop();
 
-  /// What does not change: read without lock.
+  /// Constant part of the world: read without lock.
   [[nodiscard]] const TrueMounting& mounting() const { return mounting_; }
   [[nodiscard]] const RobotModel& robot() const { return robot_; }
   [[nodiscard]] const std::vector<Stone>& stones() const { return *stones_; }

@@ -25,7 +25,7 @@ struct TrueMounting {
 
 /// Where the hand's own mass hangs, m in T.
 [[nodiscard]] Eigen::Vector3d hand_centre();
-/// What a link of the arm is in, with the reported joints `q`.
+/// Names what a link of the arm overlaps, with the reported joints `q`.
 [[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
                                                        const TrueMounting& mounting, const Joints& q);
 
@@ -73,7 +73,7 @@ class SimulatedArm final : public Arm {
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
   void stop() override {}  // commands return at rest
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;
-  /// What a person does at the pendant after a protective stop.
+  /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock() { stop_reason_.clear(); }
   /// True pose of the tool.
   [[nodiscard]] Pose true_T_W_T(const Joints& q) const;

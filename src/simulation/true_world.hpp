@@ -11,7 +11,7 @@
 
 namespace stonestack::simulation {
 
-/// What the world does to the hand, gravity on the hand itself left out; world axes.
+/// Load of the world on the gripper, gravity on the hand itself left out; world axes.
 struct HandLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the world's origin [Nm]
@@ -56,7 +56,7 @@ class TrueWorld {
   }
   /// Lets `seconds` pass while the hand follows `path`. Ends early when the hand hits something hard.
   Progress advance(double seconds, const HandPath& path);
-  /// The same with the hand where it is.
+  /// Waits with the gripper where it is.
   Progress wait(double seconds);
 
   /// Mean over the last 10 ms, or the last `advance` if that was shorter.

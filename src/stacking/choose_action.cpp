@@ -42,7 +42,7 @@ std::string fault_of_site(const WorldEstimate& world, const Models& models) {
   return "";
 }
 
-/// What a run cannot begin with.
+/// Finds a reason not to begin.
 std::optional<Stop> stop_at_start(const Situation& s) {
   const WorldEstimate& world = s.world;
   if (world.loose.empty() && world.stack.empty() && world.site != SiteStatus::kOccupied)

@@ -9,7 +9,7 @@
 /// Private to stacking/: the search for the next placement, at one assumed friction after the other.
 namespace stonestack::stacking {
 
-/// What a decision is made from.
+/// Input of a decision.
 struct Situation {
   const WorldEstimate& world;
   const Models& models;

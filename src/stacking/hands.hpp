@@ -27,7 +27,7 @@ struct Hands {
   [[nodiscard]] ExecutionResult grasp(const PlanStep& step) const;
   /// Opens and goes back out, so that the next look starts free.
   [[nodiscard]] ExecutionResult give_up(const PlanStep& step, const std::string& why) const;
-  /// What the wrist says of the stone that hangs in the hand, against what should hang there: its weight, and
+  /// Checks by the wrist the stone that hangs in the gripper, against what should hang there: its weight, and
   /// where it pulls.
   [[nodiscard]] ExecutionResult check_hold(const PlanStep& lift) const;
   /// how far from where the stone's centre of mass is in the hand, held as planned, it pulls [m].

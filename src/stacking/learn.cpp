@@ -27,7 +27,7 @@ void erase(std::vector<StoneEstimate>& stones, int stone) {
   std::erase_if(stones, [&](const StoneEstimate& s) { return s.stone == stone; });
 }
 
-/// What holds for one world only.
+/// Forgets what holds for one world only.
 void forget_world(RunMemory& memory) {
   memory.search.reset();
   memory.no_pick.clear();

@@ -10,7 +10,7 @@ namespace stonestack::stacking {
 /// The memory after no motion was found for an action: the world is as before.
 [[nodiscard]] RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionPlan& plan);
 
-/// What should be seen next; `memory` remembers the action.
+/// Returns what should be seen next; `memory` remembers the action.
 [[nodiscard]] Expectation expected_after(const WorldEstimate& world, const RunMemory& memory,
                                          const Action& action);
 
@@ -23,7 +23,7 @@ namespace stonestack::stacking {
 [[nodiscard]] RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& models,
                               const BuildOptions& options, const Listener& listener);
 
-/// The same after the arm stopped during an action: nothing is looked at then.
+/// Learns after the arm stopped during an action: nothing is looked at then.
 [[nodiscard]] RunMemory learn_of_stop(RunMemory memory, const Models& models, const Listener& listener);
 
 }  // namespace stonestack::stacking

@@ -45,7 +45,7 @@ std::vector<int> unseen(const std::vector<int>& wanted, const std::vector<Sighti
   return missing;
 }
 
-/// What has been seen explains its own pixels.
+/// Returns the known stones of a view, which explain their own pixels.
 SceneKnowledge known_in(const Pose& T_W_C, const std::vector<Sighting>& sightings) {
   SceneKnowledge known;
   for (const auto& s : sightings) known.stones.push_back({s.stone, T_W_C.inverse() * s.T_W_O});

@@ -108,7 +108,7 @@ bool adopt(const ShapeList& shapes, const std::optional<WorldEstimate>& predicte
   return true;
 }
 
-/// What the views show, to be made into an estimate.
+/// Content of the views, to be made into an estimate.
 struct Seen {
   Views views;
   SiteStatus site = SiteStatus::kFree;

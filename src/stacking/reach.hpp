@@ -11,7 +11,7 @@
 /// Private to stacking/ and the commands: what a search may ask of arm and hand.
 namespace stonestack::stacking {
 
-/// What arm and gripper can do with the stones of one arrangement. What does not depend on the target is
+/// Reachable motions of arm and gripper with the stones of one arrangement. What does not depend on the target is
 /// computed once for each stone, when it is first asked about; so not to be shared by threads.
 class STONESTACK_EXPORT Reach {
  public:
@@ -35,14 +35,14 @@ class STONESTACK_EXPORT Reach {
   [[nodiscard]] bool in_one_go(int stone, const Pose& T_W_O, const Stack& below,
                                const std::vector<Pose>& avoid = {});
 
-  /// The same, if it is set down on the table on the way.
+  /// Checks the placement by way of setting the stone down on the table.
   [[nodiscard]] bool by_reorienting(int stone, const Pose& T_W_O, const Stack& below,
                                     const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
  private:
   const GraspFinder& direct(int stone);
   [[nodiscard]] PickAndPlaceTask lying(int stone) const;
-  /// What will stand there that does not stand yet.
+  /// Returns the objects that will stand there and do not stand yet.
   [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const;
 
   Arrangement arrangement_;

@@ -19,7 +19,7 @@ struct Workcell {
   Listener tell;
 };
 
-/// What is expected to be seen next.
+/// Expectation of the next observation.
 struct Expectation {
   std::vector<StoneEstimate> stack, loose;
   SiteStatus site = SiteStatus::kFree;
@@ -47,7 +47,7 @@ using WhileMoving = std::function<void(const WorldEstimate& predicted)>;
 
 // Parts of it.
 
-/// What the arm must stay clear of on its route to a view, gripper empty.
+/// Returns the scene that the arm must stay clear of on its route to a view, gripper empty.
 [[nodiscard]] PlanningScene scene_of_view(const Workcell& workcell, const Arrangement& arrangement);
 /// Views are taken as long as nobody knows what lies there (`all_unknown`), or with these stones in the
 /// scene.

@@ -11,7 +11,7 @@ struct HandMass {
   Eigen::Vector3d p_F_hand = Eigen::Vector3d::Zero();  ///< centre of mass [m]
 };
 
-/// What hangs there beside the hand itself.
+/// Load on the wrist beside the gripper itself.
 struct WristLoad {
   double weight = 0.0;  ///< downwards [N]
   /// On the line along which that pulls which came after the zero was taken, level with F.
@@ -55,7 +55,7 @@ class Wrist {
 /// part rests on the tower while a finger still has it, and the sensor drifts while it is carried.
 [[nodiscard]] double most_in_empty_hand(double weight);
 
-/// What is left in the hand of a stone that was carried.
+/// Load that is left in the gripper of a stone that was carried.
 struct CarriedLoad {
   WristLoad load;
   bool held = false;

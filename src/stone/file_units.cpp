@@ -37,7 +37,7 @@ bool is_stone_size(double metres) {
   return metres >= kSmallest && metres <= kLargest;
 }
 
-/// What would make the size right: another unit if one does, else a scale.
+/// Suggests what would make the size right: another unit if one does, else a scale.
 std::string remedy(double longest, double scale, const std::string& units) {
   const Unit& better = nearest_unit(longest * scale);
   if (units != "auto" && units != better.name && is_stone_size(longest * scale * better.metres))

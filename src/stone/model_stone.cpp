@@ -60,7 +60,7 @@ Mesh reduced(const Mesh& scan, int faces, std::vector<std::string>& warnings) {
   return mesh;
 }
 
-/// The same piece with its vertices and faces sorted: hulls come in an order that depends on addresses, and
+/// Returns the piece with its vertices and faces sorted: hulls come in an order that depends on addresses, and
 /// the same scan shall give the same files.
 Mesh ordered(const Mesh& piece) {
   const auto before = [](const auto& a, const auto& b) {

@@ -8,7 +8,7 @@ namespace stonestack::stone {
 /// `stone.yaml`: all of a stone but its meshes, with units as comments.
 [[nodiscard]] std::string stone_to_yaml(const Stone& stone);
 
-/// What `stone.yaml` says. Throws FileError naming file, key and value for a key that is missing, unknown,
+/// Content of `stone.yaml`. Throws FileError naming file, key and value for a key that is missing, unknown,
 /// not a number or out of its range.
 struct StoneFile {
   Stone stone;    ///< without meshes

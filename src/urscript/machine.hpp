@@ -18,7 +18,7 @@ inline std::size_t at(int i) {
 /// ScriptError.
 using Wait = std::function<std::optional<Value>()>;
 
-/// What a built-in function gives: a value at once, or something to wait for.
+/// Result of a built-in function: a value at once, or something to wait for.
 struct Outcome {
   Value value;
   Wait wait;
@@ -26,7 +26,7 @@ struct Outcome {
   Outcome(Wait until) : wait(std::move(until)) {}        // NOLINT
 };
 
-/// What the built-in functions act on: the controller that runs the program derives from it. The machine only
+/// Target of the built-in functions: the controller that runs the program derives from it. The machine only
 /// passes it on.
 class Host {
  protected:
@@ -96,7 +96,7 @@ class Machine {
 
   /// One control step. Never throws; a run-time error ends the program.
   State step(int quota = kStepQuota);
-  /// What the last step took of its quota; may be more by one instruction.
+  /// Part of its quota that the last step used; may be more by one instruction.
   [[nodiscard]] int spent() const { return spent_; }
   [[nodiscard]] State state() const { return state_; }
   /// Line, column and text of what made it fail.

@@ -21,7 +21,7 @@ using PoseVector = Eigen::Matrix<double, 6, 1>;
 /// A named part of `struct(name=value, ...)`.
 struct NamedValue;
 using Fields = std::vector<NamedValue>;
-/// What `run` gives.
+/// Handle that `run` returns.
 struct ThreadHandle {
   int id = 0;
 };
@@ -119,10 +119,10 @@ enum class Operator {
 void set_element(Value& value, long long index, Value element);
 /// value[key], or value.key where the key is a string.
 [[nodiscard]] Value member(const Value& value, const Value& key);
-/// The same in place; no element of a pose.
+/// Returns the member in place; no element of a pose.
 [[nodiscard]] Value& member(Value& value, const Value& key);
 void set_member(Value& value, const Value& key, Value item);
-/// What a copy of it costs: elements, those of inner lists included, and a sixteenth of the characters.
+/// Cost of a copy: elements, those of inner lists included, and a sixteenth of the characters.
 [[nodiscard]] int weight(const Value& value);
 /// Throws when a list or structure has grown beyond the limits.
 void check_size(const Value& value);

@@ -73,7 +73,7 @@ class Commands : public testing::Test {
     outcome.err = read_file(folder_ + "/err", 1 << 20);
     return outcome;
   }
-  /// What a person sees who runs the command with these variables on a terminal; lines end in CR LF.
+  /// Returns what a person sees who runs the command with these variables on a terminal; lines end in CR LF.
   [[nodiscard]] std::string on_terminal(const std::string& variables, const std::string& arguments) const {
     const std::string command =
         concat("cd ", folder_, " && env ", variables, " ", STONESTACK_BINARY, " ", arguments);

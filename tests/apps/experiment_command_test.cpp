@@ -74,7 +74,7 @@ TEST_F(Commands, AVariantWithThePapersDetectionHasAllOfIt) {
     EXPECT_THAT(options, HasSubstr(value));
 }
 
-/// What cannot be done is said before anything is built, not after the rows before it.
+/// An impossible experiment is refused before anything is built, not after the rows before it.
 TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   const std::string arguments = "experiment --runs 1 --per-run 1 --survival false --out record ";
   expect_refusal(arguments + "--variant 'as it is:' --variant 'odd: search.no_such_thing=3'", 2,

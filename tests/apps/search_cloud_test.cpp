@@ -84,7 +84,7 @@ constexpr const char* kQuick = " --set search.rounds=1 --set search.horizon=1 --
 
 TEST_F(SearchCloud, BuildsOnTheTowerThatStandsInACloudAlone) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3"));
-  ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.62, -0.02));
+  ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.58, -0.10));
   write_cloud(folder_ + "/scene.ply", cloud_);
   const Outcome outcome = run(concat("search scene.ply", kQuick));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -126,10 +126,11 @@ TEST_F(SearchCloud, BuildsOnTheTowerThatStandsInACloudAlone) {
 
 TEST_F(SearchCloud, PutsTheFirstStoneOnAFreePlaceInView) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3,limestone_5"));
-  write_cloud(folder_ + "/scene.ply", cloud_);
-  const Outcome outcome = run(concat("search scene.ply", kQuick));
+  write_changed("mm.ply", cloud_, [](const Eigen::Vector3f& p) { return Eigen::Vector3f(1000 * p); });
+  const Outcome outcome = run(concat("search mm.ply --units mm", kQuick));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const json found = outcome.data();
+  EXPECT_THAT(found["next"].get<std::string>(), HasSubstr("search mm.ply --units mm --out tower.yaml"));
   EXPECT_EQ(found["frame"]["defined_by"], "table");
   EXPECT_TRUE(found["stack"].empty());
   const Pose T_V_W = pose_of(found["frame"]["T_W_C"]) * T_W_C_.inverse();
@@ -150,7 +151,7 @@ TEST_F(SearchCloud, PutsTheFirstStoneOnAFreePlaceInView) {
 
 TEST_F(SearchCloud, RecognisesACloudInTheWorldFrame) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3"));
-  ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.62, -0.02));
+  ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.58, -0.10));
   write_changed("world.ply", without_gaps(cloud_),
                 [&](const Eigen::Vector3f& p) { return Eigen::Vector3f(T_W_C_.cast<float>() * p); });
   const Outcome outcome = run(concat("search world.ply", kQuick));

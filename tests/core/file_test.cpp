@@ -32,7 +32,7 @@ TEST(File, RefusesWhatIsNotAFile) {
   EXPECT_THROW(write_file("/proc/nonexistent/x", "one"), FileError);
 }
 
-/// What is wrong with a path, as `write_file` and `require_writable` say it; empty: nothing.
+/// Problem of a path, as `write_file` and `require_writable` say it; empty: nothing.
 std::string problem_of(void (*call)(const std::string&), const std::string& path) {
   try {
     call(path);

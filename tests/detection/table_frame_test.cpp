@@ -32,7 +32,8 @@ TEST(TableFrame, ServesACameraThatLiesOnItsSide) {
 }
 
 TEST(TableFrame, ShowsWhereTheBareTableIsSeen) {
-  const Stone box{"box", make_box({0.2, 0.2, 0.1}), make_box({0.2, 0.2, 0.1}), {}, {}};
+  Stone box;
+  box.scan = box.mesh = make_box({0.2, 0.2, 0.1});
   const Pose T_W_C = make_camera_pose(0.0, 0.0);
   const DepthImage image = look_at({{&box, make_pose(Eigen::Vector3d(0.1, 0.1, 0.05))}}, T_W_C);
   const auto table_C = find_table(image);

@@ -145,7 +145,7 @@ TEST(UrScripts, GuardedMotionEndsAtContactOrSilence) {
   EXPECT_EQ(mute.plant.state().q, ScriptBench::start()) << "no force, no motion";
 }
 
-/// What an arm does whose program is paused, which is then moved by hand, and resumed.
+/// State of an arm whose program is paused, which is then moved by hand, and resumed.
 struct Resumed {
   int end = 0;
   double fastest = 0.0;  ///< rad/s of any joint, after the pause
@@ -326,7 +326,7 @@ TEST(UrArmOnController, ProtectiveStopNeedsAPerson) {
   EXPECT_FALSE(cell.arm->state().can_move);
 }
 
-/// What making an arm says, or "" if it could be made.
+/// Error of making an arm, or "" if it could be made.
 std::string problem_of(const UrServerOptions& options) {
   try {
     const Loopback cell(options);

@@ -105,7 +105,7 @@ std::string repeated(const std::string& piece, std::size_t times) {
   return text;
 }
 
-/// What the controller says to a script that it cannot compile.
+/// Reply of the controller to a script that it cannot compile.
 std::string complaint(const std::string& script) {
   ScriptBench bench;
   bench.controller.run_script(script);

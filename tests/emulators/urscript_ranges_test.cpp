@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What the controller says to a line; `nan` and `inf` are numbers there, `q` where the arm is.
+/// Reply of the controller to a line; `nan` and `inf` are numbers there, `q` where the arm is.
 std::string error(const std::string& line, const std::string& version = "3.15.8.106339") {
   ScriptBench bench(version);
   bench.say(

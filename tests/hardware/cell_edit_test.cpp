@@ -42,7 +42,7 @@ class CellEdit : public testing::Test {
     EXPECT_TRUE((now.T_F_T * now.T_T_C).isApprox(T_F_C_, 1e-5)) << text();
     return text();
   }
-  /// What `edited` did not leave as it was, by lines.
+  /// Lines that `edited` changed.
   static std::vector<std::string> changed_lines(const std::string& before, const std::string& after) {
     std::vector<std::string> old, changed;
     std::istringstream a(before), b(after);

@@ -11,7 +11,7 @@
 
 namespace stonestack::hardware {
 
-/// What a scripted RTDE controller answers: bytes by the request's letter. A request without an answer is met
+/// Answers of a scripted RTDE controller: bytes by the request's letter. A request without an answer is met
 /// with silence. Answers to the same letter are used one after the other, the last one for ever.
 struct FakeRtdePlan {
   std::map<char, std::vector<std::string>> replies;

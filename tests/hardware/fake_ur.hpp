@@ -13,7 +13,7 @@ namespace stonestack::hardware {
 /// when a script arrives. Every millisecond it sends a state that is 8 ms later.
 class FakeUr {
  public:
-  /// What the controller shows, and what will happen to it after some states.
+  /// State of the controller, and the events after some states.
   struct State {
     std::map<std::string, RtdeValue> fields;
     std::vector<std::pair<long, std::function<void(State&)>>> later;

@@ -41,7 +41,7 @@ std::string repeat(const std::string& bytes, int times) {
   return all;
 }
 
-/// What a call says, if it says it in time.
+/// Error of a call, if it comes in time.
 template <class Call>
 std::string error_of(Call&& call) {
   const Stopwatch watch;

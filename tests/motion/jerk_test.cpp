@@ -95,7 +95,7 @@ double distance(const Joints& q, const Joints& a, const Joints& b) {
   return (q - a - s * (b - a)).norm();
 }
 
-/// What is certified is what is driven: the jerk limit changes the law of time only.
+/// The certified path is the one that is driven: the jerk limit changes the law of time only.
 TEST(Jerk, StaysOnTheRoundedPath) {
   Random random = Random::stream(4, "jerk");
   const JointPath path = random_path(random, 8);

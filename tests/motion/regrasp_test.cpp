@@ -63,7 +63,7 @@ TEST(RestPoses, ASlabDoesNotStandOnItsEdge) {
   EXPECT_THROW((void)rest_poses(Stone{}), InvalidArgument);
 }
 
-/// What counts is the angle, not the margin alone: the same 10 mm hold a low block and not a tall one.
+/// The angle counts, not the margin alone: the same 10 mm hold a low block and not a tall one.
 TEST(RestPoses, ATallStoneDoesNotStandOnItsEnd) {
   EXPECT_EQ(rest_poses(block("low", {0.02, 0.02, 0.02})).size(), 6u);
   const Stone tall = block("pillar", {0.02, 0.02, 0.16});

@@ -50,7 +50,7 @@ TEST(SceneProblem, IsNoneWhereStonesTouch) {
 TEST(SceneProblem, NamesStonesThatLieInEachOther) {
   Field field;
   field.add_box("other", {0.1, 0.1, 0.1}, 0.70 + 0.05 + 0.05 - 0.02, -0.18, 0.05);
-  EXPECT_EQ(scene_problem(field.scene, field.task), "block and other overlap by 20 mm where they are");
+  EXPECT_EQ(scene_problem(field.scene, field.task), "block and other overlap by 10 mm where they are");
   Field around;
   around.add_box("shell", {0.5, 0.5, 0.5}, 0.70, -0.18, 0.0);
   EXPECT_THAT(scene_problem(around.scene, around.task), HasSubstr("block and shell overlap"));

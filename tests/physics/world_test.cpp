@@ -85,7 +85,7 @@ TEST(World, ImpulsesCarryTheWeight) {
   EXPECT_NEAR(on_cube, weight, 1e-3 * weight);
 }
 
-/// What the table carries of four cubes in the very first step, when nothing is known of the impulses yet:
+/// Share of four cubes that the table carries in the very first step, when nothing is known of the impulses yet:
 /// 1 for all of their weight.
 double carried_at_once(int iterations) {
   WorldOptions options;

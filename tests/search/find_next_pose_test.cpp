@@ -71,7 +71,7 @@ TEST(FindNextPose, APlanThatNoLongerHoldsSaysWhy) {
   EXPECT_THAT(gone.reason, HasSubstr("not there"));
 }
 
-/// What a stone put exactly there is given, with centres of mass known to `sigma`.
+/// Prediction for a stone put exactly there, with centres of mass known to `sigma`.
 double predicted(const SearchProblem& problem, const PlacedStone& next, double sigma) {
   SearchOptions options = quick();
   options.friction = 0.5;

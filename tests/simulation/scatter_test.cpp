@@ -58,7 +58,7 @@ TEST(Scatter, BeginsAnewWhereTheLastFindsNoRoom) {
   }
 }
 
-/// The same field, too full for stones 6 cm apart, as that of the cell is for eight rocks: they lie closer
+/// A field too full for stones 6 cm apart, as that of the cell is for eight rocks: they lie closer
 /// together rather than not at all.
 TEST(Scatter, InAFullFieldStonesLieCloserTogether) {
   const StoneField field{{0.4, -0.2}, {0.19, 0.17}, 0.06};

@@ -10,7 +10,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// What the loop does with a stone that came to lie against the base of its tower.
+/// Behaviour of the loop with a stone that came to lie against the base of its tower.
 namespace stonestack::stacking {
 namespace {
 

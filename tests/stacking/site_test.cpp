@@ -9,7 +9,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// What a run does about what stands at the site when it begins.
+/// Behaviour of a run with what stands at the site when it begins.
 namespace stonestack::stacking {
 namespace {
 

@@ -7,7 +7,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// What a run says of stones of which detection is not sure.
+/// Report of stones of which detection is not sure.
 namespace stonestack::stacking {
 namespace {
 

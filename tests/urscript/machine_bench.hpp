@@ -27,7 +27,7 @@ struct MachineBench : Host {
     return list;
   }
 
-  /// What textmsg said until the program ended, lines joined by |.
+  /// .|Texts of textmsg until the program ended, lines joined by |.|.
   std::string say(const std::string& source, int most_steps = 1000) {
     texts.clear();
     exceptions.clear();

@@ -22,7 +22,7 @@ class Deadline {
   [[nodiscard]] bool over() const { return left() <= 0.0; }
   /// The earlier of the two.
   [[nodiscard]] Deadline or_in(double seconds) const;
-  /// The same point; who waits for it throws Interrupted within 0.1 s of Ctrl-C. Not for what must still work
+  /// Deadline at the same point; a wait for it throws Interrupted within 0.1 s of Ctrl-C. Not for what must still work
   /// then, as stopping an arm.
   [[nodiscard]] Deadline or_interrupt() const;
   /// Seconds to wait before the next look at it. Throws Interrupted, see `or_interrupt`.

@@ -15,7 +15,7 @@
 
 namespace stonestack::detection {
 
-/// What may as well be there: another pose of a stone of nearly symmetric shape, or another stone of like
+/// An alternative explanation: another pose of a stone of nearly symmetric shape, or another stone of like
 /// shape.
 struct LikePose {
   Pose T_C_O = Pose::Identity();
@@ -39,7 +39,7 @@ struct Detection {
 
 struct DetectionTrace;
 
-/// What one frame, or several of one scene, showed.
+/// Detections in one frame, or in several of one scene.
 struct DetectionResult {
   std::vector<Detection> detections;  ///< at most `copies` a model, best score first
   std::optional<Plane> table_C;       ///< normal towards the camera
@@ -79,7 +79,7 @@ struct KnownStone {
   Pose T_C_O = Pose::Identity();
 };
 
-/// What is known of a scene before it is looked at.
+/// Knowledge of a scene before it is observed.
 struct SceneKnowledge {
   std::vector<KnownStone> stones;  ///< their points are taken out of the scene, and they may hide others
   std::optional<Plane> table_C;    ///< where the table is, within 3 cm and 10 deg, from the camera's pose
@@ -108,7 +108,7 @@ class DetectionModels {
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});
 
-/// The same from several camera poses: hypotheses from each view, one verdict over all, so that what one view
+/// Detects from several camera poses: hypotheses from each view, one verdict over all, so that what one view
 /// hides another may show. Views are first aligned by what they see (hand-eye and arm err by a millimetre or
 /// two). Results and `known` are in C, the camera frame of the first view. Throws InvalidArgument for no
 /// view.

@@ -40,7 +40,7 @@ struct TracedTurn {
   std::vector<TracedCandidate> candidates;
 };
 
-/// What each stage of detection saw, in the order of the turns.
+/// Data of each stage of detection, in the order of the turns.
 struct DetectionTrace {
   std::vector<TracedTurn> turns;
 };

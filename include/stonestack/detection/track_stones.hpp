@@ -10,7 +10,7 @@
 
 namespace stonestack::detection {
 
-/// What became of a stone that was placed before.
+/// Present state of a stone that was placed before.
 struct TrackedStone {
   enum class Status {
     kInPlace,  ///< where it was
@@ -25,7 +25,7 @@ struct TrackedStone {
 };
 [[nodiscard]] std::string to_text(TrackedStone::Status status);
 
-/// What became of all of them.
+/// Present state of all of them.
 struct TrackResult {
   std::vector<TrackedStone> stones;  ///< one entry an expected stone, in their order
   std::string note;                  ///< why the search found none of those that are not there, for a person

@@ -12,7 +12,7 @@
 /// worth.
 namespace stonestack::experiment {
 
-/// What the simulated cell's own truth says of the finished tower; the program under test never sees it.
+/// Verdict of the simulated cell's truth on the finished tower; the program under test never sees it.
 struct TruthReport {
   int height = 0;         ///< stones that rest on the stone below and on nothing else
   bool stands = false;    ///< the tower that the run reports still stands after `seconds`

@@ -26,7 +26,7 @@ struct SurvivalOptions {
   double shake_seconds = 0.7;                     ///< then half a second of rest
 };
 
-/// What is left of it.
+/// Height that is left of the tower.
 struct Survival {
   std::vector<int>
       standing;    ///< stones from the table up that stayed within the bounds, at each of `seconds`

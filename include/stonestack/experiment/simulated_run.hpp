@@ -5,7 +5,7 @@
 
 namespace stonestack::experiment {
 
-/// What one run of the loop in the simulated cell is made with.
+/// Settings of one run of the loop in the simulated cell.
 struct SimulatedRun {
   int seed = 1;  ///< of the cell, detection, search and motion
   BuildOptions build;

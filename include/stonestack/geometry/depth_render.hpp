@@ -9,7 +9,7 @@
 
 namespace stonestack::geometry {
 
-/// What a ray hit.
+/// Hit of a ray.
 struct RayHit {
   double distance = 0.0;   ///< m along the unit ray
   int instance = -1;       ///< index of `add`, in order

@@ -25,7 +25,7 @@ struct DepthSequence {
   std::vector<DepthRecord> records;
 };
 
-/// What a recording leaves out. Nothing is guessed: TUM has neither intrinsics nor a depth scale in its
+/// Camera data that a recording leaves out. Nothing is guessed: TUM has neither intrinsics nor a depth scale in its
 /// files, Open3D often no scale.
 struct DepthSequenceInput {
   double unit = 0.0;                       ///< m a count; 0: it must stand in the files

@@ -31,7 +31,7 @@ struct PoseDifference {
 [[nodiscard]] Pose make_pose(const Eigen::Vector3d& translation);
 /// Linear in translation, spherical in rotation; `s` in [0, 1].
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double s);
-/// The same with an orthonormal rotation (removes drift of repeated products).
+/// Returns the pose with an orthonormal rotation (removes drift of repeated products).
 [[nodiscard]] Pose orthonormal(const Pose& pose);
 /// True if every number is finite and the rotation is orthonormal with determinant +1, to 1e-6.
 [[nodiscard]] bool is_valid(const Pose& pose);

@@ -33,7 +33,7 @@ class SurfaceTree {
   [[nodiscard]] SurfacePoint nearest(const Eigen::Vector3d& p,
                                      double limit = std::numeric_limits<double>::infinity(),
                                      int likely_face = -1) const;
-  /// The same for points that lie close together, several times faster: they share one descent of the tree.
+  /// Finds the nearest points for points that lie close together, several times faster: they share one descent of the tree.
   [[nodiscard]] std::vector<SurfacePoint> nearest(const std::vector<Eigen::Vector3d>& cluster,
                                                   int likely_face = -1) const;
 

@@ -8,7 +8,7 @@
 
 namespace stonestack::hardware {
 
-/// What the arm reports. Times in seconds; `device_time` is the controller's own, `host_time` that of
+/// State that the arm reports. Times in seconds; `device_time` is the controller's own, `host_time` that of
 /// `host_seconds` (in a simulated cell of its clock).
 struct ArmState {
   Joints q = Joints::Zero();

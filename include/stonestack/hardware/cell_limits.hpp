@@ -10,7 +10,7 @@
 
 namespace stonestack::hardware {
 
-/// What a cell allows its arm, within what the robot can: group `limits` of its file. Lists stand as their
+/// Limits of a cell for its arm, within what the robot can: group `limits` of its file. Lists stand as their
 /// text, since they are lists in the file.
 struct CellLimits {
   std::string joints;        ///< six of [least, most], degrees; empty: the robot's own

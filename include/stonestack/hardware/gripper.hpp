@@ -7,7 +7,7 @@
 
 namespace stonestack::hardware {
 
-/// What the gripper reports. `opening` in metres between the finger pads.
+/// State that the gripper reports. `opening` in metres between the finger pads.
 struct GripperState {
   double opening = 0.155;
   bool moving = false;

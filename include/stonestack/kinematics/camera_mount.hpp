@@ -16,7 +16,7 @@ struct SeenMark {
   Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
 };
 
-/// What the camera on the hand saw from one arm pose.
+/// Observation of the camera on the gripper from one arm pose.
 struct MountView {
   Pose T_W_T = Pose::Identity();  ///< tool, as the arm reports it
   std::optional<Plane> table_C;   ///< the table, which is z = 0 in W

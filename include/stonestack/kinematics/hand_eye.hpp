@@ -29,7 +29,7 @@ struct HandEyeResidual {
   double rotation = 0.0;     ///< [rad]
 };
 
-/// What one method says.
+/// Result of one method.
 struct HandEyeSolution {
   std::string method;             ///< joint, tsai_lenz, park_martin, daniilidis
   Pose T_A_C = Pose::Identity();  ///< A: the flange F with kOnHand, the robot base R with kOnBase

@@ -42,7 +42,7 @@ struct EasyHandEye {
 };
 /// Throws FileError naming file, key and value.
 [[nodiscard]] EasyHandEye read_easy_handeye(const std::string& path);
-/// What was read is written as it was, keys sorted and text quoted as easy_handeye (PyYAML) does.
+/// Writes what was read unchanged, keys sorted and text quoted as easy_handeye (PyYAML) does.
 void write_easy_handeye(const std::string& path, const EasyHandEye& calibration);
 
 }  // namespace stonestack::kinematics

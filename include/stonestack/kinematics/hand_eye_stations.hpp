@@ -8,7 +8,7 @@
 
 namespace stonestack::kinematics {
 
-/// What a simulated arm and camera err by, standard deviations of each station.
+/// Errors of a simulated arm and camera, standard deviations of each station.
 struct HandEyeNoise {
   double arm_translation = 0.0002;     ///< [m]
   double arm_rotation = 0.0003;        ///< [rad]

@@ -10,7 +10,7 @@
 
 namespace stonestack::motion {
 
-/// What the fingers hold.
+/// Object between the fingers.
 struct HeldObject {
   std::string name;
   std::vector<Mesh> pieces;  ///< convex, in O
@@ -20,7 +20,7 @@ struct HeldObject {
 /// The table, where an index of scene.objects could stand.
 inline constexpr int kTableObject = -1;
 
-/// What may touch, and how far everything else stays away.
+/// Permitted contacts, and the clearance of everything else.
 struct CollisionRules {
   double padding = 0.010;              ///< 0.010 in transit, 0.002 on approach, 0 at contact [m]
   double self_padding = 0.005;         ///< arm against itself, the gripper and what it holds [m]

@@ -16,12 +16,12 @@ namespace stonestack::motion {
 /// empty if its weight and its width do not stand in the way. Throws InvalidArgument as `rest_poses`.
 [[nodiscard]] std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper);
 
-/// The same with the arm that carries hand and stone: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the hand
+/// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the hand
 /// with sensor and camera".
 [[nodiscard]] std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper,
                                          const RobotModel& robot);
 
-/// Who cannot carry `mass` (kg), and what they can: "the fingers carry 2.5 kg"; empty if all can.
+/// Names what cannot carry `mass` (kg), and its limit: "the fingers carry 2.5 kg"; empty if all can.
 [[nodiscard]] std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot);
 
 }  // namespace stonestack::motion

@@ -54,7 +54,7 @@ struct Grasp {
 /// An upper bound: forces for the three axes add up.
 [[nodiscard]] double holding_force(const Grasp& grasp, double weight, const Eigen::Vector3d& n_T_down);
 
-/// What sampling found, best first, and how many samples fell to which test (the first that refused).
+/// Grasps that sampling found, best first, and how many samples fell to which test (the first that refused).
 struct GraspSet {
   std::vector<Grasp> grasps;
   int tried = 0;

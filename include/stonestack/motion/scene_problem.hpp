@@ -7,7 +7,7 @@
 
 namespace stonestack::motion {
 
-/// What the arm stands in with these joints, where no motion can begin: "at the start the arm stands in
+/// Object that the arm overlaps with these joints, where no motion can begin: "at the start the arm stands in
 /// something: forearm and wall overlap".
 /// @return empty where it stands in nothing.
 [[nodiscard]] std::string start_problem(const PlanningScene& scene, const Joints& q_start);

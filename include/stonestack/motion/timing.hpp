@@ -8,7 +8,7 @@
 
 namespace stonestack::motion {
 
-/// What a timed motion must respect.
+/// Limits of a timed motion.
 struct TimingLimits {
   Joints velocity;       ///< [rad/s]
   Joints acceleration;   ///< [rad/s^2]
@@ -34,7 +34,7 @@ using ToolSpeed = std::function<double(const Joints& q)>;
 /// is continuous. Throws InvalidArgument for an empty path, numbers that are not finite or limits that are
 /// not positive. `limits.tool_speed` must be 0.
 [[nodiscard]] JointTrajectory time_path(const JointPath& path, const TimingLimits& limits);
-/// The same, and the tool (T_F_T on the flange) is never faster than `limits.tool_speed`, nor than
+/// Times the path so that the tool (T_F_T on the flange), too, is never faster than `limits.tool_speed`, nor than
 /// `tool_speed` if it is given; that is asked at points on the path at most 0.05 rad apart.
 [[nodiscard]] JointTrajectory time_path(const JointPath& path, const TimingLimits& limits,
                                         const RobotModel& robot, const Pose& T_F_T,

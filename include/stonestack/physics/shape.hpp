@@ -19,7 +19,7 @@ struct ShapeOptions {
 
 struct SurfaceFeatures;  // private: vertices, convex edges and faces, arranged for contact
 
-/// What physics needs of a stone: the full scan's surface and mass. Contact is between the features of the
+/// Physical model of a stone: the full scan's surface and mass. Contact is between the features of the
 /// scans (vertex on face, edge on edge), so concave stones touch exactly as they are (no convex pieces, no
 /// margin); signed distance and samples serve where nearness is asked for. Immutable; shared between worlds
 /// and threads.

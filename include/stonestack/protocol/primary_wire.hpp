@@ -8,7 +8,7 @@
 
 #pragma GCC visibility push(default)
 
-/// What a controller sends on its primary port: packages of `int32 size, uint8 type`, of which robot messages
+/// Messages of a controller's primary port: packages of `int32 size, uint8 type`, of which robot messages
 /// (type 20) tell how a program fares. Robot states (type 16) are passed over: state comes by RTDE.
 namespace stonestack::protocol {
 

@@ -11,7 +11,7 @@
 
 #pragma GCC visibility push(default)
 
-/// What travels over RTDE: the types and every documented field. Sources: UR's RTDE guide and the tables of
+/// Fields of RTDE: the types and every documented field. Sources: UR's RTDE guide and the tables of
 /// its client library.
 namespace stonestack::protocol {
 

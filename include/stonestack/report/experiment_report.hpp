@@ -5,14 +5,14 @@
 
 #pragma GCC visibility push(default)
 
-/// What an experiment says, for people and for other programs.
+/// Reports of an experiment, for people and for other programs.
 namespace stonestack::report {
 
 /// For a person: histogram beside the paper's, times beside the paper's, survival, predictions, a line a run.
 [[nodiscard]] std::string experiment_table(const Experiment& experiment);
 /// "stonestack.experiment/1".
 [[nodiscard]] std::string experiment_json(const Experiment& experiment);
-/// What experiment_json wrote into a file. Not in it: catalogue, options and belief of the runs. Throws
+/// Reads a file that experiment_json wrote. Not in it: catalogue, options and belief of the runs. Throws
 /// FileError.
 [[nodiscard]] Experiment read_experiment(const std::string& path);
 /// A line a run: run, seed, stones, height, end, times.

@@ -82,7 +82,7 @@ struct Placement {
   SupportPolygon support;
 };
 
-/// What is known of the site.
+/// Stack, loose stones and site of a search.
 struct SearchProblem {
   const ShapeList* shapes = nullptr;
   Stack stack;                    ///< what stands (measured)

@@ -9,7 +9,7 @@
 
 namespace stonestack::simulation {
 
-/// What a depth camera does to a perfect view. An assumption (SR300: 0.4 mm + 1 mm z^2, z in m), to
+/// Errors of a depth camera. An assumption (SR300: 0.4 mm + 1 mm z^2, z in m), to
 /// be fitted to a real device; every number is a field so that it can be.
 struct SensorModel {
   std::string name = "ideal";

@@ -58,14 +58,14 @@ class SimulatedCell {
   [[nodiscard]] Cell cell();
   /// For the judge and the painter.
   [[nodiscard]] Truth truth() const;
-  /// The same world for devices behind sockets, each with a thread of its own. While they run, only they may
+  /// Returns the world for devices behind sockets, each with a thread of its own. While they run, only they may
   /// touch the world: `cell`, `wait` and `world` are for before and after.
   [[nodiscard]] SharedWorld& shared();
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);
   /// Puts stone `stone` at T_W_O, at rest, at once: for setting up an experiment, never during one.
   void place(int stone, const Pose& T_W_O);
-  /// What a person does at the pendant after a protective stop.
+  /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock();
   /// The world itself and the site where the planner expects it, for judges.
   [[nodiscard]] const TrueWorld& world() const;

@@ -65,7 +65,7 @@ struct Stop {
   std::string reason;
 };
 
-/// What the robot can do next.
+/// Next action of the robot.
 using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop>;
 /// "place", "reorient", "unstack", "clear_base", "look_again", "stop".
 [[nodiscard]] std::string name_of(const Action& action);

@@ -11,7 +11,7 @@
 
 namespace stonestack::stacking {
 
-/// What is known of stones and robot before anything is seen. Catalogue and robot must outlive it.
+/// Models of stones and robot. Catalogue and robot must outlive it.
 struct Models {
   const Catalogue* catalogue = nullptr;
   const RobotModel* robot = nullptr;
@@ -32,7 +32,7 @@ void add_resting_stacks(const Models& models, const BuildOptions& options, const
 /// A memory with which a run begins.
 [[nodiscard]] RunMemory make_memory(const BuildOptions& options);
 
-/// What to do next, and why.
+/// Chosen action, and why.
 struct Decision {
   Action action;
   RunMemory memory;        ///< with what was found out on the way: what the search found, what was given up

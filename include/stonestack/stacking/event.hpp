@@ -10,7 +10,7 @@
 
 #pragma GCC visibility push(default)
 
-/// What happens in a run, as values: log lines, journal, report and tests are made from these.
+/// Events of a run, as values: log lines, journal, report and tests are made from these.
 namespace stonestack::stacking {
 
 /// A stone (index into the catalogue) and what is said of it.

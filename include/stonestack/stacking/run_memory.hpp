@@ -57,7 +57,7 @@ struct FollowedPlan {
   Route route = Route::kDirect;    ///< that the search counted on
 };
 
-/// What the search found for one world, and how far the motions to it were refused.
+/// Result of the search for one world, and how far the motions to it were refused.
 struct SearchOutcome {
   SearchResult found;
   std::size_t friction_level = 0;
@@ -95,7 +95,7 @@ struct Failure {
   std::string reason;
 };
 
-/// What a run remembers beside the world.
+/// Memory of a run beside the world.
 struct RunMemory {
   FrictionEstimate friction;
   std::vector<PlacementRecord> records;

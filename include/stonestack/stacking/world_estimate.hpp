@@ -42,7 +42,7 @@ struct RestingStack {
   std::string reason;
 };
 
-/// What the program knows of the cell: only what camera and sensors reported.
+/// Estimate of the cell's state: only what camera and sensors reported.
 struct WorldEstimate {
   std::vector<StoneEstimate> stack;  ///< from the table up
   std::vector<StoneEstimate> loose;  ///< on the table

@@ -15,7 +15,7 @@ struct Deviation {
   double worst = 0.0;
 };
 
-/// What is known of a stone before it is seen: its scan, measured once. Frame O: origin at the centre of mass
+/// Model of a stone: its scan, measured once. Frame O: origin at the centre of mass
 /// of the uniform scan, axes of the scanned file unless asked otherwise.
 struct Stone {
   std::string name;

@@ -7,7 +7,7 @@ namespace stonestack::detection {
 /// unknown name.
 [[nodiscard]] Features describe_scene(const DetectionScene& scene, const DetectionOptions& options);
 
-/// The same of a model's surface: `seen_like` are its points as a camera's voxels would have them.
+/// Describes a model's surface: `seen_like` are its points as a camera's voxels would have them.
 [[nodiscard]] Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like,
                                       const DetectionOptions& options);
 

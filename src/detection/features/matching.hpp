@@ -17,7 +17,7 @@ struct Correspondence {
 [[nodiscard]] std::vector<Correspondence> match_features(const Features& scene, const Features& model,
                                                          int neighbours);
 
-/// The same by a kd-tree in descriptor space (FLANN through PCL, exact), as the paper has it.
+/// Matches features by a kd-tree in descriptor space (FLANN through PCL, exact), as the paper has it.
 [[nodiscard]] std::vector<Correspondence> match_features_kdtree(const Features& scene, const Features& model,
                                                                 int neighbours);
 

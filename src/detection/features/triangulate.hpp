@@ -11,7 +11,7 @@ struct TriangulatedSurface {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// What one view shows standing on the table, in C, on every n-th pixel so that points are about `spacing`
+/// Surface that one view shows above the table, in C, on every n-th pixel so that points are about `spacing`
 /// apart; neighbouring pixels are linked unless depth jumps between them.
 [[nodiscard]] TriangulatedSurface triangulate(const DetectionScene& scene, int view, double spacing,
                                               double height_low, double height_high);

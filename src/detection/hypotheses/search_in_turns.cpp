@@ -67,7 +67,7 @@ std::vector<SeenCluster> with_parts(const DetectionScene& scene) {
   return all;
 }
 
-/// What one turn tries.
+/// Method that one turn tries.
 enum class Turn {
   kSweep,     ///< some orientations on each cluster
   kParts,     ///< and on parts of clusters
@@ -75,7 +75,7 @@ enum class Turn {
   kThorough,  ///< more orientations, also on parts of clusters
 };
 
-/// What a look at a scene tries.
+/// Settings of one pass over a scene.
 struct Look {
   const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
   std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
@@ -94,7 +94,7 @@ SweepOptions thorough_sweep() {
   return options;
 }
 
-/// What was found out about one model.
+/// State of the search for one model.
 struct ModelSearch {
   std::vector<Correspondence> matches;
   std::vector<Hypothesis> grouped, swept;
@@ -175,7 +175,7 @@ Look look_of(Turn turn, const DetectionScene& scene, const Features& seen) {
   return {nullptr, with_parts(scene), thorough_sweep()};
 }
 
-/// What to try next: what a turn has found sets something apart, so the cheap sweep is worth another try.
+/// Chooses the next turn: what a turn has found sets something apart, so the cheap sweep is worth another try.
 std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& options) {
   if (!options.sweep) return {};  // the paper looks once
   if (found) return Turn::kSweep;
@@ -185,7 +185,7 @@ std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& op
   return {};
 }
 
-/// What is accepted though something else has not been tried yet.
+/// Returns stricter options for accepting before everything has been tried.
 DetectionOptions beyond_doubt(DetectionOptions options, const DetectionScene& scene) {
   const double bar = kBeyondDoubt - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise);
   options.accept_score = std::max(options.accept_score, bar);

@@ -20,7 +20,7 @@ struct StoneSample {
   int face = -1;                  ///< that was nearest last
 };
 
-/// What one view says of one stone, and the smooth error of that view around it.
+/// Evidence of one view about one stone, and the smooth error of that view around it.
 class StoneInView {
  public:
   StoneInView(const SeenView& view, std::vector<StoneSample> samples);

@@ -9,7 +9,7 @@
 namespace stonestack::detection {
 namespace {
 
-/// What a cluster looks like from the camera.
+/// Patch of a cluster as the camera sees it.
 struct SeenPatch {
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();
   Eigen::Vector3f towards = Eigen::Vector3f::Zero();  ///< unit, to the camera

@@ -17,7 +17,7 @@ namespace stonestack::detection {
                                                          const DetectionOptions& options,
                                                          double least = -1.0);
 
-/// What is left of final poses when each must show some surface, and explain mostly what none of more worth
+/// Returns the final poses that remain when each must show some surface, and explain mostly what none of more worth
 /// explains: poses move after they were accepted.
 [[nodiscard]] std::vector<Detection> without_doubles(const std::vector<Detection>& found,
                                                      const DetectionModels::Data& data,

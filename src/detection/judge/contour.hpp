@@ -4,7 +4,7 @@
 
 namespace stonestack::detection {
 
-/// What the image shows along the outline of a drawn model.
+/// Tally of the image along the outline of a drawn model.
 struct ContourTally {
   double seen = 0;  ///< places on the outline with a depth on both sides, neither explained by known stones
   double goes_on = 0;  ///< of these: the seen surface goes on smoothly where the model ends

@@ -6,7 +6,7 @@
 
 namespace stonestack::detection {
 
-/// What a camera would see of one mesh, on every `step`-th pixel of the rectangle that holds it.
+/// Rendered view of one mesh, on every `step`-th pixel of the rectangle that holds it.
 struct DrawnModel {
   int u0 = 0, v0 = 0;  ///< image pixel of the first drawn one
   int step = 1;

@@ -81,7 +81,7 @@ struct Evidence {
   double weight = 0.0;
 };
 
-/// What `all` weigh; those of other stones by how much of the scene they explain as well.
+/// Weighs `all`; those of other stones by how much of the scene they explain as well.
 std::vector<Evidence> weighed(const std::vector<Detection>& all, const DetectionModels::Data& data) {
   const auto area = [&](const Detection& d) {
     return std::max(1e-6, d.visible * data.models[static_cast<std::size_t>(d.stone)].area);

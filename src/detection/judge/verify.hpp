@@ -14,7 +14,7 @@ struct SeenPixel {
   int step = 1;   ///< of the raster
 };
 
-/// What the scene says about one pose of one model.
+/// Verdict of the scene on one pose of one model.
 struct Verdict {
   double score = -1.0;        ///< at most 1: what fits, minus what contradicts
   double inlier_ratio = 0.0;  ///< the paper's: share that fits, of the drawn pixels that have a depth

@@ -5,7 +5,7 @@
 
 namespace stonestack::detection {
 
-/// What is known of the error of a view's pose before any stone is: half a squared sum x'Hx / 2 + g'x over a
+/// Prior of the error of a view's pose: half a squared sum x'Hx / 2 + g'x over a
 /// small motion x of the view (translation m, rotation rad, in V), around where it is taken to be now.
 struct ViewConstraint {
   Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();

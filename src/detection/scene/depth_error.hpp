@@ -8,7 +8,7 @@ namespace stonestack::detection {
 
 struct DetectionOptions;
 
-/// What a depth image says of its own smooth error: the bare table is flat, so what it deviates is the
+/// Smooth error of a depth image, from the image itself: the bare table is flat, so what it deviates is the
 /// camera's fault. Depth cameras err smoothly over tens of pixels (half a millimetre, say), and that does not
 /// average out over a stone; beside the stone it can be read off, and how far it carries, too.
 struct DepthError {

@@ -66,7 +66,7 @@ struct DetectionScene {
 /// Sets the clusters of the scene's surface.
 void find_clusters(DetectionScene& scene, double gap);
 
-/// What one view saw.
+/// Returns the surface that one view saw.
 [[nodiscard]] SurfacePoints surface_of_view(const DetectionScene& scene, int view);
 
 /// Appends points that a view saw, in C.

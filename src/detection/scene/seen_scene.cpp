@@ -56,7 +56,7 @@ Plane in_scene(const Plane& plane_V, const Pose& T_C_V) {
   return {normal, plane_V.offset + normal.dot(T_C_V.translation())};
 }
 
-/// What stands above the table, in V.
+/// Returns the points above the table, in V.
 SurfacePoints above_table(const DepthImage& depth, const std::optional<Plane>& table_V) {
   std::vector<Eigen::Vector3f> points;
   std::vector<float> areas;

@@ -28,7 +28,7 @@ class ModbusFaultBox {
   ModbusFaults faults_;
 };
 
-/// What a server sends for a request: maybe nothing.
+/// Answer of a server to a request: maybe nothing.
 struct ModbusAnswer {
   modbus::Bytes pdu;
   bool silent = false;

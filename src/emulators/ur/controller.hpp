@@ -32,7 +32,7 @@ struct Registers {
 
   /// An integer of a script, written during that control step.
   void write_int(std::size_t i, std::int32_t value, std::uint64_t step);
-  /// What RTDE shows of it after that step. It looks while scripts run: now and then at what a script wrote
+  /// State that RTDE shows after that step. It looks while scripts run: now and then at what a script wrote
   /// and wrote over again within the step.
   [[nodiscard]] std::int32_t seen_int(std::size_t i, std::uint64_t step) const;
 
@@ -51,7 +51,7 @@ struct ControllerIo {
   int tool_voltage = 0;
 };
 
-/// What primary clients are told.
+/// Event for primary clients.
 struct ControllerEvent {
   enum class Kind { kKey, kText, kRuntimeException, kErrorCode, kSafetyMode, kPopup };
   Kind kind = Kind::kText;
@@ -148,7 +148,7 @@ class UrController : public urscript::Host {
   [[nodiscard]] const UrServerOptions& options() const { return options_; }
   [[nodiscard]] const UrVersion& version() const { return version_; }
   [[nodiscard]] const PlantState& plant() const { return measured_; }
-  /// What presses on the tool at the tool centre point, base axes, weight of the payload taken off.
+  /// Wrench on the tool at the tool centre point, base axes, weight of the payload taken off.
   [[nodiscard]] Six wrench() const { return raw_wrench_ - wrench_zero_; }
   [[nodiscard]] const Six& raw_wrench() const { return raw_wrench_; }
   [[nodiscard]] const std::deque<Joints>& history() const { return history_; }

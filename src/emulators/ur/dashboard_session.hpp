@@ -3,7 +3,7 @@
 
 namespace stonestack::emulators {
 
-/// What the Dashboard says first to every client.
+/// Greeting of the Dashboard to every client.
 inline constexpr const char* kDashboardGreeting = "Connected: Universal Robots Dashboard Server";
 
 /// One line of the Dashboard protocol, without its end.

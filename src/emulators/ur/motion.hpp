@@ -15,7 +15,7 @@ struct MoveOptions {
   double blend = 0.0;    ///< [m]
 };
 
-/// What force_mode asks for.
+/// Request of force_mode.
 struct ForceMode {
   bool active = false;
   Pose T_B_task = Pose::Identity();

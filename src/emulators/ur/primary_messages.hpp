@@ -3,7 +3,7 @@
 
 #include "emulators/ur/controller.hpp"
 
-/// What ports 30001 to 30003 send. Sources: UR's "Remote Control Via TCP/IP" tables and the parsers of its
+/// State messages of ports 30001 to 30003. Sources: UR's "Remote Control Via TCP/IP" tables and the parsers of its
 /// client library; sizes of the sub-packages as a robot with PolyScope 5.8 sends them.
 namespace stonestack::emulators {
 

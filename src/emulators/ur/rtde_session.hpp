@@ -7,7 +7,7 @@
 
 namespace stonestack::emulators {
 
-/// Who writes which input: a session's number.
+/// Owner of each input: a session's number.
 using InputOwners = std::map<std::string, int>;
 
 /// The server's side of one RTDE connection, without the socket.

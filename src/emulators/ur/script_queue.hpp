@@ -11,7 +11,7 @@
 
 namespace stonestack::emulators {
 
-/// What script ports have received and the controller has not yet run. No client's scripts hold up a control
+/// Queue of scripts that have been received and not yet run. No client's scripts hold up a control
 /// step that others rely on: a long one is compiled in a thread beside, and of short ones a step takes a
 /// handful. What one client sends stays in its order and is run to the last line, even when the client has
 /// hung up; clients do not wait for each other.

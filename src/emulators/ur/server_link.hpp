@@ -11,7 +11,7 @@ namespace stonestack::emulators {
 /// One client of one port. Everything happens between two control steps and never waits.
 class ServerLink {
  public:
-  /// What becomes of a client that does not read.
+  /// Treatment of a client that does not read.
   enum class Unread { kDisconnected, kSkipped };
   /// Of what the client sends at most so many times 8192 bytes are taken a step: the rest waits, so that no
   /// client keeps the step from the others.

@@ -24,7 +24,7 @@ class RtdeLink final : public ServerLink {
 class ScriptLink final : public ServerLink {
  public:
   enum class Kind { kPrimary, kSecondary, kRealtime };
-  /// What it receives goes into the queue, under its number.
+  /// Puts what it receives into the queue, under its number.
   ScriptLink(TcpStream stream, UrController& controller, ScriptQueue& queue, int number, Kind kind,
              bool read_only);
   void after_step() override;

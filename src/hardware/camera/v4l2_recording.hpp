@@ -7,7 +7,7 @@
 
 #include "hardware/camera/recording.hpp"
 
-/// What a driver handed over, kept as it came. A folder with
+/// Raw buffers of a driver. A folder with
 ///   v4l2.raw     the bytes of all buffers, one behind the other, padding and all
 ///   v4l2.txt     "stonestack v4l2 1", "Z16 WIDTH HEIGHT BYTES_PER_LINE", then a line a buffer:
 ///                "SEQUENCE SECONDS MICROSECONDS ERROR BYTES", damaged and short ones, too

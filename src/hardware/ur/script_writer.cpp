@@ -51,7 +51,6 @@ void end(ScriptLines& out, const std::string& state) {
 void define_globals(ScriptLines& out, const JointTrajectory& trajectory) {
   double fastest = 0.0;
   for (const Joints& qd : trajectory.qd) fastest = std::max(fastest, qd.cwiseAbs().maxCoeff());
-  const ScriptOptions& o = out.options();
   out.add(1, "global stk_dt = ", out.step_time());
   const double lag_limit = kHoldLag + 2 * kLookahead * fastest;
   out.add(1, "global stk_lag_limit = ", to_script(lag_limit));
@@ -83,7 +82,6 @@ void define_lag(ScriptLines& out) {
 /// (speed slider, pause), so that nothing jumps afterwards. An arm that is further away than a waiting path
 /// leaves it (moved in a pause, held back) would jump, for servoj has no speed limit: that ends the program.
 void define_piece(ScriptLines& out, bool guarded) {
-  const ScriptOptions& o = out.options();
   out.add(1, "def stk_to(knot, h, q1, v1):");
   out.add(2, "while (stk_t < h) and (stk_end == 0):");
   out.add(3, "local s = stk_t / h");

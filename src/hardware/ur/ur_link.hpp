@@ -28,11 +28,11 @@ class UrLink {
   [[nodiscard]] std::string stop_reason() const;
   /// No motion until `rearm`.
   void disarm(const std::string& reason);
-  /// The same for a stop that did not get through: no heartbeat any more either, so that the controller's
+  /// Ends the link for a stop that did not get through: no heartbeat any more either, so that the controller's
   /// watchdog ends what runs.
   void starve(const std::string& reason);
   void rearm();
-  /// What to say about a script that did not start.
+  /// Explains a script that did not start.
   [[nodiscard]] std::string explain_silence() const;
   [[nodiscard]] int next_run();
 

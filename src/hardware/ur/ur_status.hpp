@@ -3,7 +3,7 @@
 #include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 
-/// What one RTDE sample says about arm and program.
+/// State of arm and program in one RTDE sample.
 namespace stonestack::hardware {
 
 struct STONESTACK_EXPORT UrStatus {
@@ -28,12 +28,12 @@ struct STONESTACK_EXPORT UrStatus {
 
 /// Outputs and inputs that the arm needs; `first_register` is 24 or 0.
 [[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
-/// The same for the controller at `address`; throws DeviceError that names it for PolyScope X (version 10).
+/// Returns the recipe for the controller at `address`; throws DeviceError that names it for PolyScope X (version 10).
 [[nodiscard]] STONESTACK_EXPORT RtdeRecipeFor served_recipe(const std::string& address);
 [[nodiscard]] STONESTACK_EXPORT UrStatus read_status(const RtdeSample& sample, int first_register);
 /// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".
 [[nodiscard]] std::string find_safety_stop(const UrStatus& status);
-/// The same, or that the arm is not powered with its brakes off.
+/// Finds a safety stop, or that the arm is not powered with its brakes off.
 [[nodiscard]] std::string find_hindrance(const UrStatus& status);
 
 }  // namespace stonestack::hardware

@@ -22,7 +22,7 @@ struct HandView {
 [[nodiscard]] HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
                                  const Eigen::Matrix3d& R_O_T);
 
-/// What one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
+/// Profile that one finger can meet: the highest point of the stone, along x towards the finger, in each slice of z.
 struct FingerStrip {
   static constexpr int kSlices = 160;
   static constexpr double kPerMetre = 250.0;  ///< slices of 4 mm
@@ -38,16 +38,16 @@ struct FingerStrip {
   /// Highest point with z between about `low` and `high`; kNoStone if there is none.
   [[nodiscard]] double height(double low, double high) const;
 };
-/// What fingers A, B and C can meet with the hand shifted by `y`.
+/// Cuts the profiles that fingers A, B and C can meet with the hand shifted by `y`.
 [[nodiscard]] std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const HandView& view,
                                                     double y);
 /// Where the pad of one finger stops when the finger tips are at `tip`.
 [[nodiscard]] double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip);
-/// The same of fingers B and C alone, the hand not shifted: cheaper than to cut strips for it.
+/// Returns the heights of fingers B and C alone, the hand not shifted: cheaper than to cut strips for it.
 [[nodiscard]] std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const HandView& view,
                                                        double tip);
 
-/// What a pad touches, in O.
+/// Contact of a pad, in O.
 struct PadTouch {
   double height = kNoStone;
   Eigen::Vector3d p = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();

@@ -27,7 +27,7 @@ std::vector<Eigen::Vector3d> sphere_directions(int count) {
   return directions;
 }
 
-/// Those of them that the options want.
+/// Selects the directions that the options ask for.
 std::vector<Eigen::Vector3d> approaches(const GraspOptions& options) {
   std::vector<Eigen::Vector3d> directions = sphere_directions(options.directions);
   if (options.n_O_towards.isZero()) return directions;

@@ -23,7 +23,7 @@ constexpr std::size_t kManyBlocked =
 constexpr double kTightClearance = 0.006;  // m, of the open fingers, which is twice what a seen pose errs by
 constexpr double kOpeningStep = 0.02;      // m, to which openings are rounded up against the arm's own links
 
-/// The same pose of the arm with joints turned by whole turns into their limits, where those are not about
+/// Returns the same arm pose with joints turned by whole turns into their limits, where those are not about
 /// zero; false if one has no such angle there.
 bool turn_into_limits(const RobotModel& robot, Joints& q) {
   constexpr double kTurn = 2.0 * std::numbers::pi;

@@ -10,7 +10,7 @@
 
 namespace stonestack::motion {
 
-/// What stands in the way of a grasp at one end of its way.
+/// Obstruction of a grasp at one end of its path.
 enum class EndFault { kTooWeak, kTable, kObject, kReach, kArm };
 
 /// Whether grasps of a stone serve where it lies or is to lie: the straight way of the hand, the grip's
@@ -29,9 +29,9 @@ class GraspEnd {
   [[nodiscard]] std::optional<EndFault> hand_fault(const Grasp& grasp, const Pose& T_W_O) const;
   /// With these joints the arm meets nothing and itself nowhere, while the hand is at the grasp and open.
   [[nodiscard]] bool arm_is_free(const Grasp& grasp, const Joints& q) const;
-  /// The same robot and hand with these objects in place of the scene's.
+  /// Returns the check for the same robot and gripper with these objects in place of the scene's.
   [[nodiscard]] GraspEnd among(std::span<const SceneObject> objects) const;
-  /// Those of the grasps with the indices `among` that serve, until `enough` are found (0: all).
+  /// Selects the grasps with the indices `among` that serve, until `enough` are found (0: all).
   [[nodiscard]] std::vector<int> serving(std::span<const Grasp> grasps, std::span<const int> among,
                                          const Pose& T_W_O, std::size_t enough = 0) const;
   /// True if the hand meets an object, the table not regarded, at each of the grasps that approach within

@@ -13,7 +13,7 @@ class HandCheck {
   /// `way` m: length of the straight approach; `left_out`: index of an object that does not count, or -1.
   HandCheck(const PlanningScene& scene, double way, int left_out);
 
-  /// What the hand comes nearer to than `padding`.
+  /// Object nearer to the gripper than `padding`.
   struct Hit {
     enum class What { kNothing, kTableObject, kObject };
     What what = What::kNothing;
@@ -21,7 +21,7 @@ class HandCheck {
   };
   /// Anywhere on the way that ends at T_W_T, with the pads `opening` apart.
   [[nodiscard]] Hit sweep(const Pose& T_W_T, double opening, double padding) const;
-  /// The same of objects alone: true if it comes nearer than that to one, whatever the table.
+  /// Checks objects alone: true if it comes nearer than that to one, whatever the table.
   [[nodiscard]] bool touches_object(const Pose& T_W_T, double opening, double padding) const;
 
  private:

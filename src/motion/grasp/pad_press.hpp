@@ -44,7 +44,7 @@ class PadPress {
     Vector6 u = Vector6::Zero();    // of the stone: shift and small turn about its centre of mass
     std::array<double, 3> place{};  // m, of each pad from the plane x = 0
   };
-  /// What a closing pad meets.
+  /// Contact of a closing pad.
   struct Met {
     double height = 0.0;  // m, of the surface towards its finger
     double stiff = 0.0;   // N/m

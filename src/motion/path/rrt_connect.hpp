@@ -7,7 +7,7 @@
 /// Private to motion: OMPL behind one function.
 namespace stonestack::motion {
 
-/// What a tree may do.
+/// Limits of a tree.
 struct TreeLimits {
   double resolution = 0.0;  ///< at which edges are certified [rad]; 0: they are only sampled
   long most_motions = 0;    ///< motion checks

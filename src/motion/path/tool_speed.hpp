@@ -19,7 +19,7 @@ inline constexpr double kToolLine =
 /// to spare for those between. Infinity where the tool does not move.
 [[nodiscard]] double fastest_with_tool(const PathPiece& piece, const ToolLimit& limit);
 
-/// What transits keep: options.near_speed where the tool is nearer than options.near_distance to an object
+/// Speed limits of transits: options.near_speed where the tool is nearer than options.near_distance to an object
 /// but `left_out`, options.tool_speed elsewhere. Distances are to the objects' bounding boxes. `reach` (m):
 /// how far what the hand holds goes out from the tool's tip.
 [[nodiscard]] ToolSpeed transit_speed(const PlanningScene& scene, const MotionOptions& options,

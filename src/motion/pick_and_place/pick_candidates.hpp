@@ -24,14 +24,14 @@ class PickCandidates {
  public:
   /// With these joints the arm is free at a grasp (index into the set): GraspFinder::arm_is_free.
   using ArmIsFree = std::function<bool(int, const Joints&)>;
-  /// What is passed must outlive this, but not `arm_is_free`.
+  /// The arguments must outlive this object, but not `arm_is_free`.
   PickCandidates(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
                  const GraspSet& set, const GraspCheck& check, const ArmIsFree& arm_is_free);
   /// The cheapest that was not given out yet.
   [[nodiscard]] std::optional<PickCandidate> next();
 
  private:
-  /// What is known of how loosely a grasp holds: how the stone lies between the closed pads, then how it
+  /// Looseness of a grasp: how the stone lies between the closed pads, then how it
   /// hangs where it lies, then at the target. Each part can only add to the cost.
   struct Looseness {
     std::optional<PadPress> pads;

@@ -17,7 +17,7 @@ struct RestGraph {
                                         const std::vector<Grasp>& grasps, const MotionOptions& options,
                                         const RegraspOptions& regrasp);
 
-/// The same with the less firm poses of rest that are allowed where no firm one leads on.
+/// Options with the less firm resting poses that are allowed where no firm one leads on.
 [[nodiscard]] RegraspOptions with_shaky_rests(RegraspOptions regrasp);
 
 /// Sequences of 1 to `most` poses (indices, none twice) that lead from the grasps `from` to the grasps `to`:
@@ -25,7 +25,7 @@ struct RestGraph {
 [[nodiscard]] std::vector<std::vector<int>> rest_chains(const RestGraph& graph, const std::vector<int>& from,
                                                         const std::vector<int>& to, int most);
 
-/// What both ascending lists have.
+/// Returns the elements that both ascending lists have.
 [[nodiscard]] std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);
 
 }  // namespace stonestack::motion

@@ -20,7 +20,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-/// What the fake driver shall do, and what was asked of it.
+/// Script of the fake driver, and the calls it received.
 struct Script {
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   std::uint32_t format = V4L2_PIX_FMT_Z16;

@@ -14,7 +14,7 @@ class SharedWorld;
 
 namespace stonestack::emulators {
 
-/// What a simulated depth camera sees.
+/// Source of a simulated depth camera's images.
 class DepthPlant {
  public:
   virtual ~DepthPlant() = default;
@@ -39,7 +39,7 @@ class IdealDepthPlant final : public DepthPlant {
 /// copied. The world must outlive it.
 [[nodiscard]] std::unique_ptr<DepthPlant> make_world_depth(SharedWorld& world);
 
-/// What a simulated depth camera does wrong. Counts: frames from now on, -1 all.
+/// Faults of a simulated depth camera. Counts: frames from now on, -1 all.
 struct CameraFaults {
   int no_frame = 0;    ///< nothing is sent
   int hang_up = 0;     ///< the connection is closed

@@ -14,7 +14,7 @@ class SharedWorld;
 
 namespace stonestack::emulators {
 
-/// What a simulated force sensor measures.
+/// Source of a simulated force sensor's readings.
 class WrenchPlant {
  public:
   virtual ~WrenchPlant() = default;
@@ -38,7 +38,7 @@ class IdealWrenchPlant final : public WrenchPlant {
 /// The wrist of a simulated cell, with its sensor's offset, noise and counts. The world must outlive it.
 [[nodiscard]] std::unique_ptr<WrenchPlant> make_world_wrench(SharedWorld& world);
 
-/// What a simulated force sensor does wrong. Counts: frames from now on, -1 all.
+/// Faults of a simulated force sensor. Counts: frames from now on, -1 all.
 struct FtFaults {
   bool silent = false;     ///< neither streams nor answers
   bool deaf = false;       ///< streams on, whatever is sent

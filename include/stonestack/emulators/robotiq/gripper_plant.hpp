@@ -16,7 +16,7 @@ namespace stonestack::emulators {
 /// Axes of the 3-finger gripper, in the order of every array: fingers A, B, C, and the scissor.
 inline constexpr int kGripperAxes = 4;
 
-/// What the gripper's controller asks of one axis. Counts: 0 open to 255 closed.
+/// Command of the gripper's controller to one axis. Counts: 0 open to 255 closed.
 struct AxisCommand {
   bool go = false;      ///< false: stay where it is
   double target = 0.0;  ///< counts
@@ -24,7 +24,7 @@ struct AxisCommand {
   double force = 0.0;   ///< [N]
 };
 
-/// What one axis does.
+/// State of one axis.
 struct AxisReport {
   enum class Status { kMoving, kContactOpening, kContactClosing, kAtRequest };
   double position = 0.0;  ///< counts

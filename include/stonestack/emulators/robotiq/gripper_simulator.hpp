@@ -10,7 +10,7 @@
 
 namespace stonestack::emulators {
 
-/// What a simulated gripper does wrong behind a healthy wire.
+/// Faults of a simulated gripper behind a healthy wire.
 struct GripperFaults {
   bool activation_hangs = false;  ///< the activation never completes
   int fault = 0;                  ///< gFLT that is reported, 0 to 15; 13 to 15 end with a reset

@@ -5,7 +5,7 @@
 
 namespace stonestack::emulators {
 
-/// What a simulated Modbus device does wrong on the wire. Numbers count the replies that are spoiled from now
+/// Faults of a simulated Modbus device on the wire. Numbers count the replies that are spoiled from now
 /// on: 0 none, -1 all. Each reply meets every fault that is still armed, in this order.
 struct ModbusFaults {
   int no_reply = 0;           ///< the request is carried out, nothing comes back

@@ -12,7 +12,7 @@ class SharedWorld;
 
 namespace stonestack::emulators {
 
-/// What a robot's joints and flange do, as its controller measures it.
+/// State of a robot's joints and flange, as its controller measures it.
 struct PlantState {
   Joints q = Joints::Zero();                           ///< encoders [rad]
   Joints qd = Joints::Zero();                          ///< [rad/s]

@@ -10,7 +10,7 @@
 
 namespace stonestack::emulators {
 
-/// What a real controller does when things go wrong, one switch each (numbers: docs/failure-modes.md).
+/// Faults of a controller, one switch each (numbers: docs/failure-modes.md).
 /// Times are seconds since `start` on the controller's clock; a negative time means never.
 struct ControllerFaults {
   bool fieldbus_owns_lower_registers = false;  ///< 1: input registers 0..23 answer IN_USE

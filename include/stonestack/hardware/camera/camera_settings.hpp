@@ -9,7 +9,7 @@
 
 namespace stonestack::hardware {
 
-/// What a depth image means, which neither V4L2 nor a PNG tells. The scale is never guessed: 5000 in place of
+/// Meaning of a depth image's numbers, which neither V4L2 nor a PNG contains. The scale is never guessed: 5000 in place of
 /// 1000 is an error by five that looks like a picture.
 struct CameraSettings {
   double depth_scale = 0.0;  ///< counts a metre: TUM 5000, Open3D and D4xx 1000, SR300 8000; 0: not given
@@ -28,7 +28,7 @@ struct CameraSettings {
 /// Metres a count. Throws InvalidArgument, with the usual values, when the scale was not given.
 [[nodiscard]] double depth_unit(const CameraSettings& settings);
 
-/// What makes a frame worth looking at.
+/// Conditions that a frame must meet.
 struct FrameCheckOptions {
   bool refuse_equal_image = true;  ///< a camera with noise never sends the same image twice
 };

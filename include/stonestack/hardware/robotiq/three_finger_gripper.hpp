@@ -65,11 +65,11 @@ struct ThreeFingerStatus {
 /// How bad a fault is: nothing, wait and it passes, or activate again.
 enum class GripperFaultKind { kNone, kPriority, kMinor, kMajor };
 [[nodiscard]] GripperFaultKind gripper_fault_kind(int fault);
-/// What the fault is and what to do: "fault 0x0F: automatic release is complete; activate again". Empty for
+/// Fault and remedy: "fault 0x0F: automatic release is complete; activate again". Empty for
 /// 0.
 [[nodiscard]] std::string gripper_fault_text(int fault);
 
-/// What one axis shall do in individual control; counts, 0 open to 255 closed.
+/// Request to one axis in individual control; counts, 0 open to 255 closed.
 struct FingerRequest {
   int position = 0;
   int speed = 255;  ///< 0 to 255: 22 to 110 mm/s

@@ -14,7 +14,7 @@
 
 namespace stonestack::hardware {
 
-/// What a client wants of the controller. `timestamp` is always added to the outputs, because START needs an
+/// Fields that a client asks of the controller. `timestamp` is always added to the outputs, because START needs an
 /// output and staleness needs a time.
 struct RtdeRecipe {
   std::vector<std::string> required;             ///< outputs; a missing one is an error
@@ -90,7 +90,7 @@ class RtdeClient {
   /// Writes the values of input recipe `recipe` (its place in RtdeRecipe::inputs). Throws InvalidArgument for
   /// a wrong number, type or a number that is not finite; DeviceError while the link is down.
   void send(std::size_t recipe, const std::vector<RtdeValue>& values);
-  /// What the controller said since the last call, at most the newest 64 texts.
+  /// Takes the texts that the controller sent since the last call, at most the newest 64 texts.
   [[nodiscard]] std::vector<RtdeText> take_texts();
   [[nodiscard]] RtdeCounts counts() const;
   /// Host time of the samples: `host_seconds`.

@@ -23,7 +23,7 @@
 /// lower and the program says so.
 namespace stonestack::hardware {
 
-/// What a program writes last.
+/// End state that a program writes.
 enum class ScriptEnd {
   kRunning = 0,
   kDone = 1,
@@ -43,7 +43,7 @@ struct ScriptOptions {
 };
 [[nodiscard]] FieldList fields(ScriptOptions& options);
 
-/// What every program needs to know. T_F_T and payload are set by each program, since another program may
+/// Settings of every program. T_F_T and payload are set by each program, since another program may
 /// have changed them.
 struct ScriptContext {
   UrVersion version;

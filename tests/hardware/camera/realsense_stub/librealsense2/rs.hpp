@@ -26,7 +26,7 @@ struct rs2_intrinsics {
 
 namespace rs2 {
 
-/// What the scripted camera is and sends.
+/// State and frames of the scripted camera.
 struct StubFrame {
   std::vector<std::uint16_t> counts;
   int width = 0, height = 0, stride = 0;
