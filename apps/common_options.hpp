@@ -20,7 +20,7 @@ struct CommonOptions {
 
   /// --catalogue, --seed, --json, --quiet, --set, --config.
   void register_on(CLI::App& command);
-  /// The same but for what a benchmark takes otherwise: no --json, no --quiet.
+  /// Registers catalogue, seed and settings alone, for a benchmark: no --json, no --quiet.
   void register_draw(CLI::App& command);
   /// Applies --quiet; call first in a callback.
   void begin() const;

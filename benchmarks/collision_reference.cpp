@@ -44,7 +44,7 @@ double box_gap(const Points& a, const Points& b) {
   return std::sqrt(box_a.squaredExteriorDistance(box_b));
 }
 
-/// What is bolted together or meets in every pose (as the checker's documentation says).
+/// True for links that are bolted together or meet in every pose (as the checker's documentation says).
 bool never_checked(int low, int high, bool arm) {
   if (high - low < 2) return true;
   return arm && ((low == 0 && high == 2) || (low == 3 && high == 5) || (low == 4 && high == 6));

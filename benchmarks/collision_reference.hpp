@@ -12,7 +12,7 @@ namespace stonestack::bench {
 class CollisionReference {
  public:
   CollisionReference(const PlanningScene& scene, const CollisionRules& rules);
-  /// m: the least of distance minus padding over all pairs, exact where it is below `near`. Stops at the
+  /// Smallest distance minus padding over all pairs, m; exact where it is below `near`. Stops at the
   /// first pair that is clearly (`near`) too close.
   [[nodiscard]] double least_gap(const Joints& q, double near) const;
 
@@ -29,7 +29,7 @@ class CollisionReference {
   std::vector<std::vector<Eigen::Vector3d>> obstacles_R_;
 };
 
-/// m, between the convex hulls of two sets of points; 0 where they overlap.
+/// Distance between the convex hulls of two sets of points, m; 0 where they overlap.
 [[nodiscard]] double hull_gap(const std::vector<Eigen::Vector3d>& a, const std::vector<Eigen::Vector3d>& b);
 
 }  // namespace stonestack::bench

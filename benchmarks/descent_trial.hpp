@@ -13,13 +13,13 @@
 /// Guarded descents of one stone, for `stonestack-bench descent`.
 namespace stonestack::bench {
 
-inline constexpr double kForceMark = 30.0;  ///< N
+inline constexpr double kForceMark = 30.0;  ///< contact force that counts as hard, N
 
 /// How descents ended.
 struct DescentEnds {
   int descents = 0, missed = 0, early = 0, stopped = 0, hard = 0;
   int no_room = 0;  ///< ended where the hand would have met the support, before there was anything to feel
-  std::vector<double> peaks;  ///< N
+  std::vector<double> peaks;  ///< largest force of each descent, N
 };
 struct DescentTally {
   Results* results = nullptr;  ///< gets a note of each descent that went wrong; null: none
@@ -64,7 +64,7 @@ class DescentTrial {
   [[nodiscard]] PlanningScene hand_and_support();
   /// True if fingers or palm come to the support before the stone does: a place that no plan would choose.
   [[nodiscard]] bool hand_comes_first(const JointTrajectory& way);
-  /// What the hand is nearest to, and how near.
+  /// The object that is nearest to the gripper, and its distance.
   [[nodiscard]] std::string nearest_to_hand(const Joints& q);
   /// Of the stone, since the lift.
   [[nodiscard]] PoseDifference moved_in_hand();

@@ -15,7 +15,7 @@
 namespace stonestack::bench {
 namespace {
 
-/// What the user asks for.
+/// The command line.
 struct DetectionBench {
   CommonOptions common;
   int scenes = 20;

@@ -25,8 +25,8 @@ struct SceneKind {
   std::string sensor = "sr300";
   int copies = 1;                ///< of the first stone
   int views = 1;                 ///< camera poses
-  double least_tilt = 0.0;       ///< rad, of the camera off the vertical
-  double most_tilt = 0.78;       ///< rad
+  double least_tilt = 0.0;       ///< tilt of the camera off the vertical, rad, at least
+  double most_tilt = 0.78;       ///< tilt at most, rad
   double least_unhidden = 0.25;  ///< stones of which the first view shows less do not count
   bool mirrored = false;         ///< the images, left for right
 };
@@ -47,8 +47,8 @@ struct BenchScene {
 
 /// How far the reported pose of each further view is off, standard deviations an axis.
 struct CameraError {
-  double shift = 0.0006;  ///< m
-  double turn = 0.002;    ///< rad
+  double shift = 0.0006;  ///< along each axis, m
+  double turn = 0.002;    ///< about each axis, rad
 };
 
 /// Places and renders full-resolution scans. Stones rest in an orientation in which they would stay on a

@@ -13,7 +13,7 @@ namespace stonestack::bench {
 struct DetectionTally {
   int scenes = 0, present = 0, right = 0, wrong = 0, absent = 0, false_accepts = 0, calibrated = 0;
   std::vector<double> degrees, millimetres, chi2, right_scores, bad_scores;
-  double wall = 0, cpu = 0;  ///< s, all scenes
+  double wall = 0, cpu = 0;  ///< time of all scenes, s
 };
 
 /// Compares what was found with the truth. Right: within 5 deg and 5 mm. A stone counts as present if the

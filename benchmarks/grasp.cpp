@@ -36,7 +36,7 @@ struct Tally {
   std::array<int, 4> set_down{};  ///< plans with that many stops on the way
   std::array<AngleTally, kAngles> angles{};
   std::vector<double> check_ms, plan_ms, motion_s, regrasp_ms;
-  std::vector<double> tilts;                 ///< rad, of the poses in which stones are set down on the way
+  std::vector<double> tilts;  ///< tilt beyond which a stone topples that is set down on the way, rad
   std::array<long, kGraspFaults> refused{};  ///< grasps of all tasks, by test
   long grasps = 0;
   std::map<std::string, int> reasons;
@@ -104,7 +104,7 @@ void report_angles(const Tally& t, Results& results) {
   }
 }
 
-/// rad, between the directions of the stone that are up before and after.
+/// Angle between the directions of the stone that are up before and after, rad.
 double between_ups(const PickAndPlaceTask& task) {
   const double c = task.T_W_O_pick.linear().row(2).dot(task.T_W_O_place.linear().row(2));
   return std::acos(std::clamp(c, -1.0, 1.0));

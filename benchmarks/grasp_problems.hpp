@@ -19,7 +19,7 @@ namespace stonestack::bench {
 /// The stone with its lowest point at `z` and its centre of mass above `at`.
 [[nodiscard]] Pose standing_at(const Stone& stone, const Eigen::Quaterniond& R_W_O, const Eigen::Vector2d& at,
                                double z);
-/// m, of the highest point of an object.
+/// Height of the highest point of an object, m.
 [[nodiscard]] double top(const SceneObject& object);
 
 /// Up to six loose stones and one at the site; object i is loose stone i, the last object is the tower.

@@ -38,7 +38,7 @@ struct Settings {
   int seed = 1;
 };
 
-/// What became of lifts.
+/// Outcomes of lifts.
 struct Tally {
   int tried = 0, no_plan = 0, not_held = 0, dropped = 0, moved = 0;
   std::vector<double> slide, turn;

@@ -11,8 +11,8 @@ namespace stonestack::bench {
 /// By how much the believed pose of a stone is beside the true one, as after a look of the camera: one sigma
 /// along and about each axis.
 struct LookError {
-  double shift = 0.0007;                       ///< m
-  double turn = 0.5 * std::numbers::pi / 180;  ///< rad
+  double shift = 0.0007;                       ///< along each axis, m
+  double turn = 0.5 * std::numbers::pi / 180;  ///< about each axis, rad
 
   void add_options(CLI::App& bench);
   /// Where a stone at T_W_O is thought to be.

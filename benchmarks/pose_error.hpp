@@ -22,10 +22,10 @@ struct AxisOfSymmetry {
 [[nodiscard]] std::vector<Pose> symmetries(const std::vector<Pose>& discrete,
                                            const std::vector<AxisOfSymmetry>& axes);
 
-/// What scoring a pose needs of an object.
+/// An object with what scoring its poses needs.
 struct ScoredObject {
-  Mesh mesh;                          ///< m, in O
-  double diameter = 0.0;              ///< m, the largest distance of two of its points
+  Mesh mesh;                          ///< in O, metres
+  double diameter = 0.0;              ///< largest distance of two of its points, m
   std::vector<Pose> symmetries;       ///< with the identity; empty: unknown
   std::vector<Eigen::Vector3d> hull;  ///< vertices of the convex hull
 };

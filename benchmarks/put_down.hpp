@@ -9,9 +9,9 @@ namespace stonestack::bench {
 
 /// How a stone is put down: one sigma along and about each axis, and the friction of the world it meets.
 struct PlacementNoise {
-  double shift = 0.0;  ///< m
-  double turn = 0.0;   ///< rad
-  double com = 0.0;    ///< m, of every centre of mass
+  double shift = 0.0;  ///< along each axis, m
+  double turn = 0.0;   ///< about each axis, rad
+  double com = 0.0;    ///< of every centre of mass, m
   double friction = 0.1;
   double stands = 5.0;  ///< s simulated afterwards, every stone dynamic
 };

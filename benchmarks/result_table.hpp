@@ -43,8 +43,8 @@ struct Figure {
   int decimals = 2;  ///< as in Column
 };
 
-/// What a benchmark reports: its settings, tables of results, and notes. As text each line is printed as soon
-/// as it is known; as JSON one document is printed by finish(), and notes go to the error stream:
+/// The report of a benchmark: its settings, tables of results, and notes. As text each line is printed as
+/// soon as it is known; as JSON one document is printed by finish(), and notes go to the error stream:
 ///
 ///     {"schema": "stonestack.bench/1", "benchmark": NAME, "version": ..., "complete": true, "settings": {KEY: value},
 ///      "tables": [{"name": ..., "columns": [KEY, ...], "rows": [{KEY: value or null}]}]}
@@ -57,7 +57,7 @@ class Results {
   Results(std::string benchmark, const Format& format, std::ostream& out, std::ostream& notes);
   ~Results();
 
-  /// What the figures depend on; call it once, before the first table.
+  /// Settings that the figures depend on; call it once, before the first table.
   void settings(const std::vector<Figure>& figures);
   /// Begins a table, to which row() adds.
   void table(const std::string& name, std::vector<Column> columns);

@@ -30,9 +30,9 @@ struct RtdeBench {
 struct Findings {
   RtdeCounts counts;
   double seconds = 0.0;
-  std::vector<double> lateness;  ///< s, of the step between two arrivals
-  double client_cpu = 0.0;       ///< s
-  double server_cpu = -1.0;      ///< s; negative: somebody else's server
+  std::vector<double> lateness;  ///< of the step between two arrivals, s
+  double client_cpu = 0.0;       ///< CPU time, s
+  double server_cpu = -1.0;      ///< CPU time, s; negative: somebody else's server
 };
 
 /// A simulated e-Series controller in a child process, so that its CPU is not the client's.

@@ -29,7 +29,7 @@ struct BenchOptions {
   Settings settings;
 };
 
-/// What a tower is worth: how many of its stones stay, clean, and how far it is from falling.
+/// The worth of a tower: how many of its stones stay, clean, and how far it is from falling.
 SearchOutcome witness(const BenchOptions& options, const StonePool& pool, const Stack& tower) {
   SearchOutcome outcome;
   outcome.planned = static_cast<int>(tower.stones.size());

@@ -9,7 +9,7 @@
 
 namespace stonestack::bench {
 
-/// What became of one draw.
+/// The outcome of one draw.
 struct SearchOutcome {
   int planned = 0;
   int clean = 0;                 // stones that stay, each upon the one below it only

@@ -1,3 +1,7 @@
+#include <map>
+#include <sstream>
+#include <string>
+
 #include "bench_command.hpp"
 
 namespace stonestack::bench {
