@@ -51,7 +51,8 @@ Pose read_symmetry(const nlohmann::json& list, const std::string& path) {
   Pose T = Pose::Identity();
   T.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(m.data());
   T.translation() *= 0.001;
-  if ((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-2)
+  if ((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-2 ||
+      T.linear().determinant() < 0.0)
     throw FileError(path, "symmetries_discrete has a matrix that is no rotation", "correct it");
   return orthonormal(T);
 }
@@ -260,7 +261,7 @@ void report(const std::string& method, const BopModels& models, const std::vecto
     if (with_symmetries)
       results.row({name, symmetry, s.present, s.right, share * s.mssd, share * s.mspd, share * s.add_s});
     else
-      results.row({name, symmetry, s.present, Cell(), Cell(), Cell(), share * s.add_s});
+      results.row({name, symmetry, s.present, TableValue(), TableValue(), TableValue(), share * s.add_s});
   };
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (scores[i].present == 0) continue;

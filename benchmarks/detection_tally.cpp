@@ -111,9 +111,11 @@ std::vector<Column> detection_columns() {
           {"cpu_s", 3}};
 }
 
-std::vector<Cell> detection_cells(const std::string& method, const std::string& kind,
-                                  const DetectionTally& t) {
-  const auto share = [](int part, double all) { return all > 0 ? Cell(100.0 * part / all) : Cell(); };
+std::vector<TableValue> detection_cells(const std::string& method, const std::string& kind,
+                                        const DetectionTally& t) {
+  const auto share = [](int part, double all) {
+    return all > 0 ? TableValue(100.0 * part / all) : TableValue();
+  };
   return {method,
           kind,
           share(t.right, t.present),

@@ -24,7 +24,7 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
 
 /// Columns of a row: one method on one kind of scene.
 [[nodiscard]] std::vector<Column> detection_columns();
-[[nodiscard]] std::vector<Cell> detection_cells(const std::string& method, const std::string& kind,
-                                                const DetectionTally& tally);
+[[nodiscard]] std::vector<TableValue> detection_cells(const std::string& method, const std::string& kind,
+                                                      const DetectionTally& tally);
 
 }  // namespace stonestack::bench

@@ -148,7 +148,7 @@ bool outside_band(const BenchOptions& options, const Equilibrium& e) {
 
 /// The row of a pool and, with --steps, how its stacks fared with other steps.
 struct PoolFindings {
-  std::vector<Cell> row;
+  std::vector<TableValue> row;
   std::vector<Stepping> steppings;
   int count = 0;
 };
@@ -176,7 +176,7 @@ PoolFindings measure_pool(const BenchOptions& options, const StonePool& pool) {
     if (options.steps) judge_by(options, pool, *stack, &list);
   }
   require(count > 0, "no random stack of ", options.stones, " came to rest; try fewer stones");
-  const Cell clear_share = clear > 0 ? Cell(100.0 * clear_agree / clear) : Cell();
+  const TableValue clear_share = clear > 0 ? TableValue(100.0 * clear_agree / clear) : TableValue();
   return {{pool.name, count, stand, 100.0 * agree / count, clear, clear_share, only_lp, only_simulated,
            quantile(times, 0.5), quantile(times, 0.95)},
           list,

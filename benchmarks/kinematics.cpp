@@ -178,7 +178,7 @@ void measure_calibrated(const std::string& name, const CalibrationDraw& draw, st
     }
     throw_if_interrupted();
   }
-  const Cell most_missed = recovered < poses ? Cell(missed) : Cell();
+  const TableValue most_missed = recovered < poses ? TableValue(missed) : TableValue();
   results.row({name, poses, recovered, static_cast<double>(solutions) / static_cast<double>(poses), worst,
                1e6 * seconds / static_cast<double>(poses), most_missed});
 }

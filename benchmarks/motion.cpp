@@ -176,9 +176,10 @@ void plan_file(const std::string& path, Results& results) {
     milliseconds.push_back(1e3 * (processor_seconds() - start));
     solved += path_found ? 1 : 0;
     if (path_found)
-      results.row({i + 1, true, path_found->size(), length(*path_found), milliseconds.back(), Cell()});
+      results.row({i + 1, true, path_found->size(), length(*path_found), milliseconds.back(), TableValue()});
     else
-      results.row({i + 1, false, Cell(), Cell(), milliseconds.back(), blocked_ends(checker, problem)});
+      results.row(
+          {i + 1, false, TableValue(), TableValue(), milliseconds.back(), blocked_ends(checker, problem)});
   }
   results.figures("all", {{"problems", file.problems.size()},
                           {"solved", solved},

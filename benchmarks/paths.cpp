@@ -74,7 +74,7 @@ void measure_cartesian(const std::string& name, int poses, std::uint64_t seed, R
   constexpr std::array kMotions{"approach and retreat", "lift and lowering", "descent"};
   for (std::size_t e = 0; e < kMotions.size(); ++e)
     results.row({kMotions[e], name, reachable[e], tracked[e],
-                 reachable[e] > 0 ? Cell(100.0 * tracked[e] / reachable[e]) : Cell(),
+                 reachable[e] > 0 ? TableValue(100.0 * tracked[e] / reachable[e]) : TableValue(),
                  quantile(milliseconds[e], 0.5), quantile(milliseconds[e], 0.95)});
 }
 
@@ -127,7 +127,7 @@ void measure_timing(int paths, std::uint64_t seed, Results& results) {
   results.table(
       "largest at 1 kHz over its limit",
       {{"jerk"}, {"velocity", 6}, {"acceleration", 6}, {"jerk_over_limit", 6}, {"times_as_long_median", 3}});
-  results.row({"unlimited", plain.velocity, plain.acceleration, Cell(), 1.0});
+  results.row({"unlimited", plain.velocity, plain.acceleration, TableValue(), 1.0});
   results.row({"limited", smooth.velocity, smooth.acceleration, smooth.jerk, quantile(slower, 0.5)});
 }
 

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kNarrowest = 7;  // characters of a column
 constexpr std::size_t kNameWidth = 12;
 
-Json to_json(const Cell& cell) {
+Json to_json(const TableValue& cell) {
   return std::visit(
       [](const auto& value) -> Json {
         if constexpr (std::is_same_v<std::decay_t<decltype(value)>, std::monostate>)
@@ -46,7 +46,7 @@ struct ToText {
   std::string operator()(const std::string& value) const { return value; }
 };
 
-std::string to_text(const Cell& cell, int decimals) {
+std::string to_text(const TableValue& cell, int decimals) {
   return std::visit(ToText{decimals}, cell.value());
 }
 
@@ -73,7 +73,7 @@ void print_line(std::ostream& out, std::string line) {
 
 }  // namespace
 
-Cell::Cell(double value) {
+TableValue::TableValue(double value) {
   if (std::isfinite(value)) value_ = value;
 }
 
@@ -112,7 +112,7 @@ void Results::table(const std::string& name, std::vector<Column> columns) {
   print_line(out_, line);
 }
 
-void Results::row(const std::vector<Cell>& cells) {
+void Results::row(const std::vector<TableValue>& cells) {
   require(cells.size() == columns_.size(), "a row has ", cells.size(), " cells, its table ", columns_.size(),
           " columns");
   Json row = Json::object();

@@ -11,22 +11,22 @@
 namespace stonestack::bench {
 
 /// A value in a table; empty where there is nothing to state. A double that is not finite counts as empty.
-class Cell {
+class TableValue {
  public:
-  Cell() = default;
-  Cell(bool value) : value_(value) {}
-  Cell(int value) : value_(static_cast<long long>(value)) {}
-  Cell(long value) : value_(static_cast<long long>(value)) {}
-  Cell(std::size_t value) : value_(static_cast<long long>(value)) {}
-  Cell(double value);
-  Cell(const char* value) : value_(std::string(value)) {}
-  Cell(std::string value) : value_(std::move(value)) {}
+  TableValue() = default;
+  TableValue(bool value) : value_(value) {}
+  TableValue(int value) : value_(static_cast<long long>(value)) {}
+  TableValue(long value) : value_(static_cast<long long>(value)) {}
+  TableValue(std::size_t value) : value_(static_cast<long long>(value)) {}
+  TableValue(double value);
+  TableValue(const char* value) : value_(std::string(value)) {}
+  TableValue(std::string value) : value_(std::move(value)) {}
 
-  using Value = std::variant<std::monostate, bool, long long, double, std::string>;
-  [[nodiscard]] const Value& value() const { return value_; }
+  using Variant = std::variant<std::monostate, bool, long long, double, std::string>;
+  [[nodiscard]] const Variant& value() const { return value_; }
 
  private:
-  Value value_;
+  Variant value_;
 };
 
 /// A column: its key in JSON, words and unit joined by underscores ("plan_ms_median"), which with spaces is
@@ -39,7 +39,7 @@ struct Column {
 /// A value under its name.
 struct Figure {
   std::string key;
-  Cell value;
+  TableValue value;
   int decimals = 2;  ///< as in Column
 };
 
@@ -62,7 +62,7 @@ class Results {
   /// Begins a table, to which row() adds.
   void table(const std::string& name, std::vector<Column> columns);
   /// A row of the table that was begun last. Throws InvalidArgument for another number of cells than columns.
-  void row(const std::vector<Cell>& cells);
+  void row(const std::vector<TableValue>& cells);
   /// A table of one row, printed as one line a figure.
   void figures(const std::string& name, const std::vector<Figure>& figures);
   /// A line that is not data, as printf formats it.

@@ -113,17 +113,17 @@ Findings listen(const RtdeBench& bench, const Endpoint& controller) {
 void report(const Findings& f, Results& results) {
   const double share = 100.0 / f.seconds;
   const auto late_ms = [&](double part) { return 1e3 * quantile(f.lateness, part); };
-  results.figures("rtde",
-                  {{"seconds", f.seconds, 1},
-                   {"samples", f.counts.accepted},
-                   {"missed", f.counts.skipped},
-                   {"refused", f.counts.refused},
-                   {"sessions", f.counts.sessions},
-                   {"jitter_ms_median", late_ms(0.5), 3},
-                   {"jitter_ms_p99", late_ms(0.99), 3},
-                   {"jitter_ms_max", late_ms(1.0), 3},
-                   {"client_cpu_percent", f.client_cpu * share, 1},
-                   {"server_cpu_percent", f.server_cpu >= 0 ? Cell(f.server_cpu * share) : Cell(), 1}});
+  results.figures("rtde", {{"seconds", f.seconds, 1},
+                           {"samples", f.counts.accepted},
+                           {"missed", f.counts.skipped},
+                           {"refused", f.counts.refused},
+                           {"sessions", f.counts.sessions},
+                           {"jitter_ms_median", late_ms(0.5), 3},
+                           {"jitter_ms_p99", late_ms(0.99), 3},
+                           {"jitter_ms_max", late_ms(1.0), 3},
+                           {"client_cpu_percent", f.client_cpu * share, 1},
+                           {"server_cpu_percent",
+                            f.server_cpu >= 0 ? TableValue(f.server_cpu * share) : TableValue(), 1}});
 }
 
 void run(const RtdeBench& bench, Results& results) {

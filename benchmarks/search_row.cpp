@@ -18,7 +18,7 @@ std::vector<Column> search_columns(bool ode) {
   return columns;
 }
 
-std::vector<Cell> search_cells(const SearchRow& row, const std::vector<SearchOutcome>& outcomes) {
+std::vector<TableValue> search_cells(const SearchRow& row, const std::vector<SearchOutcome>& outcomes) {
   std::map<int, int> clean;
   double sum = 0.0, cpu = 0.0, wall = 0.0;
   int whole = 0, firm = 0, in_ode = 0;
@@ -35,8 +35,8 @@ std::vector<Cell> search_cells(const SearchRow& row, const std::vector<SearchOut
   const auto n = static_cast<double>(outcomes.size());
   std::string heights;
   for (const auto& [height, count] : clean) heights += concat(heights.empty() ? "" : " ", height, ":", count);
-  std::vector<Cell> cells{row.pool,        row.method,     outcomes.size(), sum / n,
-                          100 * whole / n, 100 * firm / n, cpu / n,         wall / n};
+  std::vector<TableValue> cells{row.pool,        row.method,     outcomes.size(), sum / n,
+                                100 * whole / n, 100 * firm / n, cpu / n,         wall / n};
   if (row.ode) cells.push_back(in_ode);
   cells.push_back(heights);
   return cells;

@@ -33,8 +33,8 @@ struct SearchRow {
 
 /// Columns of the table of searches; `ode` adds how many towers stand in the other engine.
 [[nodiscard]] std::vector<Column> search_columns(bool ode);
-[[nodiscard]] std::vector<Cell> search_cells(const SearchRow& row,
-                                             const std::vector<SearchOutcome>& outcomes);
+[[nodiscard]] std::vector<TableValue> search_cells(const SearchRow& row,
+                                                   const std::vector<SearchOutcome>& outcomes);
 
 /// The time of one pass of paper mode beside what the paper took for detection and search.
 void report_paper_time(const std::string& pool, const std::vector<SearchOutcome>& outcomes, Results& results);

@@ -18,7 +18,7 @@ void fill(Results& results) {
   results.settings({{"poses", 12}, {"friction", 0.3}});
   results.table("robots", {{"robot"}, {"solved"}, {"plan_ms_median", 1}, {"residual_max", -1}});
   results.row({"ur10", 3, 1.25, 2.5e-10});
-  results.row({"ur5", true, std::numeric_limits<double>::quiet_NaN(), Cell()});
+  results.row({"ur5", true, std::numeric_limits<double>::quiet_NaN(), TableValue()});
   results.note("drawn again: %d", 4);
   results.figures("time", {{"cpu_s", 61.44, 1}});
 }
