@@ -6,6 +6,8 @@
 
 #include "stonestack/search/find_next_pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// How a stone is brought to its place: in one go, or set down in another resting pose before.
@@ -69,3 +71,5 @@ using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop
 [[nodiscard]] std::string name_of(const Action& action);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

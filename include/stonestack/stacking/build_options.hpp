@@ -6,6 +6,8 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Options of the whole loop.
@@ -47,3 +49,5 @@ struct BuildOptions {
 [[nodiscard]] std::vector<double> assumed_frictions(const BuildOptions& options);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -7,6 +7,8 @@
 #include "stonestack/stacking/event.hpp"
 #include "stonestack/stacking/run_memory.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// What is known of stones and robot before anything is seen. Catalogue and robot must outlive it.
@@ -48,3 +50,5 @@ struct Decision {
                                      const Listener& listener = {});
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

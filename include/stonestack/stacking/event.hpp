@@ -8,6 +8,8 @@
 #include "stonestack/stacking/run_memory.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
+#pragma GCC visibility push(default)
+
 /// What happens in a run, as values: log lines, journal, report and tests are made from these.
 namespace stonestack::stacking {
 
@@ -165,3 +167,5 @@ template <class E>
 }
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

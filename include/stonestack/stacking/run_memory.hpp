@@ -11,6 +11,8 @@
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stacking/world_estimate.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// How likely each of some frictions is that the stones may have.
@@ -121,3 +123,5 @@ struct RunMemory {
 };
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -3,6 +3,8 @@
 
 #include "stonestack/stacking/choose_action.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// All that a decision depends on.
@@ -32,3 +34,5 @@ struct StateHeader {
 [[nodiscard]] std::string decision_json(const Decision& decision, const Catalogue& catalogue);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

@@ -8,6 +8,8 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/physics/stack.hpp"
 
+#pragma GCC visibility push(default)
+
 namespace stonestack::stacking {
 
 /// Stones of a scene by where they are: the stack from the table up, and the loose ones.
@@ -57,3 +59,5 @@ struct WorldEstimate {
 [[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, int stone);
 
 }  // namespace stonestack::stacking
+
+#pragma GCC visibility pop
