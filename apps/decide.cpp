@@ -26,7 +26,7 @@ std::string pose_text(const Pose& pose) {
   return text;
 }
 
-/// What an action does, a line, and its alternatives, a line each.
+/// An action and its alternatives, a line each.
 struct Lines {
   const Models& models;
 

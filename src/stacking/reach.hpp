@@ -8,10 +8,10 @@
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/observe.hpp"
 
-/// Private to stacking/ and the commands: what a search may ask of arm and hand.
+/// Private to stacking/ and the commands: what a search may ask of arm and gripper.
 namespace stonestack::stacking {
 
-/// What arm and gripper can do with the stones of one arrangement. What does not depend on the target is
+/// Reach of arm and gripper for the stones of one arrangement. What does not depend on the target is
 /// computed once for each stone, when it is first asked about; so not to be shared by threads.
 class STONESTACK_EXPORT Reach {
  public:
@@ -31,18 +31,19 @@ class STONESTACK_EXPORT Reach {
   }
   [[nodiscard]] bool is_low(int stone) { return &options_for(stone) == &near_table_; }
 
-  /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
+  /// Can the gripper bring the stone there without the grasps near `avoid`, in one go? `below`: the stack
+  /// then.
   [[nodiscard]] bool in_one_go(int stone, const Pose& T_W_O, const Stack& below,
                                const std::vector<Pose>& avoid = {});
 
-  /// The same, if it is set down on the table on the way.
+  /// Likewise, if the stone is set down on the table in between.
   [[nodiscard]] bool by_reorienting(int stone, const Pose& T_W_O, const Stack& below,
                                     const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
  private:
   const GraspFinder& direct(int stone);
   [[nodiscard]] PickAndPlaceTask lying(int stone) const;
-  /// What will stand there that does not stand yet.
+  /// Stones of `below` that do not stand yet.
   [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const;
 
   Arrangement arrangement_;

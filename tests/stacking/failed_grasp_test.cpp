@@ -9,7 +9,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// What the loop does after a stone slipped out of the hand.
+/// Actions of the loop after a stone slipped out of the gripper.
 namespace stonestack::stacking {
 namespace {
 

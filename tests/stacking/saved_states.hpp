@@ -10,8 +10,8 @@
 
 namespace stonestack::test {
 
-/// A folder for the states of a run: below the folder that the environment names in STONESTACK_STATES (that is
-/// how tests/data/states was made), else a temporary one.
+/// A folder for the states of a run: below the folder that the environment names in STONESTACK_STATES (that
+/// is how tests/data/states was made), else a temporary one.
 inline std::string states_folder(const std::string& temporary, const std::string& name) {
   const char* kept = std::getenv("STONESTACK_STATES");
   std::string folder = (kept != nullptr ? std::string(kept) + "/" : temporary) + name;
@@ -24,7 +24,8 @@ inline std::string states_folder(const std::string& temporary, const std::string
 inline std::vector<std::string> decisions(const std::string& folder, const Catalogue& catalogue,
                                           const RobotModel& robot) {
   std::vector<std::string> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path().string());
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());
   const Models models = make_models(catalogue, robot, CellLayout{});
   std::vector<std::string> names;

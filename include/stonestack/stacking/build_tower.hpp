@@ -21,7 +21,7 @@ struct StageSeconds {
   double detection = 0, search = 0, planning = 0, motion = 0, beside_motion = 0;
 };
 
-/// What a run did, as the program knows it: made from its events.
+/// Result of a run, as the program knows it: made from its events.
 struct RunResult {
   using End = RunEnd;
   int height = 0;  ///< stones that the last observation shows stacked
@@ -33,7 +33,7 @@ struct RunResult {
   std::vector<Event> events;
 };
 
-/// Who hears what happens.
+/// Listeners of a run.
 struct BuildHooks {
   Listener listener;           ///< every event, from one thread
   Journal* journal = nullptr;  ///< intents and outcomes; none: not kept
