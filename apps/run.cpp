@@ -76,6 +76,8 @@ ExitCode exit_code(const RunResult& result) {
       return ExitCode::kSafetyStop;
     case RunResult::End::kInterrupted:
       return ExitCode::kInterrupted;
+    case RunResult::End::kFailed:
+      return ExitCode::kInternal;
   }
   return ExitCode::kInternal;
 }
