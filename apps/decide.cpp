@@ -26,7 +26,7 @@ std::string pose_text(const Pose& pose) {
   return text;
 }
 
-/// Describes an action in a line, and its alternatives in a line each.
+/// An action and its alternatives, a line each.
 struct Lines {
   const Models& models;
 

@@ -24,7 +24,7 @@ struct StoneEstimates {
 
 /// A box over the field where stones of unknown place may lie, before the first view.
 [[nodiscard]] SceneObject unseen_field(const CellLayout& layout);
-/// Unseen box over the site, as high as a tower may be that somebody left there.
+/// A box over the site, as high as a tower may be that somebody left there.
 [[nodiscard]] SceneObject unseen_site(const CellLayout& layout);
 
 /// The site by views of it before anything is built: table only, something above it, or neither.

@@ -37,7 +37,7 @@ Decision decide(Workcell& w, const Known& known, const Listener& listener) {
 
 RunMemory learn_timed(Workcell& w, RunMemory memory, const WorldEstimate& seen) {
   const Stopwatch watch;
-  memory = learn(std::move(memory), seen, w.models, w.options, w.tell);
+  memory = learn(std::move(memory), seen, w.models, w.options, w.emit);
   w.seconds.search += watch.seconds();
   return memory;
 }
@@ -50,7 +50,7 @@ Known observe_and_learn(Workcell& w, const Expectation& expected, RunMemory memo
     const Known then{predicted, learn(memory, predicted, w.models, w.options, {})};
     if (then.memory.failure || predicted.loose.empty()) return;
     ahead = decide(w, then, [&](const Event& event) {
-              if (is_of_search(event)) w.tell(event);
+              if (is_of_search(event)) w.emit(event);
             }).memory.search;
   };
   Observation seen = observe(w, expected, while_moving);
@@ -90,7 +90,7 @@ Stop build(Workcell& w, StateWriter& states, Journal* journal) {
   Known known = observe_and_learn(w, at_first, empty);
   for (;;) {
     states.write(known);
-    const auto [action, memory, why] = decide(w, known, w.tell);
+    const auto [action, memory, why] = decide(w, known, w.emit);
     if (const auto* stop = std::get_if<Stop>(&action)) return *stop;
     const MotionPlan plan = plan_motion(w, known.world, action, memory);
     if (!plan.found) {
@@ -100,7 +100,7 @@ Stop build(Workcell& w, StateWriter& states, Journal* journal) {
     const ExecutionResult done = execute(w, action, plan, known.world.stack.size(), journal);
     known.memory = remember(memory, known.world, action, plan, done);
     if (known.memory.failure)
-      known.memory = learn_of_stop(known.memory, w.models, w.tell);
+      known.memory = learn_of_stop(known.memory, w.models, w.emit);
     else
       known = observe_and_learn(w, expected_after(known.world, known.memory, action), known.memory);
   }
@@ -108,9 +108,9 @@ Stop build(Workcell& w, StateWriter& states, Journal* journal) {
 
 /// The end of a run. Nothing moves any more: a disk that refuses costs the journal's last line, not the
 /// result.
-void tell_end(Workcell& w, const Stop& stop) {
+void report_end(Workcell& w, const Stop& stop) {
   try {
-    w.tell(RunEnded{stop.end, stop.reason});
+    w.emit(RunEnded{stop.end, stop.reason});
   } catch (const FileError& error) {
     log_warning(error.what());
   }
@@ -147,10 +147,10 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   } catch (const FileError& error) {  // of the journal: without it nothing moves, but what stands is reported
     ended = stop_arm(cell.arm, RunEnd::kStopped, error.what());
   } catch (const std::exception& error) {
-    tell_end(workcell, {RunEnd::kFailed, error.what()});
+    report_end(workcell, {RunEnd::kFailed, error.what()});
     throw;
   }
-  tell_end(workcell, ended);
+  report_end(workcell, ended);
   return std::move(recorder.result());
 }
 

@@ -42,7 +42,7 @@ std::string fault_of_site(const WorldEstimate& world, const Models& models) {
   return "";
 }
 
-/// Finds a reason not to begin.
+/// Reason for which a run cannot begin.
 std::optional<Stop> stop_at_start(const Situation& s) {
   const WorldEstimate& world = s.world;
   if (world.loose.empty() && world.stack.empty() && world.site != SiteStatus::kOccupied)
@@ -53,7 +53,7 @@ std::optional<Stop> stop_at_start(const Situation& s) {
   for (const PlacedStone& loose : s.arrangement.loose)
     if (const std::string& why = s.models.unfit[static_cast<std::size_t>(loose.stone)]; !why.empty())
       unfit.push_back({loose.stone, why});
-  s.tell(StonesUnfit{unfit});
+  s.emit(StonesUnfit{unfit});
   return std::nullopt;
 }
 
@@ -62,7 +62,7 @@ Unstack unstack_top(const Situation& s, const Unstacking& unstacking) {
   const PlacedStone& top = s.arrangement.stack.back();
   Unstack action{top, free_places(s.models.shapes, s.world.layout, s.arrangement, top), std::nullopt};
   if (!unstacking.freed) return action;
-  s.tell(UnstackToFree{top.stone, unstacking.freed->stone});
+  s.emit(UnstackToFree{top.stone, unstacking.freed->stone});
   if (s.arrangement.stack.size() == unstacking.down_to + 1)
     action.n_W_lift =
         out_of_the_lean(com_of(s.models.shapes, top), com_of(s.models.shapes, *unstacking.freed));
@@ -85,7 +85,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
   if (!stray) return std::nullopt;
   if (!memory.stray_stays) {
     if (memory.cleared >= kMaxCleared) return std::nullopt;
-    s.tell(StoneLeans{stray->stone.stone});
+    s.emit(StoneLeans{stray->stone.stone});
     Arrangement others = s.arrangement;
     std::erase_if(others.loose, [&](const PlacedStone& stone) { return stone.stone == stray->stone.stone; });
     return ClearBase{stray->stone, stray->level,
@@ -125,14 +125,14 @@ std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   const std::size_t count = unstack_depth(*expected);
   if (count == 0) return std::nullopt;
   memory.unstacking = Unstacking{static_cast<int>(count), 0, 0, std::nullopt};
-  s.tell(UnstackChosen{s.arrangement.stack.back().stone, (*expected)[count - 1], static_cast<int>(count)});
+  s.emit(UnstackChosen{s.arrangement.stack.back().stone, (*expected)[count - 1], static_cast<int>(count)});
   return unstack_top(s, *memory.unstacking);
 }
 
 /// Forgets which grasps failed: better one of these once more than none. False if none did.
 bool retry_failed_grasps(const Situation& s, RunMemory& memory) {
   if (memory.failed_grasps.empty()) return false;
-  s.tell(GraspsRetried{});
+  s.emit(GraspsRetried{});
   memory.failed_grasps.clear();
   memory.search.reset();
   memory.stack_stays = false;

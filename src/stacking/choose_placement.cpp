@@ -188,14 +188,14 @@ struct FrictionSearch {
       else
         found.reason = s.world.resting[level].reason;
       if (found.best.empty()) {
-        s.tell(PlanBroken{search.friction, found.reason});
+        s.emit(PlanBroken{search.friction, found.reason});
         if (found.unreachable > 0) break;  // by no friction will it be
         continue;
       }
       if (level > first &&
           expected_over_frictions(problem, found.best.front(), level) < s.options.sure_success * levels)
         break;
-      s.tell(PlanHolds{search.friction});
+      s.emit(PlanHolds{search.friction});
       SearchOutcome outcome;
       outcome.found = std::move(found);
       outcome.friction_level = level;
@@ -223,8 +223,8 @@ struct FrictionSearch {
                          : rest_that_holds(current, route, levels))
       return *std::move(found);
     SearchOutcome best;
-    double most = 0.0;
-    const auto sure = [&] { return most >= s.options.sure_success * levels; };
+    double best_expected = 0.0;
+    const auto sure = [&] { return best_expected >= s.options.sure_success * levels; };
     const auto search = [&](std::size_t level, bool way_up_only) {
       SearchProblem here = current;
       here.way_up_only = way_up_only;
@@ -235,24 +235,24 @@ struct FrictionSearch {
       SearchResult found;
       if (const auto resting = at_friction(here, s.world.resting[level]))
         found =
-            find_next_pose(*resting, options, [&](const std::string& line) { s.tell(SearchProgress{line}); });
+            find_next_pose(*resting, options, [&](const std::string& line) { s.emit(SearchProgress{line}); });
       else
         found.reason = s.world.resting[level].reason;
       if (way_up_only && (found.best.empty() || plan_of(found.best.front()).size() <= here.way_up.size()))
         return;
       const bool any = !found.best.empty();
       const double expected = any ? expected_over_frictions(current, found.best.front(), level) : 0.0;
-      s.tell(SearchedAtFriction{options.friction, route, any, expected, levels, found.reason});
-      if (!best.found.best.empty() && expected <= most) return;
-      most = expected;
+      s.emit(SearchedAtFriction{options.friction, route, any, expected, levels, found.reason});
+      if (!best.found.best.empty() && expected <= best_expected) return;
+      best_expected = expected;
       best.friction_level = level;
       best.route = route;
       best.found = std::move(found);
     };
     const auto climb = [&](std::size_t level) {
-      const double before = most;
+      const double before = best_expected;
       search(level, false);
-      for (std::size_t higher = level + 1; higher < count && most > before && !sure(); ++higher)
+      for (std::size_t higher = level + 1; higher < count && best_expected > before && !sure(); ++higher)
         search(higher, true);
     };
     for (std::size_t level = first_level(possible, memory.friction); level < count && !sure(); ++level) {
@@ -264,10 +264,10 @@ struct FrictionSearch {
       current = problem(route);
       climb(level);
     }
-    if (!best.found.best.empty() && s.options.search.verify && most < s.options.least_expected) {
+    if (!best.found.best.empty() && s.options.search.verify && best_expected < s.options.least_expected) {
       best.found.best.clear();
       best.found.reason =
-          concat("by the best tower found only ", std::round(100 * most) / 100,
+          concat("by the best tower found only ", std::round(100 * best_expected) / 100,
                  " more stones are expected to stand (minimum: ", s.options.least_expected, ")");
     }
     return best;
@@ -340,10 +340,10 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
   if (problem.available.empty()) return 0.0;
   const auto levels = static_cast<int>(problem.available.size());
   const std::vector<bool> possible = possible_frictions(s.world);
-  double most = 0.0;
+  double best_expected = 0.0;
   bool higher = false;
   for (std::size_t level = first_level(possible, memory.friction);
-       level < possible.size() && most < s.options.sure_success * levels; ++level) {
+       level < possible.size() && best_expected < s.options.sure_success * levels; ++level) {
     std::string reason;
     const auto tower =
         plan_tower(problem, levels, options_at(s.options, memory.friction, level, route), &reason);
@@ -351,13 +351,13 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
     for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
     if (lower.stack.size() + tower.size() <= s.arrangement.stack.size()) continue;
     higher = true;
-    most =
-        std::max(most, weighted_mean(expected_by_friction(problem, problem.way_up, memory.friction.frictions,
+    best_expected = std::max(
+        best_expected, weighted_mean(expected_by_friction(problem, problem.way_up, memory.friction.frictions,
                                                           possible, nullptr, s.options.search),
                                      possible, memory.friction));
     if (tower.size() == problem.available.size()) problem.way_up.clear();  // whole, but doubtful
   }
-  return higher ? static_cast<double>(lower.stack.size()) + most : 0.0;
+  return higher ? static_cast<double>(lower.stack.size()) + best_expected : 0.0;
 }
 
 }  // namespace
@@ -412,7 +412,7 @@ std::vector<double> expected_by_friction(const SearchProblem& problem, const std
 }
 
 std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
-  s.tell(StonesNotHeld{not_held(s)});
+  s.emit(StonesNotHeld{not_held(s)});
   for (;;) {
     throw_if_interrupted();
     search_now(s, memory);
@@ -422,10 +422,10 @@ std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
     if (outcome.refused < static_cast<int>(stages.size()))
       return stages[static_cast<std::size_t>(outcome.refused)];
     if (!rest_of_plan(s.arrangement, memory.plan).empty()) {
-      s.tell(PlanAbandoned{outcome.refusals});
+      s.emit(PlanAbandoned{outcome.refusals});
       memory.plan.reset();
     } else if (memory.refused.size() < kMaxRefused) {  // other poses then, of other stones perhaps
-      s.tell(PosesRefused{outcome.found.best.size(), outcome.refusals});
+      s.emit(PosesRefused{outcome.found.best.size(), outcome.refusals});
       for (const auto& placement : outcome.found.best)
         memory.refused.push_back({placement.stone, placement.T_W_O});
     } else {

@@ -9,7 +9,7 @@
 /// Private to stacking/: the search for the next placement, at one assumed friction after the other.
 namespace stonestack::stacking {
 
-/// Input of a decision.
+/// Everything that a decision is made from.
 struct Situation {
   const WorldEstimate& world;
   const Models& models;
@@ -18,7 +18,7 @@ struct Situation {
   Arrangement arrangement;       ///< `at_rest(world)`
   std::shared_ptr<Reach> reach;  ///< of `arrangement`
 
-  void tell(const Event& event) const {
+  void emit(const Event& event) const {
     if (listener) listener(event);
   }
 };
@@ -34,7 +34,8 @@ struct Situation {
 /// may pay; 0 where no higher tower is found.
 [[nodiscard]] std::vector<double> expected_unstacked(const Situation& situation, const RunMemory& memory);
 
-/// One set-down at a time: after each the camera looks, and what lies otherwise than meant is planned anew.
+/// One set-down at a time: after each the stones are observed, and what lies otherwise than meant is planned
+/// anew.
 [[nodiscard]] RegraspOptions regrasp_options(const RunMemory& memory, int stone);
 /// May another stone be reoriented?
 [[nodiscard]] bool may_reorient(const RunMemory& memory, const BuildOptions& options);

@@ -8,11 +8,11 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kRaster = 0.05;  // m between places that are tried
-constexpr double kSeen = 0.6;     // of the field, about its middle: what the camera sees of it for sure
-constexpr double kRoom = 0.03;    // m between stones that lie side by side, for the fingers
-constexpr double kExtent = 0.75;  // of the bounding radius: stones are longer than wide
-constexpr double kGap = 0.002;    // m, that it falls
+constexpr double kRaster = 0.05;     // m between places that are tried
+constexpr double kSeen = 0.6;        // of the field, about its middle: what the camera sees of it for sure
+constexpr double kClearance = 0.03;  // m between stones that lie side by side, for the fingers
+constexpr double kExtent = 0.75;     // of the bounding radius: stones are longer than wide
+constexpr double kGap = 0.002;       // m, that it falls
 constexpr std::size_t kMostPlaces = 8;
 
 const ContactShape& shape_of(const ShapeList& shapes, int stone) {
@@ -46,22 +46,22 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
   for (double x = -half.x(); x <= half.x(); x += kRaster)
     for (double y = -half.y(); y <= half.y(); y += kRaster) {
       const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
-      double room = 1.0;
+      double clearance = 1.0;
       for (const auto& other : arrangement.loose) {
         const Eigen::Vector3d p_W_M = other.T_W_O * shape_of(shapes, other.stone).mass.p_O_M;
-        room = std::min(room,
-                        (p_W_M.head<2>() - at).norm() - radius(shapes, other.stone) - radius(shapes, stone));
+        clearance = std::min(
+            clearance, (p_W_M.head<2>() - at).norm() - radius(shapes, other.stone) - radius(shapes, stone));
       }
-      if (room < kRoom) continue;
+      if (clearance < kClearance) continue;
       const Eigen::Vector2d shift = at - com.head<2>();
-      places.emplace_back(room, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * rest);
+      places.emplace_back(clearance, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * rest);
     }
   std::stable_sort(places.begin(), places.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   places.resize(std::min(kMostPlaces, places.size()));
   std::vector<Pose> poses;
   for (int quarter = 0; quarter < 4; ++quarter)
-    for (const auto& [room, T_W_O] : places) {
+    for (const auto& [clearance, T_W_O] : places) {
       const Eigen::Vector3d p_W_M = T_W_O * shape_of(shapes, stone).mass.p_O_M;
       poses.push_back(Eigen::Translation3d(p_W_M) *
                       Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) *

@@ -7,10 +7,10 @@
 /// Private to stacking/: where in the field a stone may be set down.
 namespace stonestack::stacking {
 
-/// Resting poses on the table, T_W_O, in which the stone lies clear of the loose ones, with room for fingers:
+/// Resting poses on the table, T_W_O, in which the stone lies clear of the loose ones, fingers included:
 /// as it would come to rest from how it is held (`held`, in the tower), the place with the most clearance
 /// first; all of them with the yaw that it has in the gripper, then turned by a quarter about the vertical,
-/// and so on. Empty: the field has no room.
+/// and so on. Empty: no place in the field is free.
 [[nodiscard]] std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
                                             const Arrangement& arrangement, const PlacedStone& held);
 

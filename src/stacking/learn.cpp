@@ -27,7 +27,7 @@ void erase(std::vector<StoneEstimate>& stones, int stone) {
   std::erase_if(stones, [&](const StoneEstimate& s) { return s.stone == stone; });
 }
 
-/// Forgets what holds for one world only.
+/// Drops what holds for one world only.
 void forget_world(RunMemory& memory) {
   memory.search.reset();
   memory.no_pick.clear();
@@ -64,16 +64,16 @@ void expect(Attempt& attempt, const WorldEstimate& world) {
   if (released) attempt.expected_loose.push_back(there);
 }
 
-void tell_moved(const std::vector<StoneEstimate>& expected, const WorldEstimate& seen,
-                const BuildOptions& options, const Listener& tell) {
+void report_moved(const std::vector<StoneEstimate>& expected, const WorldEstimate& seen,
+                  const BuildOptions& options, const Listener& emit) {
   for (const StoneEstimate& before : expected) {
     const StoneEstimate* now = find(seen.stack, before.stone);
     if (now == nullptr) {
-      tell(StoneLeftStack{before.stone});
+      emit(StoneLeftStack{before.stone});
       continue;
     }
     const double shift = difference(now->T_W_O_at_rest, before.T_W_O_at_rest).translation;
-    if (shift > options.moved_shift) tell(StoneMoved{before.stone, shift});
+    if (shift > options.moved_shift) emit(StoneMoved{before.stone, shift});
   }
 }
 
@@ -103,12 +103,12 @@ long missed_picks(const std::vector<PlacementRecord>& records, const std::string
 
 void learn_from_placing(RunMemory& memory, const Attempt& attempt, const PlacementRecord& record,
                         const WorldEstimate& seen, const Models& models, const BuildOptions& options,
-                        const Listener& tell) {
+                        const Listener& emit) {
   const bool gone = record.outcome == Outcome::kFallen || record.outcome == Outcome::kLost;
   if (gone) memory.plan.reset();  // a plan that failed is not followed again
   if (gone && attempt.done.status == Status::kReleased) {
     memory.friction = learn_from_fall(memory.friction, attempt, seen, models, options);
-    tell(FrictionUpdated{memory.friction});
+    emit(FrictionUpdated{memory.friction});
   }
   if (record.outcome == Outcome::kPlaced) return;
   if (record.outcome == Outcome::kNotPicked || record.outcome == Outcome::kDropped) {
@@ -123,12 +123,12 @@ void learn_from_placing(RunMemory& memory, const Attempt& attempt, const Placeme
 
 /// A stone that is seen otherwise than it was set down: that resting pose is not tried with it again.
 void learn_from_reorienting(RunMemory& memory, const Attempt& attempt, const PlacementRecord& record,
-                            const Listener& tell) {
+                            const Listener& emit) {
   const auto up = [](const Pose& T_W_O) -> Eigen::Vector3d { return T_W_O.linear().row(2).transpose(); };
   if (record.outcome != Outcome::kReoriented || !record.T_W_O_measured) return;
   const Eigen::Vector3d n_O_up = up(attempt.placement.T_W_O);
   if (n_O_up.dot(up(*record.T_W_O_measured)) > kStillUp) return;
-  tell(StoneToppled{attempt.placement.stone});
+  emit(StoneToppled{attempt.placement.stone});
   memory.toppled[attempt.placement.stone].push_back(n_O_up);
 }
 
@@ -290,7 +290,7 @@ PlacementRecord judge(const Attempt& attempt, const WorldEstimate& seen, const M
 
 RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& models,
                 const BuildOptions& options, const Listener& listener) {
-  const Listener tell = [&](const Event& event) {
+  const Listener emit = [&](const Event& event) {
     if (listener) listener(event);
   };
   if (next_view(seen, memory)) return memory;
@@ -303,17 +303,17 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
     }
   WorldEstimate without_views = seen;
   without_views.views.reset();
-  tell(Observed{std::move(without_views)});
+  emit(Observed{std::move(without_views)});
   if (!memory.attempt) return memory;
   const Attempt attempt = *std::move(memory.attempt);
   memory.attempt.reset();
-  tell_moved(attempt.expected_stack, seen, options, tell);
+  report_moved(attempt.expected_stack, seen, options, emit);
   const PlacementRecord record = judge(attempt, seen, models, options);
   memory.records.push_back(record);
-  tell(PlacementJudged{record});
+  emit(PlacementJudged{record});
   if (std::holds_alternative<Place>(attempt.action))
-    learn_from_placing(memory, attempt, record, seen, models, options, tell);
-  if (std::holds_alternative<Reorient>(attempt.action)) learn_from_reorienting(memory, attempt, record, tell);
+    learn_from_placing(memory, attempt, record, seen, models, options, emit);
+  if (std::holds_alternative<Reorient>(attempt.action)) learn_from_reorienting(memory, attempt, record, emit);
   return memory;
 }
 

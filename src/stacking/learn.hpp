@@ -4,13 +4,13 @@
 /// Private to stacking/: what follows from an action for the next view and for the memory.
 namespace stonestack::stacking {
 
-/// The memory after an action was carried out; what it brought about is not seen yet.
+/// Memory after an action was carried out; its effect is not seen yet.
 [[nodiscard]] RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& action,
                                  const MotionPlan& plan, const ExecutionResult& done);
 /// The memory after no motion was found for an action: the world is as before.
 [[nodiscard]] RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionPlan& plan);
 
-/// Returns what should be seen next; `memory` remembers the action.
+/// Expected view of the world; `memory` remembers the action.
 [[nodiscard]] Expectation expected_after(const WorldEstimate& world, const RunMemory& memory,
                                          const Action& action);
 
@@ -23,7 +23,7 @@ namespace stonestack::stacking {
 [[nodiscard]] RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& models,
                               const BuildOptions& options, const Listener& listener);
 
-/// Learns after the arm stopped during an action: nothing is looked at then.
+/// Memory after the arm stopped during an action: nothing is observed then.
 [[nodiscard]] RunMemory learn_of_stop(RunMemory memory, const Models& models, const Listener& listener);
 
 }  // namespace stonestack::stacking

@@ -43,14 +43,14 @@ SiteStatus view_site(Workcell& w, Views& views) {
   Views of_site{view_along(w, route_to(w, {{}, true}, poses))};
   const SiteStatus status = site_in(of_site, site);
   if (status == SiteStatus::kOccupied) {
-    w.tell(SiteOccupied{});
+    w.emit(SiteOccupied{});
     const Eigen::Vector2d seen_along = level_direction(of_site.front().T_W_C);
     std::erase_if(poses,
                   [&](const Pose& T_W_C) { return level_direction(T_W_C).dot(seen_along) > kOtherSide; });
     try {
       of_site.push_back(view_along(w, route_to(w, {{}, true}, poses)));
     } catch (const DeviceError&) {
-      w.tell(SiteSeenFromOneSide{});
+      w.emit(SiteSeenFromOneSide{});
     }
   }
   views.insert(views.end(), of_site.begin(), of_site.end());
@@ -108,7 +108,7 @@ bool adopt(const ShapeList& shapes, const std::optional<WorldEstimate>& predicte
   return true;
 }
 
-/// Content of the views, to be made into an estimate.
+/// Views that are to be made into an estimate.
 struct Seen {
   Views views;
   SiteStatus site = SiteStatus::kFree;
@@ -153,9 +153,9 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
 
 }  // namespace
 
-void tell_uncertain(const Workcell& w, const std::vector<Sighting>& sightings) {
+void report_uncertain(const Workcell& w, const std::vector<Sighting>& sightings) {
   for (const Sighting& seen : sightings)
-    if (seen.certainty < kCertainEnough) w.tell(StoneUncertain{seen.stone, seen.certainty});
+    if (seen.certainty < kCertainEnough) w.emit(StoneUncertain{seen.stone, seen.certainty});
 }
 
 Observation observe(Workcell& w, const Expectation& expected, const WhileMoving& while_moving) {
@@ -185,7 +185,7 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   observation.as_predicted = adopt(w.models.shapes, seen.predicted, world);
   if (!observation.as_predicted) add_resting_stacks(w.models, w.options, expected.friction, world);
   w.seconds.detection += watch.seconds();
-  tell_uncertain(w, sightings);
+  report_uncertain(w, sightings);
   return observation;
 }
 

@@ -24,7 +24,7 @@ void add_refusal(MotionPlan& plan, const std::string& refusal) {
 
 /// The approach to the grasp ends at what it touches.
 void guard_approach(Workcell& w, PickAndPlacePlan& plan, int stone) {
-  w.tell(FingertipGrasp{stone});
+  w.emit(FingertipGrasp{stone});
   const auto approach = std::find_if(plan.steps.begin(), plan.steps.end(), [](const PlanStep& step) {
     return step.kind == PlanStep::Kind::kApproach;
   });
@@ -156,18 +156,18 @@ MotionPlan plan_motion(Workcell& w, const WorldEstimate& world, const Action& ac
   planner.plan.no_pick = memory.no_pick;
   std::visit(planner, action);
   w.seconds.planning += watch.seconds();
-  if (!planner.plan.found) w.tell(MotionRefused{action, planner.plan.refusal});
+  if (!planner.plan.found) w.emit(MotionRefused{action, planner.plan.refusal});
   return std::move(planner.plan);
 }
 
 ExecutionResult execute(Workcell& w, const Action& action, const MotionPlan& plan, std::size_t stack_before,
                         Journal* journal) {
   if (const auto* view = std::get_if<LookAgain>(&action))
-    w.tell(StoneSought{*view});
+    w.emit(StoneSought{*view});
   else if (std::holds_alternative<Place>(action))
-    w.tell(PlaceBegun{static_cast<int>(stack_before) + 1, plan.placement});
+    w.emit(PlaceBegun{static_cast<int>(stack_before) + 1, plan.placement});
   else
-    w.tell(SetDownBegun{plan.placement, std::holds_alternative<Reorient>(action)});
+    w.emit(SetDownBegun{plan.placement, std::holds_alternative<Reorient>(action)});
   const double start = w.cell.clock.now();
   ExecutionResult done;
   if (std::holds_alternative<LookAgain>(action)) {

@@ -12,7 +12,7 @@ struct MotionPlan {
   Placement followed;   ///< of Reorient: the candidate for which it is set down
   PickAndPlacePlan pick_and_place;
   PlanningScene scene;
-  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< by which the aim is moved [m]
+  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim, m
   JointTrajectory route;                              ///< of LookAgain
   std::map<int, std::vector<Pose>> no_pick;           ///< T_O_T by stone that were found not to lift it
 };

@@ -8,11 +8,11 @@
 #include "stonestack/motion/regrasp.hpp"
 #include "stonestack/stacking/observe.hpp"
 
-/// Private to stacking/ and the commands: what a search may ask of arm and hand.
+/// Private to stacking/ and the commands: what a search may ask of arm and gripper.
 namespace stonestack::stacking {
 
-/// Reachable motions of arm and gripper with the stones of one arrangement. What does not depend on the
-/// target is computed once for each stone, when it is first asked about; so not to be shared by threads.
+/// Reach of arm and gripper for the stones of one arrangement. What does not depend on the target is
+/// computed once for each stone, when it is first asked about; so not to be shared by threads.
 class STONESTACK_EXPORT Reach {
  public:
   /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and
@@ -31,18 +31,19 @@ class STONESTACK_EXPORT Reach {
   }
   [[nodiscard]] bool is_low(int stone) { return &options_for(stone) == &near_table_; }
 
-  /// Can the hand bring the stone there without the grasps near `avoid`, in one go? `below`: the stack then.
+  /// Can the gripper bring the stone there without the grasps near `avoid`, in one go? `below`: the stack
+  /// then.
   [[nodiscard]] bool in_one_go(int stone, const Pose& T_W_O, const Stack& below,
                                const std::vector<Pose>& avoid = {});
 
-  /// Checks the placement by way of setting the stone down on the table.
+  /// Likewise, if the stone is set down on the table in between.
   [[nodiscard]] bool by_reorienting(int stone, const Pose& T_W_O, const Stack& below,
                                     const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
  private:
   const GraspFinder& direct(int stone);
   [[nodiscard]] PickAndPlaceTask lying(int stone) const;
-  /// Returns the objects that will stand there and do not stand yet.
+  /// Stones of `below` that do not stand yet.
   [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const;
 
   Arrangement arrangement_;

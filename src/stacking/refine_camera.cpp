@@ -70,13 +70,13 @@ Arrangement refine_camera(Workcell& w, const FrictionEstimate& friction, Views& 
   const auto detect = [&](const CameraView& view) {
     const Stopwatch watch;
     seen.push_back(detect_stones(view.image, w.detection, {}, w.options.detection));
-    tell_uncertain(w, sightings_in(view, seen.back()));
+    report_uncertain(w, sightings_in(view, seen.back()));
     mounts.push_back({view.T_W_C * T_T_C.inverse(), seen.back().table_C, {}});
     w.seconds.detection += watch.seconds();
   };
   const auto route = find_route(w, {{}, true}, turned_poses(views.front().T_W_C, w.cell.layout));
   if (!route) {
-    w.tell(CameraNotTurned{});
+    w.emit(CameraNotTurned{});
     return {};
   }
   views.push_back(view_along(w, *route, [&] {
@@ -95,7 +95,7 @@ Arrangement refine_camera(Workcell& w, const FrictionEstimate& friction, Views& 
   const MountRefinement found = refine_camera_mount(mounts, T_T_C);
   w.seconds.detection += watch.seconds();
   const bool accepted = found.shift <= kMaxShift && found.turn <= kMaxTurn && found.after <= kMaxLeft;
-  w.tell(CameraRefined{found.shift, found.turn, found.shared_marks, found.before, found.after, accepted});
+  w.emit(CameraRefined{found.shift, found.turn, found.shared_marks, found.before, found.after, accepted});
   if (accepted) {
     w.cell.layout.T_T_C = found.T_T_C;
     for (std::size_t k = 0; k < views.size(); ++k) views[k].T_W_C = mounts[k].T_W_T * found.T_T_C;

@@ -29,10 +29,10 @@ struct MeasuredStone {
                                                        const SearchOptions& options,
                                                        const std::vector<double>& frictions);
 
-/// how far a pose is from the measured one [m]; 0.09 rad count as 6 mm.
+/// Distance of a pose from the measured one, m; 0.09 rad count as 6 mm.
 [[nodiscard]] double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured);
-inline constexpr double kConsistent = 0.006;  ///< nearer than that a pose is what was measured, for sure [m]
-inline constexpr double kConsistentTurn = 0.09;  ///< the same [rad]
-inline constexpr double kMaxMeasured = 0.012;    ///< the farthest that can be what was measured [m]
+inline constexpr double kConsistent = 0.006;  ///< distance up to which a pose is the measured one for sure, m
+inline constexpr double kConsistentTurn = 0.09;  ///< angle likewise, rad
+inline constexpr double kMaxMeasured = 0.012;  ///< largest distance of a pose that can be the measured one, m
 
 }  // namespace stonestack::stacking

@@ -9,11 +9,11 @@ constexpr double kCost = 0.2;  // stones, of each stone that is unstacked; desig
 
 std::size_t unstack_depth(const std::vector<double>& expected) {
   std::size_t depth = 0;
-  double most = 0.0;
+  double best = 0.0;
   for (std::size_t k = 0; k < expected.size(); ++k) {
     const double worth = expected[k] - kCost * static_cast<double>(k + 1);
-    if (expected[k] <= 0.0 || (depth > 0 && worth <= most)) continue;
-    most = worth;
+    if (expected[k] <= 0.0 || (depth > 0 && worth <= best)) continue;
+    best = worth;
     depth = k + 1;
   }
   return depth;

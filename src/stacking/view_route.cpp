@@ -29,8 +29,8 @@ Eigen::Vector3d direction_of_tool(const PlanningScene& scene, const JointPath& p
 void back_away(Workcell& w, const PlanningScene& scene) {
   const auto out = way_out(scene, w.cell.arm.state().q, w.options.motion);
   if (!out || out->size() < 2) return;  // without a path out no route is found, which is reported
-  w.tell(BackedAway{});
-  w.tell(StepBegun{"back away"});
+  w.emit(BackedAway{});
+  w.emit(StepBegun{"back away"});
   TimingLimits limits = timing_limits(*w.models.robot, w.options.motion);
   limits.tool_speed = kBackAwaySpeed;
   GuardedMotion away;

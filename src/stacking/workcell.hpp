@@ -16,10 +16,10 @@ struct Workcell {
   const DetectionModels& detection;
   const BuildOptions& options;
   StageSeconds& seconds;
-  Listener tell;
+  Listener emit;
 };
 
-/// Expectation of the next observation.
+/// Expected view of the world.
 struct Expectation {
   std::vector<StoneEstimate> stack, loose;
   SiteStatus site = SiteStatus::kFree;
@@ -47,7 +47,7 @@ using WhileMoving = std::function<void(const WorldEstimate& predicted)>;
 
 // Parts of it.
 
-/// Returns the scene that the arm must stay clear of on its route to a view, gripper empty.
+/// Scene for a route to a view, gripper empty.
 [[nodiscard]] PlanningScene scene_of_view(const Workcell& workcell, const Arrangement& arrangement);
 /// Views are taken as long as nobody knows what lies there (`all_unknown`), or with these stones in the
 /// scene.
@@ -71,6 +71,6 @@ struct ViewScene {
 [[nodiscard]] Arrangement refine_camera(Workcell& workcell, const FrictionEstimate& friction, Views& views,
                                         const WhileMoving& while_moving);
 /// Reports stones of which detection is not sure which they are or how they lie.
-void tell_uncertain(const Workcell& workcell, const std::vector<Sighting>& sightings);
+void report_uncertain(const Workcell& workcell, const std::vector<Sighting>& sightings);
 
 }  // namespace stonestack::stacking

@@ -11,7 +11,7 @@
 namespace stonestack::stacking {
 namespace {
 
-/// how far from the truth the base of a tower is estimated to lie after it has been placed [m].
+/// Distance from the truth at which the base of a tower is estimated to lie once it is placed, m.
 double error_of_base(bool refine_camera) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");

@@ -10,16 +10,16 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Behaviour of the loop with a stone that came to lie against the base of its tower.
+/// Actions of the loop on a stone that came to lie against the base of its tower.
 namespace stonestack::stacking {
 namespace {
 
 /// m between the scans of two stones, from samples of the first; negative: they overlap.
 double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, const Pose& T_W_b) {
-  double least = 1.0;
+  double smallest = 1.0;
   for (const SurfaceSample& sample : a.samples)
-    least = std::min(least, b.distance.distance(T_W_b.inverse() * T_W_a * sample.point));
-  return least;
+    smallest = std::min(smallest, b.distance.distance(T_W_b.inverse() * T_W_a * sample.point));
+  return smallest;
 }
 
 /// Slides a stone over the table against another: `from` it (unit, level), as it lies or tilted by some rad.

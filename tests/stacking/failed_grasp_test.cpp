@@ -9,7 +9,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Behaviour of the loop after a stone slipped out of the gripper.
+/// Actions of the loop after a stone slipped out of the gripper.
 namespace stonestack::stacking {
 namespace {
 

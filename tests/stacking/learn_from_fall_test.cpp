@@ -6,7 +6,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Learning of the loop from a stone that did not stay where it was released.
+/// Conclusions of the loop from a stone that did not stay where it was let go of.
 namespace stonestack::stacking {
 namespace {
 

@@ -6,7 +6,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Behaviour of the loop when a stone falls out of the gripper while it is carried.
+/// Actions of the loop when a stone falls out of the gripper while it is carried.
 namespace stonestack::stacking {
 namespace {
 

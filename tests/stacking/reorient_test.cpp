@@ -11,7 +11,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 
-/// Behaviour of the loop with a stone that lies on a side from which no grasp brings it to its place.
+/// Actions of the loop on a stone that lies on a side from which no grasp brings it to its place.
 namespace stonestack::stacking {
 namespace {
 

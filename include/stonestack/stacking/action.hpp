@@ -52,7 +52,7 @@ struct ClearBase {
   std::vector<Pose> T_W_O_down;
   Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();  ///< as for Unstack
 };
-/// Look for a stone that is out of sight.
+/// Search for a stone that is out of sight.
 struct LookAgain {
   enum class Where { kWhereItWas, kBesideSite };
   int stone = -1;
@@ -65,7 +65,7 @@ struct Stop {
   std::string reason;
 };
 
-/// Next action of the robot.
+/// The next thing that the robot does.
 using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop>;
 /// "place", "reorient", "unstack", "clear_base", "look_again", "stop".
 [[nodiscard]] std::string name_of(const Action& action);

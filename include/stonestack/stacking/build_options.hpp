@@ -16,13 +16,14 @@ struct BuildOptions {
   SearchOptions search;
   MotionOptions motion;
   int most_stones = 0;          ///< stop at this height; 0: all that are seen
-  double look_distance = 0.62;  ///< m from camera to what it looks at; SR300: 0.2 to 1.5 m
-  double placed_shift = 0.030;  ///< measured nearer than this to the planned pose counts as placed [m]
-  double placed_turn = 0.35;    ///< [rad]
+  double look_distance = 0.62;  ///< distance from the camera to its target, m; SR300: 0.2 to 1.5 m
+  double placed_shift =
+      0.030;  ///< distance measured to the planned pose up to which a stone counts as placed, m
+  double placed_turn = 0.35;  ///< angle likewise, rad
   double moved_shift =
-      0.012;  ///< a stone of the stack seen further from where it was (or was aimed) is reported [m]
+      0.012;  ///< shift from where a stone of the stack was (or was aimed) from which it is reported, m
   /// The search starts at search.friction and climbs to this while it finds no sure pose: dry limestone on
-  /// limestone slides at more (ours).
+  /// limestone slides at more (design choice).
   double most_friction = 0.475;
   double friction_step = 0.125;
   int first_rounds = 2;       ///< of the search at each friction but the last: what they did not finish
@@ -33,13 +34,13 @@ struct BuildOptions {
   double least_expected = 0.4;
   int most_failures = 3;  ///< placements that may fail before the run ends; the paper ends at the first
   bool refine_camera =
-      true;  ///< two first looks, half a turn and 10 cm apart, tell where the camera really sits
-  /// false: what is seen near where it was planned is believed to lie as planned; for telling what measuring
+      true;  ///< two first views, half a turn and 10 cm apart, show where the camera is mounted
+  /// false: what is seen near where it was planned is taken to lie as planned; for measuring what measuring
   /// is worth
   bool measure_placed = true;
   bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
-  int most_taken_off = 6;    ///< stones put back into the field to try another way; the paper never does
-  int most_turned_over = 3;  ///< stones laid down another way because no grasp served both ends
+  int most_taken_off = 6;    ///< stones unstacked to try another tower; the paper never does
+  int most_turned_over = 3;  ///< stones reoriented because no grasp served both ends
   int pick_attempts = 3;     ///< of one stone that the gripper misses or drops
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };

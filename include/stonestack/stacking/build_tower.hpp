@@ -33,7 +33,7 @@ struct RunResult {
   std::vector<Event> events;
 };
 
-/// Receivers of events.
+/// Listeners of a run.
 struct BuildHooks {
   Listener listener;           ///< every event, from one thread
   Journal* journal = nullptr;  ///< intents and outcomes; none: not kept

@@ -11,7 +11,7 @@
 
 namespace stonestack::stacking {
 
-/// Models of stones and robot. Catalogue and robot must outlive it.
+/// Stones and robot, as known before anything is seen. Catalogue and robot must outlive it.
 struct Models {
   const Catalogue* catalogue = nullptr;
   const RobotModel* robot = nullptr;
@@ -25,24 +25,24 @@ struct Models {
                                  const CellLayout& layout);
 
 /// Adds the stack as it rests at each friction: needed by `choose_action`, for a world that was read from a
-/// file or made by hand.
+/// file.
 void add_resting_stacks(const Models& models, const BuildOptions& options, const FrictionEstimate& friction,
                         WorldEstimate& world);
 
 /// A memory with which a run begins.
 [[nodiscard]] RunMemory make_memory(const BuildOptions& options);
 
-/// Chosen action, and why.
+/// The next action, and why.
 struct Decision {
   Action action;
-  RunMemory memory;        ///< with what was found out on the way: what the search found, what was given up
+  RunMemory memory;        ///< with what was found out: the result of the search, what was given up
   std::vector<Event> why;  ///< in order
 };
 
 /// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
-/// options give the same decision. In this order: ends after a failure; looks for stones out of sight; goes
-/// on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the search
-/// (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
+/// options give the same decision. In this order: ends after a failure; searches for stones out of sight;
+/// goes on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the
+/// search (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
 /// `listener` hears events as they happen. Throws Interrupted, and InvalidArgument for a world without
 /// resting stacks.
 [[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,

@@ -25,7 +25,7 @@ struct Observed {  ///< without its views
 };
 struct StoneMoved {  ///< a stone of the stack, beside where it was or was aimed
   int stone = -1;
-  double shift = 0.0;  ///< [m]
+  double shift = 0.0;  ///< distance, m
 };
 struct StoneLeftStack {
   int stone = -1;
@@ -38,9 +38,9 @@ struct StoneUncertain {  ///< which stone it is, or how it lies
   double certainty = 1.0;
 };
 struct CameraRefined {
-  double shift = 0, turn = 0;    ///< difference from the calibrated mount, m and rad
+  double shift = 0, turn = 0;    ///< from the calibrated mount, m and rad
   int marks = 0;                 ///< stones seen twice
-  double before = 0, after = 0;  ///< between the views [m]
+  double before = 0, after = 0;  ///< distance between the views, m
   bool accepted = true;
 };
 struct CameraNotTurned {};  ///< no motion to a turned view: the mount stays as calibrated
@@ -137,8 +137,8 @@ struct CarriedMeasured {  ///< before the stone is lowered; N, N, m, m
 };
 struct TouchMeasured {
   bool touched = false;
-  double force = 0;      ///< [N]
-  double above_end = 0;  ///< [m]
+  double force = 0;      ///< contact force, N
+  double above_end = 0;  ///< height above the end of the step, m
 };
 struct ReleaseMeasured {  ///< N that hang in the gripper after release, and the most that count as nothing
   double weight = 0, max_weight = 0;

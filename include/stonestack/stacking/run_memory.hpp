@@ -39,14 +39,14 @@ struct PlacementRecord {
   std::string note;
   int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
   std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
-  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< by which the aim was moved against the bias [m]
+  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim against the bias, m
 };
 /// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
 /// not seen afterwards), "unstacked", "reoriented".
 [[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
-/// Mean of where placed stones came to rest beside their targets, m, level: hand-eye and arm calibration err
-/// the same each time, and the camera measures by how much.
+/// Mean offset of placed stones from their targets, level, m: hand-eye and arm calibration err the same each
+/// time, and the camera measures by how much.
 [[nodiscard]] Eigen::Vector3d placing_bias(const std::vector<PlacementRecord>& records);
 
 /// The placement that was carried out last, with how the search meant to go on.
@@ -95,7 +95,7 @@ struct Failure {
   std::string reason;
 };
 
-/// Memory of a run beside the world.
+/// Memory of a run, beside the world.
 struct RunMemory {
   FrictionEstimate friction;
   std::vector<PlacementRecord> records;
@@ -107,7 +107,7 @@ struct RunMemory {
   std::map<int, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone
   std::map<int, std::vector<Eigen::Vector3d>> toppled;  ///< ups, frame O, in which it did not stay
   std::vector<PlacedStone> given_up;                    ///< tops of stacks on which nothing was found to fit
-  std::map<int, Eigen::Vector3d> last_seen;             ///< W, centre of mass [m]
+  std::map<int, Eigen::Vector3d> last_seen;             ///< centre of mass, W, m
   std::set<int> out_of_sight;                           ///< looked for in vain
   std::optional<Unstacking> unstacking;
   std::optional<Attempt> attempt;

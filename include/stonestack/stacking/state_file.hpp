@@ -21,7 +21,7 @@ struct State {
 void write_state(const std::string& path, const WorldEstimate& world, const RunMemory& memory,
                  const Models& models, const BuildOptions& options);
 
-/// Header of a state file: the files it needs.
+/// Files that a state needs.
 struct StateHeader {
   std::string catalogue;  ///< path; empty: the stones that come with stonestack
   std::string robot;      ///< name or path

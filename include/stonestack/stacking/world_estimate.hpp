@@ -28,7 +28,8 @@ using Views = std::vector<CameraView>;
 /// Where one stone is.
 struct StoneEstimate {
   int stone = -1;
-  Pose T_W_O_seen = Pose::Identity();     ///< as the camera showed it last, or as aimed at before it did
+  Pose T_W_O_seen = Pose::Identity();     ///< as the camera showed it last while it had not come to rest; as
+                                          ///< aimed before it was seen
   Pose T_W_O_at_rest = Pose::Identity();  ///< where it rests according to physics; of a loose stone as seen
 };
 
@@ -42,7 +43,7 @@ struct RestingStack {
   std::string reason;
 };
 
-/// Estimate of the cell's state: only what camera and sensors reported.
+/// State of the cell as the program knows it: only from what camera and sensors reported.
 struct WorldEstimate {
   std::vector<StoneEstimate> stack;  ///< from the table up
   std::vector<StoneEstimate> loose;  ///< on the table
