@@ -61,7 +61,7 @@ void run(const DecideCommand& command) {
   const Catalogue catalogue = read_catalogue(stones.empty() ? data_path("stones") : stones);
   const RobotModel robot = read_robot(command.robot.empty() ? header.robot : command.robot);
   State state = read_state(command.state, catalogue);
-  set_fields(fields(state.options), command.assignments);
+  for (const std::string& assignment : command.assignments) set_field(fields(state.options), assignment);
   const Models models = make_models(catalogue, robot, state.world.layout);
   add_resting_stacks(models, state.options, state.memory.friction, state.world);
   const Decision decision = choose_action(state.world, state.memory, models, state.options);

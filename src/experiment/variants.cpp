@@ -80,7 +80,7 @@ void check_variants(const std::vector<Variant>& variants, const SimulatedRun& ru
   check_seeds(run, seed);
   for (const Variant& variant : variants) {
     SimulatedRun changed = run;
-    set_fields(fields(changed), variant.assignments);
+    for (const std::string& assignment : variant.assignments) set_field(fields(changed), assignment);
     check_seeds(changed, seed);
   }
 }

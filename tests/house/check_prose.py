@@ -53,6 +53,10 @@ def main(root):
     if len(readme) > 150:
         faults.append(f"README.md has {len(readme)} lines: 150 at most")
     faults += [f"README.md:{n}: {len(line)} columns: 120 at most" for n, line in enumerate(readme, 1) if len(line) > 120]
+    for example in sorted((root / "examples").glob("*.cpp")):
+        length = len(example.read_text(encoding="utf-8").splitlines())
+        if length > 60:
+            faults.append(f"{example.relative_to(root)} has {length} lines: 60 at most")
     if faults:
         sys.exit("\n".join(faults) + f"\n{len(faults)} faults of prose")
     print(f"{len(sources)} sources and {len(documents)} documents read")

@@ -11,11 +11,7 @@
 /// One list of fields per options struct gives reading, writing and overriding.
 ///
 ///   struct SettleOptions {
-<<<<<<< HEAD
-///     double step = 1.0 / 240.0;  ///< [s]
-=======
 ///     double step = 1.0 / 240.0;  ///< time step, s
->>>>>>> int
 ///     int iterations = 50;
 ///   };
 ///   FieldList fields(SettleOptions& o) {

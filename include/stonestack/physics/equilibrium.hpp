@@ -10,25 +10,15 @@ namespace stonestack::physics {
 
 /// A rigid body for statics.
 struct StaticBody {
-<<<<<<< HEAD
-  double mass = 0.0;                                  ///< [kg]
-  Eigen::Vector3d p_W_com = Eigen::Vector3d::Zero();  ///< [m]
-=======
   double mass = 0.0;                                  ///< mass, kg
   Eigen::Vector3d p_W_com = Eigen::Vector3d::Zero();  ///< centre of mass, m
->>>>>>> int
 };
 
 /// Verdict on a stack of rigid bodies with Coulomb contacts.
 struct Equilibrium {
   bool stands = false;
-<<<<<<< HEAD
-  double margin = 0.0;  ///< largest horizontal acceleration borne in the worst of the tested directions [g];
-                        ///< 0 if it falls
-=======
   double margin =
       0.0;  ///< largest horizontal acceleration borne in the worst of the tested directions; 0 if it falls
->>>>>>> int
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< W, unit: where that push goes
   double least_friction =
       0;  ///< smallest friction coefficient at which it stands (bisection); infinity if none up to 2
@@ -43,11 +33,7 @@ struct EquilibriumOptions {
   double friction = 0.1;
   int cone_edges = 8;          ///< generators of the inner friction cone
   int directions = 8;          ///< horizontal directions for the margin
-<<<<<<< HEAD
-  double torque_arm = 0.05;    ///< scales torques against forces [m]
-=======
   double torque_arm = 0.05;    ///< scale of torques against forces, m
->>>>>>> int
   double tolerance = 1e-6;     ///< share of the total weight that may stay unbalanced
   bool least_friction = true;  ///< also find `least_friction` (a dozen more programmes)
 };
