@@ -101,8 +101,9 @@ TEST(ClearBase, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
   const Pushed run = build_and_push("unstack", -Eigen::Vector3d::UnitX(), 1.2);
   EXPECT_TRUE(run.pushed);
   const auto refused = all_of<MotionRefused>(run.result.events);
-  ASSERT_FALSE(refused.empty()) << "else this tests nothing";
-  EXPECT_TRUE(std::holds_alternative<ClearBase>(refused[0].action));
+  EXPECT_TRUE(std::any_of(refused.begin(), refused.end(), [](const MotionRefused& event) {
+    return std::holds_alternative<ClearBase>(event.action);
+  })) << "else this tests nothing";
   const auto freeing = all_of<UnstackToFree>(run.result.events);
   ASSERT_FALSE(freeing.empty()) << run.said;
   EXPECT_EQ(freeing[0].top, 2);
