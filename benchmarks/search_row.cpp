@@ -37,8 +37,8 @@ std::vector<TableValue> search_cells(const SearchRow& row, const std::vector<Sea
   for (const auto& [height, count] : clean) heights += concat(heights.empty() ? "" : " ", height, ":", count);
   std::vector<TableValue> cells{row.pool,        row.method,     outcomes.size(), sum / n,
                                 100 * whole / n, 100 * firm / n, cpu / n,         wall / n};
-  if (row.ode) cells.push_back(in_ode);
-  cells.push_back(heights);
+  if (row.ode) cells.emplace_back(in_ode);
+  cells.emplace_back(heights);
   return cells;
 }
 

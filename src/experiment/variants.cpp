@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/detection/method.hpp"
 
 namespace stonestack::experiment {
 
@@ -81,6 +82,7 @@ void check_variants(const std::vector<Variant>& variants, const SimulatedRun& ru
   for (const Variant& variant : variants) {
     SimulatedRun changed = run;
     for (const std::string& assignment : variant.assignments) set_field(fields(changed), assignment);
+    (void)options_of(changed.build.detection.method);  // throws for one that there is not
     check_seeds(changed, seed);
   }
 }

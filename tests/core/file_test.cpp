@@ -69,8 +69,9 @@ TEST(File, SaysBeforehandWhereNothingCanBeWritten) {
   EXPECT_THAT(problem_of(require_writable, folder / "taken" / "new"), HasSubstr("taken is not a folder"));
   fs::create_directories(folder / "closed");
   fs::permissions(folder / "closed", fs::perms::owner_read | fs::perms::owner_exec);
-  if (::geteuid() != 0)  // root may write everywhere
+  if (::geteuid() != 0) {  // root may write everywhere
     EXPECT_THAT(problem_of(require_writable, folder / "closed" / "new"), HasSubstr("Permission denied"));
+  }
   fs::remove_all(folder);
 }
 

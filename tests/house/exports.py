@@ -23,8 +23,8 @@ def main(root, library):
         name = re.match(r"(?:[\w:<>,*& ]+ )?(stonestack::[\w:~]+)", symbol)
         if name and not re.match(r"[^(]*\bstd::", symbol):
             own.add(name.group(1))
-            parts = [part.lstrip("~") for part in name.group(1).split("::")[1:]]
-            if any(part and part not in declared and not part.startswith("operator") for part in parts):
+            room, first = (name.group(1).split("::")[1:] + [""])[:2]  # what a class holds is as visible as the class
+            if room not in declared or (first not in declared and not first.startswith("operator")):
                 foreign.add(symbol)
     if len(own) < 100:
         sys.exit(f"only {len(own)} names of stonestack are exported: do public headers make theirs visible?")
