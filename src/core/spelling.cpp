@@ -41,8 +41,9 @@ std::vector<std::string> likely_meant(const std::vector<std::string>& names, std
   for (const std::string& known : names)
     if (!name.empty() && known.starts_with(name)) add(known);
   const std::size_t slip = std::max<std::size_t>(1, name.size() / 3);
-  for (const auto& [distance, known] : ranked(names, name))
-    if (distance <= slip) add(known);
+  const auto by_distance = ranked(names, name);
+  for (const auto& [distance, known] : by_distance)
+    if (distance <= slip && distance == by_distance.begin()->first) add(known);
   return list;
 }
 

@@ -22,6 +22,7 @@ TEST(Spelling, ASlipIsMeantAndAnotherWordIsNot) {
   EXPECT_THAT(likely_meant(commands, "sim"), ElementsAre("simulate")) << "the beginning of a name";
   EXPECT_THAT(likely_meant(commands, "frobnicate"), IsEmpty());
   EXPECT_THAT(likely_meant(commands, ""), IsEmpty());
+  EXPECT_THAT(likely_meant({"--out", "--robot"}, "--robt"), ElementsAre("--robot")) << "the nearest alone";
 }
 
 }  // namespace
