@@ -12,6 +12,7 @@
 namespace stonestack::protocol {
 namespace {
 
+using hardware::hex;
 using testing::ElementsAre;
 
 /// The one packet in these bytes.
