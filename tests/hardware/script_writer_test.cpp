@@ -118,7 +118,7 @@ TEST(ScriptWriter, BlocksAreClosed) {
     std::istringstream in(script);
     for (std::string text; std::getline(in, text);) {
       const std::string bare = script_line(script, ++line);
-      if (bare == "end") --depth;
+      if (bare == "end" || bare.rfind("elif ", 0) == 0 || bare == "else:") --depth;
       EXPECT_EQ(text.size() - bare.size(), static_cast<std::size_t>(2 * depth)) << text;
       if (bare.back() == ':' && bare.front() != '#') ++depth;
     }
