@@ -19,6 +19,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 using testing::HasSubstr;
 
 /// An arm that does something of a test's when it is about to follow its n-th trajectory (from 0).

@@ -11,6 +11,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 /// Distance from the truth at which the base of a tower is estimated to lie once it is placed, m.
 double error_of_base(bool refine_camera) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));

@@ -184,10 +184,10 @@ TEST(StateFile, IsReadAsItWasWritten) {
     }
     write_state(path + ".2", again.world, again.memory, models(), again.options);
     const auto rounded = [](const std::string& file) {  // whose last digits may differ
-      nlohmann::json state = nlohmann::json::parse(read_file(file, 1 << 24)).flatten();
-      for (auto& value : state)
+      nlohmann::json flat = nlohmann::json::parse(read_file(file, 1 << 24)).flatten();
+      for (auto& value : flat)
         if (value.is_number_float()) value = std::round(1e9 * value.get<double>());
-      return state;
+      return flat;
     };
     EXPECT_EQ(rounded(path), rounded(path + ".2"));
     EXPECT_DOUBLE_EQ(again.options.search.least_margin, state.options.search.least_margin);

@@ -14,6 +14,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 /// m between the scans of two stones, from samples of the first; negative: they overlap.
 double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, const Pose& T_W_b) {
   double smallest = 1.0;

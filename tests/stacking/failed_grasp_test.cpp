@@ -13,6 +13,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 /// Lets go of what it has grasped the first few times, and keeps where the hand was.
 class SlipperyGripper : public Gripper {
  public:

@@ -16,6 +16,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 using nlohmann::json;
 using ::testing::HasSubstr;
 

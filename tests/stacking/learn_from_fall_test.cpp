@@ -10,6 +10,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 /// Throws the first stone that is up on another back to where it lay, before it looks.
 struct ThrowingCamera : DepthCamera {
   DepthCamera& camera;

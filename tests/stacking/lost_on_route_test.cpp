@@ -10,6 +10,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 /// Loses the first stone that it has lifted, as soon as it moves on with it.
 class LosingArm : public Arm {
  public:

@@ -13,6 +13,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 /// One view at a simulated field with limestones 2 and 3, and where they are seen when nothing is known.
 struct SeenField {
   Catalogue catalogue = read_catalogue(data_path("stones"));

@@ -15,6 +15,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 constexpr int kStone = 1;  // limestone_2
 
 /// On the table, in that pose of rest, its centre of mass over `p_W`.

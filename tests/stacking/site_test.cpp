@@ -13,6 +13,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 using testing::HasSubstr;
 
 /// A camera that looks straight down on an empty table from 0.6 m, above `p_W`.

@@ -11,6 +11,8 @@
 namespace stonestack::stacking {
 namespace {
 
+using namespace simulation;  // the cell that the loop works in here
+
 TEST(Uncertain, AStoneWithATwinIsNamedOnceARunAndNoOther) {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   Stone twin = catalogue.stones[1];
