@@ -52,7 +52,7 @@ TEST_F(RunRecord, ARunThatWasKilledIsStartedAgainByTheSameCommand) {
   write("run/journal.jsonl", "");
   const Outcome done = run(kSmallRun + "--out run");
   EXPECT_EQ(done.code, 0) << "an empty journal holds no run: " << done.err;
-  EXPECT_THAT(read_file(folder_ + "/run/journal.jsonl", 1 << 20), HasSubstr("\"seq\": 0"));
+  EXPECT_THAT(read_file(folder_ + "/run/journal.jsonl", 1 << 20), HasSubstr("\"seq\":0"));
   EXPECT_FALSE(fs::exists(folder_ + "/run-interrupted")) << "there was nothing to keep";
   // Killed later: there is a journal, and no result.
   fs::remove(folder_ + "/run/result.json");
