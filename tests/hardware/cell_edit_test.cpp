@@ -107,7 +107,7 @@ TEST_F(CellEdit, NamesTheFileOfTheCalibration) {
     write_file(path_, before);
     write_mount(path_, T_F_C_, file);
     const CellLayout now = layout();
-    EXPECT_TRUE((now.T_F_T * now.T_T_C).isApprox(T_F_C_, 1e-9)) << text();
+    EXPECT_TRUE((now.T_F_T * now.T_T_C).isApprox(T_F_C_, 1e-6)) << text();
     return text();
   };
   const std::string tip = "  T_F_T: {z: 0.3}\n";
