@@ -1,4 +1,4 @@
-#include "pose_error.hpp"
+#include "benchmarks/pose_error.hpp"
 
 #include <gtest/gtest.h>
 

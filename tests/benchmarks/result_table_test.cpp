@@ -1,4 +1,4 @@
-#include "result_table.hpp"
+#include "benchmarks/result_table.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hardware/fake_server.hpp"
-#include "hardware/hex.hpp"
+#include "protocol/hex.hpp"
 #include "stonestack/protocol/rtde_wire.hpp"
 
 namespace stonestack::hardware {

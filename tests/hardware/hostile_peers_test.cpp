@@ -7,7 +7,7 @@
 
 #include "hardware/fake_rtde.hpp"
 #include "hardware/fake_server.hpp"
-#include "hardware/hex.hpp"
+#include "protocol/hex.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/hardware/camera/stream_camera.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"

@@ -8,7 +8,7 @@
 #include <mutex>
 
 #include "hardware/fake_server.hpp"
-#include "hardware/hex.hpp"
+#include "protocol/hex.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -8,6 +8,8 @@
 namespace stonestack::motion {
 namespace {
 
+using hardware::CellLayout;
+
 /// A UR10 whose hand points straight down, 8 mm over the table; a lamp 8 mm beside the palm.
 struct NearThings {
   PlanningScene scene;

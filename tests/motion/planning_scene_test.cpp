@@ -13,6 +13,8 @@
 namespace stonestack::motion {
 namespace {
 
+using hardware::CellLayout;
+
 Eigen::AlignedBox3d box_T(const GripperBox& box, double opening) {
   const Eigen::Vector3d centre = box.p_T_centre + Eigen::Vector3d(0.5 * opening * box.finger_side, 0.0, 0.0);
   return {centre - 0.5 * box.size, centre + 0.5 * box.size};

@@ -11,6 +11,8 @@
 namespace stonestack::motion {
 namespace {
 
+using hardware::CellLayout;
+
 constexpr double kAbove = 0.08;  // m, between tower and tool as it passes
 
 Joints turned(double base) {

@@ -14,6 +14,8 @@
 namespace stonestack::motion {
 namespace {
 
+using hardware::CellLayout;
+
 constexpr double kPi = 3.14159265358979323846;
 
 Joints tool_down() {

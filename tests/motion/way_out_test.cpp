@@ -8,6 +8,8 @@
 namespace stonestack::motion {
 namespace {
 
+using hardware::CellLayout;
+
 constexpr double kHalfTurn = 3.14159265358979323846;
 
 PlanningScene scene_with(const std::vector<SceneObject>& objects) {

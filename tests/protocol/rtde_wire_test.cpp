@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "hardware/hex.hpp"
+#include "protocol/hex.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::protocol {

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/rooms.hpp"
 
-namespace stonestack::hardware {
+namespace stonestack::protocol {
 
 /// Bytes spelled out: `hex("00 05 56 00 02")`. Text between single quotes stands for itself: `hex("02
 /// 'Hi'")`.
@@ -25,4 +25,4 @@ inline std::string hex(std::string_view spelled) {
   return bytes;
 }
 
-}  // namespace stonestack::hardware
+}  // namespace stonestack::protocol
