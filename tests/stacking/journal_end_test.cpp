@@ -37,13 +37,13 @@ struct EndingArm : Arm {
   bool dead = false;
 };
 
-struct Run {
+struct EndedRun {
   RunResult result;
   std::string thrown;
   json last;  ///< line of the journal
 };
 
-Run run_until(const std::function<MotionResult()>& ends, bool dead = false) {
+EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
   SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, {});
@@ -54,7 +54,7 @@ Run run_until(const std::function<MotionResult()>& ends, bool dead = false) {
   Cell cell{arm, real.gripper, real.force_torque, real.camera, real.clock, real.layout};
   const std::string path = testing::TempDir() + "journal_end_test.jsonl";
   std::filesystem::remove(path);
-  Run run;
+  EndedRun run;
   {
     Journal journal(path);
     BuildHooks hooks;
@@ -83,7 +83,7 @@ TEST(JournalEnd, NamesTheStop) {
        {"protective stop (safety 3, bits 0x404)", "emergency stop of the robot (safety 7, bits 0x4c0)",
         "paused by the user (program paused or speed slider at 0) for 300 s",
         "the arm was moved by 0.3 rad while the program was paused"}) {
-    const Run run = run_until([&] { return stopped(reason); });
+    const EndedRun run = run_until([&] { return stopped(reason); });
     EXPECT_EQ(run.result.end, RunResult::End::kStopped);
     EXPECT_EQ(run.last["kind"], "end") << reason;
     EXPECT_EQ(run.last["data"]["end"], "stopped") << reason;
@@ -92,7 +92,7 @@ TEST(JournalEnd, NamesTheStop) {
 }
 
 TEST(JournalEnd, NamesALostLinkAndAnArmThatDoesNotConfirmItsStop) {
-  const Run run = run_until(
+  const EndedRun run = run_until(
       []() -> MotionResult {
         throw DeviceError("UR arm at 10.0.0.7", "closed the connection", "look at the controller");
       },
@@ -107,13 +107,13 @@ TEST(JournalEnd, NamesALostLinkAndAnArmThatDoesNotConfirmItsStop) {
 }
 
 TEST(JournalEnd, NamesAnInterruption) {
-  const Run run = run_until([]() -> MotionResult { throw Interrupted(); });
+  const EndedRun run = run_until([]() -> MotionResult { throw Interrupted(); });
   EXPECT_EQ(run.last["kind"], "end");
   EXPECT_EQ(run.last["data"]["end"], "interrupted");
 }
 
 TEST(JournalEnd, NamesWhatNobodyForesaw) {
-  const Run run = run_until([]() -> MotionResult { throw std::logic_error("a \"defect\" \xff"); });
+  const EndedRun run = run_until([]() -> MotionResult { throw std::logic_error("a \"defect\" \xff"); });
   EXPECT_THAT(run.thrown, HasSubstr("defect")) << "it is passed on";
   EXPECT_EQ(run.last["kind"], "end");
   EXPECT_EQ(run.last["data"]["end"], "failed");
