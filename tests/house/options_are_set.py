@@ -26,7 +26,7 @@ GROUPS = {
     "gripper": r"ThreeFingerOptions|ThreeFingerGripper|ModbusOptions|ModbusClient|gripper\.",
     "force_torque": r"FtSensorOptions|FtSensor\b",
     "camera": r"StreamCamera|V4l2Camera|RealsenseCamera|RecordedCamera|FrameCheck",
-    "simulators": r"Simulat|Faults|UrServer|faults\.",
+    "simulators": r"simulate: true|Simulat|Faults|UrServer|faults\.",
 }
 LENS = {"depth_scale", "width", "height", "fx", "fy", "cx", "cy", "distortion", "k1", "k2", "p1", "p2", "k3"}
 
@@ -63,15 +63,20 @@ def sources(root):
 
 
 def is_set(name, files):
+    pose = re.match(r"(.*\.T_\w+)\.(?:x|y|z|q[xyzw])$", name)
+    name = pose.group(1) if pose else name  # a pose is set as a whole
     last = re.escape(name.rsplit(".", 1)[-1])
     group = GROUPS.get(name.split(".", 1)[0], r"$^")
     whole = re.compile(r"(?<![\w.])" + re.escape(name) + r"(?:\s*=|[\"'`:,\s]|$)", re.M)
     member = re.compile(r"(?:(?:\.|->)" + last + r"\s*(?:=(?!=)|\+=|\*=)|::" + last + r"\b|[{,]\s*\." + last + r"\b|,\s*\"" + last + r"=)")
+    inline = re.compile(r"[\s,{\"]" + last + r": \{")
     key = re.compile(r"^\s*" + last + r"\s*:", re.M)
     for path, text in files.items():
         if whole.search(text):
             return True
         if path.endswith((".cpp", ".hpp")) and re.search(group, text) and member.search(text):
+            return True
+        if pose and re.search(group, text) and inline.search(text):
             return True
         if path.startswith("data/cells") and key.search(text):
             return True
