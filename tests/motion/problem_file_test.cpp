@@ -13,6 +13,8 @@
 namespace stonestack::motion {
 namespace {
 
+using hardware::CellLayout;
+
 using ::testing::HasSubstr;
 
 constexpr const char* kGood =
