@@ -193,8 +193,8 @@ int count_matched(const Eigen::MatrixXd& errors, double largest) {
 /// Counts of one object.
 struct BopScore {
   int present = 0;
-  int right = 0;              ///< within 5 deg and 5 mm of a pose that looks the same
-  double mssd = 0, mspd = 0;  ///< correct poses, averaged over the thresholds
+  int right = 0;           ///< within 5 deg and 5 mm of a pose that looks the same
+  int mssd = 0, mspd = 0;  ///< correct poses, summed over the thresholds
   int add_s = 0;
 
   void add(const BopScore& other) {
@@ -232,8 +232,8 @@ BopScore score(const ScoredObject& object, std::vector<Detection> found, const s
   const auto in_space = errors([&](const Pose& a, const Pose& b) { return mssd(object, a, b); });
   const auto in_image = errors([&](const Pose& a, const Pose& b) { return mspd(object, a, b, camera); });
   for (int k = 1; k <= kSteps; ++k) {
-    score.mssd += count_matched(in_space, k * kMssdStep * object.diameter) / static_cast<double>(kSteps);
-    score.mspd += count_matched(in_image, k * kMspdStep * camera.width / 640.0) / static_cast<double>(kSteps);
+    score.mssd += count_matched(in_space, k * kMssdStep * object.diameter);
+    score.mspd += count_matched(in_image, k * kMspdStep * camera.width / 640.0);
   }
   return score;
 }
@@ -257,11 +257,13 @@ void report(const std::string& method, const BopModels& models, const std::vecto
   bool known = true;
   const auto row = [&](const std::string& name, const std::string& symmetry, const BopScore& s,
                        bool with_symmetries) {
-    const double share = 100.0 / s.present;
+    const auto share = [&](int found, int tries) { return 100.0 * found / (tries * s.present); };
+    const double by_distance = share(s.add_s, 1);
     if (with_symmetries)
-      results.row({name, symmetry, s.present, s.right, share * s.mssd, share * s.mspd, share * s.add_s});
+      results.row(
+          {name, symmetry, s.present, s.right, share(s.mssd, kSteps), share(s.mspd, kSteps), by_distance});
     else
-      results.row({name, symmetry, s.present, TableValue(), TableValue(), TableValue(), share * s.add_s});
+      results.row({name, symmetry, s.present, TableValue(), TableValue(), TableValue(), by_distance});
   };
   for (std::size_t i = 0; i < scores.size(); ++i) {
     if (scores[i].present == 0) continue;
