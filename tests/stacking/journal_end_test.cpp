@@ -52,7 +52,8 @@ EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false)
   arm.ends = ends;
   arm.dead = dead;
   Cell cell{arm, real.gripper, real.force_torque, real.camera, real.clock, real.layout};
-  const std::string path = testing::TempDir() + "journal_end_test.jsonl";
+  const std::string path = testing::TempDir() + "journal_end_" +
+                           testing::UnitTest::GetInstance()->current_test_info()->name() + ".jsonl";
   std::filesystem::remove(path);
   EndedRun run;
   {
