@@ -85,8 +85,13 @@ class Run {
   /// the controller's watchdog ends it then.
   void confirm_stop() {
     const Deadline deadline = Deadline::in(link_.options.stop_timeout);
-    while (link_.next_status().is_held())
-      if (deadline.over()) return link_.starve("a paused program did not obey a stop");
+    for (;;) {
+      const UrStatus now = link_.next_status();
+      if (!now.is_held() && !now.program_running) return;  // the stop itself has run, too
+      if (!deadline.over()) continue;
+      if (now.is_held()) link_.starve("a paused program did not obey a stop");
+      return;
+    }
   }
 
   UrStatus turn() {
