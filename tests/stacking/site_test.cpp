@@ -74,7 +74,13 @@ TEST(Site, ATowerThatStandsThereIsBuiltOn) {
   const RunResult second = lab.build(3, lab.catalogue);
   EXPECT_EQ(all_of<SiteOccupied>(second.events).size(), 1U);
   EXPECT_EQ(second.height, 3) << lab.said;
-  ASSERT_EQ(second.placements.size(), 1U) << lab.said;
+  using Outcome = PlacementRecord::Outcome;
+  ASSERT_FALSE(second.placements.empty());
+  EXPECT_EQ(second.placements.back().outcome, Outcome::kPlaced) << lab.said;
+  for (const PlacementRecord& record : second.placements) {
+    EXPECT_EQ(record.stone, second.placements.back().stone) << "only the third stone is touched";
+    EXPECT_NE(record.outcome, Outcome::kUnstacked) << lab.said;
+  }
   for (std::size_t i = 0; i < 2; ++i) {
     const auto stone = static_cast<std::size_t>(first.world.stack[i].stone);
     EXPECT_EQ(second.world.stack[i].stone, first.world.stack[i].stone);
