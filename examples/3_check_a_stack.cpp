@@ -12,7 +12,7 @@ int main() try {
   problem.shapes = &shapes;
   for (const int stone : {0, 1}) problem.available.push_back({stone, stonestack::Pose::Identity()});
   stonestack::SearchOptions options;
-  options.largest_tilt = 3.2;
+  options.largest_tilt = 3.14;
   std::string reason;
   stonestack::Stack stack;
   for (const auto& placement : stonestack::plan_tower(problem, 2, options, &reason))

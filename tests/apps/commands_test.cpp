@@ -203,7 +203,8 @@ TEST_F(Commands, PlanStartsWhereItIsTold) {
   };
   const Outcome planned = run(from("0.5,-1.75,1.85,-1.67,-1.5,0.1"));
   ASSERT_EQ(planned.code, 0) << planned.err;
-  for (const auto& step : planned.data()["steps"]) {
+  const json planned_data = planned.data();
+  for (const auto& step : planned_data["steps"]) {
     if (step["trajectory"].empty()) continue;
     EXPECT_EQ(step["trajectory"][0]["q"], json({0.5, -1.75, 1.85, -1.67, -1.5, 0.1}));
     break;

@@ -136,7 +136,8 @@ TEST_F(DetectCommand, JoinsSeveralViewsOfWhichItKnowsTheCameraPoses) {
   ASSERT_EQ(found.data()["detections"].size(), 2u) << found.err;
   EXPECT_NE(found.data()["detections"], run("detect scene/scene.yaml --json").data()["detections"]);
   const auto truth = other.data()["stones"];
-  for (const auto& d : found.data()["detections"]) {
+  const json found_data = found.data();
+  for (const auto& d : found_data["detections"]) {
     const bool first = truth[0]["stone"] == d["stone"];
     const Pose T_W_O = pose_of(truth[first ? 0 : 1]["T_W_O"]);
     EXPECT_LT(difference(pose_of(d["T_W_O"]), T_W_O).translation, 0.003) << d["stone"];

@@ -21,8 +21,9 @@ class SearchCloud : public Commands {
   void scatter(const std::string& stones) {
     const Outcome scene = run("render --out scene --seed 3 --json --stones " + stones);
     ASSERT_EQ(scene.code, 0) << scene.err;
-    T_W_C_ = pose_of(scene.data()["T_W_C"]);
-    for (const auto& item : scene.data()["stones"])
+    const json data = scene.data();
+    T_W_C_ = pose_of(data["T_W_C"]);
+    for (const auto& item : data["stones"])
       truth_.push_back({item["stone"].get<std::string>(), pose_of(item["T_W_O"])});
     cloud_ = read_cloud(folder_ + "/scene/cloud.ply");
     fs::remove_all(folder_ + "/scene");
@@ -80,7 +81,7 @@ class SearchCloud : public Commands {
   Cloud cloud_;
 };
 
-constexpr const char* kQuick = " --set search.rounds=1 --set search.horizon=1 --json";
+constexpr const char* kQuick = " --set search.horizon=1 --friction 0.5 --json";
 
 TEST_F(SearchCloud, BuildsOnTheTowerThatStandsInACloudAlone) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3"));
@@ -113,7 +114,8 @@ TEST_F(SearchCloud, BuildsOnTheTowerThatStandsInACloudAlone) {
   // The command to type next works as it stands.
   const std::string command = found["next"];
   EXPECT_THAT(command, HasSubstr("stonestack search scene.ply --out tower.yaml"));
-  const Outcome written = run(command.substr(std::string("stonestack ").size()) + " --set search.rounds=1");
+  const Outcome written =
+      run(command.substr(std::string("stonestack ").size()) + " --friction 0.5");
   ASSERT_EQ(written.code, 0) << written.err;
   const auto at = written.out.find("next   stonestack ");
   ASSERT_NE(at, std::string::npos) << written.out;
@@ -121,7 +123,7 @@ TEST_F(SearchCloud, BuildsOnTheTowerThatStandsInACloudAlone) {
   EXPECT_THAT(written.out, HasSubstr(concat("stack  ", tower_[0], ", ", tower_[1], " stand at (")));
   const std::string check = written.out.substr(at + 18, written.out.find('\n', at) - at - 18);
   EXPECT_EQ(check, "check tower.yaml");
-  EXPECT_EQ(run(check + " --seconds 1").code, 0) << "what was planned does not stand";
+  EXPECT_EQ(run(check + " --seconds 1 --friction 0.5").code, 0) << "what was planned does not stand";
 }
 
 TEST_F(SearchCloud, PutsTheFirstStoneOnAFreePlaceInView) {
