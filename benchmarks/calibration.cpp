@@ -1,5 +1,6 @@
 // Do placements succeed as often as predicted? Every alternative that the search returns, sure or not, is put
-// down several times with the noise that was planned for, drawn from other streams, on the same contact features.
+// down several times with the noise that was planned for, drawn from other streams, on the same contact
+// features.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // How high does the search build, at what cost? Draws sets of stones, plans a tower with the default search
-// and with the paper's at the same CPU time, and lets every tower stand 60 simulated seconds on the same contact features
-// than the search used. With placement noise every stone is put down beside its target, and the rest of the
-// tower is planned anew from what stands.
+// and with the paper's at the same CPU time, and lets every tower stand 60 simulated seconds on the same
+// contact features than the search used. With placement noise every stone is put down beside its target, and
+// the rest of the tower is planned anew from what stands.
 #include <memory>
 
 #include "bench.hpp"
