@@ -11,9 +11,8 @@
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
-#include "stonestack/kinematics/hand_eye_file.hpp"
-#include "stonestack/kinematics/hand_eye_stations.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::apps {
 namespace {

@@ -7,11 +7,12 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
+#include "physics/shape.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/physics/stack_problem.hpp"
+#include "stonestack/physics/stack.hpp"
 #include "stonestack/report/run_report.hpp"
 
 namespace stonestack::apps {

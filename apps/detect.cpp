@@ -12,7 +12,6 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/detection/table_frame.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack::apps {

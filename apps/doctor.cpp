@@ -11,16 +11,16 @@
 #include "common_options.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/socket.hpp"
-#include "stonestack/detection/table_frame.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 #include "stonestack/hardware/ur/primary_client.hpp"
-#include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/mount_reading.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::apps {
 namespace {

@@ -12,10 +12,9 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/geometry/mesh.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stone/catalogue.hpp"
-#include "stonestack/stone/limestone.hpp"
 #include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::apps {

@@ -1,12 +1,12 @@
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/regrasp.hpp"
 
 namespace stonestack::motion {
 namespace {
