@@ -106,7 +106,7 @@ void print_json(const CheckCommand& command, const Report& report, const Names& 
                         {"margin_direction", {e.direction.x(), e.direction.y()}},
                         {"least_friction", nullptr},
                         {"weakest_contact", nullptr}};
-  if (std::isfinite(e.least_friction)) out["least_friction"] = e.least_friction;
+  if (std::isfinite(e.min_friction)) out["least_friction"] = e.min_friction;
   if (e.weakest_contact >= 0) {
     const Contact& c = report.statics.contacts[static_cast<std::size_t>(e.weakest_contact)];
     out["weakest_contact"] = {{"above", names.of(c.above)},
@@ -131,8 +131,8 @@ void print_text(const CheckCommand& command, const Report& report, const Names& 
   } else {
     std::printf("equilibrium  no contact forces hold it\n");
   }
-  if (std::isfinite(e.least_friction))
-    std::printf("friction     holds down to %.3f\n", e.least_friction);
+  if (std::isfinite(e.min_friction))
+    std::printf("friction     holds down to %.3f\n", e.min_friction);
   else
     std::printf("friction     none up to 2 holds it\n");
   if (e.weakest_contact < 0) return;

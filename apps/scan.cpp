@@ -142,7 +142,7 @@ void print_table(const nlohmann::json& stones) {
 /// Makes and stores one stone; the JSON about it.
 nlohmann::json scan_one(const Task& task, const ScanCommand& command) {
   ModelResult result = make(task, command);
-  if (const std::string why = unfit_for_hand(result.stone, make_robotiq_3f()); !why.empty())
+  if (const std::string why = unfit_for_gripper(result.stone, make_robotiq_3f()); !why.empty())
     result.warnings.push_back("the hand will not pick it up: " + why);
   for (const auto& warning : result.warnings) log_warning(concat(task.name, ": ", warning));
   write_stone(command.catalogue, result.stone);

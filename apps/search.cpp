@@ -62,7 +62,7 @@ struct Found {
 void let_come_to_rest(const SearchOptions& options, SearchProblem* problem) {
   check_problem(*problem, options);
   std::string unused;
-  const auto stack = standing_stack(*problem->shapes, problem->stack, options, &unused);
+  const auto stack = settled_stack(*problem->shapes, problem->stack, options, &unused);
   if (!stack) return;
   double moved = 0.0;
   for (std::size_t i = 0; i < stack->stones.size(); ++i)
@@ -279,7 +279,7 @@ Found find_in_time(const SearchCommand& command, const Clock& clock, Catalogue* 
 void search(SearchCommand& command) {
   command.common.begin();
   command.options.seed = command.detection.seed = command.common.seed;
-  if (command.robot.empty()) command.options.largest_tilt = kAnyTilt;
+  if (command.robot.empty()) command.options.max_tilt = kAnyTilt;
   command.common.settings.apply(
       join({nest("search", fields(command.options)), nest("detection", fields(command.detection)),
             nest("motion", fields(command.motion))}));
@@ -363,7 +363,7 @@ void add_search(CLI::App& app) {
       "camera's "
       "pose,\nor --world for a cloud in the cell's frame. A stack in a scene file is built on, from "
       "its last "
-      "stone up.\nWithout --robot a stone may be turned any way up, as search.largest_tilt limits what one "
+      "stone up.\nWithout --robot a stone may be turned any way up, as search.max_tilt limits what one "
       "grasp "
       "can do.\nCtrl-C ends the search with the best so far (exit code 130).");
   sub->callback([command] { search(*command); });
