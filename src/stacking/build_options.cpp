@@ -12,7 +12,7 @@ FieldList fields(BuildOptions& o) {
             {user(field("max_stones", o.max_stones, {0, 100}, "",
                         "height at which the run ends; 0: all stones that are seen")),
              user(field("view_distance", o.view_distance, {0.3, 1.2}, "m",
-                        "from the camera to what it looks at; SR300: 0.2 to 1.5 m")),
+                        "distance from the camera to the viewed point; SR300: 0.2 to 1.5 m")),
              field("max_friction", o.max_friction, {0, 2}, "",
                    "the search starts at search.friction and climbs to this while it finds no sure pose"),
              user(field("max_failures", o.max_failures, {1, 100}, "",

@@ -78,7 +78,7 @@ std::optional<Action> go_on_unstacking(const Situation& s, RunMemory& memory) {
 }
 
 /// A stone that fell against the tower goes back into the field: a tower on which a stone leans is not clean,
-/// and fingers have no room between the two. Where no motion does that the tower is unstacked down to the
+/// and fingers do not fit between the two. Where no motion can, the tower is unstacked down to the
 /// stone that it leans on, with that one: above it nothing counts, and without it the other lies free.
 std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
   const auto stray = stray_at_stack(s.models.shapes, s.arrangement);

@@ -230,7 +230,7 @@ struct FrictionSearch {
       here.known_route_only = known_route_only;
       if (!best.found.best.empty()) here.known_route = plan_of(best.found.best.front());
       if (static_cast<double>(here.known_route.size()) >= levels)
-        here.known_route.clear();  // whole, but doubtful
+        here.known_route.clear();  // complete, but unlikely to stand
       if (known_route_only && here.known_route.empty()) return;
       const SearchOptions options = options_at(s.options, memory.friction, level, route);
       SearchResult found;
@@ -320,7 +320,7 @@ std::vector<Action> stages_of(const SearchOutcome& outcome) {
   return stages;
 }
 
-/// The arrangement when the top `count` stones lie in the field; empty when there is no room for them.
+/// The arrangement when the top `count` stones lie in the field; empty when they do not fit.
 std::optional<Arrangement> without_top(const Situation& s, std::size_t count) {
   Arrangement lower = s.arrangement;
   for (std::size_t k = 0; k < count; ++k) {
@@ -359,7 +359,8 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
                  weighted_mean(expected_by_friction(problem, problem.known_route, memory.friction.frictions,
                                                     possible, nullptr, s.options.search),
                                possible, memory.friction));
-    if (tower.size() == problem.available.size()) problem.known_route.clear();  // whole, but doubtful
+    if (tower.size() == problem.available.size())
+      problem.known_route.clear();  // complete, but unlikely to stand
   }
   return higher ? static_cast<double>(lower.stack.size()) + best_expected : 0.0;
 }

@@ -27,7 +27,7 @@ struct Situation {
 
 /// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans
 /// reach highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no
-/// pose is left; `memory.search->dead_end` then says why.
+/// pose is left; `memory.search->dead_end` then gives the reason.
 [[nodiscard]] std::optional<Action> choose_placement(const Situation& situation, RunMemory& memory);
 
 /// Stones expected to stand in the end when the top k + 1 of the stack are unstacked first, for each k that

@@ -8,7 +8,7 @@
 namespace stonestack::stacking {
 namespace {
 
-/// The hand is still empty.
+/// The gripper is still empty.
 bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
   return std::any_of(plan.steps.data() + (&step - plan.steps.data()), plan.steps.data() + plan.steps.size(),
                      [](const PlanStep& later) { return later.kind == PlanStep::Kind::kGrasp; });
@@ -73,7 +73,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         now = executor.feel_down(step, &touched);
         lowered = touched;
         result.contact_force = now.contact_force;
-        if (touched) result.reason = "touched early: the stone hangs otherwise than planned";
+        if (touched) result.reason = "early contact: the stone is held otherwise than planned";
         break;
       case PlanStep::Kind::kLift:
         now = executor.follow(step);

@@ -31,7 +31,7 @@ void set_payload(Arm& arm, const GripperMass& carried) {
     arm.set_payload(carried.mass, carried.p_F_gripper);
   } catch (const InvalidArgument& refusal) {
     throw DeviceError("arm", concat("does not take the payload: ", refusal.what()),
-                      "lighten the hand or the stone, or correct `payload` of the robot");
+                      "lighten the gripper or the stone, or correct `payload` of the robot");
   }
 }
 

@@ -2,18 +2,18 @@
 #include "stacking/wrist.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
-/// Private to stacking/: what hangs on the flange, for the wrist and for the arm.
+/// Private to stacking/: masses on the flange, for the wrist and for the arm.
 namespace stonestack::stacking {
 
-/// Gripper and camera: what the force sensor feels always.
+/// Gripper and camera: the constant load on the force sensor.
 [[nodiscard]] GripperMass sensed_gripper_mass(const GripperModel& gripper, const CellLayout& layout);
-/// With the sensor itself: what the arm carries always.
+/// Gripper, camera and sensor: the constant load on the arm.
 [[nodiscard]] GripperMass carried_gripper_mass(const GripperModel& gripper, const CellLayout& layout);
-/// Both as one.
+/// Joins two masses.
 [[nodiscard]] GripperMass together(const GripperMass& a, const GripperMass& b);
 
-/// Tells the arm what it carries. Throws DeviceError when the arm refuses, also for more than it bears: a
-/// plan is made for less, so whoever comes here has no wrong command line to mend.
+/// Sends the payload to the arm. Throws DeviceError when the arm refuses it, also for more than it carries:
+/// plans respect the payload, so the cause is not a wrong command line.
 void set_payload(Arm& arm, const GripperMass& carried);
 
 }  // namespace stonestack::stacking

@@ -17,7 +17,7 @@ constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the ston
 constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
 constexpr double kFingerForce = 60.0;   // N, when the plan names none
 constexpr double kGravity = 9.81;       // m/s^2
-// A stone slips towards the finger tips by up to 2 mm while it is carried, so the hand ends lower than
+// A stone slips towards the finger tips by up to 2 mm while it is carried, so the gripper ends lower than
 // planned: this near the table it goes back a little, with the stone loose, before fingers open into the
 // table.
 constexpr double kNearTable = 0.010;  // m, of the tool's tip
@@ -70,8 +70,8 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
   record(journal, HoldMeasured{load.weight, expected, off});
   if (load.weight < kMinHeldShare * expected) {
     const std::string why =
-        concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
-    // What still hangs is set down; what lies below already must not be met from above.
+        concat("slipped out of the gripper: it holds ", load.weight, " N, not ", expected, " N");
+    // A stone that is still held is set down; one that lies below must not be hit from above.
     return load.weight > kEmptyGripper * expected ? put_back(lift, why) : release(why);
   }
   if (off > kMaxSwing) return put_back(lift, turned(off));
@@ -83,7 +83,8 @@ double PlanExecutor::swing(const WristLoad& load) const {
 }
 
 std::string PlanExecutor::turned(double off) {
-  return concat("turned in the hand: it pulls ", std::lround(1e3 * off), " mm beside where it should");
+  return concat("turned in the gripper: its load acts ", std::lround(1e3 * off),
+                " mm beside the planned point");
 }
 
 ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep& next) {
@@ -104,7 +105,7 @@ ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep
   if (home.status == Status::kStopped) return home;
   cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
   return {Status::kLost, 0.0,
-          concat("lost on the way: ", carried_weight, " N hang in the hand, not ", expected, " N")};
+          concat("lost in transit: the gripper holds ", carried_weight, " N, not ", expected, " N")};
 }
 
 ExecutionResult PlanExecutor::go_home(std::span<const PlanStep> carried) const {
@@ -195,7 +196,7 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
   if (empty()) return {};
   set_payload(true);
   return {Status::kStopped, 0.0,
-          concat(step.name, ": the hand is not empty after release, ", left, " N hang in it; take ",
+          concat(step.name, ": the gripper is not empty after release, it holds ", left, " N; take ",
                  stone.name, " out of the fingers")};
 }
 
@@ -210,7 +211,7 @@ ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) con
   const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
   const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -distance);
   const auto path = straight_path(scene.robot, scene.T_F_T, q, T_R_T_goal);
-  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight way back"};
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight path back"};
   TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = kRetreatSpeed;
   PlanStep actual = step;

@@ -94,7 +94,7 @@ struct Planner {
   /// Straight up to each place first, then along `n_W_lift`, where that is given.
   void set_down(const PickAndPlaceTask& straight, int stone, const std::vector<Pose>& T_W_O_down,
                 const std::optional<Eigen::Vector3d>& n_W_lift) {
-    plan.refusal = "the field has no room";
+    plan.refusal = "the field has no free space";
     for (const bool leaning : {false, true}) {
       if (leaning && !n_W_lift) return;
       for (const Pose& T_W_O : T_W_O_down) {

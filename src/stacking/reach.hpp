@@ -23,7 +23,7 @@ class STONESTACK_EXPORT Reach {
   /// How grasps of the stone fare where it lies.
   [[nodiscard]] const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
 
-  /// How a plan with the stone is to be made: as the options say or, where no grasp holds it as it lies but
+  /// Options of a plan with the stone: the given ones or, where no grasp holds it as it lies but
   /// some do with finger tips nearer to the table, as these ask for.
   [[nodiscard]] const MotionOptions& options_for(int stone) {
     (void)direct(stone);

@@ -8,7 +8,7 @@
 /// Private to stacking/: what is made of the events of a run.
 namespace stonestack::stacking {
 
-/// Keeps the result, writes the journal, and passes events on; what was said before is not said again.
+/// Keeps the result, writes the journal, and passes events on; a repeated statement is dropped.
 class Recorder {
  public:
   Recorder(const Models& models, const BuildHooks& hooks) : models_(models), hooks_(hooks) {}

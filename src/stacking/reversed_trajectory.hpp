@@ -1,7 +1,7 @@
 #pragma once
 #include "stonestack/kinematics/robot_model.hpp"
 
-/// Private to stacking/: a motion run backwards, as fast.
+/// Private to stacking/: a motion run backwards at the same speed.
 namespace stonestack::stacking {
 
 [[nodiscard]] JointTrajectory reversed(const JointTrajectory& trajectory);

@@ -24,7 +24,7 @@ struct MeasuredStone {
                                                       const std::vector<MeasuredStone>& stack,
                                                       double friction);
 
-/// A settled stack at each of some frictions. `options` say how stacks are judged.
+/// A settled stack at each of some frictions. `options` set how stacks are judged.
 [[nodiscard]] std::vector<RestingStack> resting_stacks(const ShapeList& shapes, const Stack& stack,
                                                        const SearchOptions& options,
                                                        const std::vector<double>& frictions);

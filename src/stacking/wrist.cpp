@@ -8,11 +8,10 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr int kReadings = 10;
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr double kDrift = 2.0;     // N, that the sensor may err by after a carry; ours
-constexpr double kGripperCentre =
-    0.03;                        // m, that its centre of mass is taken to lie elsewhere than it does; ours
-constexpr double kSettle = 1.0;  // s, at most, for fingers that close on
+constexpr double kGravity = 9.81;        // m/s^2
+constexpr double kDrift = 2.0;           // N, error of the sensor after a carry; design choice
+constexpr double kGripperCentre = 0.03;  // m, error of the gripper's assumed centre of mass; design choice
+constexpr double kSettle = 1.0;          // s, at most, for fingers that close on
 
 GripperState state_at_rest(Cell& cell) {
   const double start = cell.clock.now();

@@ -2,10 +2,10 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
-/// Private to stacking/: what hangs in the hand, as the wrist feels it.
+/// Private to stacking/: load on the gripper, measured at the wrist.
 namespace stonestack::stacking {
 
-/// Of what the sensor carries always.
+/// Mass of the constant load on the sensor.
 struct GripperMass {
   double mass = 0.0;                                      ///< [kg]
   Eigen::Vector3d p_F_gripper = Eigen::Vector3d::Zero();  ///< centre of mass [m]
@@ -14,29 +14,29 @@ struct GripperMass {
 /// Load on the wrist beside the gripper itself.
 struct WristLoad {
   double weight = 0.0;  ///< downwards [N]
-  /// On the line along which that pulls which came after the zero was taken, level with F.
+  /// A point on the line of action of the load applied since taring, level with F.
   Eigen::Vector3d p_F_pull = Eigen::Vector3d::Zero();
-  Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< as the arm stands
-  /// by which that line may be wrong [m]: where the hand's own weight pulls is known to 3 cm, and how it
-  /// pulls changes with the tilt.
+  Eigen::Vector3d n_F_down = -Eigen::Vector3d::UnitZ();  ///< in the arm's present pose
+  /// Error of that line [m]: the gripper's centre of mass is known to 3 cm, and its effect changes with the
+  /// tilt.
   double uncertainty = 0.0;
 };
 
-/// how far the line along which it pulls passes a point of the flange's frame, level [m]; of the arm of a
-/// weight only that part can be told.
+/// Horizontal distance of the load's line of action from a point of the flange's frame [m]; only that
+/// component of a weight's lever can be observed.
 [[nodiscard]] double beside(const WristLoad& load, const Eigen::Vector3d& p_F);
 
-/// Share of a stone's weight: when less hangs in the hand, the stone does not.
+/// Share of a stone's weight: a lighter load means that the stone is lost.
 inline constexpr double kEmptyGripper = 0.2;
 
-/// The force sensor, with where its zero was taken: the sensor forgets the hand's own weight as it hung then,
-/// so what a hand that is tilted otherwise weighs now is taken off.
+/// The force sensor and the pose in which it was tared: taring removes the gripper's weight in that pose, so
+/// the difference in another pose is subtracted.
 class Wrist {
  public:
   Wrist(Cell& cell, const RobotModel& robot, const GripperMass& gripper)
       : cell_(cell), robot_(robot), gripper_(gripper), n_F_down_at_zero_(down()) {}
 
-  /// At rest. `carried_weight`: what hangs in the hand now (N), so that it is still told of when it has gone.
+  /// Tares at rest. `carried_weight`: present load of the gripper (N), so that its loss is measured later.
   void zero(double carried_weight = 0.0);
   /// Mean of a tenth of a second, at rest.
   [[nodiscard]] WristLoad feel() const;
@@ -51,8 +51,8 @@ class Wrist {
   double carried_at_zero_ = 0.0;
 };
 
-/// so much more than nothing hangs in a hand that is not empty [N]: the stone's `weight` (N) for the most
-/// part rests on the tower while a finger still has it, and the sensor drifts while it is carried.
+/// Largest load of an empty gripper [N]: a stone of `weight` (N) mostly rests on the tower while a finger
+/// still holds it, and the sensor drifts during a carry.
 [[nodiscard]] double max_in_empty_gripper(double weight);
 
 /// Load that is left in the gripper of a stone that was carried.
@@ -61,9 +61,9 @@ struct CarriedLoad {
   bool held = false;
 };
 
-/// Two witnesses. Of a stone that hangs by `min_held_share` of its weight (`expected`, N) the fingers may
-/// have lost some, not the stone; where less than `kEmptyGripper` of it hangs the stone is gone, also while
-/// the gripper still says otherwise, as it tells late. Between the two the gripper decides, when its fingers
+/// Combines wrist and gripper. A load of at least `min_held_share` of the weight (`expected`, N) means that
+/// the stone is held; below `kEmptyGripper` of it the stone is lost, also while the gripper still reports an
+/// object, as it reports late. Between the two the gripper decides, when its fingers
 /// have come to rest: they close on a stone that slips, and are no verdict while they do.
 [[nodiscard]] CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected,
                                        double min_held_share);

@@ -44,7 +44,7 @@ TEST(Execute, AStoneLostInTransitIsNotSetDown) {
   Carried cell({1.0, 0.0});
   const auto done = cell.run();
   EXPECT_EQ(done.status, ExecutionResult::Status::kLost);
-  EXPECT_THAT(done.reason, testing::HasSubstr("lost on the way"));
+  EXPECT_THAT(done.reason, testing::HasSubstr("lost in transit"));
   EXPECT_THAT(cell.arm.commands, testing::ElementsAre("follow", "follow", "follow", "open"));
   const JointTrajectory& carry = cell.plan.steps[1].trajectory;
   EXPECT_EQ(cell.arm.followed.q.front(), carry.q.back()) << "back as it came";
@@ -71,7 +71,7 @@ TEST(Execute, AStoneThatTurnedInTheGripperIsBroughtBack) {
   cell.beside = {0.0, 0.07, 0.07, 0.07, 0.07, 0.07};
   const auto done = cell.Bench::run({Status::kContact});
   EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked);
-  EXPECT_THAT(done.reason, testing::HasSubstr("turned in the hand: it pulls 70 mm beside"));
+  EXPECT_THAT(done.reason, testing::HasSubstr("turned in the gripper: its load acts 70 mm beside"));
   // Lifted, carried, back, down until it touches, a little up so that the fingers can open, and away.
   EXPECT_THAT(cell.arm.commands,
               testing::ElementsAre("follow", "follow", "follow", "lower", "follow", "open", "follow"));

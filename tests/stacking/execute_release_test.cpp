@@ -13,7 +13,7 @@ using scripted::Kind;
 using Status = MotionResult::Status;
 using End = ExecutionResult::Status;
 
-/// Picks a stone of 1 kg up and sets it down; `left` of it (kg) hangs in the hand when it has opened by
+/// Picks a stone of 1 kg up and sets it down; `left` of it (kg) hangs in the gripper when it has opened by
 /// `opens_at` (m), and when it has gone back.
 struct Released : scripted::Bench {
   double left = 0.0, left_after_retreat = 0.0, opens_at = 0.0;
@@ -35,7 +35,7 @@ struct Released : scripted::Bench {
       hang(retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
     };
     gripper.after_move = [this](double opening) {
-      gripper.object = opening <= 0.0;  // a hand that was told to open never tells of an object
+      gripper.object = opening <= 0.0;  // a gripper that was told to open never tells of an object
       released = lifted && opening > 0.0;
       if (released) hang(opening > opens_at ? left : 1.0);
     };
@@ -56,7 +56,7 @@ TEST(ExecuteRelease, TheArmReceivesThePayloadWithAndWithoutTheStone) {
   ASSERT_EQ(done.status, End::kReleased) << done.reason;
   const double gripper_mass = carried_mass(cell.scene.gripper);
   ASSERT_EQ(cell.arm.payloads.size(), 2u);
-  EXPECT_NEAR(cell.arm.payloads[0], gripper_mass + 1.0, 1e-12) << "hand, sensor, camera and stone";
+  EXPECT_NEAR(cell.arm.payloads[0], gripper_mass + 1.0, 1e-12) << "gripper, sensor, camera and stone";
   EXPECT_NEAR(cell.arm.payloads[1], gripper_mass, 1e-12);
   EXPECT_GT(gripper_mass, cell.scene.gripper.mass + 0.3) << "a sensor weighs 0.30 to 0.65 kg";
 }
@@ -90,7 +90,7 @@ TEST(ExecuteRelease, OpeningWiderMayFreeIt) {
 }
 
 TEST(ExecuteRelease, AStoneThatComesAlongIsNotCarriedAround) {
-  Released cell;  // it rested on the tower until the hand went up
+  Released cell;  // it rested on the tower until the gripper went up
   cell.left_after_retreat = 1.0;
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kStopped);

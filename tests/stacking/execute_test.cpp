@@ -79,7 +79,7 @@ TEST(Execute, FingersAreSpacedBeforeTheGripperOpens) {
   bench.plan.steps = {open};
   (void)bench.run({});
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("spread", "open"));
-  bench.plan.steps[0].spacing = 0.0;  // a plan of a hand that has one spacing only
+  bench.plan.steps[0].spacing = 0.0;  // a plan of a gripper that has one spacing only
   (void)bench.run({});
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("open"));
 }
@@ -124,7 +124,8 @@ TEST(Execute, AStoneThatTheWristDoesNotMeasureIsPutBack) {
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "lower", "follow", "open", "follow"))
       << "a little up before the fingers open: they may stand on the table";
   EXPECT_EQ(hang(0.05, p_F).status, ExecutionResult::Status::kNotPicked);
-  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "open")) << "the stone lies below the hand";
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "open"))
+      << "the stone lies below the gripper";
   // A stone that has turned pulls elsewhere; how far below does not matter.
   const auto turned = hang(1.0, p_F + R_W_F.transpose() * Eigen::Vector3d(0.03, 0, 0));
   EXPECT_EQ(turned.status, ExecutionResult::Status::kNotPicked);

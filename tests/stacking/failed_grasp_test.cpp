@@ -14,7 +14,7 @@ namespace {
 
 using namespace simulation;  // the cell that the loop works in here
 
-/// Lets go of what it has grasped the first few times, and keeps where the hand was.
+/// Lets go of what it has grasped the first few times, and keeps where the gripper was.
 class SlipperyGripper : public Gripper {
  public:
   SlipperyGripper(Cell cell, const RobotModel& robot, const SimulatedCell& world, int slips)

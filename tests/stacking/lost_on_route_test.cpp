@@ -42,7 +42,7 @@ class LosingArm : public Arm {
   void stop() override { arm_.stop(); }
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override { arm_.set_payload(mass, p_F_com); }
 
-  /// Guarded motions with nothing in the hand.
+  /// Guarded motions with nothing in the gripper.
   [[nodiscard]] int lowered_empty() const { return lowered_empty_; }
   [[nodiscard]] int lost() const { return lost_; }
 

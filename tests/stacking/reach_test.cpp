@@ -8,7 +8,7 @@
 namespace stonestack::stacking {
 namespace {
 
-/// One stone in the middle of the field, in its firmest pose of rest.
+/// One stone in the middle of the field, in its firmest resting pose.
 struct Bench {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   CellLayout layout;
@@ -36,8 +36,8 @@ struct Bench {
   }
 };
 
-/// The last millimetre decides whether a hand gets hold of a flat stone: where none does with the usual room
-/// under the finger tips, some may with less.
+/// The last millimetre decides whether a gripper gets hold of a flat stone: where none does with the usual
+/// room under the finger tips, some may with less.
 TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   const Bench bench;
   double padding = 0.002;

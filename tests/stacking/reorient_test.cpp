@@ -19,7 +19,7 @@ using namespace simulation;  // the cell that the loop works in here
 
 constexpr int kStone = 1;  // limestone_2
 
-/// On the table, in that pose of rest, its centre of mass over `p_W`.
+/// On the table, in that resting pose, its centre of mass over `p_W`.
 Pose standing(const Stone& stone, const RestPose& rest, const Eigen::Vector2d& p_W) {
   Pose T_W_O(rest.R_W_O);
   double lowest = 1.0;

@@ -105,7 +105,7 @@ struct Bench {
       step.threshold = kind == Kind::kDescent ? 5.0 : 0.0;
       plan.steps.push_back(step);
     }
-    plan.steps[1].threshold = 20.0;  // lowered with the stone in the hand
+    plan.steps[1].threshold = 20.0;  // lowered with the stone in the gripper
   }
   ExecutionResult run(std::deque<Status> guarded) {
     arm.commands.clear();

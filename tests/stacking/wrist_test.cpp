@@ -11,7 +11,7 @@ namespace {
 constexpr double kGravity = 9.81;
 const GripperMass kGripper{2.3, {0.01, -0.02, 0.12}};
 
-/// Carries the hand and perhaps a stone, as the arm stands.
+/// Carries the gripper and perhaps a stone, as the arm stands.
 struct LoadedSensor : ForceTorqueSensor {
   const RobotModel& robot;
   const scripted::ScriptedArm& arm;

@@ -42,7 +42,7 @@ struct BuildHooks {
 
 /// The paper's loop (figure 1): observe, choose, plan, execute, observe again, judge, learn, until no pose is
 /// feasible, a placement failed, or all stones are placed. Stops the arm and returns what was done when
-/// interrupted or when a device fails. The journal's last line, of kind "end", says how the run ended and
+/// interrupted or when a device fails. The journal's last line, of kind "end", records how the run ended and
 /// why.
 [[nodiscard]] RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                                     const BuildOptions& options, const BuildHooks& hooks = {});

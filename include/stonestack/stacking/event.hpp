@@ -13,7 +13,7 @@
 /// Events of a run, as values: log lines, journal, report and tests are made from these.
 namespace stonestack::stacking {
 
-/// A stone (index into the catalogue) and what is said of it.
+/// A stone (index into the catalogue) and a statement about it.
 struct StoneNote {
   int stone = -1;
   std::string note;
@@ -140,7 +140,8 @@ struct TouchMeasured {
   double force = 0;      ///< contact force, N
   double above_end = 0;  ///< height above the end of the step, m
 };
-struct ReleaseMeasured {  ///< N that hang in the gripper after release, and the most that count as nothing
+struct ReleaseMeasured {  ///< load on the gripper after release, and the largest load that counts as empty
+                          ///< [N]
   double weight = 0, max_weight = 0;
 };
 

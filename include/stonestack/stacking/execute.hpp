@@ -11,7 +11,8 @@ namespace stonestack::stacking {
 
 /// How carrying out a plan ended.
 struct ExecutionResult {
-  /// kNotPicked: it did not come up with the hand. kLost: it came up and fell out of the hand on the way.
+  /// kNotPicked: it did not come up with the gripper. kLost: it came up and fell out of the gripper on the
+  /// way.
   enum class Status { kReleased, kNotPicked, kLost, kStopped };
   Status status = Status::kReleased;
   double contact_force = 0.0;  ///< at the end of the guarded descent [N]
@@ -19,11 +20,11 @@ struct ExecutionResult {
 };
 
 /// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.
-/// Before the hand is lowered, and before the guarded descent, wrist and gripper say whether the stone is
-/// still there; if not, the hand goes back the way it came and opens where the carry began. What touches
-/// while it is lowered, before the guarded descent, is let go there: the stone hangs otherwise than planned,
-/// and the next look tells how it lies. After contact the retreat is planned anew from where the arm stands.
-/// A stop of the arm ends it at once, with the stone held.
+/// Before the gripper is lowered, and before the guarded descent, wrist and gripper check whether the stone
+/// is still there; if not, the gripper returns along the same path and opens where the carry began. What
+/// touches while it is lowered, before the guarded descent, is released there: the stone is held otherwise
+/// than planned, and the next view shows how it lies. After contact the retreat is planned anew from the
+/// arm's measured joints. A stop of the arm ends it at once, with the stone held.
 [[nodiscard]] ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone,
                                       const PlanningScene& scene, Cell& cell, const MotionOptions& options,
                                       Journal* journal);

@@ -86,7 +86,7 @@ struct Attempt {
   Pose T_O_T = Pose::Identity();
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();
   std::vector<PlacedStone> below;                             ///< the stack before
-  std::vector<StoneEstimate> expected_stack, expected_loose;  ///< if all went as far as `done` says
+  std::vector<StoneEstimate> expected_stack, expected_loose;  ///< if everything up to `done` succeeded
 };
 
 /// Why no other action follows.
