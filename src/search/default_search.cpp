@@ -44,7 +44,7 @@ void know_firsts(const SearchContext& context, TowerSearch& search, int levels, 
   }
 }
 
-/// Looks closer at the first placement that is best, and at the way on from it, until it stays the best.
+/// Predicts the best first placement and the route above it with more draws, until it stays the best.
 void know_best(const SearchContext& context, TowerSearch& search, int levels) {
   const TowerTree& tree = search.tree();
   for (int last_best = -1; !context.out_of_time() && !interrupt_noted();) {
@@ -135,7 +135,7 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
   result->unreachable = search.unreachable();
   if (whole) {
     collect(context, search, levels, result);
-    // A closer look may have dropped a later stone.
+    // The closer prediction may have dropped a later stone.
     if (!result->best.empty() && result->best.front().then.size() + 1 < plan.size()) result->best.clear();
     if (!result->best.empty()) result->reason.clear();
   }
@@ -165,7 +165,7 @@ void default_search(const SearchContext& context, SearchResult* result) {
     };
     look_for(context.problem->known_route_only ? TowerSearch::Routes::kFoundBefore
                                                : TowerSearch::Routes::kAll);
-    // The way found before led to the top, but did not bear a closer look.
+    // The known route led to the top, but failed the closer prediction.
     if (result->best.empty() && !context.problem->known_route.empty() && !context.problem->known_route_only &&
         !context.out_of_time() && !interrupt_noted())
       look_for(TowerSearch::Routes::kNew);

@@ -44,7 +44,7 @@ LandingGrid land(const StackField& stack, const Underside& underside, double mas
   };
   for (int v = 1 - n; v < n; ++v)
     for (int k = 1 - n; k < n; ++k) fill((v + n) % 2 == 0 ? -k : k, v);  // to and fro
-  // The rim says only how heights go on from the nodes within that hold.
+  // The rim only extrapolates heights from the inner nodes that hold.
   const auto wanted = [&](int u, int v) {
     for (int y = std::max(v - 1, 1 - n); y <= std::min(v + 1, n - 1); ++y)
       for (int x = std::max(u - 1, 1 - n); x <= std::min(u + 1, n - 1); ++x)

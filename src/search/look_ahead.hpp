@@ -3,7 +3,7 @@
 
 namespace stonestack::search {
 
-/// How thoroughly to look: the quick way tells good tops from bad ones at an eighth of the cost.
+/// Effort of the look-ahead: the quick one separates good tops from bad ones at an eighth of the cost.
 enum class LookAheadEffort { kQuick, kFull };
 
 /// Look-ahead on what the remaining stones could bear on top of a stack, by the gap field alone. Undersides

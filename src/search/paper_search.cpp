@@ -9,7 +9,7 @@
 namespace stonestack::search {
 namespace {
 
-/// One local solution of one stone, and what was tried on the way to it.
+/// One local solution of one stone, and the poses that led to it.
 struct LocalSolution {
   std::size_t available = 0;
   int stone = -1;

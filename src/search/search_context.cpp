@@ -17,7 +17,7 @@ constexpr double kStandSeconds = 2.0;
 constexpr double kNearShift = 0.005;  ///< [m]
 constexpr double kNearTurn = 0.0873;  ///< [rad]
 /// m and rad: what moves more until it rests was given above or askew of its contacts (`rests_of` asks the
-/// scans within 0.8 mm); what moves less keeps its pose to the letter.
+/// scans within 0.8 mm); what moves less keeps its pose exactly.
 constexpr double kAtRestShift = 1e-4;
 constexpr double kAtRestTurn = 2e-3;
 
@@ -102,7 +102,7 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
   require(problem.site.allFinite(), "site must be finite, got ", problem.site.transpose());
   check_placed(problem.stack.stones, problem.shapes->size(), "stack");
   check_placed(problem.available, problem.shapes->size(), "available stones");
-  check_placed(problem.known_route, problem.shapes->size(), "way up");
+  check_placed(problem.known_route, problem.shapes->size(), "known route");
   for (const auto* list : {&problem.stack.stones, &problem.available})
     for (const PlacedStone& placed : *list) {
       const auto& shape = (*problem.shapes)[static_cast<std::size_t>(placed.stone)];
@@ -141,7 +141,7 @@ std::optional<Stack> settled_stack(const ShapeList& shapes, const Stack& stack, 
     const std::string& name = shapes[static_cast<std::size_t>(placed.stone)]->name;
     if (!at_rest.rests || moved.translation > kNearShift || moved.angle > kNearTurn) {
       *reason = concat(
-          "the given stack does not stand: ", name, " does not rest where it is said to be (",
+          "the given stack does not stand: ", name, " does not rest at its given pose (",
           at_rest.rests ? concat("comes to rest ", 1000.0 * moved.translation, " mm away") : at_rest.reason,
           ")");
       return std::nullopt;

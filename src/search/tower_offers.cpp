@@ -49,7 +49,7 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
     gone.push_back(proposal.stone);
     if (stones.size() > 1)
       proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
-    // On the table every estimate is the friction: the margin tells the stones apart.
+    // On the table every estimate equals the friction: the margin ranks the stones.
     const double base = below.bodies.empty()
                             ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
                             : proposal.robust;

@@ -9,7 +9,7 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead asks only sides that nearly lie flat
+constexpr double kFlatSide = 0.2;  ///< rise over run: the look-ahead tests only sides that are nearly level
 constexpr int kCloser = 4;         ///< times the perturbations, where the first of them disagree
 constexpr double kCrowding = 0.1;  ///< of the friction: TowerTree::choose
 
@@ -90,7 +90,7 @@ bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason)
     *reason = tree_.node(k).trial.outcome;
     if (!tree_.node(k).trial.alive) return false;
   }
-  *reason = "it falls too often";  // if a closer look should say so
+  *reason = "it falls too often";  // if the closer prediction finds so
   return true;
 }
 
@@ -110,8 +110,8 @@ bool TowerSearch::finish_known_route() {
   }
   find_best();
   if (best_ == 0 || level == levels_) return best_ > 0;
-  context_.log(concat("from the way found before: the highest of ", tree_.node(best_).level, " of ", levels_,
-                      " stones"));
+  context_.log(
+      concat("from the known route: the highest of ", tree_.node(best_).level, " of ", levels_, " stones"));
   return tree_.node(best_).level == levels_;
 }
 
@@ -119,7 +119,7 @@ void TowerSearch::round(std::size_t width, int first) {
   const double step = kCrowding * context_.options->friction;
   for (int level = first; level <= levels_; ++level) {
     std::vector<int> ready;
-    // What does not bear judgement makes room for the next.
+    // A placement that fails its judgement is replaced by the next.
     for (std::size_t tries = 0; tries < 4 && ready.size() < width && !context_.out_of_time(); ++tries) {
       const std::vector<int> chosen = tree_.choose(level, width - ready.size(), step);
       if (chosen.empty()) break;
@@ -199,7 +199,7 @@ int TowerSearch::highest() const {
   return best;
 }
 
-/// Predicts in displaced worlds what may be taken for better than it is: of finished towers ways are
+/// Predicts in displaced worlds what may be taken for better than it is: of finished towers routes are
 /// predicted until the best is known, of others the best alone.
 void TowerSearch::find_best() {
   do {

@@ -16,12 +16,12 @@ class TowerSearch {
  public:
   TowerSearch(const SearchContext& context, int levels);
 
-  /// Which ways are looked for: on from the problem's way up, from the bottom, or, where the first does not
-  /// lead to the top, both.
+  /// Routes that are searched: onwards from the problem's known route, from the bottom, or, where the first
+  /// does not lead to the top, both.
   enum class Routes { kFoundBefore, kNew, kAll };
   void run(Routes routes = Routes::kAll);
-  /// True if all of a plan is reachable, comes to rest in balance and stands its judgement; else `reason` is
-  /// told why not.
+  /// True if all of a plan is reachable, comes to rest in balance and stands its judgement; else `reason`
+  /// gives the cause.
   [[nodiscard]] bool follow(std::span<const PlacedStone> plan, std::string* reason);
   [[nodiscard]] const TowerTree& tree() const { return tree_; }
   /// The node whose tower is highest and, of those, most likely to stand, after the last whole round; 0 for
@@ -33,8 +33,8 @@ class TowerSearch {
   /// are what a search that is cut short returns.
   void judge(std::span<const int> nodes);
   /// Tries those that were judged, but not predicted yet, in displaced worlds; some die. `closely`: in four
-  /// times as many those that do not always stand, for eight tell a chance from a half by luck (bench
-  /// calibration: what they believe to stand in a quarter of the cases stands in half of them).
+  /// times as many draws for those that do not always stand, as eight draws cannot separate a quarter from a
+  /// half (bench calibration: towers estimated to stand in a quarter of the cases stood in half of them).
   void predict(std::span<const int> nodes, bool closely = false);
   /// Predicts a node and all below it; false if that was done before.
   bool predict_path(int node);
@@ -66,7 +66,8 @@ class TowerSearch {
   [[nodiscard]] bool accepts(const Proposal& proposal, const Stack& below, Trial* trial);
   /// Settles and judges a placement on a node's tower; the new node, or -1 with the reason.
   [[nodiscard]] int climb(int node, const PlacedStone& next, std::string* reason);
-  /// The problem's way up as far as it holds, and on from its top. True if that finished a tower.
+  /// Follows the problem's known route as far as it holds, and searches on from its top. True if that
+  /// finished a tower.
   [[nodiscard]] bool finish_known_route();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);

@@ -12,14 +12,14 @@ constexpr double kPlanHolds = 0.5;
 /// Steps that a tower loses each time it is grown: what was tried of it was the best.
 constexpr double kAgain = 3.0;
 
-/// Success of what was not tried in displaced worlds. Nearer to 1, and more ways would be tried before the
+/// Success of what was not tried in displaced worlds. Nearer to 1, and more routes would be tried before the
 /// best is known (docs/measurements.md, Search).
 constexpr double kUntried = 0.9;
 
 /// g and stones: a reserve beyond it is not worth a stone that may fall.
 constexpr double kReserve = 0.1;
 
-/// Lowest new stone and top stone: what towers are told apart by.
+/// Lowest new stone and top stone: they identify a tower.
 struct Ends {
   int first = 0;  ///< node
   int top = -1;   ///< stone
@@ -149,7 +149,7 @@ std::vector<int> TowerTree::best_path_from(int k) const {
     if (expected_height(c) <= 0.0) continue;
     std::vector<int> path = best_path_from(c);
     path.insert(path.begin(), c);
-    // Among ways of the same height the reserve of the finished tower decides.
+    // Among routes of the same height the reserve of the finished tower decides.
     const double value = expected_height(c) + std::min(node(path.back()).trial.margin, kReserve);
     if (value > max) {
       max = value;

@@ -44,13 +44,13 @@ class TowerTree {
   [[nodiscard]] double success(int k) const;
   /// From the first stone put to this node's.
   [[nodiscard]] std::vector<int> path_to(int k) const;
-  /// Chance that a node's tower can be finished at `levels`, as far as the tree tells: its own success times
+  /// Chance that a node's tower can be finished at `levels`, estimated from the tree: its own success times
   /// the chance that one of its children can. `friction` is what a reserve is measured against.
   [[nodiscard]] double chance(int k, int levels, double friction) const;
-  /// The most stones that are expected to stand on the given stack by one way through a node: each counts as
-  /// likely as all below it and itself are to succeed. What was not judged counts nothing.
+  /// The most stones that are expected to stand on the given stack by one route through a node: each counts
+  /// as likely as all below it and itself are to succeed. What was not judged counts nothing.
   [[nodiscard]] double expected_height(int k) const;
-  /// The nodes above k on that way, from the lowest.
+  /// The nodes above k on that route, from the lowest.
   [[nodiscard]] std::vector<int> best_path_from(int k) const;
   /// Levels that the highest tower through a node reaches.
   [[nodiscard]] int reach(int k) const;

@@ -105,8 +105,8 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
   return verdict.stands && verdict.clean;
 }
 
-/// A world in which the stack falls without the new stone tells nothing about this placement: the stack
-/// stands already, or whether it will was counted against the stone before.
+/// A world in which the stack falls without the new stone carries no information about this placement: the
+/// stack stands already, or whether it will was counted against the stone before.
 Fate try_world(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
   const SettleResult at_rest =
       lowered(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),

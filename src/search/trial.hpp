@@ -5,7 +5,7 @@
 
 namespace stonestack::search {
 
-/// A proposal on its way through simulation.
+/// A proposal while it passes through simulation.
 struct Trial {
   int stone = -1;
   Pose T_W_O = Pose::Identity();  ///< proposed
@@ -18,12 +18,12 @@ struct Trial {
   double margin = 0.0;  ///< of the whole stack by equilibrium [g]
   double score = 0.0;   ///< what to verify first: margin and look-ahead
   int worlds = 0;       ///< with displaced placements and centres of mass that it was tried in;
-  int tried = 0;        ///< of these tell something,
+  int tried = 0;        ///< of these carry information,
   int survived = 0;     ///< and in so many it stood
 };
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole: fills the
-/// pose at rest, its polygon, cost and margin, or says why not. The stack must be left at least
+/// pose at rest, its polygon, cost and margin, or the reason why not. The stack must be left at least
 /// `min_margin`.
 void settle_trial(const SearchContext& context, const Stack& below, Trial* trial);
 
@@ -40,7 +40,7 @@ struct Candidate {
 /// too seldom. Every trial meets the same worlds.
 void predict(const SearchContext& context, std::span<const Candidate> candidates, int worlds);
 
-/// Chance that the finished tower stands, as far as this step can tell: success of this placement, reserve of
+/// Chance that the finished tower stands, estimated at this step: success of this placement, reserve of
 /// the whole stack, prospects of the next.
 [[nodiscard]] double worth(const SearchContext& context, const Trial& trial);
 

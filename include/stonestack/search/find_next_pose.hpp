@@ -56,7 +56,7 @@ struct SearchOptions {
   // 0.4 to 1.2 deg in all for stones that hold at once.
   double placement_sigma_translation = 0.0015;  ///< one sigma along each axis [m]
   double placement_sigma_rotation = 0.015;      ///< one sigma about each axis [rad]
-  /// one sigma of every centre of mass along each axis [m]: known to 2 mm, say evenly in a ball, 0.9 mm an
+  /// one sigma of every centre of mass along each axis [m]: known to 2 mm, evenly in a ball, 0.9 mm an
   /// axis
   double com_sigma = 0.001;
 
@@ -90,17 +90,18 @@ struct SearchProblem {
   std::vector<PlacedStone>
       available;  ///< loose stones, with their detected poses (paper: initial orientation)
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
-  /// A way up that was found before, say with less friction, one stone upon the other: the default search
-  /// looks first whether it leads to the top from where it ends, and at other ways only if not. May be empty.
+  /// A route to the top that was found before, for example with less friction, bottom stone first: the
+  /// default search continues it first and searches other routes only if that does not reach the top. May be
+  /// empty.
   std::vector<PlacedStone> known_route;
-  bool known_route_only = false;  ///< no other ways
+  bool known_route_only = false;  ///< no other routes
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose, when
   /// the stack has grown to `below` (what stands, then what the plan has put on it)? Called from one thread,
   /// best proposals first, before they are verified; what it refuses is counted and dropped.
   std::function<bool(int stone, const Pose& T_W_O, const Stack& below)> reachable;
 };
 
-/// One candidate's way through the search, for `--trace`.
+/// One candidate's path through the search, for `--trace`.
 struct CandidateTrace {
   int stone = -1;
   std::vector<Pose> path_W_O;  ///< from the initial pose to contact or rest
@@ -112,7 +113,7 @@ struct CandidateTrace {
 
 struct SearchResult {
   std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
-  std::string reason;                 ///< when `best` is empty: what stood in the way
+  std::string reason;                 ///< when `best` is empty: why nothing was found
   long candidates = 0;                ///< poses evaluated
   int unreachable = 0;                ///< proposals that the arm could not bring about
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
@@ -120,14 +121,15 @@ struct SearchResult {
 };
 /// The next placement (paper §3). Throws InvalidArgument for stones that cannot be (mass or friction not
 /// positive, centre of mass outside the hull, not finite) and indices out of range; a stack that overlaps or
-/// does not stand is refused with its reason. Ctrl-C and the budget end it with the best so far. `report` is
-/// told about progress from one thread.
+/// does not stand is refused with its reason. Ctrl-C and the budget end it with the best so far. `report`
+/// receives progress from one thread.
 [[nodiscard]] SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options = {},
                                           const std::function<void(const std::string&)>& report = {});
 
-/// Is a plan made before still good on what stands now? Puts the stones of `plan` where it says, one upon the
-/// other, settled and judged; `best` is its first placement, or empty with the reason if not all of it holds.
-/// Nothing is searched: this costs a small part of a search. Throws as find_next_pose does.
+/// Checks whether an earlier plan is still valid on the present stack. Puts the stones of `plan` at their
+/// poses, bottom stone first, settled and judged; `best` is its first placement, or empty with the reason if
+/// not all of it holds. Nothing is searched: this costs a small part of a search. Throws as find_next_pose
+/// does.
 [[nodiscard]] SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                                        const SearchOptions& options = {});
 
@@ -137,7 +139,7 @@ struct SearchResult {
                                      const SearchOptions& options = {});
 
 /// Plans a tower of `levels` more stones as if each placement succeeded, and returns the highest that it
-/// found to stand, from the bottom up; `reason` tells what stood in the way of more. Throws as find_next_pose
+/// found to stand, from the bottom up; `reason` is why there are no more. Throws as find_next_pose
 /// does; Ctrl-C and the budget end it with the best so far.
 [[nodiscard]] std::vector<Placement> plan_tower(SearchProblem problem, int levels,
                                                 const SearchOptions& options, std::string* reason,
