@@ -56,8 +56,8 @@ class CollisionChecker {
   /// joint) that is still undecided counts as a collision.
   [[nodiscard]] bool motion_is_free(const Joints& a, const Joints& b, double resolution = 0.0005) const;
   /// True if samples of the straight joint motion are free, between which base and shoulder turn by at most
-  /// `spacing` (rad), the wrist by more, since that moves the hand less: a quick answer for searching, not a
-  /// proof. The ends are not looked at.
+  /// `spacing` (rad), the wrist by more, since that moves the gripper less: a quick answer for searching, not
+  /// a proof. The ends are not looked at.
   [[nodiscard]] bool samples_are_free(const Joints& a, const Joints& b, double spacing = 0.05) const;
   /// The smallest distance among all pairs that are checked, padding not regarded.
   [[nodiscard]] Clearance clearance(const Joints& q) const;

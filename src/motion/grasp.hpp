@@ -8,15 +8,15 @@
 
 namespace stonestack::motion {
 
-/// How grasps of a stone are sampled and judged. Numbers without a source are ours.
+/// How grasps of a stone are sampled and judged. Values without a source are design choices.
 struct GraspOptions {
-  int directions = 400;          ///< approach directions over the sphere (about 10 deg apart)
-  int yaws = 12;                 ///< turns about the approach, each direction
-  double spacing = 0.008;        ///< between surface points that stand for the scan [m]
-  double shallowest = -0.004;    ///< finger tips past the centre of mass, least [m]
-  double deepest = 0.028;        ///< most [m]
-  int depths = 5;                ///< steps between the two
-  double sideways = 0.012;       ///< the hand shifted along y by +- this where the middle gives nothing [m]
+  int directions = 400;        ///< approach directions over the sphere (about 10 deg apart)
+  int yaws = 12;               ///< turns about the approach, each direction
+  double spacing = 0.008;      ///< between surface points that stand for the scan [m]
+  double shallowest = -0.004;  ///< finger tips past the centre of mass, least [m]
+  double deepest = 0.028;      ///< most [m]
+  int depths = 5;              ///< steps between the two
+  double sideways = 0.012;     ///< the gripper shifted along y by +- this where the middle gives nothing [m]
   double pad_softness = 0.0015;  ///< surface that deep under a pad counts as touched [m]
   double unequal = 0.003;        ///< [m] most that finger B meets the stone before finger C (a stone turns by
                                  ///< that over the finger spacing when it is squeezed)
@@ -56,11 +56,11 @@ struct Grasp {
 struct GraspSet {
   std::vector<Grasp> grasps;
   int tried = 0;
-  int too_wide = 0;          ///< stone between the pads wider than the hand opens, or narrower than it closes
-  int no_contact = 0;        ///< a pad meets nothing, or B and C not together
+  int too_wide = 0;    ///< stone between the pads wider than the gripper opens, or narrower than it closes
+  int no_contact = 0;  ///< a pad meets nothing, or B and C not together
   int gripper_in_stone = 0;  ///< palm or upper finger would touch the stone first
   int slips = 0;             ///< a squeeze is not in the friction cones
-  int too_heavy = 0;         ///< needs more force than the hand has, whatever the orientation
+  int too_heavy = 0;         ///< needs more force than the gripper has, whatever the orientation
   double narrowest = 0.0;    ///< least width that was met between pads [m]; 0: none met
 };
 /// Samples grasps over the whole stone. Deterministic. Contacts come from the scan.

@@ -13,7 +13,7 @@ namespace stonestack::motion {
 /// Why a grasp does not serve; in the order of the tests.
 enum class GraspFault {
   kTooWeak,      ///< the fingers cannot hold the weight in that orientation
-  kTableAtPick,  ///< the hand, or its straight approach, meets the table
+  kTableAtPick,  ///< the gripper, or its straight approach, meets the table
   kObjectAtPick,
   kReachAtPick,  ///< no inverse kinematics, or not for approach and lift on one branch
   kArmAtPick,    ///< the arm meets the scene or itself
@@ -31,7 +31,7 @@ struct GraspCheck {
   std::vector<int> usable;  ///< indices into the grasp set, best score first
   int total = 0;            ///< grasps looked at
   std::array<int, kGraspFaults> refused{};
-  /// True if the hand could hold the stone where it lies, but for what stands beside it and for the arm.
+  /// True if the gripper could hold the stone where it lies, but for what stands beside it and for the arm.
   [[nodiscard]] bool can_be_held() const;
   /// "of 212 grasps 140 hit the table at pick, 12 are out of reach at place"
   [[nodiscard]] std::string text() const;
@@ -53,13 +53,13 @@ class GraspFinder {
   /// True if some grasp serves both ends: a SearchProblem::reachable.
   [[nodiscard]] bool serves(const Pose& T_W_O_place) const;
   /// All grasps, or until `enough` are found (0: all). `meanwhile`: objects that will stand there, too, when
-  /// the stone is set down; hand and arm must not meet them.
+  /// the stone is set down; gripper and arm must not meet them.
   [[nodiscard]] GraspCheck check(const Pose& T_W_O_place, int enough = 0,
                                  std::span<const SceneObject> meanwhile = {}) const;
   /// The pick side alone.
   [[nodiscard]] const GraspCheck& at_pick() const;
-  /// True if the arm meets nothing and itself nowhere with these joints, its open hand at that grasp of the
-  /// stone. Other inverse solutions of a usable grasp may well be free.
+  /// True if the arm meets nothing and itself nowhere with these joints, its open gripper at that grasp of
+  /// the stone. Other inverse solutions of a usable grasp may well be free.
   [[nodiscard]] bool arm_is_free(int grasp, const Joints& q) const;
   /// The grasps that usable indices mean.
   [[nodiscard]] const GraspSet& set() const;
@@ -74,7 +74,7 @@ class GraspFinder {
                              const MotionOptions& options = {});
 [[nodiscard]] GraspCheck check_grasps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                       const MotionOptions& options = {});
-/// True if some grasp is clear of table and objects, and strong enough, at both ends: what the hand alone
+/// True if some grasp is clear of table and objects, and strong enough, at both ends: what the gripper alone
 /// could do, carried by any arm. Where it is false no planner finds a way in one go.
 [[nodiscard]] bool gripper_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task,
                                      const MotionOptions& options = {});

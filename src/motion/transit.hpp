@@ -19,10 +19,10 @@ namespace stonestack::motion {
                                                  const MotionOptions& options = {},
                                                  double first_seconds = 1e9);
 
-/// Where the arm stands too near to something for a transit to begin: a straight way of the tool, back out of
-/// the hand's direction or up, at most 12 cm, on which it comes away from what it is near until it is clear
-/// of everything by options.approach_padding. The start alone if it is clear already; empty if there is no
-/// such way. The hand is empty and as wide open as the scene tells.
+/// Where the arm stands too near to something for a transit to begin: a straight path of the tool, back out
+/// of the gripper's direction or up, at most 12 cm, on which it comes away from what it is near until it is
+/// clear of everything by options.approach_padding. The start alone if it is clear already; empty if there is
+/// no such way. The gripper is empty and as wide open as the scene tells.
 [[nodiscard]] std::optional<JointPath> escape_path(const PlanningScene& scene, const Joints& start,
                                                    const MotionOptions& options = {});
 

@@ -9,7 +9,7 @@
 namespace stonestack::motion {
 namespace {
 
-/// The hand points down with its finger tips 12 mm above a tower that is `width` wide, or above the table.
+/// The gripper points down with its finger tips 12 mm above a tower that is `width` wide, or above the table.
 struct OverATower {
   PlanningScene scene;
   Joints q;

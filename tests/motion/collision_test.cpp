@@ -145,7 +145,7 @@ TEST(Collision, FoldedArmMeetsItself) {
   folded[1] = -0.5 * kPi;
   EXPECT_TRUE(checker.collides(folded));
   Joints gripper = tool_down();
-  gripper[3] = 0.5 * kPi;  // hand turned up and back into the forearm
+  gripper[3] = 0.5 * kPi;  // gripper turned up and back into the forearm
   gripper[4] = kPi;
   EXPECT_TRUE(checker.collides(gripper));
 }
@@ -186,7 +186,7 @@ TEST(Collision, HeldStoneCountsAndMayTouchItsSupport) {
   const HeldObject stone{"stone", {make_box({0.06, 0.10, 0.10})}, make_pose(Eigen::Vector3d(0, 0, 0.01))};
   CollisionRules rules;
   rules.opening = 0.06;
-  EXPECT_FALSE(CollisionChecker(scene, rules).collides(q)) << "the empty hand is 6 cm above";
+  EXPECT_FALSE(CollisionChecker(scene, rules).collides(q)) << "the empty gripper is 6 cm above";
   const CollisionChecker holding(scene, rules, &stone);
   EXPECT_TRUE(holding.collides(q));
   const Clearance clearance = holding.clearance(q);

@@ -39,7 +39,7 @@ Eigen::Vector3d tip(const PlanningScene& scene, const Joints& q) {
   return (forward(scene.robot, q) * scene.T_F_T).translation();
 }
 
-/// A stone as high as the fingers are long stands within the hand's width.
+/// A stone as high as the fingers are long stands within the gripper's width.
 const SceneObject& neighbour() {
   static const SceneObject made = box_at("neighbour", {0.04, 0.30, 0.10}, {0.785, 0.0, 0.05});
   return made;

@@ -38,7 +38,7 @@ TEST(FitForGripper, TheArmCarriesTheGripperToo) {
   EXPECT_EQ(unfit_for_gripper(stone, gripper, robot), "");
   robot.payload = 5.0;
   EXPECT_THAT(unfit_for_gripper(stone, gripper, robot),
-              testing::HasSubstr("kg, ur5 carries 5 kg, 3.35 kg of them the hand with sensor and camera"));
+              testing::HasSubstr("kg, ur5 carries 5 kg, 3.35 kg of them the gripper with sensor and camera"));
   EXPECT_GT(carried_mass(gripper), sensed_mass(gripper)) << "the sensor does not feel itself";
   EXPECT_GT(sensed_mass(gripper), gripper.mass);
 }

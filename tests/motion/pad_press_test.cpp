@@ -23,7 +23,7 @@ Stone box_stone(double density) {
   return stone;
 }
 
-/// From above, the middle of the pads at the middle of the box, the hand tilted about y by `tilt`.
+/// From above, the middle of the pads at the middle of the box, the gripper tilted about y by `tilt`.
 Grasp middle_grasp(double tilt) {
   Grasp grasp;
   grasp.T_O_T.linear() = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix() *
@@ -100,7 +100,7 @@ TEST(PickCandidates, AFirmGraspComesBeforeALooseOneThatScoresMore) {
   }
   EXPECT_GE(given, 2) << "the loose one is the last resort, but it is there";
 
-  // The nearest way to bring the hand there is barred: other inverse solutions take its place.
+  // The nearest way to bring the gripper there is barred: other inverse solutions take its place.
   const auto free = [&](int, const Joints& q) { return (q - first->q_place).norm() > 1e-6; };
   PickCandidates others(scene, task, {}, set, check, free);
   int left = 0;

@@ -10,7 +10,7 @@ namespace {
 
 using hardware::CellLayout;
 
-/// A UR10 whose hand points straight down, 8 mm over the table; a lamp 8 mm beside the palm.
+/// A UR10 whose gripper points straight down, 8 mm over the table; a lamp 8 mm beside the palm.
 struct NearThings {
   PlanningScene scene;
   Joints q = (Joints() << 0.0, -1.75, 1.85, -1.6708, -1.5708, 0.0).finished();
@@ -20,7 +20,7 @@ struct NearThings {
     scene.robot = read_robot("ur10");
     scene.T_F_T = CellLayout().T_F_T;
     const double high = (forward(scene.robot, q) * scene.T_F_T).translation().z();
-    scene.T_F_T.translation().z() += high - 0.008;  // a hand on a long tube
+    scene.T_F_T.translation().z() += high - 0.008;  // a gripper on a long tube
     T_W_T = forward(scene.robot, q) * scene.T_F_T;
     const Mesh box = make_box({0.05, 0.05, 0.05});
     scene.objects = {{"lamp", {box}, T_W_T * Pose(Eigen::Translation3d(0.0675 + 0.008 + 0.025, 0.0, -0.16))}};

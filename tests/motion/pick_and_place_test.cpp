@@ -182,14 +182,14 @@ TEST(PickAndPlace, GivesTheReasonWhereThereIsNoPlan) {
   weak.scene.robot.payload = 4.5;  // the fingers could
   plan = plan_pick_and_place(weak.scene, weak.task);
   EXPECT_EQ(plan.status, Status::kTooHeavy);
-  EXPECT_NE(plan.reason.find("kg; ur10 carries 4.5 kg, 3.35 kg of them the hand"), std::string::npos)
+  EXPECT_NE(plan.reason.find("kg; ur10 carries 4.5 kg, 3.35 kg of them the gripper"), std::string::npos)
       << plan.reason;
 
   Workplace wide;
   wide.stone = block("slab", {0.18, 0.18, 0.18}, 300.0);
   plan = plan_pick_and_place(wide.scene, wide.task);
   EXPECT_EQ(plan.status, Status::kTooWide) << plan.reason;
-  EXPECT_NE(plan.reason.find("the hand takes 0.02 to 0.143 m"), std::string::npos) << plan.reason;
+  EXPECT_NE(plan.reason.find("the gripper takes 0.02 to 0.143 m"), std::string::npos) << plan.reason;
 }
 
 TEST(PickAndPlace, NamesAJointThatStartsOutsideItsLimits) {
@@ -231,7 +231,7 @@ TEST(PickAndPlace, NamesATargetInTheTable) {
 }
 
 TEST(PickAndPlace, NamesTheGraspsThatDoNotLiftTheStoneWhateverTheTarget) {
-  // A board hangs over the tower that the stone stands on: hand and wrist fit under it, but cannot go up.
+  // A board hangs over the tower that the stone stands on: gripper and wrist fit under it, but cannot go up.
   Workplace cell;
   std::swap(cell.task.T_W_O_pick, cell.task.T_W_O_place);
   cell.scene.objects[0].T_W_object = cell.task.T_W_O_pick;

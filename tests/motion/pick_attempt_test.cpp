@@ -38,7 +38,7 @@ struct UnderABoard {
 
   /// A way with one of the grasps that point down, and how it ended.
   struct Tried {
-    double opening = 0.0;  ///< of the open hand [m]
+    double opening = 0.0;  ///< of the open gripper [m]
     double spacing = 0.0;
     PickAttempt::Result result;
   };
@@ -82,7 +82,7 @@ TEST(PickAttempt, RetreatsLessUnderABoard) {
     EXPECT_GE(length(low, tried.paths.retreat), 0.5 * whole - 1e-6);
     if (length(low, tried.paths.retreat) > whole - 1e-6) continue;
     ++shorter;
-    PlanningScene placed = low.scene;  // and then the hand is as far from the stone as in a transit
+    PlanningScene placed = low.scene;  // and then the gripper is as far from the stone as in a transit
     placed.objects = {{"block", low.stone.pieces, low.task.T_W_O_place}};
     placed.gripper = with_spacing(placed.gripper, spacing);
     CollisionRules rules;
@@ -90,7 +90,7 @@ TEST(PickAttempt, RetreatsLessUnderABoard) {
     EXPECT_FALSE(CollisionChecker(placed, rules).collides(tried.paths.retreat.back()));
   }
   EXPECT_GT(shorter, 0);
-  EXPECT_GT(refused, 0) << "of some grasps the hand would still be around the stone";
+  EXPECT_GT(refused, 0) << "of some grasps the gripper would still be around the stone";
 }
 
 TEST(PickAttempt, DescendsNoFurtherThanTheGripperHasClearance) {

@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kChord = 3e-5;  // m: chords of the curves are certified, the curves lie within 0.01 mrad
 
-/// A hand between two walls and two towers, a post and bars on its way.
+/// A gripper between two walls and two towers, a post and bars on its way.
 PlanningScene slot_scene(double x, double gap, double height) {
   PlanningScene scene = test::hard_scene();
   const auto box = [&](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {

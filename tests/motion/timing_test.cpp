@@ -168,7 +168,7 @@ TEST(Timing, PathWithoutLengthIsOneKnot) {
   EXPECT_EQ(t.duration(), 0.0);
 }
 
-/// Way points as of a straight tool motion: tiny phases between them must not slow the whole motion.
+/// Waypoints as of a straight tool motion: tiny phases between them must not slow the whole motion.
 TEST(Timing, DenseWaypointsCostNoTime) {
   const RobotModel robot = read_robot("ur10");
   const Pose T_F_T(Eigen::Translation3d(0, 0, 0.264));

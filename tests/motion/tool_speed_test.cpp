@@ -21,7 +21,7 @@ Joints turned(double base) {
   return q;
 }
 
-/// A tower under the way of the hand from turned(-0.9) to turned(0.9).
+/// A tower under the way of the gripper from turned(-0.9) to turned(0.9).
 struct Passing {
   PlanningScene scene;
   Eigen::AlignedBox3d tower;
@@ -62,7 +62,7 @@ TEST(ToolSpeed, TransitsAreSlowNearObjectsAndBoundedElsewhere) {
     const auto motion = plan_transit(passing.scene, turned(-0.9), turned(0.9), options);
     ASSERT_TRUE(motion.has_value());
     const auto [near, open] = passing.speeds(*motion, options.near_distance);
-    EXPECT_GT(near, 0.0) << "or the hand did not pass the tower";
+    EXPECT_GT(near, 0.0) << "or the gripper did not pass the tower";
     EXPECT_LE(near, 0.1502);
     EXPECT_LE(open, 0.5005);
     EXPECT_GT(open, 0.3);
@@ -77,7 +77,7 @@ TEST(ToolSpeed, WhatIsHeldIsNotNearAndReachesFurther) {
   EXPECT_EQ(transit_speed(scene, options, -1, 0.06)(turned(0.0)), options.near_speed);
   options.near_distance = kAbove;
   EXPECT_EQ(transit_speed(scene, options)(turned(0.0)), options.near_speed);
-  EXPECT_EQ(transit_speed(scene, options, 0)(turned(0.0)), options.tool_speed) << "it is in the hand";
+  EXPECT_EQ(transit_speed(scene, options, 0)(turned(0.0)), options.tool_speed) << "it is in the gripper";
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ PlanningScene empty_scene() {
   return scene;
 }
 
-/// A wall between the two places, a post beside it and a bar above the wall: the hand has to go around or
+/// A wall between the two places, a post beside it and a bar above the wall: the gripper has to go around or
 /// through the gap.
 PlanningScene hard_scene() {
   PlanningScene scene = empty_scene();

@@ -40,12 +40,12 @@ struct PlanStep {
   Kind kind = Kind::kTransit;
   std::string name;            ///< "move above stone 3"
   JointTrajectory trajectory;  ///< for motions
-  double opening = 0.0;        ///< for kOpen (before the hand goes near the stone) and kRelease [m]: target;
-                               ///< for kGrasp: expected between the pads once closed
-  double spacing = 0.0;        ///< of fingers B and C, for kOpen [m]
-  double finger_speed = 0.0;   ///< for kOpen, kGrasp and kRelease [m/s]
-  double force = 0.0;          ///< N a finger, for kGrasp
-  double threshold = 0.0;      ///< for kDescent, and for kApproach with a stone in the hand [N]
+  double opening = 0.0;  ///< for kOpen (before the gripper goes near the stone) and kRelease [m]: target;
+                         ///< for kGrasp: expected between the pads once closed
+  double spacing = 0.0;  ///< of fingers B and C, for kOpen [m]
+  double finger_speed = 0.0;  ///< for kOpen, kGrasp and kRelease [m/s]
+  double force = 0.0;         ///< N a finger, for kGrasp
+  double threshold = 0.0;     ///< for kDescent, and for kApproach with a stone in the gripper [N]
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
@@ -82,7 +82,7 @@ struct PickAndPlaceTask {
   std::vector<Pose> no_pick;  ///< the same of grasps that do not bring it up from where it lies now
 };
 /// Open, transit, approach, grasp, lift, carry, lower, guarded descent, release, retreat: a grasp that serves
-/// both ends, free of collision on the whole way, timed within limits. Of several complete plans the
+/// both ends, free of collision on the whole path, timed within limits. Of several complete plans the
 /// quickest. Deterministic for a seed. Throws InvalidArgument for a task that cannot be (no stone, poses that
 /// are none).
 ///
@@ -91,8 +91,8 @@ struct PickAndPlaceTask {
                                                    const MotionOptions& options = {});
 
 /// Straight back along -z of the tool by `options.approach` from where the arm stands, with the pads
-/// `opening` apart; `object` (or -1) is what the hand has let go of. Empty: out of reach or something in the
-/// way.
+/// `opening` apart; `object` (or -1) is what the gripper has let go of. Empty: out of reach or something in
+/// the way.
 [[nodiscard]] std::optional<JointTrajectory> plan_retreat(const PlanningScene& scene, const Joints& q,
                                                           double opening, int object,
                                                           const MotionOptions& options = {});

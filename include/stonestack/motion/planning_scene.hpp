@@ -29,7 +29,7 @@ struct GripperModel {
   double min_object = 0.020;      ///< [m]
   double finger_width = 0.031;    ///< along y [m]
   double finger_spacing = 0.073;  ///< between B and C where their pads are [m]
-  double narrow_spacing = 0.042;  ///< the same with B and C drawn together [m]; 0: the hand cannot
+  double narrow_spacing = 0.042;  ///< the same with B and C drawn together [m]; 0: the gripper cannot
   double pad_length = 0.040;      ///< along z, ends at the tip (z of T = 0) [m]
   double force = 60.0;            ///< N a finger
   double friction = 0.5;          ///< rubber on stone
@@ -38,7 +38,7 @@ struct GripperModel {
   double pad_shear = 5e7;         ///< N/m^3, sideways: a third of it
   double mass = 2.5;              ///< of the gripper alone [kg]
   double sensor_mass = 0.65;      ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
-  double camera_mass = 0.20;      ///< of camera, bracket and cable [kg]; ours
+  double camera_mass = 0.20;      ///< of camera, bracket and cable [kg]; design choice
   double payload = 2.5;           ///< kg at the finger tips
   std::vector<GripperBox> boxes;  ///< fingers, palm, sensor, camera
 };
@@ -48,11 +48,11 @@ struct GripperModel {
 [[nodiscard]] double sensed_mass(const GripperModel& gripper);
 /// gripper, camera and sensor [kg]: what the arm carries without a stone.
 [[nodiscard]] double carried_mass(const GripperModel& gripper);
-/// The hand with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing that
-/// is not between `narrow_spacing` and `finger_spacing`.
+/// The gripper with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing
+/// that is not between `narrow_spacing` and `finger_spacing`.
 [[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);
 
-/// The hand with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around
+/// The gripper with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around
 /// camera and bracket moves with it and grows to the box along T's axes that holds it. A mount within 10 mm
 /// and 3 deg of the default, as a calibration finds it, keeps the default's box. Throws InvalidArgument for
 /// what is no rigid transform.
@@ -72,26 +72,26 @@ struct PlanningScene {
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
   double table_z = 0.0;               ///< the half space below is solid [m]
-  double opening = 0.155;             ///< of the empty hand while `plan_transit` moves it [m]
+  double opening = 0.155;             ///< of the empty gripper while `plan_transit` moves it [m]
   std::vector<SceneObject> objects;   ///< loose stones, stack, user's boxes and meshes
   std::vector<PairPadding> paddings;  ///< users', instead of a motion's padding unless that is 0 (contact)
 };
 /// that what moves stays away from what stands [m]: of the user's paddings that name both the last, otherwise
-/// `padding`, which alone counts where it is 0. `part`: "arm", "hand" or "held"; `link`: "forearm", or the
+/// `padding`, which alone counts where it is 0. `part`: "arm", "gripper" or "held"; `link`: "forearm", or the
 /// part again.
 [[nodiscard]] double padding_between(const PlanningScene& scene, const std::string& part,
                                      const std::string& link, const std::string& stands, double padding);
 
-/// narrowest horizontal width of a stone that stands on a table [m]: over its poses of rest (`rest_poses`)
-/// and all turns about the vertical. A hand from above that is to hold it about its middle opens that wide at
-/// least. 0 for a stone without a firm pose of rest. Throws InvalidArgument as `rest_poses`.
+/// narrowest horizontal width of a stone that stands on a table [m]: over its resting poses (`rest_poses`)
+/// and all turns about the vertical. A gripper from above that is to hold it about its middle opens that wide
+/// at least. 0 for a stone without a firm resting pose. Throws InvalidArgument as `rest_poses`.
 [[nodiscard]] double min_width_at_rest(const Stone& stone);
 
 /// Why no grasp from above picks the stone up, however it lies: "162 mm across, the fingers open 155 mm";
 /// empty if its weight and its width do not stand in the way. Throws InvalidArgument as `rest_poses`.
 [[nodiscard]] std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper);
 
-/// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the hand
+/// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the gripper
 /// with sensor and camera".
 [[nodiscard]] std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper,
                                             const RobotModel& robot);

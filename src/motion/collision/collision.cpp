@@ -12,7 +12,7 @@
 namespace stonestack::motion {
 namespace {
 
-// m that the hand moves by, about, while a joint turns by one rad.
+// m that the gripper moves by, about, while a joint turns by one rad.
 const Joints kSwing = (Joints() << 1.0, 1.0, 0.7, 0.45, 0.4, 0.2).finished();
 
 /// Where everything is at one configuration.

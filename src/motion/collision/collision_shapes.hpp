@@ -62,7 +62,7 @@ struct CollisionShapes {
   double gripper_span = 0.0;              ///< like Mover [m]::span
   double gripper_table_padding = 0.0;     ///< largest of them [m]
   std::vector<MoverPair> arm_pairs;       ///< of `pairs`, those within the arm
-  std::vector<std::size_t> sees_gripper;  ///< capsules of the arm that the hand could touch
+  std::vector<std::size_t> sees_gripper;  ///< capsules of the arm that the gripper could touch
   Pose T_6_T = Pose::Identity();
   Eigen::Vector3d n_R_table;  ///< up
   double table_offset = 0.0;  ///< height of p above the table: n.p + offset

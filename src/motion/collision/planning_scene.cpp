@@ -12,7 +12,7 @@ constexpr double kPalmBack = 0.223;
 constexpr double kFlange = 0.264;
 constexpr double kFingerThickness = 0.020;
 constexpr double kKnuckle =
-    0.056;  // ours: half way; fingers B and C turn at the palm, so their bases move less
+    0.056;  // design choice: halfway; fingers B and C turn at the palm, so their bases move less
 constexpr double kMountShift =
     0.010;                            // a mount that a calibration corrects by less is the one that was drawn
 constexpr double kMountTurn = 0.052;  // rad, the same

@@ -13,7 +13,7 @@ namespace stonestack::motion {
 
 inline constexpr double kNoStone = -1e300;  ///< a height where there is nothing [m]
 
-/// The surface from the hand's side: points about the centre of mass in T's axes.
+/// The surface from the gripper's side: points about the centre of mass in T's axes.
 struct GripperView {
   Eigen::Matrix3d R_O_T;
   std::vector<Eigen::Vector3d> p_T;
@@ -39,12 +39,12 @@ struct FingerStrip {
   /// Highest point with z between about `low` and `high`; kNoStone if there is none.
   [[nodiscard]] double height(double low, double high) const;
 };
-/// Cuts the profiles that fingers A, B and C can meet with the hand shifted by `y`.
+/// Cuts the profiles that fingers A, B and C can meet with the gripper shifted by `y`.
 [[nodiscard]] std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const GripperView& view,
                                                     double y);
 /// Where the pad of one finger stops when the finger tips are at `tip`.
 [[nodiscard]] double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip);
-/// Returns the heights of fingers B and C alone, the hand not shifted: cheaper than to cut strips for it.
+/// Returns the heights of fingers B and C alone, the gripper not shifted: cheaper than to cut strips for it.
 [[nodiscard]] std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const GripperView& view,
                                                        double tip);
 

@@ -45,11 +45,11 @@ std::string overload(double mass, const GripperModel& gripper, const RobotModel&
   if (mass > gripper.payload) return concat("the fingers carry ", gripper.payload, " kg");
   const double gripper_mass = carried_mass(gripper);
   if (gripper_mass >= robot.payload)
-    return concat(robot.name, " carries ", robot.payload, " kg, its hand with sensor and camera is ",
+    return concat(robot.name, " carries ", robot.payload, " kg, its gripper with sensor and camera is ",
                   gripper_mass, " kg");
   if (gripper_mass + mass > robot.payload)
     return concat(robot.name, " carries ", robot.payload, " kg, ", gripper_mass,
-                  " kg of them the hand with sensor and camera");
+                  " kg of them the gripper with sensor and camera");
   return {};
 }
 

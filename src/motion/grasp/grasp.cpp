@@ -132,7 +132,7 @@ double tip_depth(const GraspOptions& o, int step) {
   return o.shallowest + share * (o.deepest - o.shallowest);
 }
 
-/// Turns the hand about its approach until B and C meet the stone together, by at most half a yaw step.
+/// Turns the gripper about its approach until B and C meet the stone together, by at most half a yaw step.
 Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
   const double max = std::numbers::pi / s.options.yaws;
   double turned = 0.0;
@@ -203,19 +203,19 @@ void sample_grasps(Sampler s) {
 FieldList fields(GraspOptions& o) {
   return {field("directions", o.directions, {8, 50000}, "", "measured: bench grasp"),
           field("yaws", o.yaws, {2, 360}, "", "measured: bench grasp"),
-          field("spacing", o.spacing, {0.0005, 0.05}, "m", "ours"),
-          field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "ours"),
-          field("deepest", o.deepest, {-0.05, 0.1}, "m", "ours"),
-          field("depths", o.depths, {1, 50}, "", "ours"),
-          field("sideways", o.sideways, {0, 0.05}, "m", "ours"),
-          field("pad_softness", o.pad_softness, {1e-5, 0.01}, "m", "ours"),
-          field("unequal", o.unequal, {1e-4, 0.05}, "m", "ours"),
-          field("finger_clearance", o.finger_clearance, {0, 0.05}, "m", "ours"),
-          field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "ours"),
-          field("friction_share", o.friction_share, {0.05, 1}, "", "ours"),
-          field("force_factor", o.force_factor, {1, 10}, "", "ours: holds with a factor 2"),
-          field("cone", o.cone, {0, 3.2}, "rad", "ours"),
-          field("narrow_score", o.narrow_score, {0, 1}, "", "ours")};
+          field("spacing", o.spacing, {0.0005, 0.05}, "m", "design choice"),
+          field("shallowest", o.shallowest, {-0.05, 0.1}, "m", "design choice"),
+          field("deepest", o.deepest, {-0.05, 0.1}, "m", "design choice"),
+          field("depths", o.depths, {1, 50}, "", "design choice"),
+          field("sideways", o.sideways, {0, 0.05}, "m", "design choice"),
+          field("pad_softness", o.pad_softness, {1e-5, 0.01}, "m", "design choice"),
+          field("unequal", o.unequal, {1e-4, 0.05}, "m", "design choice"),
+          field("finger_clearance", o.finger_clearance, {0, 0.05}, "m", "design choice"),
+          field("palm_clearance", o.palm_clearance, {0, 0.05}, "m", "design choice"),
+          field("friction_share", o.friction_share, {0.05, 1}, "", "design choice"),
+          field("force_factor", o.force_factor, {1, 10}, "", "design choice: holds with a factor 2"),
+          field("cone", o.cone, {0, 3.2}, "rad", "design choice"),
+          field("narrow_score", o.narrow_score, {0, 1}, "", "design choice")};
 }
 
 double holding_force(const Grasp& grasp, double weight, const Eigen::Vector3d& n_T_down) {

@@ -45,7 +45,7 @@ CollisionRules arm_rules(const MotionOptions& options, int object) {
   return rules;
 }
 
-/// The arm itself and its hand, which at a steep tilt comes near to the forearm, at openings up to the
+/// The arm itself and its gripper, which at a steep tilt comes near to the forearm, at openings up to the
 /// largest. Objects are not seen; the table is, as near as the arm may come to it at a grasp.
 std::vector<CollisionChecker> open_gripper(const PlanningScene& scene, const MotionOptions& options) {
   PlanningScene empty = scene;

@@ -13,7 +13,7 @@ namespace stonestack::motion {
 /// Obstruction of a grasp at one end of its path.
 enum class EndFault { kTooWeak, kTable, kObject, kReach, kArm };
 
-/// Whether grasps of a stone serve where it lies or is to lie: the straight way of the hand, the grip's
+/// Whether grasps of a stone serve where it lies or is to lie: the straight path of the gripper, the grip's
 /// strength, inverse kinematics of the grasp and of the ends of approach and lift, the arm. One scene, any
 /// number of poses; const methods may be called from several threads.
 class GraspEnd {
@@ -24,23 +24,23 @@ class GraspEnd {
 
   /// Why the grasp does not serve with the stone at T_W_O; empty: it does.
   [[nodiscard]] std::optional<EndFault> fault(const Grasp& grasp, const Pose& T_W_O) const;
-  /// The first tests alone: hand against table and objects, and the grip's strength. They do not change when
-  /// the stone is turned about the vertical on an empty table.
+  /// The first tests alone: gripper against table and objects, and the grip's strength. They do not change
+  /// when the stone is turned about the vertical on an empty table.
   [[nodiscard]] std::optional<EndFault> gripper_fault(const Grasp& grasp, const Pose& T_W_O) const;
-  /// With these joints the arm meets nothing and itself nowhere, while the hand is at the grasp and open.
+  /// With these joints the arm meets nothing and itself nowhere, while the gripper is at the grasp and open.
   [[nodiscard]] bool arm_is_free(const Grasp& grasp, const Joints& q) const;
   /// Returns the check for the same robot and gripper with these objects in place of the scene's.
   [[nodiscard]] GraspEnd among(std::span<const SceneObject> objects) const;
   /// Selects the grasps with the indices `among` that serve, until `enough` are found (0: all).
   [[nodiscard]] std::vector<int> serving(std::span<const Grasp> grasps, std::span<const int> among,
                                          const Pose& T_W_O, std::size_t enough = 0) const;
-  /// True if the hand meets an object, the table not regarded, at each of the grasps that approach within
+  /// True if the gripper meets an object, the table not regarded, at each of the grasps that approach within
   /// `cone` (rad) of `n_O_towards`, and these are many.
   [[nodiscard]] bool all_blocked(std::span<const Grasp> grasps, const Pose& T_W_O,
                                  const Eigen::Vector3d& n_O_towards, double cone) const;
 
  private:
-  /// The hand at one spacing of its fingers.
+  /// The gripper at one spacing of its fingers.
   struct SpacedGripper {
     double spacing = 0.0;
     GripperCheck check;

@@ -6,8 +6,8 @@
 
 namespace stonestack::motion {
 
-/// The hand alone, as it comes straight along its own z to a grasp (or leaves it), against table and objects.
-/// Cheaper than the whole arm, and asked for hundreds of grasps. Built once for a scene.
+/// The gripper alone, as it comes straight along its own z to a grasp (or leaves it), against table and
+/// objects. Cheaper than the whole arm, and asked for hundreds of grasps. Built once for a scene.
 class GripperCheck {
  public:
   /// `approach` m: length of the straight approach; `left_out`: index of an object that does not count, or

@@ -7,10 +7,11 @@
 
 namespace stonestack::motion {
 
-/// A closed hand round a stone, as the planner believes it to press: each pad is an elastic foundation with
-/// friction, the stone its scan, the fingers stay where their force was reached. What three contact points
-/// with mean normals cannot tell, it can: how large a touched patch is, how it shrinks while the stone turns
-/// in the hand, and how far the stone hangs from where it was grasped. Elastic constants: GripperModel.
+/// A closed gripper round a stone, as the planner believes it to press: each pad is an elastic foundation
+/// with friction, the stone its scan, the fingers stay where their force was reached. What three contact
+/// points with mean normals cannot tell, it can: how large a touched patch is, how it shrinks while the stone
+/// turns in the gripper, and how far the stone hangs from where it was grasped. Elastic constants:
+/// GripperModel.
 class PadPress {
  public:
   /// `surface`: samples of the stone's scan, about 3 mm apart. `mass`: of the stone.
@@ -20,14 +21,14 @@ class PadPress {
   /// How a load is borne.
   struct Load {
     double share = 0.0;   ///< of the weight, largest that the pads were found to bear
-    double moved = 0.0;   ///< centre of mass in the hand under the weight itself [m]
+    double moved = 0.0;   ///< centre of mass in the gripper under the weight itself [m]
     double turned = 0.0;  ///< the same [rad]
   };
   /// With gravity along the unit vector `n_T_down`; loads up to `max` times the weight are tried.
   [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double max) const;
-  /// False: the stone slips out while the hand closes; no load is borne.
+  /// False: the stone slips out while the gripper closes; no load is borne.
   [[nodiscard]] bool holds() const { return holds_; }
-  /// by which closing the hand turns the stone [rad].
+  /// by which closing the gripper turns the stone [rad].
   [[nodiscard]] double squeeze_turn() const { return gripped_.u.tail<3>().norm(); }
   /// how deep the stone presses into the pad of finger A, B or C [m].
   [[nodiscard]] double deepest(int finger) const;

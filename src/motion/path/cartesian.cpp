@@ -26,7 +26,7 @@ struct Line {
   }
 };
 
-/// Appends way points after `q0` at s0 up to and with `q1` at s1.
+/// Appends waypoints after `q0` at s0 up to and with `q1` at s1.
 bool refine(const Line& line, JointPath& path, double s0, double s1, const Joints& q1, int halvings) {
   const Joints q0 = path.back(), middle = 0.5 * (q0 + q1);
   const double s = 0.5 * (s0 + s1);

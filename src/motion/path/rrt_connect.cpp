@@ -24,8 +24,8 @@ constexpr double kWithin = 0.9;       // of the samples, once a length is given
 constexpr double kNearLine = 0.7;     // of the others
 constexpr double kArmAnywhere = 0.2;  // of the others
 constexpr int kDraws = 20;  // of a sample that lies on no path that is short enough; then any sample does
-// How far a joint's turn moves the hand, against the base's: distances in the planner are about those of the
-// hand.
+// How far a joint's turn moves the gripper, against the base's: distances in the planner are about those of
+// the gripper.
 const Joints kWeight = (Joints() << 1.0, 1.0, 0.7, 0.4, 0.3, 0.2).finished();
 
 Joints joints_of(const ob::State* state) {

@@ -8,9 +8,9 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kRepeat = 1e-9;       // rad: way points nearer than that are one
+constexpr double kRepeat = 1e-9;       // rad: waypoints nearer than that are one
 constexpr double kMinGain = 1e-6;      // rad
-constexpr double kPartialGain = 0.01;  // rad: a partial shortcut adds way points, so it has to be worth it
+constexpr double kPartialGain = 0.01;  // rad: a partial shortcut adds waypoints, so it has to be worth it
 constexpr double kMinPull = 0.2;       // of the way to the line
 constexpr double kPullNoise = 0.3;     // of that way, one sigma a joint
 constexpr int kMendTries = 12;
@@ -19,7 +19,7 @@ constexpr double kRepairShare =
     0.15;  // of the piece's length, by which its middle is moved (one sigma, a joint)
 constexpr double kMaxRepair = 0.3;  // rad
 
-/// Path length at every way point.
+/// Path length at every waypoint.
 std::vector<double> lengths(const JointPath& path) {
   std::vector<double> at(path.size(), 0.0);
   for (std::size_t i = 1; i < path.size(); ++i) at[i] = at[i - 1] + (path[i] - path[i - 1]).norm();
@@ -28,7 +28,7 @@ std::vector<double> lengths(const JointPath& path) {
 
 /// A point on a path.
 struct Place {
-  std::size_t piece = 0;  ///< it lies between way points `piece` and `piece` + 1
+  std::size_t piece = 0;  ///< it lies between waypoints `piece` and `piece` + 1
   Joints q;
 };
 
@@ -55,7 +55,7 @@ JointPath spliced(const JointPath& path, const Place& a, const Place& b, const J
   for (std::size_t i = 0; i <= a.piece; ++i) add(path[i]);
   for (const Joints& q : stretch) add(q);
   for (std::size_t i = b.piece + 1; i < path.size(); ++i) add(path[i]);
-  next.back() = path.back();  // exact, should the last way point have been merged
+  next.back() = path.back();  // exact, should the last waypoint have been merged
   return next;
 }
 
@@ -79,7 +79,7 @@ void attempt(JointPath& path, const MotionTest& is_free, bool partial, Random& r
   if (all_free(stretch, is_free)) path = spliced(path, a, b, stretch);
 }
 
-/// Moves one way point towards the straight line between its neighbours: some joints only, or all with some
+/// Moves one waypoint towards the straight line between its neighbours: some joints only, or all with some
 /// noise, so that it slides along what stands in the way.
 void pull(JointPath& path, const MotionTest& is_free, Random& random) {
   const std::size_t i = 1 + random.index(path.size() - 2);
@@ -102,7 +102,7 @@ void pull(JointPath& path, const MotionTest& is_free, Random& random) {
   if (is_free(a, moved) && is_free(moved, b)) path[i] = moved;
 }
 
-/// Appends a free way from `a` to `b`, without `a`.
+/// Appends a free path from `a` to `b`, without `a`.
 bool repair(const Joints& a, const Joints& b, const MotionTest& is_free, int depth, Random& random,
             JointPath& out) {
   if (is_free(a, b)) {

@@ -6,7 +6,7 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kShortest = 1e-6;  ///< a micrometre at the tool [rad]; below it two way points are one
+constexpr double kShortest = 1e-6;  ///< a micrometre at the tool [rad]; below it two waypoints are one
 
 JointPath without_repeats(const JointPath& path) {
   JointPath kept;

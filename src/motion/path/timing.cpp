@@ -172,8 +172,8 @@ void stretch(JointTrajectory& out, const TimingLimits& limits) {
 }
 
 void check(const JointPath& path, const TimingLimits& limits) {
-  require(!path.empty(), "a path to time has no way points");
-  for (const Joints& q : path) require(q.allFinite(), "a way point is not finite: ", q.transpose());
+  require(!path.empty(), "a path to time has no waypoints");
+  for (const Joints& q : path) require(q.allFinite(), "a waypoint is not finite: ", q.transpose());
   require((limits.velocity.array() > 0).all() && limits.velocity.allFinite(),
           "joint velocity limits must be positive, got ", limits.velocity.transpose(), " rad/s");
   require((limits.acceleration.array() > 0).all() && limits.acceleration.allFinite(),
@@ -243,7 +243,7 @@ JointTrajectory time_path(const JointPath& path, const TimingLimits& limits, con
 JointPath rounded(const JointPath& path, const TimingLimits& limits, double step) {
   constexpr double kSag = 1e-5;  // rad
   require(!path.empty() && limits.blend >= 0 && step > 0,
-          "rounding needs way points, blend >= 0 and step > 0, got ", path.size(), " way points, ",
+          "rounding needs waypoints, blend >= 0 and step > 0, got ", path.size(), " waypoints, ",
           limits.blend, " and ", step, " rad");
   JointPath points{path.front()};
   const Corner corner = limits.jerk > 0 ? Corner::kEven : Corner::kParabola;

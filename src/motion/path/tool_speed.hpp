@@ -21,7 +21,7 @@ inline constexpr double kToolLine =
 
 /// Speed limits of transits: options.near_speed where the tool is nearer than options.near_distance to an
 /// object but `left_out`, options.tool_speed elsewhere. Distances are to the objects' bounding boxes. `reach`
-/// (m): how far what the hand holds goes out from the tool's tip.
+/// (m): how far what the gripper holds goes out from the tool's tip.
 [[nodiscard]] ToolSpeed transit_speed(const PlanningScene& scene, const MotionOptions& options,
                                       int left_out = -1, double reach = 0.0);
 

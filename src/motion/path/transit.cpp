@@ -22,7 +22,7 @@ constexpr double kDetour = 1.3;               // a straight motion this much lon
 constexpr double kDetourMore = 0.3;           // rad, and this, is taken without looking for another way
 constexpr std::size_t kMaxGoals = 64;         // nearest ones; further turns of a wrist are never shorter
 constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_effort stands for
-// Effort is counted in motion checks of trees. Where the path is hardly longer than the straight way to the
+// Effort is counted in motion checks of trees. Where the path is hardly longer than the straight path to the
 // nearest goal there is little to gain; measured (bench motion), effort in proportion to the excess shortens
 // the long paths at half the time that equal effort takes.
 constexpr long kMaxPerTree = 4000;  // then another tree: some start badly
@@ -171,8 +171,8 @@ std::optional<JointPath> direct(const CollisionChecker& checker, const Joints& s
   return std::nullopt;
 }
 
-/// Path and time law with the hand empty and as wide open as the scene tells. Corners are cut only where that
-/// keeps the padding with which the path was found.
+/// Path and time law with the gripper empty and as wide open as the scene tells. Corners are cut only where
+/// that keeps the padding with which the path was found.
 std::optional<JointTrajectory> plan(const PlanningScene& scene, const Joints& start,
                                     std::span<const Joints> goals, const MotionOptions& options) {
   TimingLimits limits = timing_limits(scene.robot, options);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFineness = 0.001;  ///< [m]
 
-/// Did the user say how far hand and table stay apart?
+/// Did the user say how far gripper and table stay apart?
 bool is_kept_off_table(const PlanningScene& scene) {
   return std::any_of(scene.paddings.begin(), scene.paddings.end(),
                      [](const PairPadding& pair) { return pair.a == "hand" && pair.b == "table"; });

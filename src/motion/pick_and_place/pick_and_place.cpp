@@ -46,13 +46,13 @@ PickAndPlacePlan no_grasp(const PlanningScene& scene, const Stone& stone, const 
     const double widest = gripper.max_opening - GraspOptions{}.finger_clearance;
     return refused(Status::kTooWide,
                    concat(stone.name, " is at least ", set.narrowest,
-                          " m wide between the pads; the hand takes ", gripper.min_object, " to ", widest,
+                          " m wide between the pads; the gripper takes ", gripper.min_object, " to ", widest,
                           " m, so that it opens to ", gripper.max_opening, " m beside it"));
   }
   return refused(Status::kNoGrasp,
                  concat(stone.name, " offers no grasp: of ", set.tried, " samples ", set.no_contact,
                         " touch with less than three pads, ", set.too_wide, " are too wide, ",
-                        set.gripper_in_stone, " bring the hand into the stone, ", set.slips, " slip"));
+                        set.gripper_in_stone, " bring the gripper into the stone, ", set.slips, " slip"));
 }
 
 /// Some grasps exist, but none serves both ends.
@@ -123,7 +123,7 @@ std::string too_far(const PlanningScene& scene, const PickAndPlaceTask& task) {
     const double away = (T_W_O * task.stone->mass.p_O_M - p_W_shoulder).norm();
     if (away > reach + radius)
       return concat(place ? "the target of " : "", task.stone->name, " is ", std::lround(1e3 * away),
-                    " mm from the robot's shoulder; stretched out, arm and hand reach ",
+                    " mm from the robot's shoulder; stretched out, arm and gripper reach ",
                     std::lround(1e3 * reach), " mm");
   }
   return {};
@@ -156,7 +156,7 @@ double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) 
   return !transit ? kStraight : effort == PickAttempt::Effort::kMuch ? kMuch : kLittle;
 }
 
-/// Tries candidates in order until enough have a free way; the quickest wins. Those whose transit is hard to
+/// Tries candidates in order until enough have a free path; the quickest wins. Those whose transit is hard to
 /// find give way to the others, and get much effort where none of these led anywhere, or many were as hard.
 PickAndPlacePlan plan_paths(const PlanningScene& scene, const PickAndPlaceTask& task,
                             const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {

@@ -172,7 +172,7 @@ PathFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_plac
   if (!high) return PathFault::kLower;
   const auto back_out = retreat(q_place);
   if (!back_out) return PathFault::kRetreat;
-  // The guarded part starts at a way point of its own, so that it can be timed by itself.
+  // The guarded part starts at a waypoint of its own, so that it can be timed by itself.
   const auto start = straight(q_place, raised(T_W_T_place_, kDescentLength));
   if (!start) return PathFault::kLower;
   const auto past = descend_past(q_place);

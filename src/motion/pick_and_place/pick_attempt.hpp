@@ -27,8 +27,9 @@ struct PickPaths {
   JointPath lift;      ///< grasp, straight up
   Transit carry;       ///< to above the target
   JointPath lower;     ///< straight down to where the guarded part begins
-  JointPath descent;   ///< guarded, through the target to `descent_past` below or where the hand has no room
-  JointPath retreat;   ///< from the target straight back, as far as there is room
+  JointPath
+      descent;  ///< guarded, through the target to `descent_past` below or where the gripper has no room
+  JointPath retreat;  ///< from the target straight back, as far as there is room
 };
 
 /// A checker that is made when it is first asked for: most attempts fail before they need more than one.
@@ -53,7 +54,7 @@ class PickAttempt {
               const Grasp& grasp);
   PickAttempt(const PickAttempt&) = delete;  // its checkers refer to it
   PickAttempt& operator=(const PickAttempt&) = delete;
-  /// The whole way with these joint angles at the grasp and at the target; `fault` says what failed.
+  /// The whole path with these joint angles at the grasp and at the target; `fault` says what failed.
   struct Result {
     PathFault fault = PathFault::kNone;
     PickPaths paths;
@@ -70,10 +71,10 @@ class PickAttempt {
   [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
   /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
   [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
-  /// From the target on down, as far as a stone that has not touched is looked for with the hand clear.
+  /// From the target on down, as far as a stone that has not touched is looked for with the gripper clear.
   [[nodiscard]] std::optional<JointPath> descend_past(const Joints& q) const;
-  /// From the target straight back, or a part of that where the arm has no more room and the open hand is far
-  /// enough from the stone for a transit all the same.
+  /// From the target straight back, or a part of that where the arm has no more room and the open gripper is
+  /// far enough from the stone for a transit all the same.
   [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
   /// The stone at its target and nothing else.
   [[nodiscard]] PlanningScene placed_alone() const;
@@ -85,12 +86,12 @@ class PickAttempt {
   const PickAndPlaceTask& task_;
   const MotionOptions& options_;
   Pose T_W_T_pick_, T_W_T_place_, T_T_O_;
-  double opening_, holding_;  ///< of the hand before and after it holds the stone, and meanwhile [m]
-  CollisionChecker open_;     ///< hand open, the stone not there: approach, retreat
-  LazyChecker open_wide_;     ///< hand open, the stone there: transit
+  double opening_, holding_;  ///< of the gripper before and after it holds the stone, and meanwhile [m]
+  CollisionChecker open_;     ///< gripper open, the stone not there: approach, retreat
+  LazyChecker open_wide_;     ///< gripper open, the stone there: transit
   LazyChecker open_tight_;    ///< the same with the padding of an approach
-  LazyChecker held_;          ///< stone in hand, padding of an approach
-  LazyChecker held_wide_;     ///< stone in hand, transit
+  LazyChecker held_;          ///< stone in the gripper, padding of an approach
+  LazyChecker held_wide_;     ///< stone in the gripper, transit
 };
 
 /// True if every piece of the path is free.

@@ -19,8 +19,8 @@ constexpr double kSpacing = 0.003;   ///< between samples of the surface that pa
 // What a loose grasp costs. Measured with `stonestack-bench hold --every` (docs/measurements.md): of 149
 // lifts that PadPress saw move less than 0.65 mm and press less than 4.3 mm deep 2 went wrong, of 156 beyond
 // 0.75 mm or 4.3 mm 63.
-constexpr double kFirm = 0.0006, kLoose = 0.0012;   ///< m that the stone moves in the hand under its weight
-constexpr double kShallow = 0.0038, kDeep = 0.006;  ///< m into a pad: its rubber is 5 mm thick
+constexpr double kFirm = 0.0006, kLoose = 0.0012;  ///< m that the stone moves in the gripper under its weight
+constexpr double kShallow = 0.0038, kDeep = 0.006;     ///< m into a pad: its rubber is 5 mm thick
 constexpr double kTurned = 0.010, kFarTurned = 0.035;  ///< [rad]
 constexpr double kSlipCost = 40.0;                     ///< what a stone that slips costs [s]
 // In the simulated cell closing turns a stone by twice of what PadPress says (bench hold --every, 0.3 to 2.4

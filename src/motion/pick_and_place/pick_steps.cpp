@@ -66,7 +66,7 @@ class StepWriter {
   [[nodiscard]] std::vector<PlanStep>& steps() { return steps_; }
 
  private:
-  /// [rad] way points of a straight motion lie so that cutting their corners moves the tool by less than 0.5
+  /// [rad] waypoints of a straight motion lie so that cutting their corners moves the tool by less than 0.5
   /// mm.
   static constexpr double kStraightBlend = 0.0003;
 
@@ -93,7 +93,7 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
                                   const MotionOptions& options, const Grasp& grasp, const PickPaths& paths) {
   const std::string& name = task.stone->name;
   StepWriter out(scene, options);
-  out.gripper(gripper_step(Kind::kOpen, "open the hand", grasp.pre_opening, kFingerSpeed));
+  out.gripper(gripper_step(Kind::kOpen, "open the gripper", grasp.pre_opening, kFingerSpeed));
   out.steps().back().spacing = grasp.spacing;
   out.transit("move to " + name, paths.to_pick, transit_speed(scene, options));
   out.straight(Kind::kApproach, "approach " + name, paths.approach, options.approach_speed);
@@ -108,7 +108,7 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   out.steps().back().threshold = contact_threshold(task.stone->mass.mass, options);
   const double loose = std::min(grasp.pre_opening, grasp.opening + kLoosen);
   out.gripper(gripper_step(Kind::kRelease, "let go of " + name, loose, kGripSpeed));
-  out.gripper(gripper_step(Kind::kRelease, "open the hand", grasp.pre_opening, kFingerSpeed));
+  out.gripper(gripper_step(Kind::kRelease, "open the gripper", grasp.pre_opening, kFingerSpeed));
   out.straight(Kind::kRetreat, "retreat from " + name, paths.retreat, options.approach_speed);
   return std::move(out.steps());
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMaxFile = std::size_t{1} << 22;
 constexpr std::size_t kMaxObjects = 10000, kMaxProblems = 100000;
 constexpr double kFurthest = 100.0;       ///< nothing a robot plans with is larger or further away [m]
-constexpr double kGripperLength = 0.264;  ///< flange to tip of the hand that a file has by default [m]
+constexpr double kGripperLength = 0.264;  ///< flange to tip of the gripper that a file has by default [m]
 
 /// The statements of one line and where it stands, for messages.
 class Line {

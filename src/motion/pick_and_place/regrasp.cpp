@@ -53,7 +53,7 @@ class RegraspSearch {
   RestGraph graph_;
   std::vector<int> to_;          ///< grasps that serve at the target
   std::vector<Pose> between_;    ///< the places of a chain so far
-  std::vector<double> tilts_;    ///< of the poses of rest at these places
+  std::vector<double> tilts_;    ///< of the resting poses at these places
   std::size_t min_leaving_ = 1;  ///< grasps that lead on from a place
   std::size_t max_tests_ = 0;
   std::size_t tests_ = 0;  ///< of grasps
@@ -86,7 +86,7 @@ RegraspPlan RegraspSearch::plan() {
   return std::move(plan_);
 }
 
-/// Finds where the next pose of rest of the chain can stand. `arriving`: grasps that serve where the stone is
+/// Finds where the next resting pose of the chain can stand. `arriving`: grasps that serve where the stone is
 /// before.
 void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<int>& arriving) {
   const std::size_t k = between_.size();
@@ -137,7 +137,7 @@ void RegraspSearch::make_plans() {
 
 std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t chains) const {
   return concat(task_.stone->name, ": ", from, " grasps serve where it lies, ", to,
-                " at the target; over its ", graph_.rests.size(), " poses of rest ", chains,
+                " at the target; over its ", graph_.rests.size(), " resting poses ", chains,
                 " ways join them; ", attempts_,
                 " of them could be stood on the table with grasps for every part",
                 plan_.reason.empty() ? "" : "; ", plan_.reason);
@@ -146,18 +146,19 @@ std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t cha
 }  // namespace
 
 FieldList fields(RegraspOptions& o) {
-  return {field("rest_margin", o.rest_margin, {0, 0.1}, "m", "ours: a stone set down a little askew stays"),
+  return {field("rest_margin", o.rest_margin, {0, 0.1}, "m",
+                "design choice: a stone set down a little askew stays"),
           field("rest_tilt", o.rest_tilt, {0, 1.5}, "rad", "measured: bench rest"),
           field("min_margin", o.min_margin, {0, 0.1}, "m",
-                "ours: a stone that falls over lies in another pose, and is looked at again"),
+                "design choice: a stone that falls over lies in another pose, and is looked at again"),
           field("min_tilt", o.min_tilt, {0, 1.5}, "rad", "measured: bench rest"),
-          field("flat", o.flat, {0, 0.02}, "m", "ours"),
-          field("turns", o.turns, {1, 64}, "", "ours"),
-          field("around", o.around, {0, 2}, "m", "ours"),
-          field("spacing", o.spacing, {0.005, 1}, "m", "ours"),
-          field("apart", o.apart, {0, 0.2}, "m", "ours"),
+          field("flat", o.flat, {0, 0.02}, "m", "design choice"),
+          field("turns", o.turns, {1, 64}, "", "design choice"),
+          field("around", o.around, {0, 2}, "m", "design choice"),
+          field("spacing", o.spacing, {0.005, 1}, "m", "design choice"),
+          field("apart", o.apart, {0, 0.2}, "m", "design choice"),
           field("max_set_downs", o.max_set_downs, {1, 4}, "", "measured: bench grasp"),
-          field("attempts", o.attempts, {1, 1000}, "", "ours")};
+          field("attempts", o.attempts, {1, 1000}, "", "design choice")};
 }
 
 RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& task,

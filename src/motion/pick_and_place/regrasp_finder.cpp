@@ -10,7 +10,7 @@
 namespace stonestack::motion {
 namespace {
 
-/// The grasps of all poses of rest that at most `max_set_downs` set-downs lead to, ascending: those that can
+/// The grasps of all resting poses that at most `max_set_downs` set-downs lead to, ascending: those that can
 /// be taken last.
 std::vector<int> grasps_at_last(const RestGraph& graph, std::vector<int> taken, int max_set_downs) {
   std::vector<int> last;
