@@ -13,7 +13,7 @@ double next_finger_place(FingerDriveState& drive, double place, double force, do
   const double enough = !drive.holding ? drive.force : drive.regrip ? kRegripBelow * drive.force : 0.0;
   drive.holding = remaining < 0 && force >= enough;
   if (drive.holding) return place;
-  if (remaining > 0 && -force >= drive.force) return place;  // something stands in the way of opening
+  if (remaining > 0 && -force >= drive.force) return place;  // an obstacle blocks the opening
   const double ease = remaining < 0 ? std::max(kCreep, 1.0 - force / drive.force) : 1.0;
   const double step = drive.speed * ease * seconds;
   return std::abs(remaining) <= step ? drive.target : place + std::copysign(step, remaining);

@@ -8,7 +8,7 @@ namespace stonestack::simulation {
 
 /// A rubber pad as an elastic foundation: normal pressure proportional to how deep a surface lies in it,
 /// bristle friction sideways. Elastic constants of 5 mm of soft rubber (E about 0.75 MPa): at 60 N on 4 cm^2
-/// it gives by 1 mm. Ours, as is the friction: rubber on dry stone.
+/// it yields by 1 mm. A design choice, as is the friction: rubber on dry stone.
 struct PadOptions {
   double width = 0.031;      ///< along y of P [m]
   double length = 0.040;     ///< along x of P [m]

@@ -11,19 +11,19 @@ namespace stonestack::simulation {
 /// The fingers, in the order of every array: A at +x of T, B at -x and +y, C at -x and -y.
 inline constexpr int kFingers = 3;
 
-/// Where the hand is: tool frame, and how far each finger's pad stands from the plane x = 0 of T.
+/// Where the gripper is: tool frame, and how far each finger's pad stands from the plane x = 0 of T.
 struct GripperPose {
   Pose T_W_T = Pose::Identity();
   std::array<double, kFingers> finger{};  ///< 0 when closed [m]
   double narrowed = 0.0;                  ///< by which B and C stand closer than the model has them [m]
 };
-/// The hand over time, by seconds from the start of a motion.
+/// The gripper over time, by seconds from the start of a motion.
 using GripperPath = std::function<GripperPose(double seconds)>;
 
 /// Distance between the pads: of A from the middle of B and C, m.
 [[nodiscard]] double opening(const GripperPose& gripper_pose);
 
-/// A rigid part of the hand.
+/// A rigid part of the gripper.
 struct GripperPart {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_T_centre = Eigen::Vector3d::Zero();  ///< fingers closed
@@ -33,8 +33,8 @@ struct GripperPart {
   bool camera = false;                                   ///< carries the lens
 };
 
-/// The hand as the world meets it: rigid boxes, and on each finger a pad of rubber that stands out from the
-/// box by its thickness, so that rubber and bone never act twice.
+/// The gripper as the world meets it: rigid boxes, and on each finger a pad of rubber that stands out from
+/// the box by its thickness, so that rubber and bone never act twice.
 struct GripperBody {
   GripperModel gripper;
   PadOptions pad;
@@ -49,7 +49,7 @@ struct GripperBody {
 /// Distance from a point to the nearest box, 0 inside, m.
 [[nodiscard]] double distance_to_gripper(const GripperBody& model, const GripperPose& gripper_pose,
                                          const Eigen::Vector3d& p_W);
-/// Height of the hand's lowest corner over the table, m, and where it is.
+/// Height of the gripper's lowest corner over the table, m, and where it is.
 [[nodiscard]] Eigen::Vector3d lowest_corner(const GripperBody& model, const GripperPose& gripper_pose);
 
 }  // namespace stonestack::simulation

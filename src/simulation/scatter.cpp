@@ -11,14 +11,13 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kDropHeight = 0.010;  // m under the lowest point
-constexpr double kLongestFall = 5.0;   // s until a stone must rest
-constexpr int kDraws = 400;            // places tried for one stone
-constexpr int kDrops = 40;             // of them simulated
-constexpr int kFields = 8;             // begun anew before stones may lie closer together
-constexpr std::array kTighter{1.0, 0.6, 0.3,
-                              0.1};    // of the clearance, before the field is said to be too small
-constexpr std::size_t kOutline = 300;  // surface points that stand for an outline
+constexpr double kDropHeight = 0.010;               // m under the lowest point
+constexpr double kLongestFall = 5.0;                // s until a stone must rest
+constexpr int kDraws = 400;                         // places tried for one stone
+constexpr int kDrops = 40;                          // of them simulated
+constexpr int kFields = 8;                          // begun anew before stones may lie closer together
+constexpr std::array kTighter{1.0, 0.6, 0.3, 0.1};  // of the clearance, before the field counts as too small
+constexpr std::size_t kOutline = 300;               // surface points that stand for an outline
 
 using Outline = std::vector<Eigen::Vector2d>;
 
@@ -46,7 +45,7 @@ class Scatter {
  public:
   Scatter(TrueWorld& world, const StoneField& field) : world_(&world), field_(field) {}
 
-  /// False when no room is found for it.
+  /// False when no free place is found for it.
   [[nodiscard]] bool drop(int stone, Random random) {
     const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
     for (int draw = 0, drops = 0; draw < kDraws && drops < kDrops; ++draw) {
@@ -108,14 +107,14 @@ class Scatter {
 void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed) {
   Scatter scatter(world, field);
   const auto name = [&](int stone) { return world.shapes()[static_cast<std::size_t>(stone)]->name; };
-  // The widest first: small ones find room between large ones, not the other way round.
+  // The widest first: small ones fit between large ones, but not large ones between small ones.
   std::vector<int> order = world.present();
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return world.shapes()[static_cast<std::size_t>(a)]->radius >
            world.shapes()[static_cast<std::size_t>(b)]->radius;
   });
   int homeless = -1;
-  // The first stones may lie so that the last finds no room, though there is enough in all.
+  // The first stones may lie so that the last does not fit, though the total area suffices.
   constexpr int kMax = kFields * static_cast<int>(kTighter.size());
   for (int k = 0; k < kMax; ++k) {
     const double clearance = kTighter[static_cast<std::size_t>(k / kFields)] * field.clearance;
@@ -126,14 +125,14 @@ void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t see
     });
     if (left_over == order.end()) {
       if (k >= kFields)
-        log_info(concat("the field has no room for the stones ", 1e3 * field.clearance,
+        log_info(concat("the field has no free places for the stones ", 1e3 * field.clearance,
                         " mm apart: they lie ", 1e3 * clearance, " mm apart"));
       return;
     }
     homeless = *left_over;
   }
-  throw InvalidArgument(concat("no room for stone ", name(homeless), " in a field of ", field.size.x(), " x ",
-                               field.size.y(), " m with ", kTighter.back() * field.clearance,
+  throw InvalidArgument(concat("no free place for stone ", name(homeless), " in a field of ", field.size.x(),
+                               " x ", field.size.y(), " m with ", kTighter.back() * field.clearance,
                                " m between stones, scattered ", kMax,
                                " times; use fewer stones or a larger field"));
 }

@@ -12,7 +12,7 @@ struct StoneField {
 
 /// Drops the world's stones, one after the other, from just above the table at random places and in random
 /// orientations, and lets each come to rest. A stone that rolls out of the field or too near another is
-/// dropped again; when one finds no room, all are taken out and dropped anew, at last closer together than
+/// dropped again; when one does not fit, all are removed and dropped anew, at last closer together than
 /// the field's clearance asks for. Throws InvalidArgument when the field is too small for them.
 void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed);
 

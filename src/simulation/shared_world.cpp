@@ -9,7 +9,7 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kTick = 0.002;  // s, how often the fingers' drives look at their forces
+constexpr double kTick = 0.002;  // s, period of the fingers' force control
 
 }  // namespace
 

@@ -21,10 +21,10 @@ using FingerDrive = std::function<FingerPlaces(const TrueWorld& world, double se
 
 /// One true world for several simulated devices, each with a thread of its own. One of them lets time pass:
 /// the arm's controller with `move_arm`, or, when no arm is simulated, the loop that `start` runs. The others
-/// look between two ticks (`lock`) and wait for simulated time (`wait_until`).
+/// read between two ticks (`lock`) and wait for simulated time (`wait_until`).
 ///
-/// Time passes in ticks of at most 2 ms: at each the fingers go where the attached drive says, and the hand
-/// goes straight to where the arm wants it.
+/// Time passes in ticks of at most 2 ms: at each the fingers follow the attached drive, and the
+/// gripper goes straight to where the arm wants it.
 class SharedWorld {
  public:
   /// None of these is owned; all must outlive this.
@@ -39,8 +39,8 @@ class SharedWorld {
   };
   [[nodiscard]] Access lock();
 
-  /// Moves the tool to T_W_T within `seconds`; the fingers follow their drive. Returns what stopped the hand,
-  /// if something did.
+  /// Moves the tool to T_W_T within `seconds`; the fingers follow their drive. Returns what stopped the
+  /// gripper, if something did.
   Progress move_arm(const Pose& T_W_T, double seconds);
   /// Lets `seconds` pass with the arm where it is.
   Progress pass(double seconds);

@@ -147,7 +147,7 @@ std::string SimulatedArm::overspeed(const Joints& qd, double t) const {
 }
 
 double SimulatedArm::resistance(const GuardedMotion& guard) {
-  // As a program would: the reading turned by the pose that the arm believes it has.
+  // As a program would: the reading turned by the arm's nominal pose.
   const Eigen::Matrix3d R_W_F = (mounting_.T_W_R * forward(robot_, q_)).rotation();
   return -guard.n_W_direction.dot(R_W_F * force_torque_->read().force);
 }

@@ -55,7 +55,7 @@ FieldList fields(SimulationOptions& o) {
       field("pad_friction_spread", o.pad_friction_spread, {0.0, 1.0}, "",
             "half width of the uniform draw for each stone"),
       field("pad_stiffness", o.pad_stiffness, {1e6, 1e10}, "N/m^3", "of the pads; 5 mm of soft rubber"),
-      field("regrip", o.regrip, "true: fingers close further when what they hold gives way (rGTO stays set)"),
+      field("regrip", o.regrip, "true: fingers close further when the held stone yields (rGTO stays set)"),
       field("clearance", o.clearance, {0.0, 0.3}, "m",
             "between loose stones at the start; a finger and a half by default"),
   };

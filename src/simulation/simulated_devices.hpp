@@ -23,7 +23,7 @@ struct TrueMounting {
 [[nodiscard]] double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
                                  const Joints& q);
 
-/// Where the hand's own mass hangs, m in T.
+/// Centre of mass of the gripper, m in T.
 [[nodiscard]] Eigen::Vector3d gripper_centre();
 /// Names what a link of the arm overlaps, with the reported joints `q`.
 [[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
@@ -40,7 +40,7 @@ class SimulatedClock final : public Clock {
 };
 
 /// Wrist sensor at the flange: 100 Hz, counts of 0.1 N and 1 mNm, an unknown offset, white noise. Feels the
-/// weight of the hand until zeroed; the hand's inertia is left out.
+/// weight of the gripper until zeroed; the gripper's inertia is left out.
 class SimulatedForceTorque final : public ForceTorqueSensor {
  public:
   SimulatedForceTorque(TrueWorld& world, const TrueMounting& mounting, const SimulationOptions& options);
@@ -48,7 +48,7 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
   [[nodiscard]] Wrench read() override;
   /// Mean of 20 samples.
   void zero() override;
-  /// The reading at the world's time, no zero taken off; never waits.
+  /// The untared reading at the world's time; never waits.
   [[nodiscard]] Wrench measure();
 
  private:
@@ -63,7 +63,7 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
 };
 
 /// A position-controlled arm. It stops, and stays stopped until unlocked, when a joint is commanded faster
-/// than its limit, when a link or the hand hits something, or at 150 N on the hand.
+/// than its limit, when a link or the gripper hits something, or at 150 N on the gripper.
 class SimulatedArm final : public Arm {
  public:
   SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
@@ -112,7 +112,7 @@ class SimulatedGripper final : public Gripper {
   bool object_ = false;
 };
 
-/// Renders the true meshes, the table and the hand, and spoils the view as its sensor does.
+/// Renders the true meshes, the table and the gripper, and spoils the view as its sensor does.
 class SimulatedCamera final : public DepthCamera {
  public:
   SimulatedCamera(TrueWorld& world, const std::vector<Stone>& stones, const TrueMounting& mounting,

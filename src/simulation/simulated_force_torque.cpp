@@ -6,7 +6,7 @@ namespace stonestack::simulation {
 namespace {
 
 constexpr double kPeriod = 0.010;                           // s
-constexpr double kForceSigma = 0.3, kTorqueSigma = 0.005;   // N, Nm: ours, a few counts
+constexpr double kForceSigma = 0.3, kTorqueSigma = 0.005;   // N, Nm: design choice, a few counts
 constexpr double kForceCount = 0.1, kTorqueCount = 0.001;   // N (data sheet), Nm
 constexpr double kForceOffset = 2.0, kTorqueOffset = 0.05;  // N, Nm: unknown at power-up
 constexpr int kZeroSamples = 20;

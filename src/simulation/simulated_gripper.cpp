@@ -13,7 +13,7 @@ constexpr double kMinSpeed = 0.022, kMaxSpeed = 0.110;  // m/s, of the opening
 constexpr double kTick = 0.002;                         // s
 constexpr double kStalled = 0.15;                       // s without motion until the drives report rest
 constexpr double kDeadline = 20.0;                      // s
-constexpr double kSpread = 1.0;       // s, for fingers B and C to draw together or apart; ours
+constexpr double kSpread = 1.0;       // s, for fingers B and C to draw together or apart; design choice
 constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep towards the force is faster
 
 }  // namespace
@@ -46,7 +46,7 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
     throw_if_interrupted();
     if (t > kDeadline)
       throw DeviceError("simulated gripper", concat("still moving after ", kDeadline, " s"),
-                        "look what hinders the fingers");
+                        "check what blocks the fingers");
     const GripperPose from = world_->gripper_pose();
     const Progress progress = world_->wait(kTick);
     if (!progress.stopped.empty())

@@ -14,7 +14,7 @@ struct SeenWorld {
 };
 [[nodiscard]] SeenWorld what_is_seen(const TrueWorld& world);
 
-/// Table, full-resolution stones and hand as the sensor at T_W_C reports them.
+/// Table, full-resolution stones and gripper as the sensor at T_W_C reports them.
 [[nodiscard]] DepthImage true_view(const SeenWorld& world, const std::vector<Stone>& stones,
                                    const Pose& T_W_C, const SensorModel& sensor, Random& random);
 

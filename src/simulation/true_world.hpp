@@ -11,7 +11,7 @@
 
 namespace stonestack::simulation {
 
-/// Load of the world on the gripper, gravity on the hand itself left out; world axes.
+/// Load of the world on the gripper, gravity on the gripper itself left out; world axes.
 struct GripperLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the world's origin [Nm]
@@ -28,14 +28,14 @@ struct GripperLoad {
 /// How far a stretch of time came.
 struct Progress {
   double seconds = 0.0;
-  std::string stopped;  ///< why the hand cannot go on (it hit something); empty: it can
+  std::string stopped;  ///< why the gripper cannot go on (it hit something); empty: it can
 };
 
 /// The one truth: stones of full resolution with their own mass, centre of mass and friction, the table, the
-/// hand that pushes and grips. Only the simulated devices and the judge see it.
+/// gripper that pushes and grips. Only the simulated devices and the judge see it.
 ///
-/// Time passes in steps only while something can move; while all stones rest and the hand is away from them
-/// it just passes. Stones at rest that nothing comes near are held still meanwhile; a verdict never does
+/// Time passes in steps only while something can move; while all stones rest and the gripper is away from
+/// them it just passes. Stones at rest that nothing comes near are held still meanwhile; a verdict never does
 /// that.
 class TrueWorld {
  public:
@@ -47,14 +47,14 @@ class TrueWorld {
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] const GripperBody& gripper_body() const { return model_; }
   [[nodiscard]] const GripperPose& gripper_pose() const { return gripper_pose_; }
-  /// Puts the hand somewhere at once. For setting up.
+  /// Puts the gripper somewhere at once. For setting up.
   void set_gripper_pose(const GripperPose& gripper_pose);
-  /// From now on the fingers go where these drives bring them, whatever a path says of them.
+  /// From now on these drives move the fingers, whatever a path asks of them.
   void drive_fingers(const std::array<FingerDriveState, kFingers>& drives) { drives_ = drives; }
   [[nodiscard]] const std::optional<std::array<FingerDriveState, kFingers>>& finger_drives() const {
     return drives_;
   }
-  /// Lets `seconds` pass while the hand follows `path`. Ends early when the hand hits something hard.
+  /// Lets `seconds` pass while the gripper follows `path`. Ends early when the gripper hits something hard.
   Progress advance(double seconds, const GripperPath& path);
   /// Waits with the gripper where it is.
   Progress wait(double seconds);
@@ -76,7 +76,7 @@ class TrueWorld {
   void put_away(int stone);
   /// Contacts as they are now, after one step of a world of its own.
   [[nodiscard]] std::vector<Contact> contacts() const;
-  /// A world with every stone free and the true frictions, without the hand. Body i is `present()[i]`.
+  /// A world with every stone free and the true frictions, without the gripper. Body i is `present()[i]`.
   [[nodiscard]] World judge_world(double step, int iterations) const;
 
  private:
@@ -94,7 +94,7 @@ class TrueWorld {
     World world;
     double step = 0.0;          // s
     std::vector<bool> in_play;  // by index into present
-    int first_box = 0;          // body of the hand's first box
+    int first_box = 0;          // body of the gripper's first box
   };
 
   [[nodiscard]] const StoneState& state(int stone) const;

@@ -1,4 +1,4 @@
-// How time passes in the true world: which stones are stepped, what the hand does to them and they to it.
+// How time passes in the true world: which stones are stepped, what the gripper does to them and they to it.
 #include <algorithm>
 #include <cmath>
 
@@ -9,17 +9,17 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kChunk = 0.010;          // s between two looks at what is near what
+constexpr double kChunk = 0.010;          // s between two searches for near pairs
 constexpr double kGripStep = 1.0 / 2000;  // s while a pad is at a stone: pads are stiff springs
 constexpr double kRolling = 0.3;          // 1/s, angular damping: a rounded stone does not rock for ever
-constexpr double kGripperReach = 0.020;   // m: a stone this near the hand is in play
+constexpr double kGripperReach = 0.020;   // m: a stone this near the gripper is in play
 constexpr double kStoneReach = 0.005;
 constexpr double kRestShift = 0.00002;    // m
 constexpr double kRestTurn = 0.0002;      // rad
 constexpr double kGripperFriction = 0.0;  // rigid parts slide; only pads grip, and what they feel is complete
-constexpr double kTableStiffness = 1e5;   // N/m, hand on table
+constexpr double kTableStiffness = 1e5;   // N/m, gripper on table
 constexpr double kDeepestPress = 0.003;   // m into the table
-constexpr double kMaxForce = 150.0;       // N on the hand: where a UR's protective stop is by default
+constexpr double kMaxForce = 150.0;       // N on the gripper: where a UR's protective stop is by default
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -45,7 +45,7 @@ void TrueWorld::prepare_engine(const std::vector<bool>& in_play, double step) {
   }
 }
 
-// A stone is in play if it moves, if the hand is near it, or if such a stone is near it.
+// A stone is in play if it moves, if the gripper is near it, or if such a stone is near it.
 std::vector<bool> TrueWorld::stones_in_play(const GripperPose& next) const {
   std::vector<bool> in_play(present_.size(), false);
   std::vector<std::size_t> open;
@@ -118,7 +118,7 @@ void TrueWorld::read_stones(double step) {
   }
 }
 
-// Rigid parts of the hand; what presses a finger outwards counts for its drive as the pad's force does.
+// Rigid parts of the gripper; what presses a finger outwards counts for its drive as the pad's force does.
 GripperLoad TrueWorld::read_contacts(double step) {
   GripperLoad load;
   const Eigen::Vector3d x_W = gripper_pose_.T_W_T.linear().col(0);
@@ -143,7 +143,7 @@ GripperLoad TrueWorld::table_load() const {
   return load;
 }
 
-// The hand's next pose with the fingers where their drives bring them.
+// The gripper's next pose with the fingers where their drives bring them.
 GripperPose TrueWorld::driven(GripperPose next, double seconds) {
   for (std::size_t f = 0; drives_ && f < drives_->size(); ++f)
     next.finger[f] = next_finger_place((*drives_)[f], gripper_pose_.finger[f], finger_force_[f], seconds);

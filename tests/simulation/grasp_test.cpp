@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kHalfTurn = 1.5707963267948966;  // 90 deg
 
-/// A pebble on the table, the open hand over it.
+/// A pebble on the table, the open gripper over it.
 struct Bench {
   SimulationOptions options;
   TrueWorld world;
@@ -88,7 +88,7 @@ TEST(Grasp, FingersBAndCDrawTogetherAndStillHold) {
   EXPECT_TRUE(bench.grip().object);
   ASSERT_EQ(bench.carry(tool_down({0, 0, 0.25}), 1.5).stopped, "");
   ASSERT_EQ(bench.world.wait(5.0).stopped, "");
-  EXPECT_GT(bench.world.centre_of_mass(0).z(), 0.2) << "it hangs in the hand";
+  EXPECT_GT(bench.world.centre_of_mass(0).z(), 0.2) << "it hangs in the gripper";
   EXPECT_THROW(bench.gripper.spread(0.02), InvalidArgument);
 }
 

@@ -74,8 +74,8 @@ TEST(Scatter, InAFullFieldStonesLieCloserTogether) {
   EXPECT_LT(nearest, 0.05);
 }
 
-/// The six stones that come along in the cell's field, with seeds whose first field has no room for the last:
-/// what lay there then must not be in the way of what is dropped anew.
+/// The six stones that come along in the cell's field, with seeds whose first field has no free place for the
+/// last: what lay there then must not be in the way of what is dropped anew.
 TEST(Scatter, WhatLayThereIsGoneWhenItBeginsAnew) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const CellLayout layout;
@@ -109,7 +109,8 @@ TEST(Scatter, AFieldThatIsTooSmallIsRefusedByName) {
     scatter_stones(world, field, 1);
     FAIL() << "three stones of 10 cm in a field of 12 cm";
   } catch (const InvalidArgument& error) {
-    EXPECT_NE(std::string(error.what()).find("no room for stone pebble_"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("no free place for stone pebble_"), std::string::npos)
+        << error.what();
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using Status = MotionResult::Status;
 
-/// A cell with pebbles, and a hand that moves along straight lines.
+/// A cell with pebbles, and a gripper that moves along straight lines.
 struct Bench {
   std::vector<Stone> stones;
   RobotModel robot = read_robot("ur10");

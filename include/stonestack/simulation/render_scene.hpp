@@ -10,10 +10,10 @@
 
 namespace stonestack::simulation {
 
-/// Where the camera of a rendered scene stands: it looks at the middle of the field.
+/// Pose of the camera of a rendered scene: its axis passes through the middle of the field.
 struct SceneOptions {
   SimulationOptions simulation;
-  double distance = 0.7;   ///< m from the camera to what it looks at
+  double distance = 0.7;   ///< m from the camera to the viewed point
   double tilt = 0.174533;  ///< rad off the vertical (10 deg)
 };
 /// Without those of `simulation`, which have a list of their own.
