@@ -21,7 +21,7 @@ constexpr double kDoubtfulScale = 0.02;  // of depth: SR300 scenes come out with
 constexpr double kWrongScale = 0.05;     // a stone 0.7 m away is 35 mm off
 constexpr double kSurely = 3.0;          // standard deviations
 
-/// The models to look for, ascending, each as often as it may still be found.
+/// The models to search for, ascending, each as often as it may still be found.
 std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge& known, int count,
                                const DetectionOptions& options) {
   std::vector<int> models(wanted.begin(), wanted.end());
@@ -47,7 +47,7 @@ std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge
   return missing;
 }
 
-/// Says when all stones seem too large or too small, and drops them when they do by so much that every
+/// Reports when all stones seem too large or too small, and drops them when they do by so much that every
 /// position is wrong by centimetres.
 void check_depth_scale(DetectionResult& result, const DetectionModels::Data& data,
                        const DetectionScene& scene) {

@@ -88,7 +88,7 @@ TEST(Identity, AStoneThatIsKnownElsewhereIsNoRival) {
   const DetectionModels models(stones);
   const Pose T_W_C = test::make_camera_pose(0.5, 0.3);
   SceneKnowledge known;
-  known.stones.push_back({1, T_W_C.inverse() * make_pose({0, 0, 0.4})});  // in the hand
+  known.stones.push_back({1, T_W_C.inverse() * make_pose({0, 0, 0.4})});  // in the gripper
   const auto found = detect_stones(image_of(stones[0], T_W_C), models, {}, {}, known).detections;
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].stone, 0);

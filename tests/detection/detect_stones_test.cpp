@@ -230,7 +230,7 @@ TEST_F(Detect, ADepthRangeThatIsNoneIsTheCallersFault) {
 TEST_F(Detect, AHeldStoneIsNotSearchedOnTheTable) {
   const Scene scene = make_scene(1);
   SceneKnowledge known;
-  known.stones.push_back({1, scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.4})});  // in the hand, above
+  known.stones.push_back({1, scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.4})});  // in the gripper, above
   for (const auto& d : detect_stones(scene.image, *models(), {}, {}, known).detections) EXPECT_NE(d.stone, 1);
 }
 

@@ -45,7 +45,7 @@ struct DetectionResult {
   std::optional<Plane> table_C;       ///< normal towards the camera
   std::string note;  ///< why nothing was found, or what is odd about the image, for a person; empty otherwise
   double depth_scale = 1.0;        ///< by how much seen depths are too large for the stones' sizes, ...
-  double depth_scale_sigma = 0.0;  ///< ... and its standard deviation; 0: too little was seen to tell
+  double depth_scale_sigma = 0.0;  ///< ... and its standard deviation; 0: unobservable
   std::shared_ptr<const DetectionTrace> trace;  ///< what each stage saw, with DetectionOptions::trace
 };
 
@@ -125,7 +125,7 @@ class DetectionModels {
                                                    const SceneKnowledge& known = {});
 
 /// The options that a method stands for, to be changed further: default, or paper (section 2: RoPS, kd-tree,
-/// one look, the inlier ratio). Throws InvalidArgument for any other.
+/// one turn, the inlier ratio). Throws InvalidArgument for any other.
 [[nodiscard]] DetectionOptions options_of(const std::string& method);
 
 /// The table in one depth image, in C with the normal towards the camera: the plane that `detect_stones` will

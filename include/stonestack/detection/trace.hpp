@@ -30,7 +30,7 @@ struct TracedCandidate {
   bool accepted = false;
 };
 
-/// One look at what was still unexplained.
+/// One search of the points that were still unexplained.
 struct TracedTurn {
   std::vector<Eigen::Vector3f> surface_C;  ///< voxels above the table
   std::vector<int> cluster;                ///< of each; -1 for specks

@@ -14,7 +14,7 @@ namespace stonestack::detection {
 struct TrackedStone {
   enum class Status {
     kInPlace,  ///< where it was
-    kMoved,    ///< seen elsewhere, `moved` says how far
+    kMoved,    ///< seen elsewhere, by the distance `moved`
     kFallen,   ///< seen elsewhere and lower
     kUnseen,   ///< hidden, or gone
   };
@@ -40,7 +40,7 @@ struct TrackOptions {
 
 /// Refines every expected stone from its last pose (track_stone); those that are not there are searched for
 /// in the rest of the scene. A stone that is expected several times is searched for in as many copies. Stones
-/// of `known` (held ones, say) are neither searched nor allowed to explain anything else.
+/// of `known` (for example held ones) are neither searched nor allowed to explain anything else.
 [[nodiscard]] TrackResult track_stones(const DepthImage& image, const DetectionModels& models,
                                        std::span<const KnownStone> expected,
                                        const DetectionOptions& options = {}, const SceneKnowledge& known = {},

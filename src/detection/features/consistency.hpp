@@ -21,9 +21,9 @@ struct ConsistencyOptions {
 };
 
 /// Geometric consistency (Chen and Bhanu 2004): from the best correspondence on, each collects those that
-/// keep the distances to all collected ones. Distances and normal angles cannot tell a set from its mirror
-/// image, so a group counts only if the rigid motion that fits it best leaves less than `size` between its
-/// points.
+/// keep the distances to all collected ones. Distances and normal angles cannot distinguish a set from its
+/// mirror image, so a group counts only if the rigid motion that fits it best leaves less than `size` between
+/// its points.
 [[nodiscard]] std::vector<Hypothesis> consistent_groups(std::span<const Correspondence> matches,
                                                         const Features& scene, const Features& model,
                                                         const ConsistencyOptions& options);

@@ -6,7 +6,8 @@
 namespace stonestack::detection {
 namespace {
 
-/// PCL's trees take points of a type; ours are rows of a matrix: the point is only the row's number.
+/// PCL's trees take points of a type; here points are rows of a matrix, so the point is only the row's
+/// number.
 class RowOf : public pcl::PointRepresentation<pcl::PointXYZ> {
  public:
   explicit RowOf(Eigen::MatrixXf rows) : rows_(std::move(rows)) {

@@ -112,7 +112,7 @@ TriangulatedSurface subdivide(const Mesh& mesh, double spacing) {
       } else if (count == 3) {
         next.insert(next.end(),
                     {{t[0], m[0], m[2]}, {m[0], t[1], m[1]}, {m[2], m[1], t[2]}, {m[0], m[1], m[2]}});
-      } else {  // fan around the first split edge's middle, through whatever lies on the way
+      } else {  // fan around the first split edge's middle, through the faces between
         std::vector<int> ring;
         for (std::size_t k = 0; k < 3; ++k) {
           ring.push_back(t[static_cast<int>(k)]);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr int kMaxPoints = 800;        // of a stone
-constexpr int kFewestPoints = 150;     // that fit: less says nothing
+constexpr int kFewestPoints = 150;     // that fit: fewer carry no information
 constexpr double kGateFirst = 0.012;   // m, as far as a scale of 1.15 takes the rim of a stone
 constexpr double kGateLast = 0.005;    // m
 constexpr double kRobust = 0.0015;     // m, residual at which a point counts half
@@ -25,7 +25,7 @@ constexpr double kPriorSigma = 0.15;   // of the scale: units are off by factors
 using Vector7 = Eigen::Matrix<double, 7, 1>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
-/// A stone and what it says of the logarithm of the scale.
+/// A stone and its estimate of the logarithm of the scale.
 struct Fit {
   Pose T_O_C;
   double shrink = 0.0;  ///< logarithm of what seen points must be multiplied by

@@ -24,7 +24,7 @@ constexpr double kStill = 2e-5;  // m, rad: a step below this is the last
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// One stone and what each view says of it.
+/// One stone and the evidence of each view.
 struct Part {
   const DetectionModel& model;
   Pose T_O_C;

@@ -22,8 +22,9 @@ struct Refined {
   double rms = 0.0;  ///< robustly weighted point-to-plane residual [m]
 };
 
-/// Aligns scene to model, point to plane: seen points look for the nearest model sample, never the other way
-/// round, because unseen parts of a model have nothing to match. Stops early when a step is below 0.01 mm.
+/// Aligns scene to model, point to plane: each seen point is matched to the nearest model sample, never the
+/// reverse round, because unseen parts of a model have nothing to match. Stops early when a step is below
+/// 0.01 mm.
 [[nodiscard]] Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
                                   std::span<const int> indices, const RefineOptions& options);
 

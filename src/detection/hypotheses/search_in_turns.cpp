@@ -178,7 +178,7 @@ SearchView search_view(Turn turn, const DetectionScene& scene, const Features& s
 /// Chooses the next turn: what a turn has found sets something apart, so the cheap sweep is worth another
 /// try.
 std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& options) {
-  if (!options.sweep) return {};  // the paper looks once
+  if (!options.sweep) return {};  // the paper searches once
   if (found) return Turn::kSweep;
   if (turn == Turn::kSweep) return Turn::kParts;
   if (turn == Turn::kParts) return Turn::kDescribe;
@@ -253,7 +253,7 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
 }
 
 /// A stone may be refused because of one before it that was not found either, as the first one stands in its
-/// way: takes the likeliest refused pose for granted, looks for what is left then, and keeps all of it if
+/// way: takes the likeliest refused pose for granted, searches for the rest then, and keeps all of it if
 /// that pose stands the check once the others are explained.
 void take_for_granted(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options) {
   auto refused = so_far.refused;

@@ -6,10 +6,10 @@
 
 namespace stonestack::detection {
 
-/// Looks again and again at what is still unexplained, for what is still missing: the cheap sweep first,
+/// Searches the unexplained points repeatedly for the missing stones: the cheap sweep first,
 /// which finds stones that stand alone, then descriptors on the rest, then all orientations on what is left,
 /// also between creases; and again from the start when a turn has found something. At last, one pose that
-/// was nearly accepted is taken for granted, to see whether what stood in its way is a missing stone.
+/// was nearly accepted is taken for granted, to see whether the obstruction is a missing stone.
 /// `missing` names a model as often as it may be there. Fills `trace` if given.
 [[nodiscard]] std::vector<Candidate> search_in_turns(const DetectionModels::Data& data,
                                                      std::vector<int> missing, DetectionScene scene,

@@ -9,7 +9,7 @@ namespace stonestack::detection {
 /// How finely orientations are tried.
 struct SweepOptions {
   int turns = 24;        ///< about the line of sight
-  int points = 48;       ///< of the cluster that each trial looks at
+  int points = 48;       ///< of the cluster that each trial evaluates
   int best = 16;         ///< hypotheses at most
   double apart = 0.3;    ///< between any two hypotheses [rad]
   double reach = 0.015;  ///< distances count up to this [m]

@@ -22,8 +22,8 @@ double image_area(const Candidate& c) {
   return sum;
 }
 
-/// Score first, by what it lacks: 0.99 against 0.96 says more than 0.93 against 0.90. But a large surface
-/// that fits is worth more than a small one. The paper has the inlier ratio.
+/// Score first, by what it lacks: 0.99 against 0.96 is stronger evidence than 0.93 against 0.90. But a large
+/// surface that fits is worth more than a small one. The paper has the inlier ratio.
 double worth(const Candidate& c, const DetectionOptions& options) {
   if (options.method == "paper") return c.detection.inlier_ratio;
   const double lacking = 1.0 - c.detection.score + kUsuallyLacking;

@@ -14,11 +14,11 @@ namespace stonestack::detection {
 namespace {
 
 constexpr int kDirections = 60, kTurns = 12;  // 26 to 30 deg apart: within the basin of a registration
-constexpr int kGlance = 60;                   // points of a first look at a turn
+constexpr int kGlance = 60;                   // points of a first test of a turn
 constexpr int kPoints = 400;                  // and of a second
-constexpr std::size_t kRefined = 120;         // turns of the first look that get a second
+constexpr std::size_t kRefined = 120;         // turns of the first test that get a second
 constexpr double kFar = 0.008;                // m: distances count up to this
-constexpr double kAlike = 0.0025;             // m, mean distance: looks much the same
+constexpr double kAlike = 0.0025;             // m, mean distance: nearly indistinguishable
 constexpr double kApart = 0.3;                // rad
 constexpr std::size_t kMaxTurns = 24;
 constexpr double kHiddenWeight = 0.1;  // as in the search

@@ -6,8 +6,8 @@
 namespace stonestack::detection {
 
 /// Turns of a stone that bring it nearly onto itself, as a cube's 23 or some of a ball's: T_O_S such that the
-/// model at T_C_O * T_O_S looks much like the model at T_C_O. Best first, none of less than 0.3 rad, any two
-/// 0.3 rad apart; empty for a stone that looks like nothing but itself.
+/// model at T_C_O * T_O_S is nearly indistinguishable from the model at T_C_O. Best first, none of less than
+/// 0.3 rad, any two 0.3 rad apart; empty for a stone without such ambiguity.
 [[nodiscard]] std::vector<Pose> turns_onto_itself(const DetectionModel& model);
 
 /// The detection's own pose and those that the turns of its model lead to, judged alike; best score first.

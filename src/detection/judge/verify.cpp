@@ -23,7 +23,7 @@ constexpr double kGoesOnWeight = 1.0;
 constexpr double kMinSeen = 0.10;           // of the drawn pixels must fit
 constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that cost one full score
 
-/// Pixels by what they say.
+/// Pixels by the evidence they give.
 struct Tally {
   double fits = 0, quality = 0, through = 0, just_in_front = 0, hidden = 0;
   double drawn = 0, area = 0;

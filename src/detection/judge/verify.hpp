@@ -37,7 +37,7 @@ struct VerifyOptions {
 /// is seen (one would look through stone) or one just in front; far in front something may hide the model.
 /// Seen points just off the model's surface contradict too (the surface goes on where the model ends), and so
 /// does a pose below the table. With `contour`, what is seen must end or bend where the model ends
-/// (compare_contour). Pixels that are explained by known stones say nothing.
+/// (compare_contour). Pixels that are explained by known stones carry no evidence.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
 

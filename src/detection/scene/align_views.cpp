@@ -10,7 +10,7 @@ namespace stonestack::detection {
 namespace {
 
 constexpr double kTableSigma = 0.0003;  // m, of a table's height at a corner: its smooth error averages out
-constexpr double kTableReach = 0.20;    // m, of three corners around the spot that the camera looks at
+constexpr double kTableReach = 0.20;    // m, of three corners around the point on the camera's axis
 constexpr int kSteps = 4;
 constexpr int kFewestPixels = 3000;  // of bare table: with fewer it is where it was expected, not seen
 

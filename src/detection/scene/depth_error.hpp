@@ -9,8 +9,8 @@ namespace stonestack::detection {
 struct DetectionOptions;
 
 /// Smooth error of a depth image, from the image itself: the bare table is flat, so what it deviates is the
-/// camera's fault. Depth cameras err smoothly over tens of pixels (half a millimetre, say), and that does not
-/// average out over a stone; beside the stone it can be read off, and how far it carries, too.
+/// camera's fault. Depth cameras err smoothly over tens of pixels (by about half a millimetre), and that does
+/// not average out over a stone; beside the stone it can be read off, and how far it carries, too.
 struct DepthError {
   int cell = 12;                ///< [px]
   int columns = 0, rows = 0;    ///< cells

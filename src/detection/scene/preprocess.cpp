@@ -18,7 +18,7 @@ namespace stonestack::detection {
 namespace {
 
 constexpr int kFewestNeighbours = 10;  // of 25: fewer is an edge or a flying pixel
-constexpr int kTableStride = 6;        // every 6th pixel each way is enough for a plane
+constexpr int kTableStride = 6;        // every 6th pixel along both axes is enough for a plane
 constexpr int kTableTrials = 400;      // misses a table that fills a third of the view with p < 1e-6
 constexpr double kTableShare = 0.05;   // of the valid pixels at least
 constexpr double kMaxBelow = 0.30;     // share of valid pixels below a table: more is a shelf or a wall

@@ -72,7 +72,7 @@ void find_clusters(DetectionScene& scene, double gap);
 /// Appends points that a view saw, in C.
 void append_points(DetectionScene& scene, const SurfacePoints& more, int view);
 
-/// All of it, for one view. `find_table` without an expected table looks for one.
+/// Preprocesses one view. `find_table` without an expected table searches for one.
 [[nodiscard]] DetectionScene preprocess(const DepthImage& image, const std::optional<Plane>& expected_table,
                                         bool find_table, const DetectionOptions& options);
 

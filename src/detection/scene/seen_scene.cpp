@@ -23,7 +23,7 @@ std::string unusable(const DepthImage& image) {
   return {};
 }
 
-/// Says what is odd about an image that shows no surface in range.
+/// Describes what is odd about an image that shows no surface in range.
 std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& options) {
   std::vector<float> seen;
   for (const float z : raw.z)
