@@ -1,5 +1,5 @@
 #pragma once
-// The only way to Bullet here: the double precision build, with its warnings kept away.
+// The only include of Bullet: the double precision build, with its warnings disabled.
 #include <btBulletDynamicsCommon.h>
 
 #include <Eigen/Geometry>

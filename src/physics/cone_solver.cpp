@@ -112,7 +112,7 @@ void ConeSolver::apply(const Row& row, int axis, double impulse) {
   bodies_[static_cast<std::size_t>(row.b)].velocity += impulse * row.axis[axis].change_b;
 }
 
-/// One turn over a touch; returns the largest change of a relative speed, m/s.
+/// One iteration over a touch; returns the largest change of a relative speed, m/s.
 double ConeSolver::solve_row(Row& row, double dt) {
   Axis &normal = row.axis[0], &first = row.axis[1], &second = row.axis[2];
   const double allowed = std::max(row.touch->gap, 0.0) / dt;

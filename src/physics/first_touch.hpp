@@ -8,7 +8,7 @@
 /// millions are asked a second.
 namespace stonestack::physics {
 
-/// features tell depths down to here, below it the signed distance [m].
+/// features measure depths down to here, below it the signed distance [m].
 inline constexpr double kDeepest = 0.003;
 /// m and rad: motion after which candidates are looked for again.
 inline constexpr double kSlack = 0.002, kTurn = 0.02;

@@ -10,12 +10,12 @@
 namespace stonestack::physics {
 namespace {
 
-constexpr double kSample = 0.05;          // s, between looks at a stack that is judged
+constexpr double kSample = 0.05;          // s, between checks of a stack that is judged
 constexpr double kStillSeconds = 0.1;     // s, in which less motion than StandOptions::still is none
 constexpr int kStill = 3;                 // samples without motion that end a verdict
 constexpr double kFineStep = 0.001;       // s, while contacts for an equilibrium are found
 constexpr double kSettle = 0.1;           // s, before they are collected, at most;
-constexpr double kSettleCheck = 0.01;     // s, between looks whether
+constexpr double kSettleCheck = 0.01;     // s, between checks whether
 constexpr double kCalm = 0.0005;          // m/s, of any surface: less, twice running, is settled
 constexpr int kCollect = 8;               // steps over which they are collected
 constexpr double kCarries = 0.0003;       // m: contacts further apart carry nothing
@@ -109,7 +109,7 @@ double speed(const ShapeList& shapes, const Stack& stack, const World& world) {
   return max;
 }
 
-/// How far the surface of any stone went since the last look, m; the poses are kept for the next.
+/// Largest motion of any stone's surface since the last check, m; the poses are kept for the next.
 double motion(const ShapeList& shapes, const Stack& stack, const World& world, std::vector<Pose>& last) {
   double max = 0.0;
   for (std::size_t i = 0; i < last.size(); ++i) {

@@ -9,8 +9,8 @@
 
 namespace stonestack::physics {
 
-/// A surface as Bullet's collision shape: Bullet asks for its bounding box only, the touches are ours.
-/// Body frame P: principal axes at the centre of mass.
+/// A surface as Bullet's collision shape: Bullet asks for its bounding box only; this library computes the
+/// contacts. Body frame P: principal axes at the centre of mass.
 class SurfaceShape : public btCollisionShape {
  public:
   SurfaceShape(const Surface& surface, const Pose& T_O_P);

@@ -25,7 +25,7 @@ void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose&
     Vector n_Y;
     const double gap = signed_distance(Y, T_Y_X * p_X, &n_Y);
     if (gap > -kDeep) continue;
-    if (n_Y.isZero()) n_Y = (T_Y_X * p_X - Y.features->box.center()).normalized();  // too deep to tell
+    if (n_Y.isZero()) n_Y = (T_Y_X * p_X - Y.features->box.center()).normalized();  // too deep for a normal
     Touch t;
     t.kind = swapped ? TouchKind::kDeepB : TouchKind::kDeepA;
     (swapped ? t.b : t.a) = v;
@@ -41,7 +41,7 @@ void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose&
   out.insert(out.end(), found.begin(), found.end());
 }
 
-/// Near a rim a point just below one face may be read as far below another. The signed distance tells: such
+/// Near a rim a point just below one face may be read as far below another. The signed distance decides: such
 /// a touch is dropped where a shallower one of another direction lies close by.
 void drop_false_depths(std::vector<Touch>& touches, const Surface& B, const Pose& T_W_B) {
   const auto is_false = [&](const Touch& t) {

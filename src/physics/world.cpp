@@ -199,7 +199,7 @@ void World::place(int body, const Pose& T_W_body, const Twist& twist) {
 
 void World::set_fixed(int body, bool fixed) {
   Bullet::Body& b = bullet_->body(body);
-  require(fixed || b.stone, "body ", body, " is a box; boxes only move as told");
+  require(fixed || b.stone, "body ", body, " is a box; boxes only move as commanded");
   const int flag = btCollisionObject::CF_KINEMATIC_OBJECT;
   const int flags = b.rigid->getCollisionFlags();
   b.rigid->setCollisionFlags(fixed ? flags | flag : flags & ~flag);

@@ -43,7 +43,7 @@ class World {
   /// Adds a stone; returns its index (0, 1, ... over stones and boxes together, in order). A fixed stone does
   /// not move.
   int add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_O, bool fixed = false);
-  /// Adds a box that moves only as told (gripper, obstacle), full side lengths in metres.
+  /// Adds a box that moves only as commanded (gripper, obstacle), full side lengths in metres.
   int add_box(const Eigen::Vector3d& size, const Pose& T_W_box);
   /// Moves a box (or a fixed stone) to a pose over the next step, so that it pushes with the right velocity.
   void move_to(int body, const Pose& T_W_body);

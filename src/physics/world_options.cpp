@@ -8,8 +8,8 @@ FieldList fields(WorldOptions& o) {
           field("iterations", o.iterations, {1, 10000}, "", "measured: docs/measurements.md, Contact"),
           field("gravity", o.gravity, {0.0, 100.0}, "m/s^2", "standard"),
           field("contact_gap", o.contact_gap, {0.0, 0.001}, "m", "measured: docs/measurements.md, Contact"),
-          field("linear_damping", o.linear_damping, {0.0, 1.0}, "1/s", "ours"),
-          field("angular_damping", o.angular_damping, {0.0, 1.0}, "1/s", "ours")};
+          field("linear_damping", o.linear_damping, {0.0, 1.0}, "1/s", "design choice"),
+          field("angular_damping", o.angular_damping, {0.0, 1.0}, "1/s", "design choice")};
 }
 
 }  // namespace stonestack::physics

@@ -36,7 +36,7 @@ struct Equilibrium {
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< W, unit: where that push goes
   double min_friction =
       0;  ///< smallest friction coefficient at which it stands (bisection); infinity if none up to 2
-  /// Contact that gives way first in the worst direction: the one whose friction limits the margin most, or,
+  /// Contact that fails first in the worst direction: the one whose friction limits the margin most, or,
   /// where friction does not, the one that carries most as the stack tips over it. -1: none (it falls, or
   /// free bodies).
   int weakest_contact = -1;
