@@ -17,7 +17,7 @@ std::size_t at(int i) {
 }
 
 void run_at_rest(World& judge, double seconds) {
-  constexpr double kCheckPeriod = 0.5;  // s between two looks for an interrupt
+  constexpr double kCheckPeriod = 0.5;  // s between two checks for an interrupt
   for (double t = 0; t < seconds; t += kCheckPeriod) {
     throw_if_interrupted();
     judge.run(std::min(kCheckPeriod, seconds - t));

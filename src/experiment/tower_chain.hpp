@@ -25,7 +25,7 @@ class Neighbours {
 [[nodiscard]] std::vector<Pose> judged_poses(const TrueWorld& world, const World& judge);
 
 /// From the table up, as long as one stone, and only one, rests on the last and touches nothing below but it.
-/// `unclean` says what ended the tower other than its top.
+/// `unclean` is the reason if something other than its top ended the tower.
 [[nodiscard]] std::vector<int> find_chain(const TrueWorld& world, const std::vector<Pose>& T_W_O,
                                           const Neighbours& neighbours, const Eigen::Vector2d& site,
                                           std::string* unclean);

@@ -22,7 +22,7 @@ struct TruthReport {
   std::string note;
 };
 
-/// Everything that is told of a run.
+/// Everything that is reported of a run.
 struct RunReport {
   RunResult result;
   std::string version;  ///< of the program that made it; empty: unknown

@@ -15,7 +15,7 @@ struct Variant {
   std::vector<std::string> assignments;
 };
 
-/// Each way in which the cell is hard, alone, against all of them and none of them.
+/// Each difficulty of the cell alone, against all of them and none of them.
 [[nodiscard]] std::vector<Variant> cell_variants();
 /// Each part of the design taken away, alone.
 [[nodiscard]] std::vector<Variant> design_variants();
