@@ -40,7 +40,7 @@ PlanningScene scene_at(PlanningScene scene, const PickAndPlaceTask& task, const 
   return scene;
 }
 
-/// The hand with its fingers as the plan wants them.
+/// The gripper with its fingers as the plan wants them.
 GripperModel gripper_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
   return plan.spacing > 0 ? with_spacing(scene.gripper, plan.spacing) : scene.gripper;
 }

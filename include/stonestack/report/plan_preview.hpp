@@ -10,7 +10,7 @@
 
 namespace stonestack::report {
 
-/// One moment of a plan's motions, which follow each other without the time that the hand takes.
+/// One moment of a plan's motions, which follow each other without the time that the gripper takes.
 struct PlanMoment {
   double time = 0.0;     ///< s of motion since the start
   std::size_t step = 0;  ///< index in plan.steps
@@ -30,7 +30,7 @@ struct PlanMoment {
 /// Joint angles, tool speed and clearance over time, the steps marked, as an SVG document.
 [[nodiscard]] std::string plan_plot(const PickAndPlacePlan& plan, const std::vector<PlanMoment>& moments);
 
-/// The cell at one moment: arm capsules, hand and camera as boxes, every stone where it then is.
+/// The cell at one moment: arm capsules, gripper and camera as boxes, every stone where it then is.
 [[nodiscard]] std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                   const PickAndPlacePlan& plan, const PlanMoment& moment);
 
