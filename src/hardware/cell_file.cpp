@@ -163,7 +163,7 @@ void read_hand_eye(CellConfig& config) {
   const EasyHandEye calibration = read_easy_handeye(path);
   if (calibration.mount != CameraMount::kOnHand)
     throw FileError(path, "is the calibration of a camera beside the arm (eye_on_hand: false)",
-                    "layout.hand_eye needs one of the camera on the hand");
+                    "layout.hand_eye needs one of the camera on the gripper");
   warn_of_frames(path, calibration);
   config.T_F_C = calibration.T_A_C;
 }

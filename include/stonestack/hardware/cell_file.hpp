@@ -31,7 +31,7 @@ struct CellLimits {
 };
 [[nodiscard]] FieldList fields(CellLimits& limits);
 
-/// The robot as the limits leave it: joint ranges, speeds, accelerations, the room of the tool. Whoever plans
+/// The robot as the limits leave it: joint ranges, speeds, accelerations, the tool's workspace. Whoever plans
 /// with it keeps them, and so does the gate of the arm that it is given to. `path` is named in errors. Throws
 /// FileError for numbers that are not finite, ranges that are empty or wider than the robot's.
 [[nodiscard]] RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T_W_R,
@@ -40,7 +40,7 @@ struct CellLimits {
 /// A pose as a file has it: x, y, z (m), qx, qy, qz, qw.
 using PoseNumbers = std::array<double, 7>;
 
-/// One file (data/cells/*.yaml) says which devices a cell has, where they are, and how things are mounted.
+/// One file (data/cells/*.yaml) describes a cell: its devices, their addresses, and how they are mounted.
 struct CellConfig {
   std::string file;            ///< where it was read, for errors; empty: nowhere
   std::string robot = "ur10";  ///< ur3 to ur16e or the path of a URDF
@@ -57,7 +57,7 @@ struct CellConfig {
   PoseNumbers T_T_C;                ///< hand-eye calibration: camera in the tool
   std::string hand_eye;             ///< file of the calibration in place of T_T_C, beside the cell file
   std::optional<Pose> T_F_C;        ///< what `read_hand_eye` read there
-  double sensor_mass, camera_mass;  ///< in the hand beside the gripper [kg]
+  double sensor_mass, camera_mass;  ///< in the gripper beside the gripper [kg]
   double site_x, site_y, field_x, field_y, field_width, field_depth;  ///< m in W; see CellLayout
   std::string obstacles_text;                                         ///< the list as it stands in the file
   std::vector<Obstacle> obstacles;                                    ///< what `read_cell_file` read there
@@ -77,7 +77,7 @@ struct CellConfig {
 [[nodiscard]] Pose to_pose(const PoseNumbers& numbers, const std::string& name);
 /// Sets `T_F_C` by the file `hand_eye` (an easy_handeye file, as `stonestack calibrate` writes it), or clears
 /// it where none is named. A relative path is sought beside the cell file, ~ is the home folder. Throws
-/// FileError, also for a camera that is not on the hand.
+/// FileError, also for a camera that is not on the gripper.
 void read_hand_eye(CellConfig& config);
 /// The cell's robot within the cell's limits. Throws FileError for either.
 [[nodiscard]] RobotModel read_cell_robot(const CellConfig& config);
@@ -86,7 +86,7 @@ void read_hand_eye(CellConfig& config);
 /// are given.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
 
-/// Throws FileError that names the file when it says no `arm.address`.
+/// Throws FileError that names the file when it has no `arm.address`.
 void require_arm_address(const CellConfig& config);
 /// The camera of `camera.driver`, connected. Throws FileError that names the file for settings that do not
 /// do.
@@ -100,7 +100,7 @@ class HardwareCell {
   explicit HardwareCell(const CellConfig& config);
   ~HardwareCell();
   [[nodiscard]] Cell cell();
-  /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty hand.
+  /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty gripper.
   void activate_gripper();
 
  private:

@@ -22,7 +22,7 @@ struct ArmState {
   std::string stop_reason;  ///< when it cannot
 };
 
-/// How a motion ended. Everything but kDone and kContact needs somebody to look.
+/// How a motion ended. Every status but kDone and kContact needs a person's attention.
 struct MotionResult {
   enum class Status { kDone, kContact, kNoContact, kStopped, kRefused, kLost };
   Status status = Status::kDone;
@@ -51,7 +51,7 @@ class Arm {
   [[nodiscard]] virtual MotionResult follow_guarded(const GuardedMotion& motion) = 0;
   /// Controlled stop; no motion after it without a new command.
   virtual void stop() = 0;
-  /// Mass and centre of mass (in F) of what hangs on the flange.
+  /// Mass and centre of mass (in F) of the load on the flange.
   virtual void set_payload(double mass, const Eigen::Vector3d& p_F_com) = 0;
 };
 
@@ -73,7 +73,7 @@ class Gripper {
   /// DeviceError on a fault or when it does not come to rest within its deadline.
   virtual GripperState move(double opening, double speed, double force) = 0;
   /// Brings the two fingers that stand side by side (B and C) to `spacing` (m) between their pads, with an
-  /// empty hand; returns when at rest. Throws as `move`.
+  /// empty gripper; returns when at rest. Throws as `move`.
   virtual void spread(double spacing) = 0;
 };
 

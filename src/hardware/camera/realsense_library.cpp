@@ -12,7 +12,7 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr unsigned kTurn = 50;  // ms between looks at the deadline and at Ctrl-C
+constexpr unsigned kTurn = 50;  // ms between checks of the deadline and of Ctrl-C
 
 CameraIntrinsics to_camera(const rs2_intrinsics& from, const std::string& name) {
   CameraIntrinsics camera;

@@ -15,9 +15,9 @@ struct RecordedFrame {
 };
 
 enum class RecordingFormat { kTum, kOpen3d, kClouds, kZ16, kV4l2 };
-/// The format asked for, or the one that the path looks like. Throws FileError when it looks like none.
+/// The format asked for, or the one that the path suggests. Throws FileError when it suggests none.
 [[nodiscard]] RecordingFormat find_recording_format(const RecordedCameraOptions& options);
-/// Camera settings: options, over them camera.yaml, over them what the recording tells itself.
+/// Camera settings: options, over them camera.yaml, over them the recording's own settings.
 [[nodiscard]] CameraSettings read_camera_settings(RecordingFormat format,
                                                   const RecordedCameraOptions& options);
 /// Parses "time file" lines; names are relative to `folder` and must stay in it. `path` is for errors.

@@ -138,7 +138,7 @@ void V4l2Stream::queue(unsigned index) {
     fail("does not take a buffer back: " + std::string(std::strerror(errno)), "plug the camera in again");
 }
 
-// Of another clock, frames that waited in the queue could not be told from new ones.
+// With another clock, frames that waited in the queue could not be distinguished from new ones.
 void V4l2Stream::check_time(double time) const {
   constexpr double kAhead = 1.0;  // s
   if (time > calls_->now() + kAhead)

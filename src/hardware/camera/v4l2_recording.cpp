@@ -35,7 +35,7 @@ void V4l2Recorder::add(const V4l2Note& note, std::span<const std::uint8_t> bytes
   list_ << note.sequence << ' ' << note.seconds << ' ' << note.microseconds << ' ' << (note.error ? 1 : 0)
         << ' ' << bytes.size() << '\n';
   if (!raw_.flush() || !list_.flush())
-    throw FileError(folder_, "cannot be written to", "make room on the disk");
+    throw FileError(folder_, "cannot be written to", "free space on the disk");
 }
 
 std::vector<RecordedFrame> parse_v4l2_list(const std::string& text, const std::string& folder,

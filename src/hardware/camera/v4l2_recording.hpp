@@ -11,7 +11,7 @@
 ///   v4l2.raw     the bytes of all buffers, one behind the other, padding and all
 ///   v4l2.txt     "stonestack v4l2 1", "Z16 WIDTH HEIGHT BYTES_PER_LINE", then a line a buffer:
 ///                "SEQUENCE SECONDS MICROSECONDS ERROR BYTES", damaged and short ones, too
-///   camera.yaml  what V4L2 does not say: scale and intrinsics
+///   camera.yaml  settings that V4L2 lacks: scale and intrinsics
 /// It plays through the same decoder as the device (RecordedCamera, format v4l2).
 namespace stonestack::hardware {
 

@@ -16,7 +16,7 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr double kTurn = 0.05;       // s between looks at the stop mark
+constexpr double kTurn = 0.05;       // s between checks of the stop mark
 constexpr double kRateWindow = 1.0;  // s
 
 std::chrono::duration<double> seconds(double value) {

@@ -19,19 +19,19 @@ const char* fault_name(int fault) {
     case 0x6:
       return "the change of mode must finish first; wait for it";
     case 0x7:
-      return "the activation bit is missing; activate the gripper with an empty hand";
+      return "the activation bit is missing; activate the gripper with an empty gripper";
     case 0x9:
       return "the communication chip is not ready; wait, then look at the cable";
     case 0xA:
-      return "the fingers hinder each other in scissor motion; open the hand or clear it within 20 s";
+      return "the fingers hinder each other in scissor motion; open the gripper or clear it within 20 s";
     case 0xB:
-      return "an automatic release is running; catch what the hand holds";
+      return "an automatic release is running; catch what the gripper holds";
     case 0xD:
       return "the activation failed; clear the fingers and activate again";
     case 0xE:
       return "the fingers hindered each other in scissor motion for 20 s; clear them and activate again";
     case 0xF:
-      return "an automatic release is complete; activate again with an empty hand";
+      return "an automatic release is complete; activate again with an empty gripper";
     default:
       return "not in the manual; write down the code, activate again, ask Robotiq";
   }

@@ -15,7 +15,7 @@ struct ModbusAttempt {
   std::string remedy;
 };
 
-/// One way to carry requests. `exchange` throws DeviceError only when no link can be made.
+/// Transport of requests. `exchange` throws DeviceError only when no link can be made.
 class ModbusTransport {
  public:
   virtual ~ModbusTransport() = default;

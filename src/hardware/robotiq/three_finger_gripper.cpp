@@ -60,7 +60,7 @@ FieldList fields(ThreeFingerOptions& o) {
   };
   FieldList wire;
   for (auto& f : fields(o.modbus))
-    if (f.name != "link" && f.name != "unit") wire.push_back(f);  // the preset says
+    if (f.name != "link" && f.name != "unit") wire.push_back(f);  // set by the preset
   return join({own, wire});
 }
 
@@ -137,7 +137,7 @@ void ThreeFingerGripper::Link::require_ready(const ThreeFingerStatus& status) co
   if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
     fail(gripper_fault_text(status.fault), "look at the fingers before");
   if (!status.active || status.stage != Stage::kReady)
-    fail("is not activated", "empty the hand and activate it (the fingers open and close fully)");
+    fail("is not activated", "empty the gripper and activate it (the fingers open and close fully)");
 }
 
 ThreeFingerStatus ThreeFingerGripper::Link::move(const GripperRequest& request) {
@@ -167,7 +167,7 @@ GripperState ThreeFingerGripper::Link::judge(const ThreeFingerStatus& status) co
   state.moving = status.stage == Stage::kActivating || status.stage == Stage::kModeChange ||
                  (status.go && status.motion == Motion::kMoving);
   state.fault = gripper_fault_text(status.fault);
-  if (!status.active && state.fault.empty()) state.fault = "not activated; empty the hand and activate it";
+  if (!status.active && state.fault.empty()) state.fault = "not activated; empty the gripper and activate it";
   if (!commanded || !echoes(status) || status.motion == Motion::kMoving) return state;
   const auto held = [&](std::size_t i) {
     const int request = last.individual_fingers ? last.axes[i].position : last.axes[0].position;

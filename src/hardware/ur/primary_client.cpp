@@ -54,7 +54,7 @@ struct PrimaryClient::Link {
     stream.reset();
   }
 
-  /// Until the connection ends; what it says is kept if it speaks of programs.
+  /// Listens until the connection ends; messages about programs are kept.
   void drain(TcpStream& from, bool speaks) {
     PrimaryStream parser;
     std::array<std::uint8_t, kChunk> bytes{};

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kKeptTexts = 64;
 constexpr int kRefusedInARow = 3;
 constexpr double kLatest = 1e9;   // s: no controller has run for 30 years
-constexpr double kTurn = 0.1;     // s between looks at Ctrl-C
+constexpr double kTurn = 0.1;     // s between checks for Ctrl-C
 constexpr double kRestart = 1.0;  // s that a controller's clock goes back only when it restarted
 
 }  // namespace

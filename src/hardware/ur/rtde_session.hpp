@@ -55,7 +55,7 @@ class RtdeSession {
   /// The types of `names`; those that the controller does not have go to `not_found`.
   std::vector<RtdeType> read_types(const std::vector<std::string>& names, const RtdeSetupReply& reply,
                                    std::vector<std::string>& not_found) const;
-  /// Empty at the deadline, however much the controller says.
+  /// Empty at the deadline, however much the controller sends.
   std::optional<RtdePacket> next_packet(Deadline deadline);
   void write(const RtdePacket& packet);
   [[noreturn]] void fail(const std::string& problem, const std::string& next_step) const;

@@ -15,7 +15,7 @@ using Status = MotionResult::Status;
 constexpr double kStragglers = 0.1;   // s for errors that follow the end of a program
 constexpr double kComesToRest = 0.5;  // s after which a paused arm stands
 
-/// Keeps what the controller says about the program.
+/// Keeps the controller's messages about the program.
 class Hearing {
  public:
   Hearing(UrLink& link, const std::string& script) : link_(link), script_(script) {
@@ -134,7 +134,7 @@ class Run {
       return result(Status::kStopped, "stopped by command");
     if (link_.rtde.counts().sessions == sessions_) return std::nullopt;
     return result(Status::kLost,
-                  "the RTDE link was lost on the way; the controller's watchdog has stopped it");
+                  "the RTDE link was lost in transit; the controller's watchdog has stopped it");
   }
 
   std::optional<MotionResult> check(const UrStatus& now) {
@@ -183,7 +183,7 @@ class Run {
     return result(Status::kStopped, concat("unknown end state ", now.end));
   }
 
-  /// The program is over and has not said how.
+  /// The program is over without a report.
   std::optional<MotionResult> look_for_death() {
     if (!ended_for_) ended_for_.emplace();
     if (!hearing_.died() && ended_for_->seconds() < link_.options.end_grace) return std::nullopt;

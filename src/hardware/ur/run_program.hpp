@@ -14,10 +14,10 @@ struct ProgramOrder {
   const std::atomic<bool>* stop_asked = nullptr;
 };
 
-/// kDone, kContact and kNoContact are the program's own ends; otherwise `reason` says why, and a stop was
-/// sent. A pause by a person is waited for, up to `pause_limit`. Whatever the end, the program does not run
-/// any more, or the link is lost and the controller's watchdog ends it. Rethrows what `each_turn` throws and
-/// Interrupted, after stopping.
+/// kDone, kContact and kNoContact are the program's own ends; otherwise `reason` gives the cause, and a stop
+/// was sent. A pause by a person is waited for, up to `pause_limit`. Whatever the end, the program does not
+/// run any more, or the link is lost and the controller's watchdog ends it. Rethrows what `each_turn` throws
+/// and Interrupted, after stopping.
 [[nodiscard]] MotionResult run_program(UrLink& link, const ProgramOrder& order);
 /// Sends a stop program and forgets about it; for ends where nobody may wait. Never throws.
 void send_stop(UrLink& link) noexcept;

@@ -62,7 +62,7 @@ void define_globals(ScriptLines& out, const JointTrajectory& trajectory) {
   out.add(1, "global stk_v0 = ", to_script(trajectory.qd.front()));
 }
 
-/// The largest distance of a joint from where it is told to be.
+/// The largest distance of a joint from its commanded position.
 void define_lag(ScriptLines& out) {
   out.add(1, "def stk_lag(q):");
   out.add(2, "local a = get_actual_joint_positions()");

@@ -48,7 +48,7 @@ struct UrArm::Device {
     return {};
   }
 
-  /// Link trouble on the way is an end, not an error: the arm has moved.
+  /// A link fault during a motion is an end, not an error: the arm has moved.
   MotionResult run(const ProgramOrder& order) {
     try {
       return run_program(link, order);
@@ -59,7 +59,7 @@ struct UrArm::Device {
 
   MotionResult follow(const JointTrajectory& trajectory, const GuardedMotion* guard) {
     const std::unique_lock moving(motion, std::try_to_lock);
-    if (!moving) return {Status::kRefused, last_q, 0.0, "another motion is under way"};
+    if (!moving) return {Status::kRefused, last_q, 0.0, "another motion is in progress"};
     stop_asked = false;
     const UrStatus now = link.next_status();
     last_q = now.q;

@@ -11,7 +11,7 @@ namespace stonestack::hardware {
 struct RecordedCameraOptions {
   std::string path;             ///< a folder, or one PCD or PLY cloud, or a file of raw Z16 frames
   std::string format = "auto";  ///< auto, tum, open3d, clouds, z16 or v4l2
-  CameraSettings camera;        ///< what the recording does not tell
+  CameraSettings camera;        ///< settings that the recording lacks
   double rate = 30.0;           ///< frames/s, of recordings without times
   bool loop = false;            ///< start again after the last frame; times and numbers go on
   FrameCheckOptions check;
@@ -25,7 +25,7 @@ struct RecordedCameraOptions {
 ///   z16     raw frames of 16 bits little-endian, one behind the other
 ///   v4l2    what V4l2Camera has recorded, driver's padding and damaged frames included
 /// A file camera.yaml in the folder may hold the fields of CameraSettings; the options fill what neither it
-/// nor the recording says. A depth scale that nobody gives is an error, except for clouds.
+/// nor the recording states. A missing depth scale is an error, except for clouds.
 class RecordedCamera final : public DepthCamera {
  public:
   /// Reads lists and calibration. Throws FileError (missing, empty, times that do not rise, files outside the

@@ -52,7 +52,8 @@ class RobotiqFtSensor final : public ForceTorqueSensor {
   /// Mean of the next `zero_samples` readings. Throws DeviceError when they spread too far.
   void zero() override;
   [[nodiscard]] FtStreamHealth health() const;
-  /// Firmware as the sensor told it when it was started here; empty when it streamed already or over the cap.
+  /// Firmware as the sensor reported it when it was started here; empty when it streamed already or over the
+  /// cap.
   [[nodiscard]] std::string firmware() const;
 
  private:

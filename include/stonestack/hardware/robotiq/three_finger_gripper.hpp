@@ -77,7 +77,7 @@ struct FingerRequest {
 };
 
 /// Connects, moves nothing. `activate` opens and closes the fingers fully, so it is never called by itself: a
-/// stone in the hand would fall. Every call is bounded by the time-outs of the options.
+/// stone in the gripper would fall. Every call is bounded by the time-outs of the options.
 class ThreeFingerGripper final : public Gripper {
  public:
   explicit ThreeFingerGripper(const ThreeFingerOptions& options);
@@ -94,7 +94,7 @@ class ThreeFingerGripper final : public Gripper {
   void spread(double spacing) override;
 
   /// Activates (after a reset when there is a major fault) and takes up the mode of the options. With an
-  /// empty hand only.
+  /// empty gripper only.
   void activate();
   [[nodiscard]] bool is_active();
   void set_mode(GripperMode mode);

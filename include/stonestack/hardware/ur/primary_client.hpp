@@ -15,8 +15,8 @@ struct PrimaryOptions {
   double send_timeout = 5.0;                       ///< [s]
 };
 
-/// Sends scripts to a controller and hears what it says about them. A thread of its own drains the
-/// connection. On the realtime port (30003) nothing is said about programs. Thread-safe.
+/// Sends scripts to a controller and receives its reports about them. A thread of its own drains the
+/// connection. The realtime port (30003) reports nothing about programs. Thread-safe.
 class PrimaryClient {
  public:
   /// Takes the first port that accepts. Throws DeviceError that names all of them.
@@ -32,8 +32,8 @@ class PrimaryClient {
   void reconnect();
   /// Messages since the last call, at most the newest 256.
   [[nodiscard]] std::vector<PrimaryMessage> take_messages();
-  /// Waits for what only a controller says: its version, or a state. Throws DeviceError when nothing or
-  /// something else comes, Interrupted after Ctrl-C.
+  /// Waits for a message that only a controller sends: its version, or a state. Throws DeviceError when
+  /// nothing or something else comes, Interrupted after Ctrl-C.
   void wait_until_heard(Deadline deadline) const;
   /// The port in use.
   [[nodiscard]] int port() const;

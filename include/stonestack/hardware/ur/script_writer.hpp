@@ -11,7 +11,7 @@
 
 /// URScript for one motion each. The controller keeps the time: a program holds the whole trajectory, follows
 /// it with servoj at every control step, and stops by itself when the host falls silent. It reports in
-/// registers, so that its end can be told from the end of any other program:
+/// registers, so that its end differs from the end of any other program:
 ///
 ///   output int    24 run id   25 progress (knots passed)   26 end state (ScriptEnd)
 ///   output double 24..29 pose of the tool at the end, p[x, y, z, rx, ry, rz] in B   30 force at the end, N
@@ -20,7 +20,7 @@
 ///
 /// B is the base frame as the controller has it, RobotModel::T_R_D: half a turn about z from R.
 /// Controllers before 3.9 (5.3) have only registers 0..23, which fieldbuses share; there the numbers are 24
-/// lower and the program says so.
+/// lower and the program reports it.
 namespace stonestack::hardware {
 
 /// End state that a program writes.
@@ -68,7 +68,7 @@ struct ScriptGuard {
 
 /// The last gate before the wire. Empty if the trajectory may be sent, else what is wrong with it: sizes,
 /// numbers that are not finite, times that do not rise from 0, a start far from `q`, and, at every control
-/// step, joint limits, speeds, accelerations and the tool's room.
+/// step, joint limits, speeds, accelerations and the tool's workspace.
 [[nodiscard]] std::string find_fault(const JointTrajectory& trajectory, const Joints& q,
                                      const RobotModel& robot, const ScriptContext& context);
 
