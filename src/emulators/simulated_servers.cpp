@@ -63,7 +63,7 @@ struct SimulatedServers::Parts {
   Parts(const Parts&) = delete;
   Parts& operator=(const Parts&) = delete;
 
-  // A hand that the installation does not know of would look like a force to whoever asks the controller.
+  // A gripper that is missing in the installation would appear as a force in the controller's data.
   [[nodiscard]] UrServerOptions installed() const {
     UrServerOptions o = options.arm;
     o.payload = carried_mass(world->lock().world.gripper_body().gripper);

@@ -8,7 +8,7 @@
 
 namespace stonestack::emulators {
 namespace {
-constexpr double kTurn = 0.5;  // s between looks at threads that ended
+constexpr double kTurn = 0.5;  // s between checks for threads that ended
 }
 
 TcpService::TcpService(const ListenOptions& options, Serve serve, int max_clients)

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kSpeed = 5.0;  // times real time
 
-/// A pebble on the table, the open hand over it, time passing by itself.
+/// A pebble on the table, the open gripper over it, time passing by itself.
 struct Bench {
   std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   SimulationOptions options;

@@ -63,7 +63,8 @@ struct Bench {
     wrench.force = R_F_R * Eigen::Vector3d(0, 0, kOffset + force);
     wrist.set(wrench);
   }
-  /// A slow turn of one joint that hardly turns the hand; `meanwhile` happens half a second after its start.
+  /// A slow turn of one joint that hardly turns the gripper; `meanwhile` happens half a second after its
+  /// start.
   template <class Meanwhile>
   MotionResult descend(const Meanwhile& meanwhile) {
     TimingLimits limits;
@@ -103,7 +104,7 @@ TEST(ForceOnTheWire, OneWildReadingIsNoContact) {
         .descend([&] {
           for (int k = 0; k < 5; ++k) {
             FtFaults wild;
-            wild.spike = -80.0;  // the hand points down: upwards is along -z of the sensor
+            wild.spike = -80.0;  // the gripper points down: upwards is along -z of the sensor
             bench.simulator->set_faults(wild);
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
           }

@@ -1,5 +1,5 @@
 // What came to light when the vendors' own clients were run against the simulated controller. The scripts are
-// ours; they do what made those clients' scripts fail.
+// design choice; they do what made those clients' scripts fail.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

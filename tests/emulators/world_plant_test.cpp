@@ -23,7 +23,7 @@ TEST(WorldPlant, MeasuresTheGrippersWeightAndTheTable) {
   PlantState state = plant->step(bench.q, 0.008);
   const double weight = 9.81 * carried_mass(bench.world.lock().world.gripper_body().gripper);
   EXPECT_NEAR(state.force_R.z(), -weight, 1e-6);
-  // The hand points down: its mass hangs under the flange, so there is hardly a moment about the flange.
+  // The gripper points down: its mass hangs under the flange, so there is hardly a moment about the flange.
   EXPECT_LT(state.torque_R.norm(), 0.05 * weight);
   // Shoulder down until something is met: the table, the stone or the arm itself stops it.
   Joints q = bench.q;

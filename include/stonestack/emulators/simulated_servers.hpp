@@ -30,7 +30,7 @@ struct SimulatedServersOptions {
   FtFaults force_torque_faults;
   CameraFaults camera_faults;
   ServedDevices devices;
-  /// Where the camera really sits in the tool, whatever a cell file says of it: x, y, z (m), qx, qy, qz, qw.
+  /// True pose of the camera in the tool, independent of the cell file: x, y, z (m), qx, qy, qz, qw.
   std::array<double, 7> T_T_C;
 
   SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals, standard camera mount

@@ -23,7 +23,7 @@ void sleep_for(double seconds) {
 }
 
 void put_double(std::vector<std::uint8_t>& bytes, std::size_t at, double value) {
-  std::memcpy(bytes.data() + at, &value, sizeof value);  // little-endian, as every platform of ours
+  std::memcpy(bytes.data() + at, &value, sizeof value);  // little-endian, as every supported platform
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ struct CameraSimulator::Parts {
         while (!stream.is_shut() && serve_one(stream)) sleep_for(1.0 / options.rate);
         return;
       } else {
-        return;  // not a client of ours
+        return;  // not a known client
       }
     }
   }

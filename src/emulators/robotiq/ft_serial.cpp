@@ -7,7 +7,7 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kTurn = 0.002;   // s between looks at the line
+constexpr double kTurn = 0.002;   // s between reads of the line
 constexpr double kSend = 0.05;    // s that a reader may lag behind
 constexpr std::size_t kJam = 50;  // bytes 0xFF that stop the stream (manual)
 constexpr std::array<std::uint8_t, 6> kNoise{0x20, 0x4E, 0x20, 0x00, 0xFF, 0x4E};

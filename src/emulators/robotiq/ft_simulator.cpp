@@ -9,7 +9,7 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kTurn = 0.1;     // s between looks at a client that left
+constexpr double kTurn = 0.1;     // s between checks for a client that left
 constexpr double kSend = 1.0;     // s that a reader may lag behind before it is sent away
 constexpr double kIdle = 3600.0;  // s that a client of the command socket may stay silent
 constexpr std::string_view kZero = "SET ZRO";

@@ -11,7 +11,7 @@ FieldList fields(IdealGripperOptions& o) {
   const FieldRange count{0.0, 255.0};
   return {
       field("min_count", o.min_count, count, "count", "Robotiq manual: open reports 6 to 7"),
-      field("max_count", o.max_count, count, "count", "ours"),
+      field("max_count", o.max_count, count, "count", "design choice"),
       field("scissor", o.scissor, count, "count", "Robotiq manual: 0x89 in basic mode"),
       field("moving_current", o.moving_current, {0.0, 2.5}, "A", "Robotiq manual: 0x0F counts"),
   };

@@ -10,15 +10,16 @@ namespace {
 constexpr unsigned kAct = 0x01, kMode = 0x06, kGoTo = 0x08, kRelease = 0x10;
 constexpr unsigned kIndividualFingers = 0x04, kIndividualScissor = 0x08;
 constexpr std::array<double, 4> kScissorOfMode{137.0, 220.0, 25.0,
-                                               0.0};  // counts; basic: manual, others ours
-constexpr double kPinchLimit = 113.0;  // counts: fingers in pinch mode meet before they are closed; ours
-constexpr double kStroke = 155.0;      // mm over 255 counts
+                                               0.0};  // counts; basic: manual, others design choices
+constexpr double kPinchLimit =
+    113.0;                         // counts: fingers in pinch mode meet before they are closed; design choice
+constexpr double kStroke = 155.0;  // mm over 255 counts
 constexpr double kSlowest = 22.0, kMmPerCount = 88.0 / 255.0;      // mm/s, mm/s per count of rSPx
 constexpr double kWeakest = 15.0, kNewtonPerCount = 45.0 / 255.0;  // N, N per count of rFRx
-constexpr double kActivationSpeed = 200.0, kScissorSpeed = 150.0;  // counts/s; ours
-constexpr double kReleaseSpeed = 40.0;                             // counts/s; ours
-constexpr double kMinStage = 0.1;                                  // s, of an activation stage; ours
-constexpr double kMinModeChange = 0.3;                             // s; ours
+constexpr double kActivationSpeed = 200.0, kScissorSpeed = 150.0;  // counts/s; design choice
+constexpr double kReleaseSpeed = 40.0;                             // counts/s; design choice
+constexpr double kMinStage = 0.1;                                  // s, of an activation stage; design choice
+constexpr double kMinModeChange = 0.3;                             // s; design choice
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 namespace stonestack::emulators {
 
 /// The controller inside the gripper: command registers in, status registers out, axes moved by a plant.
-/// Robotiq 3-finger instruction manual, "Control"; times that it does not give are ours.
+/// Robotiq 3-finger instruction manual, "Control"; times that it does not give are design choices.
 class GripperRegisters {
  public:
   static constexpr int kCount = 8;  ///< registers each way

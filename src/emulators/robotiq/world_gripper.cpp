@@ -14,7 +14,7 @@ constexpr double kPositioned = 2.5e-4;    // m/s: slower is rest; the creep towa
 constexpr double kAtTarget = 1e-5;        // m
 constexpr double kMovingCurrent = 0.15;   // A
 constexpr double kScissorStart = 137.0;   // counts: basic mode
-constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; ours
+constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; design choice
 constexpr double kCounts = 255.0;
 constexpr double kMin = 6.0;  // counts: where the software limit of a real gripper ends opening
 

@@ -1,4 +1,4 @@
-// Connections that a program opens itself; UR's own client library lets the robot call back this way. The
+// Connections that a program opens itself; UR's own client library lets the robot call back by these. The
 // simulated robot calls loopback addresses only.
 #include <arpa/inet.h>
 #include <netinet/tcp.h>

@@ -10,7 +10,7 @@ namespace stonestack::emulators {
 namespace {
 
 constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
-constexpr double kPowerSeconds = 1.0;     // a step of the way from power off to brakes released
+constexpr double kPowerSeconds = 1.0;     // a step of the sequence from power off to brakes released
 constexpr double kUnlockAfter = 5.0;      // s
 constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
 constexpr double kTouchLeft = 0.2;        // rad of a joint, in which a touch is left
@@ -20,7 +20,7 @@ constexpr double kGravity = 9.81;
 constexpr std::size_t kHistory = 1000;                 // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kWarning = 2, kViolation = 3;            // report levels
-constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE looks before a script is through
+constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE samples before a script is through
 constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
 
 }  // namespace

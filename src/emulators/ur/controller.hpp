@@ -148,7 +148,7 @@ class UrController : public urscript::Host {
   [[nodiscard]] const UrServerOptions& options() const { return options_; }
   [[nodiscard]] const UrVersion& version() const { return version_; }
   [[nodiscard]] const PlantState& plant() const { return measured_; }
-  /// Wrench on the tool at the tool centre point, base axes, weight of the payload taken off.
+  /// Wrench on the tool at the tool centre point, base axes, weight of the payload subtracted.
   [[nodiscard]] Six wrench() const { return raw_wrench_ - wrench_zero_; }
   [[nodiscard]] const Six& raw_wrench() const { return raw_wrench_; }
   [[nodiscard]] const std::deque<Joints>& history() const { return history_; }
@@ -169,7 +169,7 @@ class UrController : public urscript::Host {
   std::string loaded_program;             ///< of the Dashboard; empty: none
   double payload = 0.0;
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();
-  Six payload_inertia = Six::Zero();               ///< xx, yy, zz, xy, xz, yz; told, without effect
+  Six payload_inertia = Six::Zero();               ///< xx, yy, zz, xy, xz, yz; reported, without effect
   Six external_wrench = Six::Zero();               ///< RTDE's external_force_torque
   std::map<std::string, ScriptSocket> sockets;     ///< by the name that the script gave
   std::map<std::string, RtdeValue> masked_inputs;  ///< RTDE inputs that come with a mask, as last written

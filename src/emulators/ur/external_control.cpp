@@ -30,7 +30,7 @@ void UrController::take_program_asked_for() {
   const std::string& text = sender->second.received;
   if (text.find(kLastLine) == std::string::npos) return;
   run_script("def external_control():\n" + text + "\nend\n");
-  if (asked_) stop_program();  // it does not compile: what was said tells why
+  if (asked_) stop_program();  // it does not compile: the messages give the reason
   if (program_running()) program_name_ = loaded_program;
 }
 

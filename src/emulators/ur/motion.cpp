@@ -71,7 +71,7 @@ void Motion::move_joints(const Joints& q, const MoveOptions& options) {
   for (int j = 0; j < 6; ++j)
     if (std::abs(displacement[j]) > kTiny)
       limited.speed = std::min(limited.speed, fastest[j] * length / std::abs(displacement[j]));
-  // A blend radius is a distance of the tool: how much of the joint way that is.
+  // A blend radius is a distance of the tool: converts it to a part of the joint displacement.
   const double tool_distance =
       (geometry_.T_B_P(q).translation() - geometry_.T_B_P(start).translation()).norm();
   push(displacement, length, limited, tool_distance > kTiny ? options.blend / tool_distance * length : 0.0);

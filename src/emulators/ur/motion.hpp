@@ -57,7 +57,7 @@ class Motion {
   /// The current command's function may return.
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool moving() const;
-  /// Moves under way: of a way with blends two or three, however long it is.
+  /// Moves in progress: two or three of a path with blends, however long it is.
   [[nodiscard]] std::size_t moves_in_progress() const { return moves_.size(); }
 
   /// Goes on by `seconds` of the motion's own time, which speed scaling stretches. `wrench_B` is what presses
@@ -75,7 +75,7 @@ class Motion {
     Profile profile;
     double t = 0.0;
     double blend = 0.0;                                   // in the profile's length
-    Eigen::Vector3d n_B_arc = Eigen::Vector3d::Zero();    // times the angle; zero: a straight way
+    Eigen::Vector3d n_B_arc = Eigen::Vector3d::Zero();    // times the angle; zero: a straight path
     Eigen::Vector3d p_B_spoke = Eigen::Vector3d::Zero();  // from the centre to the start
     [[nodiscard]] Six displacement_at(double share) const;
   };

@@ -34,7 +34,7 @@ Six Motion::Move::displacement_at(double share) const {
   return part;
 }
 
-// The way goes on from their ends. (A program may blend moves for hours; each step looks at all there are.)
+// The path continues from their ends. (A program may blend moves for hours; each step visits all moves.)
 void Motion::leave_finished_moves() {
   std::size_t over = 0;
   while (over + 1 < moves_.size() && moves_[over].t >= moves_[over].profile.duration()) {
@@ -91,7 +91,7 @@ bool Motion::next_speed(double seconds, Joints& q) {
   return geometry_.inverse(T_B_speed_, q_unpressed_, true, q);
 }
 
-// Compliant axes give way until what presses on the tool balances what the tool shall press with.
+// Compliant axes yield until the external force balances the commanded force.
 bool Motion::press(double seconds, const Six& wrench_B, Joints& q) {
   const Eigen::Matrix3d R = force_.T_B_task.rotation();
   Six felt, speed = Six::Zero();

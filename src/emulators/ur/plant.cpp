@@ -52,7 +52,7 @@ class WorldPlant final : public Plant {
     moves_ = moves;
   }
 
-  // Everything beyond the flange: contact and held stones, and the hand's own weight.
+  // Everything beyond the flange: contact and held stones, and the gripper's own weight.
   void read_wrench(const TrueWorld& world, const Pose& T_W_F) {
     GripperLoad load = world.load();
     load.add(world.gripper_pose().T_W_T * gripper_centre(),

@@ -13,7 +13,7 @@ struct Profile {
   double fall = 0.0;    ///< [s]
 
   [[nodiscard]] double duration() const { return rise + steady + fall; }
-  /// Way done after `t` seconds.
+  /// Displacement after `t` seconds.
   [[nodiscard]] double displacement(double t) const;
 };
 

@@ -22,7 +22,7 @@ class ScriptQueue {
   ScriptQueue(const ScriptQueue&) = delete;
   ScriptQueue& operator=(const ScriptQueue&) = delete;
 
-  /// A program, a line of URScript or a command such as "power on". `client` tells links apart.
+  /// A program, a line of URScript or a command such as "power on". `client` identifies the link.
   void put(int client, std::string text);
   /// The client has sent enough for now: what else it sends waits in its socket.
   [[nodiscard]] bool is_full(int client) const;

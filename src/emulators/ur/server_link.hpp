@@ -35,7 +35,7 @@ class ServerLink {
   virtual void receive(std::string_view bytes) = 0;
   /// Nothing more is read in this step.
   [[nodiscard]] virtual bool has_enough() const { return false; }
-  /// Sends all of it, sooner or later; what finds no room is skipped, or ends the link.
+  /// Sends all of it, sooner or later; data beyond the buffer is skipped, or ends the link.
   void send(std::string_view bytes);
   /// Sends it now or, if the client is behind, not at all.
   void offer(std::string_view bytes);
@@ -76,7 +76,7 @@ class ServerPort {
   MakeLink make_;
   std::unique_ptr<TcpListener> listener_;
   std::vector<std::unique_ptr<ServerLink>> links_;
-  bool cannot_accept_ = false;  // and has said so
+  bool cannot_accept_ = false;  // and has reported it
 };
 
 }  // namespace stonestack::emulators

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t kRobotState = 16;
 constexpr float kVolts = 48.0F, kWarm = 25.0F;
 constexpr std::uint8_t kJointRunning = 253, kJointIdle = 255, kJointOff = 239;
-constexpr double kJointAcceleration = 40.0;  // rad/s^2, what the configuration says
+constexpr double kJointAcceleration = 40.0;  // rad/s^2, as in the configuration
 
 void put_float(std::string& out, float value) {
   put(out, std::bit_cast<std::uint32_t>(value));

@@ -41,7 +41,7 @@ class GripperPlant {
   virtual std::array<AxisReport, kGripperAxes> advance(double seconds) = 0;
 };
 
-/// Fingers that move at once with constant speed, and stop at what is in their way.
+/// Fingers that move at once with constant speed, and stop at obstacles.
 struct IdealGripperOptions {
   double min_count = 6.0;        ///< counts, software limit when open
   double max_count = 241.0;      ///< counts, when closed

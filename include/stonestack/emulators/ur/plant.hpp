@@ -43,8 +43,8 @@ class IdealPlant final : public Plant {
   PlantState state_;
 };
 
-/// The arm of a simulated cell: true flange pose, contact, gravity on hand and held stone. Starts where the
-/// cell's arm stands; `q_start` are its reported joints. The world must outlive it.
+/// The arm of a simulated cell: true flange pose, contact, gravity on gripper and held stone. Starts where
+/// the cell's arm stands; `q_start` are its reported joints. The world must outlive it.
 [[nodiscard]] std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start);
 
 }  // namespace stonestack::emulators

@@ -53,7 +53,8 @@ struct UrServerOptions {
   /// Port on 127.0.0.1 where the script sender of UR's client library is asked for the program when
   /// `external_control.urp` is played, as its URCap does; 0: the URCap is not installed.
   int external_control = 0;
-  /// As the installation on the pendant says what the arm carries; SimulatedServers: the hand that is there.
+  /// Payload of the installation on the pendant; SimulatedServers: the gripper that is
+  /// there.
   double payload = 0.0;                                   ///< [kg]
   Eigen::Vector3d payload_cog = Eigen::Vector3d::Zero();  ///< from the flange [m]
   ControllerFaults faults;
@@ -86,7 +87,7 @@ class UrControllerServer {
   void stop();
   [[nodiscard]] const UrPorts& ports() const;
 
-  /// Cuts every RTDE link now; what a pulled cable and a restart of the service look like. Thread-safe.
+  /// Cuts every RTDE link now; as a pulled cable and a restart of the service do. Thread-safe.
   void cut_rtde();
   /// Puts the robot into a protective stop now. Thread-safe.
   void protective_stop(const std::string& reason);
