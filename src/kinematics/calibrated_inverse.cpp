@@ -13,7 +13,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kCalibration = 0.02;  // m: what a factory calibration may move
 constexpr double kBeside = 0.1;        // rad: starts keep that far from where the closed form's branches meet
-constexpr double kAstray = 0.5;        // rad, a joint's way from its start: to another branch, perhaps
+constexpr double kAstray = 0.5;        // rad, a joint's distance from its start: perhaps to another branch
 constexpr double kSame = 1e-6;         // rad
 constexpr double kWristInLine = 0.1;   // sine of wrist 2 below which wrist 3 may be anywhere
 constexpr int kTurns = 8;              // of wrist 3, tried there
@@ -39,7 +39,7 @@ class CalibratedSearch {
         target_(target_of(robot, T_R_F)),
         shoulder_(solve_shoulder(robot, target_, 2 * kBeside)) {}
 
-  /// Every solution under its start's branch, or where there was doubt under the branch it looks like.
+  /// Every solution under its start's branch or, where that is uncertain, under the branch of its signs.
   [[nodiscard]] IkBranches all() {
     if (!(shoulder_.miss <= kCalibration)) return {};
     bool any_uncertain = false;
@@ -60,7 +60,7 @@ class CalibratedSearch {
     return found_;
   }
 
-  /// Returns that branch alone, where its start leaves no doubt; empty otherwise.
+  /// Returns that branch alone, where its start is certain; empty otherwise.
   [[nodiscard]] IkBranches one(int branch) {
     if (shoulder_.miss > 0.0) return {};
     const Wrist wrist = start_wrist(branch & 3);

@@ -133,7 +133,7 @@ std::string calibrate(RobotModel& robot, const Calibration& nominal, const Calib
   const bool rows = numbers(nominal.dh) != numbers(measured.dh);
   const bool origins = numbers(nominal.origins) != numbers(measured.origins);
   if (!rows && !origins) return {};
-  if (rows && origins) return "dh and kinematics both say where the joints are: keep one of them";
+  if (rows && origins) return "dh and kinematics both define the joints: keep one of them";
   const Links drawn = link_poses(robot, Joints::Zero());
   const Pose T_R_F = forward(robot, Joints::Zero());
   if (rows)

@@ -10,8 +10,8 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr int kRounds = 4;          // Gauss-Newton steps; the problem is nearly linear
-constexpr double kBeside = 0.15;    // m: the table is told by three points so far from the view's middle
+constexpr int kRounds = 4;        // Gauss-Newton steps; the problem is nearly linear
+constexpr double kBeside = 0.15;  // m: the table is represented by three points so far from the view's middle
 constexpr Eigen::Index kMount = 6;  // translation, rotation; then three unknowns a mark
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {

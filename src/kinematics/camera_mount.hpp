@@ -28,9 +28,9 @@ struct MountRefinement {
   int shared_marks = 0;              ///< marks that more than one view saw
 };
 
-/// Where the camera really sits on the hand, from views of things that stand still: a mark must come to the
-/// same place from every view, the table must lie at z = 0. The given T_T_C counts as a measurement, too, so
-/// what the views do not tell stays as it was. Two views that differ by half a turn about the optical axis
+/// Where the camera really sits on the gripper, from views of things that stand still: a mark must come to
+/// the same place from every view, the table must lie at z = 0. The given T_T_C counts as a measurement, too,
+/// so unobservable directions stay as they were. Two views that differ by half a turn about the optical axis
 /// fix all but the turn about it. Weighted least squares over mount and marks.
 /// Throws InvalidArgument without a view.
 [[nodiscard]] MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C);

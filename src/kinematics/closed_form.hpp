@@ -38,7 +38,7 @@ struct Wrist {
   Turn q1, q5;
   double q6 = 0;
   double sine = 0;      ///< |sin q5|
-  double q234 = 0;      ///< direction of the hand in the arm's plane
+  double q234 = 0;      ///< direction of the gripper in the arm's plane
   double u = 0, v = 0;  ///< wrist 1 in the arm's plane, from the shoulder
 };
 [[nodiscard]] Wrist solve_wrist(const RobotModel& robot, const Target& t, const Turn& q1, bool flipped,

@@ -21,7 +21,7 @@ constexpr double kMaxTurn = 3.0;  // rad, of a motion: near 180 deg the axis' si
 constexpr int kRounds = 40;       // of the joint refinement; it ends after 5 to 10
 constexpr double kStep = 1e-6;    // of the difference quotients
 
-/// Stations as if the camera were on the hand: with kOnBase, the base moves about in the flange's frame.
+/// Stations as if the camera were on the gripper: with kOnBase, the base moves about in the flange's frame.
 Stations on_hand(std::span<const HandEyePair> pairs, CameraMount mount) {
   Stations out(pairs.begin(), pairs.end());
   if (mount == CameraMount::kOnBase)
@@ -170,8 +170,8 @@ HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount
   const Stations stations = on_hand(pairs, mount);
   const auto motions = motions_of(stations);
   require(motions.size() >= 2, "of ", pairs.size(), " stations no three differ by ", kMinTurn,
-          " rad; turn the hand more between them");
-  require(spread(motions) >= kMinSpread, "the hand turned about one axis only (spread ", spread(motions),
+          " rad; turn the gripper more between them");
+  require(spread(motions) >= kMinSpread, "the gripper turned about one axis only (spread ", spread(motions),
           " of at least ", kMinSpread, "); tilt it two ways");
   HandEyeResult result;
   for (const auto& [name, solve] :

@@ -7,7 +7,7 @@
 /// Private to kinematics/: closed-form solutions of A X = X B, one function a method.
 namespace stonestack::kinematics {
 
-/// A motion of the hand and the same motion as the camera sees it.
+/// A motion of the gripper and the same motion as the camera sees it.
 struct HandEyeMotion {
   Pose A = Pose::Identity();
   Pose B = Pose::Identity();

@@ -34,7 +34,8 @@ Pose disturbed(const Pose& T, double translation, double rotation, Random& rando
 std::vector<HandEyePair> simulate_hand_eye(const Pose& T_A_C, CameraMount mount, int count,
                                            const HandEyeNoise& noise, Random random) {
   require(count >= 1, "stations to simulate must be at least 1, got ", count);
-  // With the camera on the hand the board's place in the base is fixed; otherwise its place in the hand is.
+  // With the camera on the gripper the board's place in the base is fixed; otherwise its place in the gripper
+  // is.
   const Pose T_fixed_B = mount == CameraMount::kOnHand
                              ? make_pose({0.6, 0.1, 0.02}, Eigen::Quaterniond(0.9, 0.05, -0.03, 0.4))
                              : make_pose({0.01, 0.03, 0.12}, Eigen::Quaterniond(0.8, 0.1, 0.5, 0.2));

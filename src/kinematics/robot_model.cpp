@@ -54,7 +54,7 @@ bool is_yaml(const std::string& text) {
   return extension == ".yaml" || extension == ".yml";
 }
 
-/// A YAML that names a robot and says how this one differs.
+/// A YAML that names a robot and how this one differs.
 RobotModel read_own_robot(const std::string& path) {
   std::string base;
   Calibration ignored;
@@ -65,8 +65,7 @@ RobotModel read_own_robot(const std::string& path) {
                      field("acceleration", number, {0.01, 100.0}, "rad/s^2", "")},
                     fields(ignored)}));
   if (base.empty() || is_yaml(base))
-    throw FileError(path, "does not say which robot it is about",
-                    "add a line robot: ur10, or the path of a URDF");
+    throw FileError(path, "does not name its robot", "add a line robot: ur10, or the path of a URDF");
   if (is_path(base)) base = (fs::path(path).parent_path() / base).string();  // an absolute one stays
   RobotModel robot = read_robot(base);
   read_extras(path, robot, named);

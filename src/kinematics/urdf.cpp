@@ -20,7 +20,8 @@ constexpr double kTurn = 2.0 * 3.14159265358979323846;
 constexpr double kLongest = 10.0;  // m: nothing on an arm is further away or larger
 constexpr double kSlowest = 0.01;  // rad/s: slower than any arm is driven; a plan would take minutes a turn
 
-/// Keeps the parser's complaints, so that they reach the user in one message and stderr stays ours.
+/// Keeps the parser's complaints, so that they reach the user in one message and nothing else is written to
+/// stderr.
 class Complaints : public console_bridge::OutputHandler {
  public:
   Complaints() { console_bridge::useOutputHandler(this); }
@@ -75,7 +76,7 @@ class Chain {
   void fill(RobotModel& robot) const {
     robot.name = model_.getName();
     robot.acceleration.setConstant(1.4);
-    Pose T_link_frame = Pose::Identity();  // from the last link frame of ours to the current URDF frame
+    Pose T_link_frame = Pose::Identity();  // from the last link frame of the model to the current URDF frame
     int count = 0;
     add_shapes("base_link", 0, T_link_frame, robot);
     for (const auto* joint : joints_) {

@@ -19,7 +19,7 @@ namespace {
 constexpr double kLongest = 10.0;   // m
 constexpr double kMinMesh = 0.005;  // m
 constexpr std::size_t kMaxCapsulesPerMesh = 6;
-constexpr std::size_t kMaxCapsules = 48;  // 64 movers of a collision check, less hand and held stone
+constexpr std::size_t kMaxCapsules = 48;  // 64 movers of a collision check, less gripper and held stone
 
 void check_size(double size, const std::string& link, const std::string& path) {
   if (!std::isfinite(size) || size < 0 || size > kLongest)

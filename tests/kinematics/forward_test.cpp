@@ -22,7 +22,7 @@ TEST(Forward, Ur10AtZeroLiesAlongX) {
   EXPECT_NEAR(T_R_F.linear().col(2).y(), 1.0, 1e-12) << "the flange looks sideways, along +y";
 }
 
-// Straight up: both links add to the height; wrist 1 at -90 deg keeps the hand's sideways offset.
+// Straight up: both links add to the height; wrist 1 at -90 deg keeps the gripper's sideways offset.
 TEST(Forward, Ur10StraightUp) {
   Joints q;
   q << 0, -0.5 * kPi, 0, -0.5 * kPi, 0, 0;
@@ -32,7 +32,7 @@ TEST(Forward, Ur10StraightUp) {
   EXPECT_NEAR(T_R_F.translation().x(), 0.0, 1e-12);
 }
 
-// The pose of every pick: elbow up, tool down. Forearm level, hand hanging from it.
+// The pose of every pick: elbow up, tool down. Forearm level, gripper hanging from it.
 TEST(Forward, Ur10ToolDown) {
   Joints q;
   q << 0, -0.5 * kPi, 0.5 * kPi, -0.5 * kPi, -0.5 * kPi, 0;

@@ -11,7 +11,7 @@ using Verdict = MountCheck::Verdict;
 
 constexpr double kDegree = 0.017453292519943295;
 
-/// A hand over the table of which the camera sees a plane.
+/// A gripper over the table of which the camera sees a plane.
 struct MountReadings : testing::Test {
   Pose T_F_T = make_pose({0, 0, 0.264});
   Pose T_T_C = turned({0.0, 0.11, -0.17}, 10 * kDegree);  // as it really is
@@ -49,7 +49,7 @@ TEST_F(MountReadings, TheRightMountPutsTheTableAtZero) {
   EXPECT_NEAR(at.height, 0.0, 1e-12);
   EXPECT_NEAR(at.tilt, 0.0, 1e-7);
   EXPECT_EQ(check(T_T_C).verdict, Verdict::kFits);
-  // 264 mm too far down the hand: the table seems to be as far below.
+  // 264 mm too far down the gripper: the table seems to be as far below.
   const TableOffset below = table_offset(T_F_T * T_T_C, T_W_T, table());
   EXPECT_NEAR(below.height, -0.264, 1e-12);
   EXPECT_NEAR(below.tilt, 0.0, 1e-7);
@@ -69,8 +69,8 @@ TEST_F(MountReadings, IdentifiesTheFrameOfTheNumbers) {
     }
 }
 
-/// A camera that looks straight down from half way between flange and finger tips: T_T_C and T_C_F have the
-/// same height. One view of a plane cannot tell them apart, one with the hand tilted can.
+/// A camera that looks straight down from halfway between flange and finger tips: T_T_C and T_C_F have the
+/// same height. One view of a plane cannot tell them apart, one with the gripper tilted can.
 TEST_F(MountReadings, AViewThatCannotDecideDoesNotDecide) {
   T_T_C = make_pose({0.0, 0.11, -0.132});
   const Pose inverted = (T_F_T * T_T_C).inverse();

@@ -18,7 +18,7 @@ enum class CameraMount {
 };
 [[nodiscard]] std::string to_text(CameraMount mount);
 
-/// One station of a calibration: where the arm said the flange was and where the camera saw the target. B is
+/// One station of a calibration: the flange as reported by the arm and the target as seen by the camera. B is
 /// the frame of the target (a board).
 struct HandEyePair {
   Pose T_R_F = Pose::Identity();
@@ -38,10 +38,10 @@ struct HandEyeSolution {
   HandEyeResidual residual;
 };
 
-/// All methods, and what looks wrong.
+/// Results of all methods, and a warning.
 struct HandEyeResult {
   std::vector<HandEyeSolution> solutions;  ///< the joint refinement first
-  std::string warning;                     ///< names what looks inverted; empty if nothing does
+  std::string warning;                     ///< names poses that seem inverted; empty if none does
 };
 
 /// Solves A X = X B over all motions between stations: Tsai and Lenz 1989, Park and Martin 1994, Daniilidis
@@ -101,9 +101,9 @@ struct HandEyeNoise {
   double target_rotation = 0.0010;     ///< [rad]
 };
 
-/// Stations of a hand with a camera that looks at a board on the table from all sides, 0.4 to 0.7 m away and
-/// up to 54 deg off its normal, turned about its axis: what to record for a calibration. With kOnBase the
-/// board is in the hand.
+/// Stations of a gripper with a camera that looks at a board on the table from all sides, 0.4 to 0.7 m away
+/// and up to 54 deg off its normal, turned about its axis: what to record for a calibration. With kOnBase the
+/// board is in the gripper.
 [[nodiscard]] std::vector<HandEyePair> simulate_hand_eye(const Pose& T_A_C, CameraMount mount, int count,
                                                          const HandEyeNoise& noise, Random random);
 

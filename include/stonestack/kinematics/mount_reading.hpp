@@ -9,7 +9,7 @@
 
 namespace stonestack::kinematics {
 
-/// A pose of the camera on the hand, by the two frames that it may connect. Files rarely say which.
+/// A pose of the camera on the gripper, by the two frames that it may connect. Files rarely state which.
 enum class MountReading {
   kTip,            ///< T_T_C: camera in the finger tips
   kTipInverse,     ///< T_C_T
@@ -20,9 +20,9 @@ inline constexpr std::array<MountReading, 4> kMountReadings{
     MountReading::kTip, MountReading::kTipInverse, MountReading::kFlange, MountReading::kFlangeInverse};
 /// "T_C_T, the finger tips in the camera"
 [[nodiscard]] std::string to_text(MountReading reading);
-/// T_T_C, if `numbers` are the pose that `reading` says.
+/// T_T_C, if `numbers` are the pose of kind `reading`.
 [[nodiscard]] Pose mount_of(MountReading reading, const Pose& numbers, const Pose& T_F_T);
-/// The camera is not in front of the finger tips and faces the direction in which the hand points.
+/// The camera is not in front of the finger tips and faces the direction in which the gripper points.
 [[nodiscard]] bool is_possible_mount(const Pose& T_T_C);
 
 /// Where a mount puts the table that the camera sees. W has the table at z = 0.
@@ -45,7 +45,7 @@ struct MountCheck {
     kFits,       ///< the table is where it should be
     kRough,      ///< nearly: `kRoughTable`
     kAmbiguous,  ///< the table is where it should be, also with `others`, which are another place
-    kOther,      ///< the numbers are what one of `others` says, not what was meant
+    kOther,      ///< the numbers fit one of `others`, not the intended reading
     kNone,       ///< no reading explains what the camera sees
   };
   Verdict verdict = Verdict::kNone;

@@ -15,7 +15,7 @@ namespace stonestack::kinematics {
 /// Six joint angles, rad, in the order base, shoulder, elbow, wrist 1, wrist 2, wrist 3.
 using Joints = Eigen::Matrix<double, 6, 1>;
 
-/// Way points, joined by straight lines in joint space.
+/// Waypoints, joined by straight lines in joint space.
 using JointPath = std::vector<Joints>;
 
 /// Joint angles over time: cubic Hermite pieces between knots, so position and velocity are continuous.
@@ -40,18 +40,18 @@ struct JointState {
 
 struct RobotModel;
 
-/// Where the tip of the tool may be: a box along the axes of W.
+/// Allowed positions of the tool's tip: a box along the axes of W.
 struct ToolWorkspace {
   Eigen::AlignedBox3d box;        ///< m in W
   Pose T_W_R = Pose::Identity();  ///< as calibrated
   Pose T_F_T = Pose::Identity();  ///< as calibrated
 };
 
-/// m that plans stay inside of it, for rounded corners.
+/// Margin [m] of plans inside the workspace, for rounded corners.
 inline constexpr double kWorkspaceMargin = 0.002;
 
-/// m by which the tip at `q` is outside the robot's room, along the axis where it is most; negative inside,
-/// and where the robot has no room.
+/// Distance [m] of the tip at `q` from the robot's workspace, along the axis where it is largest; negative
+/// inside, and where the robot has no workspace.
 [[nodiscard]] double outside_workspace(const RobotModel& robot, const Joints& q);
 /// "the tool at (0.9, 0, 0.3) m leaves the workspace, ..." where it is further outside than `slack` m, else
 /// empty.
