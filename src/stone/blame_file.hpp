@@ -20,7 +20,7 @@ auto blame_file(const std::string& source, const Work& work) {
   } catch (const std::logic_error& problem) {
     std::string text = problem.what();
     std::replace(text.begin(), text.end(), '\n', ' ');
-    throw FileError(source, "cannot be made a stone, the mesh library says: " + text, remedy);
+    throw FileError(source, "cannot be made a stone, the mesh library reports: " + text, remedy);
   } catch (const std::bad_alloc&) {
     throw FileError(source, "cannot be made a stone: there is not enough memory for it",
                     "reduce it in a mesh editor first");

@@ -7,7 +7,7 @@
 
 #include "stonestack/geometry/mesh.hpp"
 
-/// CGAL's mesh types and the way in and out of them.
+/// CGAL's mesh types and conversions to and from them.
 namespace stonestack::stone::cgal {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;

@@ -13,7 +13,7 @@ namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
 
-/// Drops all parts but the one with most faces; says so.
+/// Drops all parts but the one with most faces; logs it.
 void keep_largest(cgal::SurfaceMesh& surface, std::vector<std::string>& warnings) {
   const auto before = surface.number_of_faces();
   const auto dropped = pmp::keep_largest_connected_components(surface, 1);

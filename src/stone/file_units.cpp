@@ -24,7 +24,7 @@ const Unit* named(const std::string& name) {
   return nullptr;
 }
 
-/// The unit that makes `size` file units nearest to hand size, by ratio.
+/// The unit that makes `size` file units nearest to gripper size, by ratio.
 const Unit& nearest_unit(double size) {
   const Unit* best = &kUnits[0];
   const auto off = [&](const Unit& unit) { return std::abs(std::log(size * unit.metres / kGraspableSize)); };

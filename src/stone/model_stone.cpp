@@ -139,8 +139,8 @@ ModelResult model_checked(const Mesh& scan, const std::string& name, const std::
 }  // namespace
 
 FieldList fields(ModelOptions& o) {
-  return {field("units", o.units, "ours"),
-          field("scale", o.scale, {1e-6, 1e6}, "", "ours"),
+  return {field("units", o.units, "design choice"),
+          field("scale", o.scale, {1e-6, 1e6}, "", "design choice"),
           field("density", o.density, {100.0, 25000.0}, "kg/m^3", "limestone"),
           field("mass", o.mass, {0.0, 10000.0}, "kg", "0: from density"),
           field("friction", o.friction, {0.001, 2.0}, "", "paper §4.1"),

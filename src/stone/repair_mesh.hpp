@@ -14,7 +14,7 @@ struct RepairedMesh {
   std::vector<std::string> warnings;
 };
 
-/// Joins equal points, drops faces without area and double faces, turns faces the same way round, joins edges
+/// Joins equal points, drops faces without area and double faces, orients faces alike, joins edges
 /// that lie on each other, splits what is not a manifold, and keeps the largest part. May leave holes; empty
 /// if nothing is left.
 [[nodiscard]] RepairedMesh connect_faces(const Mesh& mesh);

@@ -31,7 +31,7 @@ struct LimestoneOptions {
 
 /// How a scan becomes a stone.
 struct ModelOptions {
-  /// cm, mm or auto [m]: the unit that makes a hand-size stone (scans come in all three).
+  /// cm, mm or auto [m]: the unit that makes a stone of graspable size (scans come in all three).
   std::string units = "m";
   double scale = 1.0;       ///< further factor, e.g. 0.12 for boulders
   double density = 2600.0;  ///< limestone [kg/m^3]

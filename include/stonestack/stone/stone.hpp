@@ -27,7 +27,7 @@ struct Stone {
   Pose T_O_file = Pose::Identity();  ///< where the scanned file's frame, scaled to metres, lies in O
   double scale = 1.0;                ///< metres per unit of the scanned file
   std::string source;                ///< file or generator with seed
-  Deviation mesh_deviation;          ///< of the reduced mesh from the scan, both ways
+  Deviation mesh_deviation;          ///< of the reduced mesh from the scan, in both directions
   Deviation contact_deviation;       ///< of the surface that physics collides with from the scan
 };
 
