@@ -29,7 +29,7 @@ const Eigen::MatrixX3d& directions() {
   return all;
 }
 
-/// The points that reach farthest, each way along each direction.
+/// The extreme points along each direction, in both senses.
 Points extremes(const Points& points) {
   if (points.cols() <= 2 * kDirections) return points;
   const Eigen::MatrixXd along = directions() * points;

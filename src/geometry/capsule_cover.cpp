@@ -44,7 +44,7 @@ void cut_small(const Triangle& whole, double longest, std::vector<Triangle>& par
   }
 }
 
-/// The surface in pieces small enough to be told apart.
+/// The surface in pieces small enough to be distinguished.
 struct Surface {
   Points points;
   std::vector<Eigen::Vector3i> triangles;
@@ -139,7 +139,7 @@ std::optional<Cut> best_cut(const Surface& surface, const Part& part) {
   return best;
 }
 
-/// Hands over what lies in another part's capsule, too, where this makes the own one smaller.
+/// Reassigns triangles that lie in another part's capsule, too, where this makes the own one smaller.
 bool reassign_triangles(const Surface& surface, std::vector<Part>& parts, std::size_t from) {
   std::vector<Eigen::Index> kept;
   std::vector<std::pair<std::size_t, Eigen::Index>> given;

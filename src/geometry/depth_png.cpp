@@ -59,7 +59,7 @@ bool decode(Source source, const CameraIntrinsics& camera, unsigned char* bytes,
   }
   png_set_read_fn(png, &source, read_bytes);
   png_set_user_limits(png, 16384, 16384);
-  // Text and colours tell nothing of depth, and libpng makes room for as much as such a chunk announces: its
+  // Text and colours carry no depth, and libpng allocates as much as such a chunk announces: its
   // limit is only a warning.
   png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);

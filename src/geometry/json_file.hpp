@@ -14,7 +14,7 @@ namespace stonestack::geometry {
 [[nodiscard]] inline nlohmann::json read_json(const std::string& path) {
   const std::string text = read_file(path, 64U << 20U);
   auto content = nlohmann::json::parse(text, nullptr, false);
-  if (content.is_discarded()) throw FileError(path, "not JSON", "mend the file or download it again");
+  if (content.is_discarded()) throw FileError(path, "not JSON", "correct the file or download it again");
   return content;
 }
 

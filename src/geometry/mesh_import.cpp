@@ -74,7 +74,7 @@ std::string importer_program() {
   return {};
 }
 
-/// Ends the process, whatever it does, and says how it ended.
+/// Ends the process in any state, and reports how it ended.
 class Child {
  public:
   explicit Child(pid_t pid) : pid_(pid) {}
@@ -157,7 +157,7 @@ std::string import_as_ply(const std::string& path, const std::string& extension,
     throw FileError(path, why.empty() ? concat("cannot be read (", program, " failed)") : why, kRemedy);
   }
   if (const std::string warning = first_line(words.get(kLongestReason)); !warning.empty())
-    log_warning(concat(path, ": assimp says: ", warning));
+    log_warning(concat(path, ": assimp reports: ", warning));
   return out.get(kMaxResult);
 }
 

@@ -27,7 +27,7 @@ constexpr int node_index(int x, int y, int z) {
 }  // namespace
 
 /// Cells in bricks of 4 x 4 x 4. Only bricks within the band hold values (float: 1 nm in 12 mm); the others
-/// say on which side they are. A query touches one brick, 500 bytes.
+/// decide on which side they are. A query touches one brick, 500 bytes.
 struct SignedDistance::Grid {
   Eigen::AlignedBox3d box;
   double cell = 0.0;

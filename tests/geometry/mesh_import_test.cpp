@@ -154,7 +154,7 @@ TEST_F(MeshImportTest, WarnsOfWhatAssimpMends) {
   ::testing::internal::CaptureStderr();
   (void)read_mesh(path);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              AllOf(HasSubstr("index.off"), HasSubstr("assimp says: OFF: Vertex index")));
+              AllOf(HasSubstr("index.off"), HasSubstr("assimp reports: OFF: Vertex index")));
 }
 
 TEST_F(MeshImportTest, OutlivesDamagedFiles) {

@@ -9,8 +9,8 @@
 
 namespace stonestack::geometry {
 
-/// Points, metres, in the frame its owner's name says. Organised when width * height == points.size() and
-/// height > 1; then a missing point is NaN.
+/// Points, metres, in the frame that its owner's name states. Organised when width * height == points.size()
+/// and height > 1; then a missing point is NaN.
 struct Cloud {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;  ///< empty, or one unit vector a point

@@ -29,7 +29,7 @@ struct DepthSequence {
 /// in its files, Open3D often no scale.
 struct DepthSequenceInput {
   double unit = 0.0;                       ///< m a count; 0: it must stand in the files
-  std::optional<CameraIntrinsics> camera;  ///< in place of what the files say
+  std::optional<CameraIntrinsics> camera;  ///< replaces the files' intrinsics
 };
 
 /// Reads what a folder holds:

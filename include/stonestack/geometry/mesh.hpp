@@ -9,8 +9,8 @@
 
 namespace stonestack::geometry {
 
-/// Triangles over shared vertices, metres unless a name says otherwise; faces counter-clockwise seen from
-/// outside.
+/// Triangles over shared vertices, metres unless a name states another unit; faces counter-clockwise seen
+/// from outside.
 struct Mesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> faces;

@@ -8,7 +8,7 @@
 
 namespace stonestack::geometry {
 
-/// A rigid transform. The name says between which frames: `T_A_B` maps B-coordinates to A, `p_A = T_A_B *
+/// A rigid transform. The name states its frames: `T_A_B` maps B-coordinates to A, `p_A = T_A_B *
 /// p_B`; inner letters cancel. The letters, fixed once for the whole project:
 ///
 ///   W world: z up, origin on the table (z = 0 is the table plane)
