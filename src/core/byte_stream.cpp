@@ -20,14 +20,14 @@ namespace stonestack::core {
 namespace {
 
 constexpr double kLongest = 1e9;                 // s, what a deadline may be away: 30 years
-constexpr double kTurn = 0.1;                    // s between looks at Ctrl-C
+constexpr double kTurn = 0.1;                    // s between checks for Ctrl-C
 constexpr std::size_t kMaxDropped = 16U << 20U;  // bytes: a peer that never stops sending must not hold us
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// A peer that is gone, as sockets and ttys say it.
+// Errors of sockets and ttys whose peer is gone.
 bool means_closed(int code) {
   return code == ECONNRESET || code == EPIPE || code == ENOTCONN || code == ECONNABORTED || code == EIO ||
          code == ETIMEDOUT;

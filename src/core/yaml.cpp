@@ -60,7 +60,7 @@ YAML::Node parse(const std::string& text, const std::string& path) {
     check_keys(node, path, visits, 0);
     return node;
   } catch (const YAML::Exception& problem) {
-    throw FileError(path, concat("not YAML: ", problem.what()), "mend the file at that line");
+    throw FileError(path, concat("not YAML: ", problem.what()), "correct the file at that line");
   }
 }
 

@@ -21,8 +21,9 @@ struct Sample {
 };
 
 FieldList fields(Sample& s) {
-  return {field("friction", s.friction, {0, 2}, "", "paper"), field("beam", s.beam, {1, 9}, "", "ours"),
-          field("noise", s.noise, "ours"), field("method", s.method, "ours")};
+  return {field("friction", s.friction, {0, 2}, "", "paper"),
+          field("beam", s.beam, {1, 9}, "", "design choice"), field("noise", s.noise, "design choice"),
+          field("method", s.method, "design choice")};
 }
 
 std::string problem_of(const std::string& assignment) {

@@ -25,7 +25,7 @@ class Deadline {
   /// Deadline at the same point; a wait for it throws Interrupted within 0.1 s of Ctrl-C. Not for what must
   /// still work then, as stopping an arm.
   [[nodiscard]] Deadline or_interrupt() const;
-  /// Seconds to wait before the next look at it. Throws Interrupted, see `or_interrupt`.
+  /// Seconds to wait before the next check of it. Throws Interrupted, see `or_interrupt`.
   [[nodiscard]] double turn() const;
 
  private:

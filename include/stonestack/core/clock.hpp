@@ -36,7 +36,7 @@ class Stopwatch {
 
 /// Ends long work at a time: while one lives and its time is over, `interrupt_noted` answers true and
 /// `throw_if_interrupted` throws, as after Ctrl-C, so that whatever can be interrupted keeps to the limit and
-/// overruns it by no more than one turn of its loops. `time_is_over` tells the two apart. At most one lives
+/// overruns it by no more than one turn of its loops. `time_is_over` distinguishes the two. At most one lives
 /// in a process at a time (InvalidArgument else); a program sets it, a library never does.
 class TimeLimit {
  public:

@@ -55,7 +55,7 @@ class DeviceError : public Error {
       : Error(device + ": " + problem + "; " + next_step, ExitCode::kExecutionFailed) {}
 };
 
-/// The user pressed Ctrl-C or the process was told to end.
+/// The user pressed Ctrl-C or the process received a signal to end.
 class Interrupted : public Error {
  public:
   Interrupted() : Error("interrupted", ExitCode::kInterrupted) {}

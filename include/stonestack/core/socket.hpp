@@ -6,7 +6,7 @@
 
 #pragma GCC visibility push(default)
 
-/// TCP over IPv4. Loopback is the rule: a server listens elsewhere only when it is told so.
+/// TCP over IPv4. Loopback is the rule: a server listens elsewhere only on request.
 namespace stonestack::core {
 
 /// A numeric IPv4 address ("127.0.0.1", "192.168.1.11") or "localhost", and a port. Names are not looked up,
