@@ -15,7 +15,7 @@ namespace stonestack::protocol {
 [[nodiscard]] std::optional<std::string> dashboard_value(std::string_view line, std::string_view label);
 /// "true" and "false", in either case of letters; empty for anything else.
 [[nodiscard]] std::optional<bool> dashboard_truth(std::string_view text);
-/// True for printable ASCII of at most 1 KiB, which is all that a Dashboard says.
+/// True for printable ASCII of at most 1 KiB, which is all that a Dashboard sends.
 [[nodiscard]] bool is_dashboard_text(std::string_view line);
 
 }  // namespace stonestack::protocol

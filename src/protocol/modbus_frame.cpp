@@ -21,7 +21,7 @@ bool is_read(std::uint8_t function) {
   return function == kReadHolding || function == kReadInput;
 }
 
-// Length of a PDU that starts a request; 0 while that cannot be told.
+// Length of a PDU that starts a request; 0 while that is unknown.
 std::size_t request_length(View pdu) {
   if (pdu.empty()) return 0;
   if (pdu[0] != kWriteMany) return is_read(pdu[0]) || pdu[0] == kWriteOne ? 5 : 0;

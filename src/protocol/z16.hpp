@@ -15,7 +15,7 @@ namespace stonestack::protocol {
 /// The bytes that a frame must have, of whose last line the padding may be missing; 0: the lines are too
 /// short.
 [[nodiscard]] std::size_t z16_bytes(const CameraIntrinsics& camera, std::size_t bytes_per_line);
-/// The other way, without padding. What does not fit becomes 0.
+/// The reverse, without padding. What does not fit becomes 0.
 [[nodiscard]] std::vector<std::uint8_t> encode_z16(const DepthImage& image, double unit);
 
 }  // namespace stonestack::protocol

@@ -9,7 +9,7 @@
 #pragma GCC visibility push(default)
 
 /// Messages of a controller's primary port: packages of `int32 size, uint8 type`, of which robot messages
-/// (type 20) tell how a program fares. Robot states (type 16) are passed over: state comes by RTDE.
+/// (type 20) report the state of a program. Robot states (type 16) are passed over: state comes by RTDE.
 namespace stonestack::protocol {
 
 /// A robot message. Which fields mean something depends on the kind.
@@ -47,7 +47,7 @@ class PrimaryStream {
   explicit PrimaryStream(std::size_t max = 1 << 16) : max_(max) {}
   void feed(std::string_view bytes);
   /// The next robot message of a known kind; other packages are passed over and counted. Empty: more bytes
-  /// are needed, or `problem()` says what is broken, for good.
+  /// are needed, or `problem()` names a permanent fault.
   [[nodiscard]] std::optional<PrimaryMessage> next();
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] long passed_over() const { return passed_over_; }

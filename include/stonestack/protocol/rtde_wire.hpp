@@ -41,7 +41,7 @@ class RtdeStream {
  public:
   explicit RtdeStream(std::size_t max = 4096) : max_(max) {}
   void feed(std::string_view bytes);
-  /// The next whole packet, or nothing: more bytes are needed, or `problem()` says what is broken.
+  /// The next whole packet, or nothing: more bytes are needed, or `problem()` names the fault.
   [[nodiscard]] std::optional<RtdePacket> next();
   /// Empty while the stream is sound.
   [[nodiscard]] const std::string& problem() const { return problem_; }
@@ -63,7 +63,7 @@ class RtdeStream {
 [[nodiscard]] RtdePacket encode_control_version(const UrVersion& version);
 [[nodiscard]] std::optional<UrVersion> decode_control_version(const RtdePacket& packet);
 
-/// M: what either side may say at any time. Texts are cut at 255 bytes; protocol 1 has no source.
+/// M: message that either side may send at any time. Texts are cut at 255 bytes; protocol 1 has no source.
 struct RtdeText {
   enum class Level : std::uint8_t { kException, kError, kWarning, kInfo };
   std::string message;
