@@ -70,9 +70,9 @@ void measure(int descents, int each, std::uint64_t seed, std::uint64_t first, bo
                          {"peak_n_p95", 1},
                          {"peak_n_max", 1},
                          {"above_mark"}});
-  report("planned", tally.planned, results);           // a plan would choose the place
-  report("stone shoved", tally.shoved, results);       // earlier descents have moved the stone in the hand
-  report("hand first", tally.gripper_first, results);  // the hand comes to the support before the stone
+  report("planned", tally.planned, results);      // a plan would choose the place
+  report("stone shoved", tally.shoved, results);  // earlier descents have moved the stone in the gripper
+  report("gripper first", tally.gripper_first, results);  // the gripper comes to the support before the stone
 }
 
 }  // namespace

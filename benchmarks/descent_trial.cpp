@@ -17,9 +17,9 @@ namespace {
 using Status = MotionResult::Status;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kHighest = 0.12;   // m, between stone and support while the hand moves aside
+constexpr double kHighest = 0.12;   // m, between stone and support while the gripper moves aside
 constexpr double kGap = 0.0005;     // m: contact that is reported further away is a false trigger
-constexpr double kSlipped = 0.015;  // m, in the hand: then another stone is taken
+constexpr double kSlipped = 0.015;  // m, in the gripper: then another stone is taken
 constexpr double kShoved = 0.005,
                  kShovedTurn = 0.09;  // m, rad: more than a lift does (stonestack-bench hold)
 constexpr double kSeenShift = 0.0007,
@@ -185,12 +185,12 @@ double DescentTrial::clearance(double max) {
 
 void DescentTrial::print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,
                          const PoseDifference& before) {
-  const char* kind = &ends == &tally.gripper_first ? ", hand first"
+  const char* kind = &ends == &tally.gripper_first ? ", gripper first"
                      : &ends == &tally.shoved      ? ", shoved"
                                                    : "";
   const PoseDifference after = moved_in_gripper();
   tally.results->note(
-      "  stone %d, descent %d, %.2f kg%s: %s; nearest to the hand: %s; in the hand it had moved %.1f mm, "
+      "  stone %d, descent %d, %.2f kg%s: %s; nearest to the gripper: %s; in the gripper it had moved %.1f mm, "
       "%.1f deg, and %.1f mm, %.1f deg afterwards",
       static_cast<int>(tally.stone), descent_, stones_[0].mass.mass, kind, end.c_str(),
       nearest_to_gripper(cell_.arm.state().q).c_str(), 1e3 * before.translation, before.angle / kDegree,

@@ -19,7 +19,7 @@ inline constexpr double kForceMark = 30.0;  ///< contact force that counts as ha
 struct DescentEnds {
   int descents = 0, missed = 0, early = 0, stopped = 0, hard = 0;
   int no_clearance =
-      0;  ///< ended where the hand would have met the support, before there was anything to feel
+      0;  ///< ended where the gripper would have met the support, before there was anything to feel
   std::vector<double> peaks;  ///< largest force of each descent, N
 };
 struct DescentTally {
@@ -28,7 +28,7 @@ struct DescentTally {
   int descents = 0, on_stone = 0;
   DescentEnds planned;        ///< as a plan has them
   DescentEnds gripper_first;  ///< at a place that no plan would choose
-  DescentEnds shoved;         ///< earlier descents have moved it in the hand; a program grasps anew for each
+  DescentEnds shoved;  ///< earlier descents have moved it in the gripper; a program grasps anew for each
 };
 
 /// One cell with the stone that is carried (0) and the one it is set on (1).
@@ -61,7 +61,7 @@ class DescentTrial {
   /// Where the last descent ended, for --list.
   void print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,
              const PoseDifference& before);
-  /// The hand and the support, without what the hand holds.
+  /// The gripper and the support, without what the gripper holds.
   [[nodiscard]] PlanningScene gripper_and_support();
   /// True if fingers or palm come to the support before the stone does: a place that no plan would choose.
   [[nodiscard]] bool gripper_comes_first(const JointTrajectory& descent);
@@ -85,7 +85,7 @@ class DescentTrial {
   Pose T_W_aside_ = Pose::Identity();  ///< of the support, in the field
   Pose T_T_O_ = Pose::Identity();      ///< after the lift
   int descent_ = 0;                    ///< number of the descent with this stone, from 1
-  bool shoved_ = false;                ///< descents have moved it in the hand further than a lift does
+  bool shoved_ = false;                ///< descents have moved it in the gripper further than a lift does
 };
 
 }  // namespace stonestack::bench

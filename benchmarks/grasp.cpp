@@ -1,7 +1,7 @@
 // Prints how often a stone can be grasped where it lies and set on a tower, and what planning it costs.
-// Loose stones lie in the field in poses of rest; the tower is another stone at the site with, on top, the
-// target: the stone as it lies, turned about the vertical ("turned"), or in another pose of rest ("tipped").
-// Tipped targets are also listed by the angle between the stone's ups at both ends, beside what the hand
+// Loose stones lie in the field in resting poses; the tower is another stone at the site with, on top, the
+// target: the stone as it lies, turned about the vertical ("turned"), or in another resting pose ("tipped").
+// Tipped targets are also listed by the angle between the stone's ups at both ends, beside what the gripper
 // alone (no arm) could do: a grasp that the table forbids at one end helps no planner.
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
-// Prints how well the hand holds what it lifts: every stone of a catalogue lies somewhere, is grasped where
-// the planner says, lifted and carried above the site; the true stone's motion in the hand is looked at.
+// Prints how well the gripper holds what it lifts: every stone of a catalogue lies somewhere, is grasped
+// where the planner says, lifted and carried above the site; the true stone's motion in the gripper is looked
+// at.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -23,9 +24,9 @@ namespace stonestack::bench {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSlid = 0.005;          // m in the hand: more spoils the placement
+constexpr double kSlid = 0.005;          // m in the gripper: more spoils the placement
 constexpr double kTurned = 3 * kDegree;  // the same
-constexpr double kLost = 0.05;           // m: not in the hand any more
+constexpr double kLost = 0.05;           // m: not in the gripper any more
 constexpr double kHeight = 0.15;         // m, of the target above the table
 constexpr double kSpacing = 0.003;       // m, between samples that pads press on
 
@@ -133,7 +134,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
     tally.turn.push_back(off.angle);
     if (off.translation > kSlid || off.angle > kTurned) {
       ++tally.moved;
-      what = "moved in the hand";
+      what = "moved in the gripper";
     }
   }
   if (settings.every) print_lift(stone, scene, plan, T_W_T, off, what, results);
@@ -196,7 +197,7 @@ void measure(const Settings& settings, Results& results) {
 void add_hold(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* sub =
-      app.add_subcommand("hold", "Lifts and carries in the simulated cell: what stays in the hand");
+      app.add_subcommand("hold", "Lifts and carries in the simulated cell: what stays in the gripper");
   sub->add_option("--catalogue", settings->catalogue, "Folder of stones (default: those that come along)")
       ->check(CLI::ExistingDirectory);
   sub->add_option("--picks", settings->picks, "Lifts of each stone")

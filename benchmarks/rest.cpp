@@ -1,5 +1,5 @@
-// Prints how often a stone stays where it is set down in another pose of rest: stones are picked up in the
-// simulated cell, set down on the table in each pose of rest that a grasp leads to in one go, let go and
+// Prints how often a stone stays where it is set down in another resting pose: stones are picked up in the
+// simulated cell, set down on the table in each resting pose that a grasp leads to in one go, let go and
 // looked at, sorted by how far the pose may be tilted before the stone topples.
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kToppled = 15 * kDegree;                    // between the stone's ups: it lies another way
-constexpr double kLater = 3.0;                               // s that it is looked at after the hand left
+constexpr double kLater = 3.0;                               // s that it is looked at after the gripper left
 constexpr std::array kTilts = {2, 4, 6, 8, 12, 16, 24, 90};  // deg, upper ends of the ranges
 constexpr int kStarts = 6;                                   // ways it may lie before, until a grasp leads on
 
@@ -83,7 +83,7 @@ class Trial {
     return false;
   }
 
-  /// False if the stone was lost on the way.
+  /// False if the stone was lost in transit.
   bool execute() {
     if (stacking::execute(plan_, stones_[0], scene_, cell_, options_, nullptr).status !=
         ExecutionResult::Status::kReleased)
@@ -180,7 +180,7 @@ void measure(const Settings& settings, Results& results) {
 void add_rest(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* sub = app.add_subcommand(
-      "rest", "Stones set down in other poses of rest in the simulated cell: which topple");
+      "rest", "Stones set down in other resting poses in the simulated cell: which topple");
   sub->add_option("--catalogue", settings->catalogue, "Folder of stones (default: those that come along)")
       ->check(CLI::ExistingDirectory);
   sub->add_option("--generated", settings->generated, "That many limestones of 9 to 18 cm instead")

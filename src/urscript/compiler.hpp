@@ -79,7 +79,7 @@ class Compiler {
   std::map<std::pair<int, std::string>, int> visible_;  // last function of a name, by enclosing function
 };
 
-/// Counts nested constructs and refuses too many. (What it would say is put together only then: that means
+/// Counts nested constructs and refuses too many. (The message is composed only then: that means
 /// to look for the line, which for every expression would make a long script take the square of its length.)
 class Depth {
  public:

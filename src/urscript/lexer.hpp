@@ -30,7 +30,7 @@ struct Token {
   int column = 0;  ///< from 1
 };
 
-/// A program cannot be understood; `text` is what the controller says.
+/// A program cannot be understood; `text` is the controller's message.
 struct CompileError {
   int line = 0;
   int column = 0;
