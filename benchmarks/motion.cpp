@@ -207,7 +207,7 @@ void add_motion(CLI::App& app) {
       ->capture_default_str();
   sub->add_option("--seed", command->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   sub->add_option("--file", command->file,
-                  "Plan the problems of this file instead (docs/motion-problems.md)");
+                  "Plan the problems of this file instead (docs/formats.md, Motion problems)");
   sub->footer(
       "Examples:\n  stonestack-bench motion --problems 500\n  stonestack-bench motion --file post.txt");
   measure_by(*sub, [command](Results& results) {

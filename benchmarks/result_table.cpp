@@ -161,4 +161,10 @@ void Results::finish(bool complete) {
   if (json_) out_ << document_->json.dump(2) << std::endl;
 }
 
+std::string Results::record(const std::string& command) const {
+  Json document = document_->json;
+  document["command"] = command;
+  return document.dump(2) + '\n';
+}
+
 }  // namespace stonestack::bench

@@ -69,6 +69,9 @@ class Results {
   void note(const char* format, ...) __attribute__((format(printf, 2, 3)));
   /// Prints what is still to be printed. `complete` is false if the benchmark was interrupted or failed.
   void finish(bool complete);
+  /// Gives the document that --json prints, with the command that measured it under "command".
+  /// @return JSON, ending with a line break.
+  [[nodiscard]] std::string record(const std::string& command) const;
 
  private:
   struct Document;

@@ -1,6 +1,10 @@
 # How the house is built: one library target, made of one object library a room. Symbols are hidden but for those of
 # public headers; stonestack_internal is an archive of the same objects, with all of them.
 #
+# What most files include is compiled once, in three precompiled headers: for the library, for programs (with CLI11 and
+# json), for tests (with GoogleTest). They hold foreign headers only. A file includes what it uses nevertheless: the
+# preset tsan builds without them.
+#
 #   stonestack_room(NAME core SOURCES error.cpp ... [LINK targets...] [SYSTEM_INCLUDE dirs...])
 #     in src/<room>/CMakeLists.txt: compiles the room and adds it to libstonestack.
 #   stonestack_install_program(TARGET)
@@ -13,6 +17,7 @@ target_compile_features(stonestack_settings INTERFACE cxx_std_20)
 target_compile_options(stonestack_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual -Werror
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarm on operator+ of strings in GCC 12 (GCC bug 105651)
+  $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # ccache sees which precompiled header a file reads
   -ffp-contract=off)  # the same seed gives the same tower whatever the compiler fuses
 if(STONESTACK_SANITIZE)
   # GCC 12 sees uninitialised and overflowing memory in instrumented code where there is none: warnings stay, errors not.
@@ -20,10 +25,30 @@ if(STONESTACK_SANITIZE)
   target_link_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE})
 endif()
 
+set(STONESTACK_QUICK_TO_COMPILE $<$<CONFIG:Release>:-O1>)  # for files in which nothing is slow
+set(STONESTACK_PRECOMPILED <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry>
+  <algorithm> <array> <atomic> <charconv> <chrono> <cmath> <cstdint> <cstdio> <filesystem> <functional> <limits> <map> <memory> <mutex>
+  <numbers> <numeric> <optional> <set> <span> <sstream> <string> <string_view> <thread> <utility> <variant> <vector>)
+
+# stonestack_precompiled(TARGET [LINK targets...] [HEADERS headers...]): a target whose precompiled header others reuse
+# FOR_PROGRAMS: compiled for programs (-fPIE), as the files that reuse it are.
+function(stonestack_precompiled target)
+  cmake_parse_arguments(SHARED "FOR_PROGRAMS" "" "LINK;HEADERS" ${ARGN})
+  file(CONFIGURE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp" CONTENT "namespace stonestack {}\n")
+  add_library(${target} OBJECT "${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp")
+  target_link_libraries(${target} PRIVATE stonestack_settings Eigen3::Eigen ${SHARED_LINK})
+  if(SHARED_FOR_PROGRAMS)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIE)
+  endif()
+  target_precompile_headers(${target} PRIVATE ${STONESTACK_PRECOMPILED} ${SHARED_HEADERS})
+endfunction()
+
 macro(stonestack_library)
   set(CMAKE_CXX_EXTENSIONS OFF)
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)
   set(CMAKE_CXX_VISIBILITY_PRESET hidden)  # public headers say what is not
+  stonestack_precompiled(stonestack_precompiled_library)
   add_library(stonestack)
   add_library(stonestack::stonestack ALIAS stonestack)
   file(GLOB_RECURSE STONESTACK_HEADERS CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/stonestack/*.hpp")
@@ -46,6 +71,7 @@ function(stonestack_room)
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/include" "${PROJECT_SOURCE_DIR}/src")
   target_include_directories(${target} SYSTEM PRIVATE ${ROOM_SYSTEM_INCLUDE})
   target_link_libraries(${target} PRIVATE stonestack_settings Eigen3::Eigen ${ROOM_LINK})
+  target_precompile_headers(${target} REUSE_FROM stonestack_precompiled_library)
   target_sources(stonestack PRIVATE $<TARGET_OBJECTS:${target}>)
   target_link_libraries(stonestack PRIVATE $<BUILD_INTERFACE:${ROOM_LINK}>)
   target_sources(stonestack_internal PRIVATE $<TARGET_OBJECTS:${target}>)
@@ -64,6 +90,11 @@ function(stonestack_tests room)
   target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
   target_compile_definitions(${target} PRIVATE
     STONESTACK_SOURCE_DIR="${PROJECT_SOURCE_DIR}" STONESTACK_BINARY="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/stonestack")
+  if(NOT TARGET stonestack_precompiled_tests)
+    stonestack_precompiled(stonestack_precompiled_tests FOR_PROGRAMS LINK GTest::gmock HEADERS <gmock/gmock.h> <gtest/gtest.h>)
+  endif()
+  target_precompile_headers(${target} REUSE_FROM stonestack_precompiled_tests)
+  target_compile_options(${target} PRIVATE ${STONESTACK_QUICK_TO_COMPILE})
   if(TARGET stonestack_programs)
     add_dependencies(${target} stonestack_programs)
   endif()

@@ -19,9 +19,9 @@ struct MotionProblems {
   std::vector<MotionProblem> problems;
 };
 
-/// Reads the text of a problem file (docs/motion-problems.md): one statement a line, `#` begins a comment,
-/// metres and radians. Round shapes become polyhedra that contain them, at most 2 % larger. `name` is used in
-/// messages. Throws FileError with the line.
+/// Reads the text of a problem file (docs/formats.md, Motion problems): one statement a line, `#` begins a
+/// comment, metres and radians. Round shapes become polyhedra that contain them, at most 2 % larger. `name`
+/// is used in messages. Throws FileError with the line.
 [[nodiscard]] MotionProblems parse_motion_problems(const std::string& text, const std::string& name);
 [[nodiscard]] MotionProblems read_motion_problems(const std::string& path);
 

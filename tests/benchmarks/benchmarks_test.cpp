@@ -69,9 +69,19 @@ TEST_F(BenchCommand, EveryBenchmarkTakesJson) {
   for (; std::getline(lines, line) && line.starts_with("  "); ++count) {
     if (line.starts_with("   ")) continue;  // the description goes on
     std::istringstream(line) >> name;
+    if (name == "results") continue;  // prints a page
     EXPECT_THAT(run(name + " --help").out, HasSubstr("--json")) << name;
   }
   EXPECT_GE(count, 14) << list.out;
+}
+
+TEST_F(BenchCommand, ARecordHoldsTheResultAndItsCommand) {
+  const Outcome bench = run("kinematics --poses 20 --json --record record.json");
+  ASSERT_EQ(bench.code, 0) << bench.err;
+  const json record = json::parse(read_file(folder_ + "/record.json", 1U << 20U));
+  EXPECT_EQ(record["command"], "bench kinematics --poses 20 --json --record record.json");
+  EXPECT_EQ(record["tables"], bench.data()["tables"]);
+  EXPECT_EQ(record["settings"], bench.data()["settings"]);
 }
 
 TEST_F(BenchCommand, RefusesWhatItDoesNotKnow) {

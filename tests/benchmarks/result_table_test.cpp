@@ -48,6 +48,18 @@ TEST(ResultTable, WritesTheSameFiguresAsData) {
   EXPECT_EQ(found["tables"][1]["rows"], json::array({{{"cpu_s", 61.44}}}));
 }
 
+TEST(ResultTable, ARecordNamesItsCommand) {
+  std::ostringstream out, notes;
+  Results results("made_up", {false, "0.1.0"}, out, notes);
+  fill(results);
+  results.finish(true);
+  const json found = json::parse(results.record("bench made_up --seed 3"));
+  EXPECT_EQ(found["command"], "bench made_up --seed 3");
+  EXPECT_EQ(found["version"], "0.1.0");
+  EXPECT_EQ(found["complete"], true);
+  EXPECT_EQ(found["tables"][1]["rows"][0]["cpu_s"], 61.44);
+}
+
 TEST(ResultTable, PrintsEachLineAsSoonAsItIsKnown) {
   std::ostringstream out, notes;
   Results results("made_up", {false, "0.1.0"}, out, notes);

@@ -23,7 +23,7 @@ class Line {
       : stream_(text), file_(file), number_(number) {}
 
   [[noreturn]] void refuse(const std::string& problem) const {
-    throw FileError(file_, concat("line ", number_, ": ", problem), "see docs/motion-problems.md");
+    throw FileError(file_, concat("line ", number_, ": ", problem), "see docs/formats.md, Motion problems");
   }
   /// Empty at the end of the line.
   std::string word() {
@@ -147,9 +147,10 @@ MotionProblems parse_motion_problems(const std::string& text, const std::string&
   }
   for (std::size_t i = 0; i < out.problems.size(); ++i)
     if (out.problems[i].goals.empty())
-      throw FileError(name, concat("problem ", i + 1, " has no goal"), "see docs/motion-problems.md");
+      throw FileError(name, concat("problem ", i + 1, " has no goal"),
+                      "see docs/formats.md, Motion problems");
   if (!has_tool && !out.scene.gripper.boxes.empty()) out.scene.T_F_T.translation().z() = kGripperLength;
-  if (out.problems.empty()) throw FileError(name, "has no start", "see docs/motion-problems.md");
+  if (out.problems.empty()) throw FileError(name, "has no start", "see docs/formats.md, Motion problems");
   return out;
 }
 
