@@ -61,8 +61,7 @@ struct Found {
 /// told of below them. One that does not stand is left to the search to refuse.
 void let_come_to_rest(const SearchOptions& options, SearchProblem* problem) {
   check_problem(*problem, options);
-  std::string unused;
-  const auto stack = standing_stack(*problem->shapes, problem->stack, options, &unused);
+  const auto stack = standing_stack(*problem->shapes, problem->stack, options).stack;
   if (!stack) return;
   double moved = 0.0;
   for (std::size_t i = 0; i < stack->stones.size(); ++i)
@@ -155,7 +154,9 @@ Found find(const SearchCommand& command, const Catalogue& catalogue, const Searc
   Found found;
   const auto progress = [](const std::string& line) { log_progress(line); };
   if (command.levels > 1) {
-    found.placements = plan_tower(problem, command.levels, command.options, &found.reason, progress);
+    TowerPlan tower = plan_tower(problem, command.levels, command.options, progress);
+    found.placements = std::move(tower.placements);
+    found.reason = std::move(tower.reason);
     return found;
   }
   SearchOptions options = command.options;
