@@ -16,6 +16,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/experiment/variants.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/report/experiment_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 

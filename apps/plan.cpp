@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
@@ -14,6 +13,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/motion/scene_problem.hpp"

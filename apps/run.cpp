@@ -2,13 +2,14 @@
 #include <memory>
 #include <optional>
 
-#include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "run_folder.hpp"
 #include "simulated_run.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
@@ -20,8 +21,7 @@ struct RunCommand {
   std::string out;
   std::string cell;
   bool execute = false;
-  int per_run = 4;
-  const CLI::Option* asked_per_run = nullptr;
+  PerRun per_run;
   SimulatedRun run;
   std::optional<CellFile> file;     ///< of --cell
   std::optional<RobotModel> model;  ///< of --robot, without --cell
@@ -37,7 +37,7 @@ void check_permission(const RunCommand& command, const CellFile& file) {
 
 /// Refuses what can be refused before a folder is made.
 void check_command(const RunCommand& command, const Catalogue& catalogue) {
-  require_stones(catalogue, command.per_run, command.asked_per_run);
+  command.per_run.check(catalogue);
   if (!command.file) return;
   const CellFile& file = *command.file;
   require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
@@ -48,7 +48,7 @@ void check_command(const RunCommand& command, const Catalogue& catalogue) {
 FinishedRun build_tower_for(const RunCommand& command, const Catalogue& catalogue,
                             const RecordFolder& folder) {
   const auto draw = [&](const CellLayout& layout, const RobotModel& robot) {
-    return draw_stones(catalogue, command.per_run, command.common.seed, hand_of(layout), robot);
+    return draw_stones(catalogue, command.per_run.count, command.common.seed, hand_of(layout), robot);
   };
   if (!command.file) {
     const RobotModel& robot = *command.model;
@@ -128,10 +128,7 @@ void add_run(CLI::App& app) {
          "obstacles that the arm must not touch")
       ->type_name("FILE");
   sub->add_flag("--execute", command->execute, "Yes, move the real robot that --cell names");
-  command->asked_per_run =
-      sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
-          ->check(CLI::Range(1, 100))
-          ->capture_default_str();
+  command->per_run.register_on(*sub);
   command->common.settings.bind(
       sub->add_option("--height", command->run.build.most_stones, "Stop at this height (0: all stones)")
           ->check(CLI::Range(0, 100)),

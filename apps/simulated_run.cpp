@@ -3,10 +3,10 @@
 #include <exception>
 #include <functional>
 
-#include "cell_input.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "version.hpp"
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "rooms.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
 #include "stonestack/report/record_folder.hpp"
 #include "stonestack/report/run_report.hpp"
@@ -10,8 +11,6 @@
 
 /// One run of the loop, with its record: what `run` does once and `experiment` often.
 namespace stonestack::apps {
-
-struct CellFile;
 
 /// Outcome of a run.
 struct FinishedRun {
