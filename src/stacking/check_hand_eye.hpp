@@ -8,7 +8,7 @@
 /// Private to stacking/: the hand-eye calibration of a cell file, compared with what the camera sees.
 namespace stonestack::stacking {
 
-/// What a check found where nothing is wrong.
+/// Result of a check that found nothing wrong.
 struct Found {
   std::string text;
   bool to_do = false;  ///< something to know or to do before a run

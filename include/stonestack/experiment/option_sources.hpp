@@ -30,7 +30,7 @@ struct FlagValue {
   std::string value;
 };
 
-/// What a command line says of options.
+/// Options as a command line gives them.
 struct OptionSources {
   std::string config;  ///< option file in place of ./stonestack.yaml; empty: none
   std::vector<FlagValue> flags;
