@@ -8,6 +8,7 @@
 #include "stonestack/emulators/robotiq/ft_simulator.hpp"
 #include "stonestack/emulators/robotiq/gripper_simulator.hpp"
 #include "stonestack/emulators/ur/ur_controller_server.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 #pragma GCC visibility push(default)
@@ -68,6 +69,25 @@ class SimulatedServers {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// Content of a cell file: the devices, and, if `simulate`, how this program serves them itself.
+struct CellFile {
+  std::string path;
+  bool simulate = false;
+  CellConfig cell;
+  SimulatedServersOptions servers;
+};
+/// `simulate` and the group `simulators`; CellConfig has the rest.
+[[nodiscard]] FieldList cell_fields(CellFile& file);
+/// Reads a cell file by its path, or by the name of a cell that comes with stonestack, "loopback-ur10".
+/// @throws FileError
+[[nodiscard]] CellFile read_cell(const std::string& name);
+/// True if another process serves the standard ports of a simulated cell.
+/// @throws Interrupted
+[[nodiscard]] bool is_served_elsewhere(const CellFile& file);
+
+/// Writes the addresses and ports where the servers listen into the client side of a cell.
+void connect_to(const SimulatedServers& servers, CellConfig& cell);
 
 }  // namespace stonestack::emulators
 

@@ -66,6 +66,7 @@ struct HandEyeResult {
 struct HandEyeFile {
   CameraMount mount = CameraMount::kOnHand;
   std::vector<HandEyePair> pairs;
+  std::string path = {};  ///< where it was read; empty: nowhere
 };
 /// Throws FileError naming file, key and value.
 [[nodiscard]] HandEyeFile read_hand_eye_pairs(const std::string& path);

@@ -1,14 +1,15 @@
-#include "cell_input.hpp"
-
 #include <algorithm>
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/core/socket.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
 
-namespace stonestack::apps {
-
+namespace stonestack::emulators {
 namespace {
+
+constexpr double kAnswer = 1.0;  // s in which a port that is served takes a connection
 
 /// The path itself, or that of a cell that comes with stonestack.
 std::string find_cell(const std::string& name) {
@@ -23,10 +24,6 @@ std::string find_cell(const std::string& name) {
   for (const auto& cell : known) list += (list.empty() ? "" : ", ") + cell;
   throw FileError(name, "no such file, nor a cell of that name", "cells that come with stonestack: " + list);
 }
-
-}  // namespace
-
-namespace {
 
 void connect_arm(const SimulatedServers& servers, CellConfig& cell) {
   if (!servers.options().devices.arm) return;
@@ -89,6 +86,20 @@ CellFile read_cell(const std::string& name) {
   return file;
 }
 
+bool is_served_elsewhere(const CellFile& file) {
+  if (!file.servers.arm.standard_ports) return false;
+  const auto answers = [&](int port) {
+    try {
+      (void)TcpStream::connect({file.servers.arm.address, port}, Deadline::in(kAnswer).or_interrupt());
+      return true;
+    } catch (const DeviceError&) {
+      return false;
+    }
+  };
+  const auto& arm = file.cell.arm;
+  return answers(arm.dashboard_port) || answers(arm.primary_port) || answers(arm.rtde_port);
+}
+
 void connect_to(const SimulatedServers& servers, CellConfig& cell) {
   connect_arm(servers, cell);
   connect_gripper(servers, cell.gripper);
@@ -100,4 +111,4 @@ void connect_to(const SimulatedServers& servers, CellConfig& cell) {
   cell.stream.port = camera->port;
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::emulators
