@@ -8,7 +8,6 @@
 #include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
-#include "stonestack/kinematics/hand_eye_calibration.hpp"
 
 namespace stonestack::apps {
 namespace {

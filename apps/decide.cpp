@@ -2,8 +2,8 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "stacking/state_file.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/stacking/state_file.hpp"
 
 namespace stonestack::apps {
 namespace {

@@ -2,13 +2,13 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "detection/trace.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/detection/trace.hpp"
 #include "stonestack/report/results.hpp"
 
 namespace stonestack::apps {

@@ -3,8 +3,8 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/report/experiment_report.hpp"
 #include "stonestack/report/record_run.hpp"
+#include "stonestack/report/run_report.hpp"
 #include "version.hpp"
 
 namespace stonestack::apps {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "rooms.hpp"
-#include "stonestack/stone/scene_view.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 namespace stonestack::apps {
 

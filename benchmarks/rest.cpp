@@ -11,12 +11,12 @@
 #include "grasp_problems.hpp"
 #include "look_error.hpp"
 #include "motion/pick_and_place/set_down.hpp"
+#include "stacking/execute.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
-#include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::bench {

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/socket.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/core/socket.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 
 namespace stonestack::emulators {

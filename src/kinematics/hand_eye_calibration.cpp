@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/hand_eye_calibration.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "stonestack/report/experiment_report.hpp"
+#include "stonestack/report/run_report.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,6 @@
 #include "report/csv.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/report/run_report.hpp"
 
 namespace stonestack::report {
 namespace {

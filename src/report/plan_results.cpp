@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/picture.hpp"
+#include "report/plan_preview.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/report/picture.hpp"
-#include "stonestack/report/plan_preview.hpp"
 #include "stonestack/report/results.hpp"
 
 namespace stonestack::report {

@@ -12,7 +12,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/motion/planning_scene.hpp"
-#include "stonestack/report/experiment_report.hpp"
+#include "stonestack/report/run_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {

@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "geometry/convex_pieces.hpp"
 #include "report/text.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/report/results.hpp"
 
 namespace stonestack::report {

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/picture.hpp"
 #include "report/text.hpp"
-#include "stonestack/report/picture.hpp"
 #include "stonestack/report/results.hpp"
 #include "stonestack/report/run_report.hpp"
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hardware/ur/dashboard_client.hpp"
+#include "hardware/ur/primary_client.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stacking/check_hand_eye.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/ur/dashboard_client.hpp"
-#include "stonestack/hardware/ur/primary_client.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "kinematics/mount_reading.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell_file.hpp"
-#include "stonestack/kinematics/mount_reading.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {

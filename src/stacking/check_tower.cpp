@@ -1,7 +1,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
-#include "stonestack/stone/scene_view.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -1,7 +1,7 @@
 #include <cstdio>
 
+#include "stacking/state_file.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/stacking/state_file.hpp"
 
 namespace stonestack::stacking {
 namespace {

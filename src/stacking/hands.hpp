@@ -2,9 +2,9 @@
 #include <span>
 #include <string>
 
+#include "stacking/execute.hpp"
 #include "stacking/hand_load.hpp"
 #include "stacking/wrist.hpp"
-#include "stonestack/stacking/execute.hpp"
 
 namespace stonestack::stacking {
 

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "physics/shape.hpp"
+#include "search/find_stack.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/search/find_stack.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/stone/scene_view.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <limits>
 
+#include "geometry/depth_sequence.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/geometry/cloud.hpp"
 #include "stonestack/geometry/depth_image.hpp"
-#include "stonestack/geometry/depth_sequence.hpp"
 
 namespace stonestack::stone {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/hand_eye_calibration.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -9,7 +9,6 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/socket.hpp"
 #include "stacking/check_hand_eye.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::stacking {
 namespace {

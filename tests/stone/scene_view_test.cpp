@@ -1,4 +1,4 @@
-#include "stonestack/stone/scene_view.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

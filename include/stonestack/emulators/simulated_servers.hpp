@@ -4,10 +4,10 @@
 #include <optional>
 #include <string>
 
-#include "stonestack/emulators/camera/camera_simulator.hpp"
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
+#include "emulators/camera/camera_simulator.hpp"
+#include "emulators/robotiq/ft_simulator.hpp"
+#include "emulators/robotiq/gripper_simulator.hpp"
+#include "emulators/ur/ur_controller_server.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 

@@ -4,16 +4,16 @@
 #include <optional>
 #include <string>
 
+#include "hardware/camera/realsense_camera.hpp"
+#include "hardware/camera/recorded_camera.hpp"
+#include "hardware/camera/stream_camera.hpp"
+#include "hardware/camera/v4l2_camera.hpp"
+#include "hardware/robotiq/ft_sensor.hpp"
+#include "hardware/robotiq/three_finger_gripper.hpp"
+#include "hardware/ur/ur_arm.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/hardware/camera/realsense_camera.hpp"
-#include "stonestack/hardware/camera/recorded_camera.hpp"
-#include "stonestack/hardware/camera/stream_camera.hpp"
-#include "stonestack/hardware/camera/v4l2_camera.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/hardware/robotiq/ft_sensor.hpp"
-#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
-#include "stonestack/hardware/ur/ur_arm.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 #pragma GCC visibility push(default)

@@ -6,7 +6,6 @@
 
 #include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
-#include "stonestack/experiment/variants.hpp"
 
 #pragma GCC visibility push(default)
 

@@ -11,7 +11,7 @@
 #include "stonestack/stacking/scene_tasks.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/model_stone.hpp"
-#include "stonestack/stone/scene_view.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 #pragma GCC visibility push(default)
 

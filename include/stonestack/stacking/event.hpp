@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "stonestack/stacking/run_memory.hpp"
+#include "stacking/run_memory.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 #pragma GCC visibility push(default)

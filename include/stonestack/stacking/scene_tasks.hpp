@@ -12,7 +12,7 @@
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/catalogue.hpp"
-#include "stonestack/stone/scene_view.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 #pragma GCC visibility push(default)
 

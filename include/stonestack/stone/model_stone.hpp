@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/options.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/stone.hpp"
 

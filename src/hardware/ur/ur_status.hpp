@@ -1,6 +1,6 @@
 #pragma once
-#include "stonestack/hardware/ur/rtde_client.hpp"
-#include "stonestack/hardware/ur/script_writer.hpp"
+#include "hardware/ur/rtde_client.hpp"
+#include "hardware/ur/script_writer.hpp"
 
 /// State of arm and program in one RTDE sample.
 namespace stonestack::hardware {

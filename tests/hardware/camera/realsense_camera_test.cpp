@@ -1,6 +1,6 @@
 // The RealSense backend, compiled against a declared part of librealsense over a scripted camera, and what a
 // build without the library says.
-#include "stonestack/hardware/camera/realsense_camera.hpp"
+#include "hardware/camera/realsense_camera.hpp"
 
 #include <gmock/gmock.h>
 
