@@ -28,7 +28,7 @@ Pose simulated_mount(const CalibrateCommand& command) {
   CellLayout layout;
   if (!command.cell.empty()) {
     const CellFile file = read_cell(command.cell);
-    layout = true_layout(to_layout(file.cell), file.servers);
+    layout = true_layout(to_layout(file.cell()), file.servers());
   }
   return layout.T_F_T * layout.T_T_C;
 }

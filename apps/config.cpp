@@ -36,7 +36,7 @@ void show(ConfigCommand& command) {
 /// A cell file with defaults, to copy lines from.
 void show_cell(ConfigCommand& command) {
   CellFile file;
-  const FieldList list = join({cell_fields(file), fields(file.cell)});
+  const FieldList list = join({cell_fields(file), fields(file.cell())});
   const FieldList shown = command.expert ? list : user_fields(list);
   std::cout << (command.json ? fields_json(shown) : write_fields(shown));
 }

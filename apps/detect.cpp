@@ -2,7 +2,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "detection/trace.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"

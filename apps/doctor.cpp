@@ -19,20 +19,9 @@ struct DoctorCommand {
   CellCheckOptions check;
 };
 
-/// Sets what --set says; the file of a hand-eye calibration is read again.
-void apply_settings(Settings& settings, CellFile& file) {
-  const PoseNumbers given = file.cell.T_T_C;
-  settings.apply(join({fields(file.cell), cell_fields(file)}));
-  require(file.cell.hand_eye.empty() || file.cell.T_T_C == given,
-          "layout.T_T_C and layout.hand_eye are the same thing: set one of them, with --set layout.hand_eye= "
-          "where the file names one");
-  read_hand_eye(file.cell);
-}
-
 void doctor(DoctorCommand& command) {
   CellFile file = read_cell(command.cell.empty() ? data_path("cells/loopback-ur10.yaml") : command.cell);
-  apply_settings(command.common.settings, file);
-  CellConfig cell = file.cell;
+  set_cell(file, [&](const FieldList& list) { command.common.settings.apply(list); });
   Catalogue catalogue;
   std::unique_ptr<SimulatedCell> world;
   std::optional<SimulatedServers> servers;
@@ -40,15 +29,15 @@ void doctor(DoctorCommand& command) {
     log_info("the devices of " + file.path + " are simulated by another process, which is examined");
   } else if (file.simulate) {
     catalogue = command.common.read();
-    const RobotModel robot = read_robot(cell.robot);
+    const RobotModel robot = read_robot(file.robot());
     world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot,
-                                            true_layout(to_layout(cell), file.servers));
-    servers.emplace(*world, robot, file.servers);
-    connect_to(*servers, cell);
+                                            true_layout(to_layout(file.cell()), file.servers()));
+    servers.emplace(*world, robot, file.servers());
+    connect_to(*servers, file.cell());
     log_info("the devices of " + file.path + " are simulated here");
   }
   command.check.on_check = [](const CellCheck& check) { std::cerr << to_text(check) << '\n'; };
-  const CellReport report = check_cell(cell, command.check);
+  const CellReport report = check_cell(file.cell(), command.check);
   if (command.common.json) std::cout << cell_report_json(report);
   if (report.failed() > 0)
     throw Error(

@@ -47,11 +47,11 @@ void set_cell(const PlanCommand& command, ScenePlanTask& task) {
   if (command.cell.empty()) {
     task.robot = read_robot(command.robot.empty() ? "ur10" : command.robot);
   } else {
-    const CellConfig cell = read_cell(command.cell).cell;
-    require(command.robot.empty() || command.robot == cell.robot, "--robot ", command.robot,
+    const CellFile file = read_cell(command.cell);
+    require(command.robot.empty() || command.robot == file.robot(), "--robot ", command.robot,
             " is not the robot of ", command.cell, ", ", cell.robot);
-    task.layout = to_layout(cell);
-    task.robot = read_cell_robot(cell);
+    task.layout = to_layout(file.cell());
+    task.robot = read_cell_robot(file.cell());
   }
   task.q_start = command.start.empty() ? home_joints() : parse_start(command.start, task.robot);
 }

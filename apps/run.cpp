@@ -24,11 +24,11 @@ struct RunCommand {
 /// Refuses what can be refused before a folder is made. A real arm moves only when somebody who knows says
 /// so.
 void check_cell(const RunCommand& command, const CellFile& file) {
-  require(command.robot == file.cell.robot, "--robot ", command.robot, " is not the robot of ", command.cell,
-          ", ", file.cell.robot);
+  require(command.robot == file.robot(), "--robot ", command.robot, " is not the robot of ", command.cell,
+          ", ", file.robot());
   if (file.simulate) return;
-  require_arm_address(file.cell);
-  require(command.execute, "--cell ", command.cell, " moves the robot at ", file.cell.arm.address,
+  require_arm_address(file.cell());
+  require(command.execute, "--cell ", command.cell, " moves the robot at ", file.arm_address(),
           ": check the cell with `stonestack doctor --cell ", command.cell,
           "`, clear it of people, and add --execute");
 }
@@ -40,7 +40,7 @@ void set_options(RunCommand& command) {
   FieldList list = fields(order.run);
   if (!command.cell.empty()) order.cell = read_cell(command.cell);
   if (order.cell && order.cell->simulate)
-    list = join({list, nest("simulators", fields(order.cell->servers))});
+    list = join({list, nest("simulators", fields(order.cell->servers()))});
   command.common.settings.apply(list);
   order.per_run = command.per_run.count;
   order.version = program_version();

@@ -37,9 +37,9 @@ void simulate(SimulateCommand& command) {
   const int seed = command.simulation.seed = command.common.seed;
   CellFile file = read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
   command.common.settings.apply(
-      join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers))}));
-  file.servers.devices = served(command.only);
-  const RobotModel robot = read_robot(file.cell.robot);
+      join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers()))}));
+  file.serve(served(command.only));
+  const RobotModel robot = read_robot(file.robot());
   log_info(concat("making the simulated cell of ", file.path, ", seed ", seed,
                   "; its devices are served when this is done"));
   const Catalogue catalogue = command.common.read();
@@ -48,8 +48,8 @@ void simulate(SimulateCommand& command) {
   any.payload = std::numeric_limits<double>::infinity();
   SimulatedCell world(catalogue.stones,
                       draw_stones(catalogue, command.per_run.count, seed, make_robotiq_3f(), any), robot,
-                      true_layout(to_layout(file.cell), file.servers), command.simulation);
-  const SimulatedServers servers(world, robot, file.servers);
+                      true_layout(to_layout(file.cell()), file.servers()), command.simulation);
+  const SimulatedServers servers(world, robot, file.servers());
   std::cout << servers.text() << std::flush;
   log_info("serving until Ctrl-C");
   const Stopwatch watch;

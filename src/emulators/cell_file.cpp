@@ -2,9 +2,9 @@
 #include <filesystem>
 
 #include "core/socket.hpp"
+#include "emulators/servers_options.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/emulators/simulated_servers.hpp"
 
 namespace stonestack::emulators {
 namespace {
@@ -74,29 +74,76 @@ void connect_force_torque(const SimulatedServers& servers, FtSensorOptions& sens
 
 }  // namespace
 
+struct CellFile::Content {
+  CellConfig cell;
+  SimulatedServersOptions servers;
+};
+
+CellFile::CellFile() : content_(std::make_unique<Content>()) {}
+CellFile::~CellFile() = default;
+CellFile::CellFile(const CellFile& other)
+    : path(other.path), simulate(other.simulate), content_(std::make_unique<Content>(*other.content_)) {}
+CellFile::CellFile(CellFile&& other) noexcept = default;
+CellFile& CellFile::operator=(const CellFile& other) {
+  return *this = CellFile(other);
+}
+CellFile& CellFile::operator=(CellFile&& other) noexcept = default;
+
+CellConfig& CellFile::cell() {
+  return content_->cell;
+}
+const CellConfig& CellFile::cell() const {
+  return content_->cell;
+}
+SimulatedServersOptions& CellFile::servers() {
+  return content_->servers;
+}
+const SimulatedServersOptions& CellFile::servers() const {
+  return content_->servers;
+}
+const std::string& CellFile::robot() const {
+  return content_->cell.robot;
+}
+const std::string& CellFile::arm_address() const {
+  return content_->cell.arm.address;
+}
+void CellFile::serve(const ServedDevices& devices) {
+  content_->servers.devices = devices;
+}
+
 FieldList cell_fields(CellFile& file) {
   return join({{user(field("simulate", file.simulate, "true: this program serves the devices itself"))},
-               nest("simulators", fields(file.servers))});
+               nest("simulators", fields(file.servers()))});
+}
+
+void set_cell(CellFile& file, const std::function<void(const FieldList&)>& set) {
+  CellConfig& cell = file.cell();
+  const PoseNumbers given = cell.T_T_C;
+  set(join({fields(cell), cell_fields(file)}));
+  require(cell.hand_eye.empty() || cell.T_T_C == given,
+          "layout.T_T_C and layout.hand_eye are the same thing: set one of them, with --set layout.hand_eye= "
+          "where the file names one");
+  read_hand_eye(cell);
 }
 
 CellFile read_cell(const std::string& name) {
   CellFile file;
   const std::string& path = file.path = find_cell(name);
-  file.cell = read_cell_file(path, cell_fields(file));
+  file.cell() = read_cell_file(path, cell_fields(file));
   return file;
 }
 
 bool is_served_elsewhere(const CellFile& file) {
-  if (!file.servers.arm.standard_ports) return false;
+  if (!file.servers().arm.standard_ports) return false;
   const auto answers = [&](int port) {
     try {
-      (void)TcpStream::connect({file.servers.arm.address, port}, Deadline::in(kAnswer).or_interrupt());
+      (void)TcpStream::connect({file.servers().arm.address, port}, Deadline::in(kAnswer).or_interrupt());
       return true;
     } catch (const DeviceError&) {
       return false;
     }
   };
-  const auto& arm = file.cell.arm;
+  const auto& arm = file.cell().arm;
   return answers(arm.dashboard_port) || answers(arm.primary_port) || answers(arm.rtde_port);
 }
 

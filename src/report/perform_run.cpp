@@ -3,6 +3,9 @@
 #include <exception>
 #include <functional>
 
+#include "hardware/cell_config.hpp"
+#include "report/picture.hpp"
+#include "stacking/journal.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -47,8 +50,8 @@ void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile&
                         const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                         const std::string& folder) {
   // The controller knows nothing of the limits of the cell: it is the host that keeps them.
-  const SimulatedServers servers(world, read_robot(file.cell.robot), file.servers);
-  CellConfig config = file.cell;
+  const SimulatedServers servers(world, read_robot(file.cell().robot), file.servers());
+  CellConfig config = file.cell();
   connect_to(servers, config);
   log_info("simulated devices:\n" + servers.text());
   HardwareCell hardware(config);
@@ -97,7 +100,7 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
                   " stones"));
   const CellLayout layout =
-      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell), file->servers);
+      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
   if (file == nullptr) {
     build(report, world.cell(), run, catalogue, robot, folder.path());
@@ -126,17 +129,17 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
 
 RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
                          const RecordFolder& folder, const std::string& version) {
-  const RobotModel robot = read_cell_robot(file.cell);
+  const RobotModel robot = read_cell_robot(file.cell());
   RecordedRun done;
   done.folder = folder.path();
   done.report = open_report(run, catalogue, robot, {}, version);
-  log_info(concat("cell ", file.path, ": arm at ", file.cell.arm.address));
-  HardwareCell hardware(file.cell);
+  log_info(concat("cell ", file.path, ": arm at ", file.cell().arm.address));
+  HardwareCell hardware(file.cell());
   hardware.activate_gripper();
   build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
   const auto stack = at_rest(done.report.result.world).stack;
   const auto draw_stack = [&](const std::string& path) {
-    write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell).site, 0.3)));
+    write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell()).site, 0.3)));
   };
   close_report(done, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
   return done;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "stonestack/geometry/mesh.hpp"
+#include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::report {
 
@@ -32,5 +33,11 @@ struct View {
 /// Deterministic.
 [[nodiscard]] Picture draw(const std::vector<DrawnMesh>& meshes, const View& view);
 void write_png(const std::string& path, const Picture& picture);
+
+/// Meshes of stones at poses in stone-like colours, one a stone.
+[[nodiscard]] std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue,
+                                                  const std::vector<PlacedStone>& stones);
+/// A view of everything at the site: from the front, high enough to see the table.
+[[nodiscard]] View view_of_site(const Eigen::Vector2d& site, double top_height);
 
 }  // namespace stonestack::report

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "report/picture.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hardware/cell_config.hpp"
 #include "hardware/ur/dashboard_client.hpp"
 #include "hardware/ur/primary_client.hpp"
 #include "hardware/ur/ur_status.hpp"

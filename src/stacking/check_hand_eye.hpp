@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 
+#include "hardware/cell_config.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 

@@ -2,6 +2,8 @@
 
 #include "stacking/state_file.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/stacking/scene_tasks.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -52,6 +54,19 @@ std::string decision_text(const Decision& decision, const Catalogue& catalogue) 
   for (const Event& event : decision.why)
     if (const std::string line = to_text(event, catalogue); !line.empty()) text += "  " + line + "\n";
   return text;
+}
+
+DecisionReport decide(const DecisionTask& task) {
+  const StateHeader header = read_state_header(task.state);
+  const std::string stones = task.catalogue.empty() ? header.catalogue : task.catalogue;
+  const Catalogue catalogue = read_catalogue(stones.empty() ? data_path("stones") : stones);
+  const RobotModel robot = read_robot(task.robot.empty() ? header.robot : task.robot);
+  State state = read_state(task.state, catalogue);
+  for (const std::string& assignment : task.assignments) set_field(fields(state.options), assignment);
+  const Models models = make_models(catalogue, robot, state.world.layout);
+  add_resting_stacks(models, state.options, state.memory.friction, state.world);
+  const Decision decision = choose_action(state.world, state.memory, models, state.options);
+  return {decision_json(decision, catalogue), decision_text(decision, catalogue)};
 }
 
 }  // namespace stonestack::stacking

@@ -13,11 +13,6 @@
 
 namespace stonestack::stacking {
 
-/// How likely each of some frictions is that the stones may have.
-struct FrictionEstimate {
-  std::vector<double> frictions;  ///< rising
-  std::vector<double> weights;    ///< sum to 1
-};
 /// The higher the likelier (design choice: dry stone has more rather than less). Throws InvalidArgument for
 /// an empty list.
 [[nodiscard]] FrictionEstimate first_estimate(const std::vector<double>& frictions);
@@ -26,22 +21,6 @@ struct FrictionEstimate {
 /// Bayes' rule after a placement fell, of which `success[k]` (0 to 1) was to be expected at `frictions[k]`.
 /// Throws InvalidArgument when the sizes differ.
 [[nodiscard]] FrictionEstimate update_estimate(FrictionEstimate estimate, const std::vector<double>& success);
-
-/// One attempted placement, or a stone that was set down in the field.
-struct PlacementRecord {
-  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kDropped, kLost, kUnstacked, kReoriented };
-  std::string stone;
-  Placement planned;
-  std::optional<Pose> T_W_O_measured;  ///< where it was seen afterwards
-  Outcome outcome = Outcome::kPlaced;
-  std::string note;
-  int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
-  std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
-  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim against the bias, m
-};
-/// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
-/// not seen afterwards), "unstacked", "reoriented".
-[[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
 
 /// Mean offset of placed stones from their targets, level, m: hand-eye and arm calibration err the same each
 /// time, and the camera measures by how much.

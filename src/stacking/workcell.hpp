@@ -5,6 +5,7 @@
 
 #include "stacking/choose_action.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/: the devices of a run, and what is done with them.
 namespace stonestack::stacking {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numeric>
 
+#include "geometry/convex_pieces.hpp"
 #include "stone/blame_file.hpp"
 #include "stone/file_units.hpp"
 #include "stone/mesh_deviation.hpp"

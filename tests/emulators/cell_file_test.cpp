@@ -1,6 +1,7 @@
 // Cell files with simulators, and the client side of a cell whose devices are served here.
 #include <gmock/gmock.h>
 
+#include "emulators/servers_options.hpp"
 #include "simulation/pebble.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
@@ -33,7 +34,7 @@ struct Served {
 TEST(ServedCellFile, ACellIsFoundByPathOrName) {
   const CellFile shipped = read_cell("loopback-ur10");
   EXPECT_TRUE(shipped.simulate);
-  EXPECT_EQ(read_cell(shipped.path).cell.robot, shipped.cell.robot);
+  EXPECT_EQ(read_cell(shipped.path).robot(), shipped.robot());
   EXPECT_FALSE(is_served_elsewhere(shipped)) << "its ports are free ones";
   try {
     (void)read_cell("loopback-ur11");

@@ -6,6 +6,7 @@
 #include "emulators/camera/camera_simulator.hpp"
 #include "emulators/robotiq/ft_simulator.hpp"
 #include "emulators/robotiq/gripper_simulator.hpp"
+#include "emulators/servers_options.hpp"
 #include "hardware/camera/stream_camera.hpp"
 #include "hardware/robotiq/ft_sensor.hpp"
 #include "hardware/robotiq/three_finger_gripper.hpp"

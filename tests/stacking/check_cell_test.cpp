@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/socket.hpp"
+#include "hardware/cell_config.hpp"
 #include "stacking/check_hand_eye.hpp"
 #include "stonestack/core/error.hpp"
 

@@ -6,7 +6,7 @@
 
 #pragma GCC visibility push(default)
 
-/// The rows of a comparison of experiments.
+/// Runs of the loop in the simulated cell, and the rows of a comparison of experiments.
 namespace stonestack::experiment {
 
 /// Settings of one run of the loop in the simulated cell.

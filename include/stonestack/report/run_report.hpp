@@ -2,12 +2,11 @@
 #include <string>
 #include <vector>
 
-#include "report/picture.hpp"
 #include "stonestack/experiment/experiment.hpp"
 
 #pragma GCC visibility push(default)
 
-/// Reports of an experiment, for people and for other programs.
+/// Reports of a run and of an experiment, for people and for other programs.
 namespace stonestack::report {
 
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.
@@ -17,12 +16,6 @@ namespace stonestack::report {
 [[nodiscard]] std::string run_table(const RunReport& report);
 /// One self-contained HTML file with the picture, the table and the options.
 [[nodiscard]] std::string run_html(const RunReport& report);
-/// Meshes of stones at poses in stone-like colours, one a stone.
-[[nodiscard]] std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue,
-                                                  const std::vector<PlacedStone>& stones);
-/// A view of everything at the site: from the front, high enough to see the table.
-[[nodiscard]] View view_of_site(const Eigen::Vector2d& site, double top_height);
-
 /// For a person: histogram beside the paper's, times beside the paper's, survival, predictions, a line a run.
 [[nodiscard]] std::string experiment_table(const Experiment& experiment);
 /// "stonestack.experiment/1".

@@ -2,15 +2,14 @@
 #include <string>
 #include <vector>
 
-#include "stacking/journal.hpp"
-#include "stacking/run_memory.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stacking/action.hpp"
 #include "stonestack/stacking/event.hpp"
-#include "stonestack/stacking/observe.hpp"
+#include "stonestack/stacking/world_estimate.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 #pragma GCC visibility push(default)
@@ -74,6 +73,8 @@ struct RunResult {
   WorldEstimate world;  ///< as last observed
   std::vector<Event> events;
 };
+
+class Journal;  // private: the append-only record that a run's folder holds
 
 /// Listeners of a run.
 struct BuildHooks {

@@ -103,6 +103,22 @@ struct TowerCheck {
 [[nodiscard]] TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue,
                                      double friction, double seconds);
 
+/// A decision of the loop to make from a state in a file (`run.save_states`).
+struct DecisionTask {
+  std::string state;                     ///< path
+  std::string catalogue;                 ///< path; empty: as the state says
+  std::string robot;                     ///< name or path; empty: as the state says
+  std::vector<std::string> assignments;  ///< "NAME=VALUE", instead of the state's options
+};
+/// The next action of a run.
+struct DecisionReport {
+  std::string json;  ///< "stonestack.decision/1": action, alternatives, why
+  std::string text;  ///< for a person: the action with its alternatives, a line each, then why
+};
+/// Decides what a run would do next in a saved state; nothing moves.
+/// @throws FileError that names what is missing or unknown; InvalidArgument for an assignment.
+[[nodiscard]] DecisionReport decide(const DecisionTask& task);
+
 }  // namespace stonestack::stacking
 
 #pragma GCC visibility pop

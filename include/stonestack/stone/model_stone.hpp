@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/stone.hpp"

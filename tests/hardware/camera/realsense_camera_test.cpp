@@ -7,6 +7,7 @@
 #include <librealsense2/rs.hpp>
 
 #include "hardware/camera/realsense_device.hpp"
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
