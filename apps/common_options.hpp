@@ -1,11 +1,10 @@
 #pragma once
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <string>
-#include <vector>
 
 #include "rooms.hpp"
 #include "settings.hpp"
-#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::apps {
@@ -18,7 +17,7 @@ struct CommonOptions {
   bool quiet = false;
   Settings settings;
 
-  /// --catalogue, --seed, --json, --quiet, --set, --config.
+  /// Adds --catalogue, --seed, --json, --quiet, --set, --config.
   void register_on(CLI::App& command);
   /// Registers catalogue, seed and settings alone, for a benchmark: no --json, no --quiet.
   void register_draw(CLI::App& command);
@@ -27,13 +26,37 @@ struct CommonOptions {
   [[nodiscard]] Catalogue read() const;
 };
 
-/// Throws InvalidArgument if the user asked by the flag `asked` for more stones than the catalogue has.
-void require_stones(const Catalogue& catalogue, int count, const CLI::Option* asked);
+/// --per-run: how many stones of the catalogue lie in the field.
+struct PerRun {
+  int count = 4;
+  const CLI::Option* asked = nullptr;
 
-/// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
-/// What the hand of that cell or the arm cannot carry (`unfit_for_gripper`) is not drawn but named in the
-/// log; fewer than `count` may be left. Throws Error (planning failed) if none is.
-[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,
-                                           const GripperModel& gripper, const RobotModel& robot);
+  void register_on(CLI::App& command);
+  /// @throws InvalidArgument if the user asked for more stones than the catalogue has
+  void check(const Catalogue& catalogue) const;
+};
+
+/// Subcommand, and the values of its options until the program ends.
+template <class Values>
+struct Subcommand {
+  CLI::App& app;
+  Values& values;
+};
+/// Adds a subcommand that calls `run` with the values of its options; --quiet of a member `common` is applied
+/// before. The caller registers the options.
+template <class Values>
+Subcommand<Values> add_subcommand(CLI::App& app, const std::string& name, const std::string& description,
+                                  void (*run)(Values&)) {
+  const auto values = std::make_shared<Values>();
+  CLI::App* sub = app.add_subcommand(name, description);
+  sub->callback([values, run] {
+    if constexpr (requires { values->common.begin(); }) values->common.begin();
+    run(*values);
+  });
+  return {*sub, *values};
+}
+/// Adds an option that takes a path, or whatever else `type` names in the help.
+CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
+                      const std::string& description, const std::string& type = "FILE");
 
 }  // namespace stonestack::apps

@@ -1,12 +1,17 @@
 #include "program.hpp"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <unistd.h>
 
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <exception>
+#include <iostream>
 #include <string>
 
 #include "command_line.hpp"
-#include "standard_streams.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "version.hpp"
@@ -15,6 +20,30 @@ namespace stonestack::apps {
 namespace {
 
 using core::ExitCode;
+
+/// Gives a standard file that the caller has closed (`>&-`) a stand-in, so that no file of ours becomes
+/// stdout by its number. What is printed to a stand-in for stdout counts as lost.
+void replace_closed_streams() {
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(standard, F_GETFD) >= 0) continue;
+    // The lowest free number is this one. Writing to what is open for reading alone fails, as it should for
+    // stdout; messages to a closed stderr are meant to be lost.
+    (void)::open("/dev/null", standard == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+/// Throws FileError if a part of what was printed did not reach stdout (a full disk, a closed stdout).
+void check_stdout() {
+  errno = 0;
+  const bool whole = std::cout.flush().good();
+  const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  const int copy = ::dup(STDOUT_FILENO);  // some file systems say only on closing that a write failed
+  const bool closed = copy >= 0 && ::close(copy) == 0;
+  if (whole && flushed && closed) return;
+  throw core::FileError(
+      "stdout", core::concat("cannot be written: ", errno == 0 ? "a write failed" : std::strerror(errno)),
+      "what was printed is not complete; give it a place to go");
+}
 
 /// First signal: finish what must be finished. Second: the default action, at once.
 void install_signal_handlers() {

@@ -2,17 +2,15 @@
 #include <chrono>
 #include <iostream>
 #include <limits>
-#include <memory>
-#include <string>
 #include <thread>
-#include <vector>
 
-#include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/emulators/simulated_servers.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -22,8 +20,7 @@ const std::vector<std::string> kDevices = {"arm", "gripper", "ft", "camera"};
 struct SimulateCommand {
   CommonOptions common;
   std::string cell;
-  int per_run = 4;
-  const CLI::Option* asked_per_run = nullptr;
+  PerRun per_run;
   double seconds = 0.0;
   std::vector<std::string> only;  // of kDevices; empty: all
   SimulationOptions simulation;
@@ -37,55 +34,47 @@ ServedDevices served(const std::vector<std::string>& only) {
 }
 
 void simulate(SimulateCommand& command) {
-  command.common.begin();
-  command.simulation.seed = command.common.seed;
+  const int seed = command.simulation.seed = command.common.seed;
   CellFile file = read_cell(command.cell.empty() ? data_path("cells/simulated-ur10.yaml") : command.cell);
   command.common.settings.apply(
-      join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers))}));
-  file.servers.devices = served(command.only);
-  const RobotModel robot = read_robot(file.cell.robot);
-  log_info(concat("making the simulated cell of ", file.path, ", seed ", command.common.seed,
+      join({nest("simulation", fields(command.simulation)), nest("simulators", fields(file.servers()))}));
+  file.serve(served(command.only));
+  const RobotModel robot = read_robot(file.robot());
+  log_info(concat("making the simulated cell of ", file.path, ", seed ", seed,
                   "; its devices are served when this is done"));
   const Catalogue catalogue = command.common.read();
-  require_stones(catalogue, command.per_run, command.asked_per_run);
+  command.per_run.check(catalogue);
   RobotModel any = robot;  // served to whoever comes, with a hand of their own
   any.payload = std::numeric_limits<double>::infinity();
-  const auto present = draw_stones(catalogue, command.per_run, command.common.seed, make_robotiq_3f(), any);
-  SimulatedCell world(catalogue.stones, present, robot, true_layout(to_layout(file.cell), file.servers),
-                      command.simulation);
-  const SimulatedServers servers(world, robot, file.servers);
+  SimulatedCell world(catalogue.stones,
+                      draw_stones(catalogue, command.per_run.count, seed, make_robotiq_3f(), any), robot,
+                      true_layout(to_layout(file.cell()), file.servers()), command.simulation);
+  const SimulatedServers servers(world, robot, file.servers());
   std::cout << servers.text() << std::flush;
   log_info("serving until Ctrl-C");
   const Stopwatch watch;
-  while (command.seconds <= 0 || watch.seconds() < command.seconds) {
-    if (interrupt_noted()) break;
+  while ((command.seconds <= 0 || watch.seconds() < command.seconds) && !interrupt_noted())
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
   log_info("stopped");
 }
 
 }  // namespace
 
 void add_simulate(CLI::App& app) {
-  auto command = std::make_shared<SimulateCommand>();
-  CLI::App* sub =
-      app.add_subcommand("simulate", "Serve a simulated cell: UR controller, gripper, force sensor, camera");
-  sub->add_option("--cell", command->cell,
-                  "Cell file; its group `simulators` says which ports (default: the vendors' on 127.0.0.1)")
-      ->type_name("FILE");
-  sub->add_option("--only", command->only,
-                  "Serve these devices alone: arm, gripper, ft (force sensor), camera; by commas or again")
+  const auto [sub, command] = add_subcommand<SimulateCommand>(
+      app, "simulate", "Serve a simulated cell: UR controller, gripper, force sensor, camera", simulate);
+  add_path(sub, "--cell", command.cell,
+           "Cell file; its group `simulators` says which ports (default: the vendors' on 127.0.0.1)");
+  sub.add_option("--only", command.only,
+                 "Serve these devices alone: arm, gripper, ft (force sensor), camera; by commas or again")
       ->delimiter(',')
       ->check(CLI::IsMember(kDevices))
       ->type_name("DEVICE");
-  command->asked_per_run =
-      sub->add_option("--per-run", command->per_run, "How many stones of the catalogue lie in the field")
-          ->check(CLI::Range(1, 100))
-          ->capture_default_str();
-  sub->add_option("--seconds", command->seconds, "End after so long (0: at Ctrl-C)")
+  command.per_run.register_on(sub);
+  sub.add_option("--seconds", command.seconds, "End after so long (0: at Ctrl-C)")
       ->check(CLI::NonNegativeNumber);
-  command->common.register_on(*sub);
-  sub->footer(
+  command.common.register_on(sub);
+  sub.footer(
       "The protocols are the real ones, for other people's clients, too; docs/clients.md says which were\n"
       "tried, and how. Everything listens on loopback. What devices are like and what goes wrong with them\n"
       "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell "
@@ -96,7 +85,6 @@ void add_simulate(CLI::App& app) {
       "  stonestack simulate --cell loopback-ur10 --seed 3 --seconds 60\n"
       "  stonestack simulate --only gripper,ft\n"
       "  stonestack simulate --set simulators.arm.faults.protective_stop_at=10");
-  sub->callback([command] { simulate(*command); });
 }
 
 }  // namespace stonestack::apps

@@ -5,10 +5,10 @@
 
 #include "result_table.hpp"
 #include "rooms.hpp"
+#include "stacking/execute.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
-#include "stonestack/stacking/execute.hpp"
 
 /// Guarded descents of one stone, for `stonestack-bench descent`.
 namespace stonestack::bench {

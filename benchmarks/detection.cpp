@@ -5,12 +5,12 @@
 
 #include "bench.hpp"
 #include "common_options.hpp"
+#include "detection/trace.hpp"
 #include "detection_bop.hpp"
 #include "detection_tally.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/detection/trace.hpp"
 
 namespace stonestack::bench {
 namespace {

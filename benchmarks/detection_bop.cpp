@@ -6,10 +6,10 @@
 #include <set>
 #include <sstream>
 
+#include "geometry/depth_sequence.hpp"
 #include "geometry/json_file.hpp"
 #include "pose_error.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/geometry/depth_sequence.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::bench {

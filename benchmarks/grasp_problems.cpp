@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stonestack/geometry/convex_pieces.hpp"
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/stone/model_stone.hpp"
 

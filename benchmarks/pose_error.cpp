@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -10,12 +10,12 @@
 #include "bench.hpp"
 #include "grasp_problems.hpp"
 #include "motion/pick_and_place/set_down.hpp"
+#include "stacking/execute.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
-#include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "view_error.hpp"
 

@@ -49,6 +49,12 @@ SearchOutcome witness(const BenchOptions& options, const StonePool& pool, const 
   return outcome;
 }
 
+/// A tower that was built, and what ended it.
+struct BuiltTower {
+  Stack stack;
+  std::string reason;
+};
+
 Stack stack_of(const std::vector<Placement>& placements) {
   Stack stack;
   for (const Placement& placement : placements) stack.stones.push_back({placement.stone, placement.T_W_O});
@@ -56,43 +62,43 @@ Stack stack_of(const std::vector<Placement>& placements) {
 }
 
 /// Builds with noisy placements: plans, puts down, plans anew. The first stone that falls ends it.
-Stack build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search, int k,
-                    std::string* reason) {
+BuiltTower build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search,
+                         int k) {
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
   PlacementNoise noise;
   noise.shift = 1e-3 * options.noise;
   noise.turn = options.noise_turn * M_PI / 180.0;
   noise.friction = options.search.friction;
+  std::string reason;
   while (!problem.available.empty()) {
     const SearchResult found = find_next_pose(problem, search);
-    *reason = found.reason;
+    reason = found.reason;
     if (found.best.empty()) break;
     const Placement& target = found.best.front();
     const auto higher = put_down(*problem.shapes, problem.stack, target, noise, random);
     if (!higher) {
-      *reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
-                       target.predicted_success);
+      reason = concat("stone ", problem.stack.stones.size() + 1, " fell, predicted success ",
+                      target.predicted_success);
       break;
     }
     problem.stack = *higher;
     std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == target.stone; });
   }
-  return problem.stack;
+  return {problem.stack, reason};
 }
 
-Stack build(const BenchOptions& options, const SearchProblem& problem, const SearchOptions& search, int k,
-            std::string* reason) {
-  if (options.noise > 0.0 || options.noise_turn > 0.0)
-    return build_noisily(options, problem, search, k, reason);
-  return stack_of(plan_tower(problem, options.stones, search, reason));
+BuiltTower build(const BenchOptions& options, const SearchProblem& problem, const SearchOptions& search,
+                 int k) {
+  if (options.noise > 0.0 || options.noise_turn > 0.0) return build_noisily(options, problem, search, k);
+  const TowerPlan planned = plan_tower(problem, options.stones, search);
+  return {stack_of(planned.placements), planned.reason};
 }
 
 SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
   const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   const double start = processor_seconds();
   const Stopwatch watch;
-  std::string reason;
-  const Stack tower = build(options, problem, options.search, k, &reason);
+  const auto [tower, reason] = build(options, problem, options.search, k);
   const double cpu = processor_seconds() - start, wall = watch.seconds();
   SearchOutcome outcome = witness(options, pool, tower);
   outcome.cpu = cpu;
@@ -113,10 +119,9 @@ SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int 
   Stack best;
   double once = 0.0;
   int once_planned = 0;
-  std::string reason;
   for (int pass = 0; pass == 0 || (!noisy && processor_seconds() - start < cpu); ++pass) {
     search.seed = options.search.seed + 1000 * pass;
-    const Stack tower = build(options, problem, search, k, &reason);
+    const Stack tower = build(options, problem, search, k).stack;
     if (pass == 0) {
       once = watch.seconds();
       once_planned = static_cast<int>(tower.stones.size());

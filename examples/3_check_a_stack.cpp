@@ -13,9 +13,8 @@ int main() try {
   for (const int stone : {0, 1}) problem.available.push_back({stone, stonestack::Pose::Identity()});
   stonestack::SearchOptions options;
   options.max_tilt = 3.14;
-  std::string reason;
   stonestack::Stack stack;
-  for (const auto& placement : stonestack::plan_tower(problem, 2, options, &reason))
+  for (const auto& placement : stonestack::plan_tower(problem, 2, options).placements)
     stack.stones.push_back({placement.stone, placement.T_W_O});
 
   const auto verdict = stonestack::judge_stack(shapes, stack);

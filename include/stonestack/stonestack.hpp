@@ -5,7 +5,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/experiment/judge_tower.hpp"
+#include "stonestack/experiment/experiment.hpp"
 #include "stonestack/geometry/cloud.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell.hpp"

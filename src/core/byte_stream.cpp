@@ -1,4 +1,4 @@
-#include "stonestack/core/byte_stream.hpp"
+#include "core/byte_stream.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "stonestack/core/byte_stream.hpp"
+#include "core/byte_stream.hpp"
 
 namespace stonestack::core {
 

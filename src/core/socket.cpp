@@ -1,4 +1,4 @@
-#include "stonestack/core/socket.hpp"
+#include "core/socket.hpp"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

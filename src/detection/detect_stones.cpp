@@ -11,8 +11,8 @@
 #include "detection/judge/accept.hpp"
 #include "detection/judge/alternatives.hpp"
 #include "detection/judge/identity.hpp"
+#include "detection/trace.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/trace.hpp"
 
 namespace stonestack::detection {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/detection/trace.hpp"
+#include "detection/trace.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,6 @@
 #include "stonestack/emulators/simulated_servers.hpp"
 
+#include "emulators/servers_options.hpp"
 #include "simulation/shared_world.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"

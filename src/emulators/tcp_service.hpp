@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "stonestack/core/socket.hpp"
+#include "core/socket.hpp"
 
 namespace stonestack::emulators {
 

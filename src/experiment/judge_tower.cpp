@@ -1,4 +1,4 @@
-#include "stonestack/experiment/judge_tower.hpp"
+#include "stonestack/experiment/experiment.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,14 +61,17 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options)
   auto& stand = verdict.stand;
   const auto before = true_poses(world);
   const Neighbours touching(world, before, options.touch_gap);
-  verdict.stones = find_chain(world, before, touching, cell.site(), &stand.reason);
+  TowerChain chain = find_chain(world, before, touching, cell.site());
+  verdict.stones = std::move(chain.stones);
+  stand.reason = std::move(chain.unclean);
   stand.clean = stand.reason.empty();
   World judge = world.judge_world(options.step, options.iterations);
   run_at_rest(judge, options.seconds);
   const auto after = judged_poses(world, judge);
   const Neighbours touching_after(world, after, options.touch_gap);
-  const int clean = still_clean(world, touching, touching_after, verdict.stones, &stand.reason);
-  stand.clean = stand.clean && clean == static_cast<int>(verdict.stones.size());
+  const CleanPart clean = still_clean(world, touching, touching_after, verdict.stones);
+  if (!clean.unclean.empty()) stand.reason = clean.unclean;
+  stand.clean = stand.clean && clean.unclean.empty();
   bool intact = true;
   for (const int stone : verdict.stones) {
     stand.T_W_O.push_back(after[at(stone)]);
@@ -79,7 +82,7 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options)
     if (intact && !stays)
       stand.reason = concat("stone ", world.shapes()[at(stone)]->name, " moved by ", 1e3 * moved.translation,
                             " mm and ", moved.angle, " rad in ", options.seconds, " s");
-    intact = intact && stays && stand.standing < clean;
+    intact = intact && stays && stand.standing < clean.stones;
     if (intact) ++stand.standing;
   }
   stand.stands = intact && !verdict.stones.empty();
@@ -89,10 +92,9 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options)
 
 Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, const StandOptions& bounds) {
   const TrueWorld& world = cell.world();
-  std::string unclean;
   const auto before = true_poses(world);
-  const auto chain =
-      find_chain(world, before, Neighbours(world, before, bounds.touch_gap), cell.site(), &unclean);
+  const std::vector<int> chain =
+      find_chain(world, before, Neighbours(world, before, bounds.touch_gap), cell.site()).stones;
   Survival survival;
   World judge = world.judge_world(bounds.step, bounds.iterations);
   double t = 0.0;
@@ -106,8 +108,8 @@ Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, co
     World shaken = world.judge_world(bounds.step, bounds.iterations);
     shake(shaken, options, Eigen::Vector3d::Unit(axis));
     const auto after = judged_poses(world, shaken);
-    const auto left =
-        find_chain(world, after, Neighbours(world, after, bounds.touch_gap), cell.site(), &unclean);
+    const std::vector<int> left =
+        find_chain(world, after, Neighbours(world, after, bounds.touch_gap), cell.site()).stones;
     const auto same =
         std::mismatch(chain.begin(), chain.end(), left.begin(), left.end()).first - chain.begin();
     survival.shaken = std::min(survival.shaken, static_cast<int>(same));

@@ -73,9 +73,9 @@ std::vector<Pose> judged_poses(const TrueWorld& world, const World& judge) {
   return poses_of(world, [&](int body) { return judge.pose(body); });
 }
 
-std::vector<int> find_chain(const TrueWorld& world, const std::vector<Pose>& T_W_O,
-                            const Neighbours& neighbours, const Eigen::Vector2d& site, std::string* unclean) {
-  std::vector<int> chain;
+TowerChain find_chain(const TrueWorld& world, const std::vector<Pose>& T_W_O, const Neighbours& neighbours,
+                      const Eigen::Vector2d& site) {
+  TowerChain chain;
   for (int top = find_base(world, T_W_O, neighbours, site), below = kTable; top >= 0;) {
     std::vector<int> above;
     for (const int other : neighbours.of(top)) {
@@ -84,15 +84,15 @@ std::vector<int> find_chain(const TrueWorld& world, const std::vector<Pose>& T_W
           centre_of_mass(world, T_W_O, other).z() > centre_of_mass(world, T_W_O, top).z()) {
         above.push_back(other);
       } else {
-        *unclean = concat("stone ", world.shapes()[at(top)]->name, " touches ",
-                          other == kTable ? "the table" : "stone " + world.shapes()[at(other)]->name,
-                          " beside the stone below it");
+        chain.unclean = concat("stone ", world.shapes()[at(top)]->name, " touches ",
+                               other == kTable ? "the table" : "stone " + world.shapes()[at(other)]->name,
+                               " beside the stone below it");
         return chain;
       }
     }
-    chain.push_back(top);
+    chain.stones.push_back(top);
     if (above.size() > 1)
-      *unclean = concat(above.size(), " stones lie on stone ", world.shapes()[at(top)]->name);
+      chain.unclean = concat(above.size(), " stones lie on stone ", world.shapes()[at(top)]->name);
     if (above.size() != 1) return chain;
     below = top;
     top = above.front();
@@ -100,18 +100,18 @@ std::vector<int> find_chain(const TrueWorld& world, const std::vector<Pose>& T_W
   return chain;
 }
 
-int still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
-                const std::vector<int>& chain, std::string* unclean) {
+CleanPart still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
+                      const std::vector<int>& chain) {
   for (std::size_t level = 0; level < chain.size(); ++level) {
     const auto known = before.of(chain[level]);
     for (const int other : after.of(chain[level])) {
       if (std::find(known.begin(), known.end(), other) != known.end()) continue;
-      *unclean = concat("stone ", world.shapes()[at(chain[level])]->name, " has come to touch ",
-                        other == kTable ? "the table" : "stone " + world.shapes()[at(other)]->name);
-      return static_cast<int>(level);
+      return {static_cast<int>(level),
+              concat("stone ", world.shapes()[at(chain[level])]->name, " has come to touch ",
+                     other == kTable ? "the table" : "stone " + world.shapes()[at(other)]->name)};
     }
   }
-  return static_cast<int>(chain.size());
+  return {static_cast<int>(chain.size()), ""};
 }
 
 }  // namespace stonestack::experiment

@@ -24,15 +24,24 @@ class Neighbours {
 [[nodiscard]] std::vector<Pose> true_poses(const TrueWorld& world);
 [[nodiscard]] std::vector<Pose> judged_poses(const TrueWorld& world, const World& judge);
 
-/// From the table up, as long as one stone, and only one, rests on the last and touches nothing below but it.
-/// `unclean` is the reason if something other than its top ended the tower.
-[[nodiscard]] std::vector<int> find_chain(const TrueWorld& world, const std::vector<Pose>& T_W_O,
-                                          const Neighbours& neighbours, const Eigen::Vector2d& site,
-                                          std::string* unclean);
+/// Stones of a tower, from the table up.
+struct TowerChain {
+  std::vector<int> stones;
+  std::string unclean;  ///< what ended the tower other than its top; empty: nothing
+};
+/// Goes from the table up, as long as one stone, and only one, rests on the last and touches nothing below
+/// but it.
+[[nodiscard]] TowerChain find_chain(const TrueWorld& world, const std::vector<Pose>& T_W_O,
+                                    const Neighbours& neighbours, const Eigen::Vector2d& site);
 
-/// The chain after a wait: what has come to lean on a neighbour by then is no clean tower either. How many
-/// stones of `chain`, from the table up, touch nothing that they did not touch before.
-[[nodiscard]] int still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
-                              const std::vector<int>& chain, std::string* unclean);
+/// Part of a tower that is still a clean one.
+struct CleanPart {
+  int stones = 0;       ///< number, from the table up
+  std::string unclean;  ///< what the next stone has come to touch; empty: nothing, all are clean
+};
+/// The chain after a wait: stones that touch nothing that they did not touch before, for what has come to
+/// lean on a neighbour by then is no clean tower either.
+[[nodiscard]] CleanPart still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
+                                    const std::vector<int>& chain);
 
 }  // namespace stonestack::experiment

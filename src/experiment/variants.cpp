@@ -1,4 +1,4 @@
-#include "stonestack/experiment/variants.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
 
 #include <sstream>
 

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack::geometry {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/geometry/convex_pieces.hpp"
+#include "geometry/convex_pieces.hpp"
 
 #include <HACD/hacdHACD.h>
 

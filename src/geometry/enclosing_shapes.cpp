@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "stonestack/geometry/convex_pieces.hpp"
+#include "geometry/convex_pieces.hpp"
 
 namespace stonestack::geometry {
 namespace {

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "stonestack/core/error.hpp"
@@ -86,16 +87,17 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// False when it has not ended after `seconds`.
-  [[nodiscard]] bool wait(double seconds, int* status) {
+  /// Status of the process as waitpid gives it; empty when it has not ended after `seconds`.
+  [[nodiscard]] std::optional<int> wait(double seconds) {
+    int status = 0;
     const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-    while (::waitpid(pid_, status, WNOHANG) != pid_) {
+    while (::waitpid(pid_, &status, WNOHANG) != pid_) {
       throw_if_interrupted();
-      if (std::chrono::steady_clock::now() > until) return false;
+      if (std::chrono::steady_clock::now() > until) return std::nullopt;
       std::this_thread::sleep_for(kPause);
     }
     pid_ = 0;
-    return true;
+    return status;
   }
 
  private:
@@ -148,11 +150,10 @@ std::string import_as_ply(const std::string& path, const std::string& extension,
   const pid_t pid = start(program, extension, {in.fd(), out.fd(), words.fd()});
   if (pid < 0) throw FileError(path, "cannot be read: " + program + " does not start", kRemedy);
   Child child(pid);
-  int status = 0;
-  if (!child.wait(how.seconds, &status))
-    throw FileError(path, concat("is not read after ", how.seconds, " s"), kRemedy);
-  if (WIFSIGNALED(status)) throw FileError(path, why_it_ended(WTERMSIG(status)), kRemedy);
-  if (WEXITSTATUS(status) != 0) {
+  const std::optional<int> status = child.wait(how.seconds);
+  if (!status) throw FileError(path, concat("is not read after ", how.seconds, " s"), kRemedy);
+  if (WIFSIGNALED(*status)) throw FileError(path, why_it_ended(WTERMSIG(*status)), kRemedy);
+  if (WEXITSTATUS(*status) != 0) {
     const std::string why = first_line(words.get(kLongestReason));
     throw FileError(path, why.empty() ? concat("cannot be read (", program, " failed)") : why, kRemedy);
   }

@@ -15,10 +15,10 @@ struct MeshImport {
   double seconds = 30.0;  ///< after which the process is ended (it ends itself after 10 s of CPU) [s]
 };
 
-/// A file's mesh as PLY, from the helper process `stonestack-import` (apps/import.cpp), which can open no
-/// other file and has 1 GiB and 10 s of CPU. Whatever the file does to it, this process goes on. What assimp
-/// repairs is reported as a warning. The result is foreign bytes still: parse it strictly. Throws FileError,
-/// naming `path`; Interrupted.
+/// A file's mesh as PLY, from the helper process `stonestack-import` (geometry/import_program.cpp), which can
+/// open no other file and has 1 GiB and 10 s of CPU. Whatever the file does to it, this process goes on. What
+/// assimp mends is warned of. The result is foreign bytes still: parse it strictly. Throws FileError, naming
+/// `path`; Interrupted.
 [[nodiscard]] std::string import_as_ply(const std::string& path, const std::string& extension,
                                         std::string_view content, const MeshImport& how = {});
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "core/yaml.hpp"
+#include "geometry/convex_pieces.hpp"
 #include "geometry/enclosing_shapes.hpp"
 #include "geometry/pose_yaml.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::geometry {

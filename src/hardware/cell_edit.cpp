@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/yaml.hpp"
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 

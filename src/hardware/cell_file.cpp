@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/yaml.hpp"
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
@@ -243,6 +244,8 @@ HardwareCell::HardwareCell(const CellConfig& config) {
   require_arm_address(config);
   devices_ = std::make_unique<Devices>(config);
 }
+
+HardwareCell::HardwareCell(const std::string& path) : HardwareCell(read_cell_file(path)) {}
 
 HardwareCell::~HardwareCell() = default;
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/yaml.hpp"
+#include "hardware/cell_config.hpp"
 
 namespace stonestack::hardware {
 namespace {

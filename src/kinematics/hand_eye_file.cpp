@@ -78,6 +78,7 @@ HandEyeFile read_hand_eye_pairs(const std::string& path) {
   if (schema != kSchema)
     map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kSchema));
   HandEyeFile file;
+  file.path = path;
   const std::string camera = map.text("camera");
   if (camera != "on_hand" && camera != "on_base")
     map.fail("camera", concat("is '", camera, "'"), "it must be on_hand or on_base");

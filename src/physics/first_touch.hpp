@@ -75,14 +75,23 @@ inline bool near_edge(const Eigen::Vector3d& p, const EdgeFeature& e, double rea
   return (p - e.p0 - s * e.d).squaredNorm() <= reach * reach;
 }
 
-/// Touch of vertex x of X on face y of Y, all in Y; false if they cannot be the first to touch, even after
-/// some motion and turn.
-inline bool vertex_on_face(const SurfaceFeatures& X, int x, const Pose& T_Y_X, const FaceFeature& face,
-                           Eigen::Vector3d* p, double* gap, double motion = 0.0, double turn = 0.0) {
-  *p = T_Y_X * X.vertices[static_cast<std::size_t>(x)];
-  *gap = face.n.dot(*p) - face.offset;
-  return *gap <= kTouchGap + motion && *gap >= -kDeepest - motion && in_face(face, *p, kRim + motion) &&
-         leads(X, x, T_Y_X.linear().transpose() * face.n, kCone + turn);
+/// A vertex that may touch a face.
+struct VertexTouch {
+  bool valid = false;
+  Eigen::Vector3d p;  ///< the vertex
+  double gap = 0.0;   ///< of it to the face's plane [m]; negative: penetration
+};
+/// Touch of vertex x of X on face y of Y, all in Y; not valid if they cannot be the first to touch, even
+/// after some motion and turn.
+inline VertexTouch vertex_on_face(const SurfaceFeatures& X, int x, const Pose& T_Y_X, const FaceFeature& face,
+                                  double motion = 0.0, double turn = 0.0) {
+  VertexTouch touch;
+  touch.p = T_Y_X * X.vertices[static_cast<std::size_t>(x)];
+  touch.gap = face.n.dot(touch.p) - face.offset;
+  touch.valid = touch.gap <= kTouchGap + motion && touch.gap >= -kDeepest - motion &&
+                in_face(face, touch.p, kRim + motion) &&
+                leads(X, x, T_Y_X.linear().transpose() * face.n, kCone + turn);
+  return touch;
 }
 
 /// Edges that may touch after some motion and turn; those that are nearly parallel always may.

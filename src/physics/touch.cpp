@@ -96,19 +96,19 @@ std::vector<Touch> FeaturePairs::touches(const Surface& A, const Surface& B, con
   if (stale || moved_enough(T_near_, T_B_A, radius, kNearSlack, kNearTurn)) choose_near(A, B, T_B_A);
   const Pose T_A_B = T_B_A.inverse();
   std::vector<Touch> out;
-  Vector p;
-  double gap = 0.0;
   for (const Pair& pair : near_.vertices_of_a) {
     const FaceFeature& face = B.features->faces[static_cast<std::size_t>(pair.b)];
-    if (!vertex_on_face(*A.features, pair.a, T_B_A, face, &p, &gap)) continue;
-    out.push_back({TouchKind::kVertexOfA, pair.a, pair.b, T_W_B * (p - gap * face.n), T_W_B.linear() * face.n,
-                   gap, Vector::Zero()});
+    const VertexTouch touch = vertex_on_face(*A.features, pair.a, T_B_A, face);
+    if (!touch.valid) continue;
+    out.push_back({TouchKind::kVertexOfA, pair.a, pair.b, T_W_B * (touch.p - touch.gap * face.n),
+                   T_W_B.linear() * face.n, touch.gap, Vector::Zero()});
   }
   for (const Pair& pair : near_.vertices_of_b) {
     const FaceFeature& face = A.features->faces[static_cast<std::size_t>(pair.a)];
-    if (!vertex_on_face(*B.features, pair.b, T_A_B, face, &p, &gap)) continue;
-    out.push_back(
-        {TouchKind::kVertexOfB, pair.a, pair.b, T_W_A * p, -(T_W_A.linear() * face.n), gap, Vector::Zero()});
+    const VertexTouch touch = vertex_on_face(*B.features, pair.b, T_A_B, face);
+    if (!touch.valid) continue;
+    out.push_back({TouchKind::kVertexOfB, pair.a, pair.b, T_W_A * touch.p, -(T_W_A.linear() * face.n),
+                   touch.gap, Vector::Zero()});
   }
   for (const Pair& pair : near_.edges) {
     const EdgeFeature a = moved(A.features->edges[static_cast<std::size_t>(pair.a)], T_B_A);
@@ -143,16 +143,16 @@ void FeaturePairs::refresh(const Surface& A, const Surface& B, const Pose& T_B_A
 void FeaturePairs::choose_near(const Surface& A, const Surface& B, const Pose& T_B_A) {
   T_near_ = T_B_A;
   const Pose T_A_B = T_B_A.inverse();
-  Vector p;
-  double gap = 0.0;
   near_ = {};
   for (const Pair& pair : all_.vertices_of_a)
-    if (vertex_on_face(*A.features, pair.a, T_B_A, B.features->faces[static_cast<std::size_t>(pair.b)], &p,
-                       &gap, kNearSlack, kNearTurn))
+    if (vertex_on_face(*A.features, pair.a, T_B_A, B.features->faces[static_cast<std::size_t>(pair.b)],
+                       kNearSlack, kNearTurn)
+            .valid)
       near_.vertices_of_a.push_back(pair);
   for (const Pair& pair : all_.vertices_of_b)
-    if (vertex_on_face(*B.features, pair.b, T_A_B, A.features->faces[static_cast<std::size_t>(pair.a)], &p,
-                       &gap, kNearSlack, kNearTurn))
+    if (vertex_on_face(*B.features, pair.b, T_A_B, A.features->faces[static_cast<std::size_t>(pair.a)],
+                       kNearSlack, kNearTurn)
+            .valid)
       near_.vertices_of_b.push_back(pair);
   for (const Pair& pair : all_.edges)
     if (may_cross(moved(A.features->edges[static_cast<std::size_t>(pair.a)], T_B_A),

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "stonestack/protocol/ur_version.hpp"
+#include "protocol/ur_version.hpp"
 
 /// Lines of the Dashboard server of a UR controller (port 29999).
 namespace stonestack::protocol {

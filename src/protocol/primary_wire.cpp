@@ -1,4 +1,4 @@
-#include "stonestack/protocol/primary_wire.hpp"
+#include "protocol/primary_wire.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "stonestack/protocol/rtde_fields.hpp"
+#include "protocol/rtde_fields.hpp"
 
 #include <algorithm>
 #include <unordered_map>

@@ -3,7 +3,6 @@
 
 #include "geometry/json_file.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/report/experiment_report.hpp"
 #include "stonestack/report/run_report.hpp"
 
 namespace stonestack::report {

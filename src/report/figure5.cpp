@@ -3,7 +3,7 @@
 
 #include "report/csv.hpp"
 #include "report/svg.hpp"
-#include "stonestack/report/experiment_report.hpp"
+#include "stonestack/report/run_report.hpp"
 
 namespace stonestack::report {
 namespace {

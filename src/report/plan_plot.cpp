@@ -2,9 +2,9 @@
 #include <cmath>
 #include <functional>
 
+#include "report/plan_preview.hpp"
 #include "report/svg.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/report/plan_preview.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/report/plan_preview.hpp"
+#include "report/plan_preview.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,11 +2,10 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
-#include "geometry/pose_json.hpp"
+#include "report/picture.hpp"
+#include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -27,14 +26,6 @@ json placement_entry(const PlacementRecord& record) {
           {"outcome", to_text(record.outcome)},
           {"level", record.level},
           {"note", record.note}};
-}
-
-/// printf-style text for the table.
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-  return buffer.data();
 }
 
 double term(const Placement& placement, const std::string& name) {

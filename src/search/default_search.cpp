@@ -131,9 +131,10 @@ void trace(const TowerSearch& search, SearchResult* result) {
 void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result) {
   const auto levels = static_cast<int>(plan.size());
   TowerSearch search(context, levels);
-  const bool whole = search.follow(plan, &result->reason);
+  const TowerSearch::Followed followed = search.follow(plan);
+  result->reason = followed.reason;
   result->unreachable = search.unreachable();
-  if (whole) {
+  if (followed.whole) {
     collect(context, search, levels, result);
     // The closer prediction may have dropped a later stone.
     if (!result->best.empty() && result->best.front().then.size() + 1 < plan.size()) result->best.clear();
@@ -143,8 +144,7 @@ void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan
 
 double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan) {
   TowerSearch search(context, static_cast<int>(plan.size()));
-  std::string reason;
-  static_cast<void>(search.follow(plan, &reason));
+  static_cast<void>(search.follow(plan));
   return search.tree().expected_height(0);
 }
 

@@ -25,16 +25,16 @@ ContactSearch from(const SearchContext& context, const Target& target, int stone
 
 }  // namespace
 
-ContactSearch descend(const SearchContext& context, const Target& target, int stone, ContactSearch start,
-                      std::vector<ContactSearch>* tried) {
+Descent descend(const SearchContext& context, const Target& target, int stone, ContactSearch start) {
   const SearchOptions& o = *context.options;
+  Descent done{std::move(start), {}};
+  ContactSearch& best = done.best;
   const auto try_step = [&](const ContactSearch& at, const Step& step, const char* what) {
     ContactSearch there = from(context, target, stone, at, step);
-    tried->push_back(there);
-    if (there.valid) tried->back().outcome = what;
+    done.tried.push_back(there);
+    if (there.valid) done.tried.back().outcome = what;
     return there;
   };
-  ContactSearch best = std::move(start);
   double length = 2.0 * kDescentStep;
   for (int round = 0; round < o.descent_rounds && !context.out_of_time(); ++round) {
     throw_if_interrupted();
@@ -58,7 +58,7 @@ ContactSearch descend(const SearchContext& context, const Target& target, int st
     best = next;
     if (gain < o.descent_tolerance) break;
   }
-  return best;
+  return done;
 }
 
 }  // namespace stonestack::search

@@ -29,10 +29,13 @@ std::optional<SearchProblem> settled_problem(const SearchProblem& problem, const
   check_problem(problem, options);
   if (problem.stack_is_at_rest) return problem;
   try {
-    const auto stack = settled_stack(*problem.shapes, problem.stack, options, &result->reason);
-    if (!stack) return std::nullopt;
+    StandingStack at_rest = settled_stack(*problem.shapes, problem.stack, options);
+    if (!at_rest.stack) {
+      result->reason = std::move(at_rest.reason);
+      return std::nullopt;
+    }
     SearchProblem standing = problem;
-    standing.stack = *stack;
+    standing.stack = *std::move(at_rest.stack);
     return standing;
   } catch (const Interrupted&) {
     result->reason = why_interrupted();

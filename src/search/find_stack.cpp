@@ -1,4 +1,4 @@
-#include "stonestack/search/find_stack.hpp"
+#include "search/find_stack.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -106,7 +106,13 @@ std::vector<int> bases_of(const std::vector<Body>& bodies) {
   return bases;
 }
 
-std::vector<int> tower_at(const std::vector<Body>& bodies, const Eigen::Vector2d& site, std::string* note) {
+/// Stones at a site.
+struct SiteTower {
+  std::vector<int> bodies;  ///< from the table up
+  std::string note;         ///< why the stones there are no tower
+};
+
+SiteTower tower_at(const std::vector<Body>& bodies, const Eigen::Vector2d& site) {
   int base = -1;
   double nearest = kAtSite;
   for (const int i : bases_of(bodies)) {
@@ -114,10 +120,10 @@ std::vector<int> tower_at(const std::vector<Body>& bodies, const Eigen::Vector2d
     if (away < nearest) base = i, nearest = away;
   }
   if (base < 0) return {};
-  std::vector<int> tower = tower_on(bodies, base);
-  if (tower.empty())
-    *note = concat("the stones on ", bodies[static_cast<std::size_t>(base)].shape->name,
-                   " at the site are no tower, one stone upon the other");
+  SiteTower tower{tower_on(bodies, base), ""};
+  if (tower.bodies.empty())
+    tower.note = concat("the stones on ", bodies[static_cast<std::size_t>(base)].shape->name,
+                        " at the site are no tower, one stone upon the other");
   return tower;
 }
 
@@ -163,8 +169,9 @@ SortedStones find_stack(const ShapeList& shapes, const std::vector<PlacedStone>&
                         const std::optional<Eigen::Vector2d>& site) {
   std::vector<Body> bodies = bodies_of(shapes, stones);
   link(bodies);
+  const auto [tower, note] = site ? tower_at(bodies, *site) : SiteTower{highest_tower(bodies), ""};
   SortedStones sorted;
-  const std::vector<int> tower = site ? tower_at(bodies, *site, &sorted.note) : highest_tower(bodies);
+  sorted.note = note;
   for (const int i : tower) sorted.stack.push_back(bodies[static_cast<std::size_t>(i)].placed);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];

@@ -33,10 +33,10 @@ void solve(const SearchContext& context, const Target& target, std::uint64_t tas
         local->tried.push_back(contact);
         local->tried.back().outcome = "first contact, descends from here";
       }
-      std::vector<ContactSearch> steps;
-      local->found = descend(context, target, local->stone, std::move(contact), &steps);
-      local->evaluated += static_cast<long>(steps.size());
-      if (o.trace) local->tried.insert(local->tried.end(), steps.begin(), steps.end());
+      Descent descent = descend(context, target, local->stone, std::move(contact));
+      local->found = std::move(descent.best);
+      local->evaluated += static_cast<long>(descent.tried.size());
+      if (o.trace) local->tried.insert(local->tried.end(), descent.tried.begin(), descent.tried.end());
       return;
     }
     if (o.trace) local->tried.push_back(std::move(contact));

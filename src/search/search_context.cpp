@@ -112,11 +112,9 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
     }
 }
 
-std::optional<Stack> settled_stack(const ShapeList& shapes, const Stack& stack, const SearchOptions& options,
-                                   std::string* reason) {
-  if (stack.stones.empty()) return stack;
-  *reason = overlap_of(shapes, stack);
-  if (!reason->empty()) return std::nullopt;
+StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const SearchOptions& options) {
+  if (stack.stones.empty()) return {stack, ""};
+  if (const std::string overlap = overlap_of(shapes, stack); !overlap.empty()) return {{}, overlap};
   StandOptions stand;
   stand.friction = options.friction;
   stand.seconds = kStandSeconds;
@@ -126,7 +124,7 @@ std::optional<Stack> settled_stack(const ShapeList& shapes, const Stack& stack, 
     Stack at_rest = stack;
     if (verdict.shift > kAtRestShift || verdict.turn > kAtRestTurn)
       for (std::size_t i = 0; i < at_rest.stones.size(); ++i) at_rest.stones[i].T_W_O = verdict.T_W_O[i];
-    return at_rest;
+    return {std::move(at_rest), ""};
   }
   Stack lowered;
   for (const PlacedStone& placed : stack.stones) {
@@ -140,18 +138,17 @@ std::optional<Stack> settled_stack(const ShapeList& shapes, const Stack& stack, 
         (at_rest.T_W_O * p_O_M - placed.T_W_O * p_O_M).norm();  // O may lie far from the stone
     const std::string& name = shapes[static_cast<std::size_t>(placed.stone)]->name;
     if (!at_rest.rests || moved.translation > kNearShift || moved.angle > kNearTurn) {
-      *reason = concat(
-          "the given stack does not stand: ", name, " does not rest at its given pose (",
-          at_rest.rests ? concat("comes to rest ", 1000.0 * moved.translation, " mm away") : at_rest.reason,
-          ")");
-      return std::nullopt;
+      return {{},
+              concat("the given stack does not stand: ", name, " does not rest where it is said to be (",
+                     at_rest.rests ? concat("comes to rest ", 1000.0 * moved.translation, " mm away")
+                                   : at_rest.reason,
+                     ")")};
     }
     lowered.stones.push_back({placed.stone, at_rest.T_W_O});
   }
   const StandVerdict verdict = judge_stack(shapes, lowered, stand);
-  if (verdict.stands && verdict.clean) return lowered;
-  *reason = concat("the given stack does not stand: ", verdict.reason);
-  return std::nullopt;
+  if (verdict.stands && verdict.clean) return {std::move(lowered), ""};
+  return {{}, concat("the given stack does not stand: ", verdict.reason)};
 }
 
 }  // namespace stonestack::search

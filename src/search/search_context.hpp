@@ -46,13 +46,16 @@ inline constexpr double kVerdictStep = 1.0 / 480.0;
 
 /// Throws InvalidArgument for stones and options that cannot be.
 STONESTACK_EXPORT void check_problem(const SearchProblem& problem, const SearchOptions& options);
+/// A stack as it comes to rest.
+struct StandingStack {
+  std::optional<Stack> stack;
+  std::string reason;  ///< why it does not stand, if it is empty
+};
 /// The stack as it comes to rest, if it stands as given (exactly where it moves by less than 0.1 mm and
 /// 2 mrad); else the stack that results when each stone in turn is let down from just above its given pose,
 /// provided that it ends near there (5 mm, 5 deg) and stands; else empty with the reason. Measured poses are
 /// off by a millimetre: a tower measured so may not stand exactly, or hover above its contacts.
-[[nodiscard]] STONESTACK_EXPORT std::optional<Stack> settled_stack(const ShapeList& shapes,
-                                                                   const Stack& stack,
-                                                                   const SearchOptions& options,
-                                                                   std::string* reason);
+[[nodiscard]] STONESTACK_EXPORT StandingStack settled_stack(const ShapeList& shapes, const Stack& stack,
+                                                            const SearchOptions& options);
 
 }  // namespace stonestack::search

@@ -53,52 +53,46 @@ void TowerSearch::run(Routes routes) {
   }
 }
 
-int TowerSearch::climb(int node, const PlacedStone& next, std::string* reason) {
+TowerSearch::Climbed TowerSearch::climb(int node, const PlacedStone& next) {
   const auto& left = tree_.node(node).left;
   const auto& reachable = context_.problem->reachable;
   if (std::none_of(left.begin(), left.end(), [&](const auto& s) { return s.stone == next.stone; })) {
-    *reason = "a stone of the plan is not there any more";
-    return -1;
+    return {-1, "a stone of the plan is not there any more"};
   }
   if (reachable && !reachable(next.stone, next.T_W_O, tree_.node(node).stack)) {
-    *reason = "the arm does not reach the plan any more";
     ++unreachable_;
-    return -1;
+    return {-1, "the arm does not reach the plan any more"};
   }
   Trial trial;
   trial.stone = next.stone;
   trial.T_W_O = next.T_W_O;
   settle_trial(context_, tree_.node(node).stack, &trial);
-  *reason = trial.outcome;
-  if (!trial.alive) return -1;
+  if (!trial.alive) return {-1, trial.outcome};
   const int higher = tree_.add(node, std::move(trial), 0.0);
   judge(std::span<const int>(&higher, 1));
-  *reason = tree_.node(higher).trial.outcome;
-  return tree_.node(higher).trial.alive ? higher : -1;
+  const Trial& judged = tree_.node(higher).trial;
+  return {judged.alive ? higher : -1, judged.outcome};
 }
 
-bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason) {
-  int top = 0, higher = 0;
-  for (auto next = plan.begin(); next != plan.end() && higher >= 0; ++next) {
-    higher = climb(top, *next, reason);
-    if (higher >= 0) top = higher;
+TowerSearch::Followed TowerSearch::follow(std::span<const PlacedStone> plan) {
+  int top = 0;
+  Climbed higher{0, ""};
+  for (auto next = plan.begin(); next != plan.end() && higher.node >= 0; ++next) {
+    higher = climb(top, *next);
+    if (higher.node >= 0) top = higher.node;
   }
   predict(tree_.path_to(top));
-  if (top == 0 || higher < 0) return false;
+  if (top == 0 || higher.node < 0) return {false, higher.reason};
   best_ = top;
-  for (const int k : tree_.path_to(top)) {
-    *reason = tree_.node(k).trial.outcome;
-    if (!tree_.node(k).trial.alive) return false;
-  }
-  *reason = "it falls too often";  // if the closer prediction finds so
-  return true;
+  for (const int k : tree_.path_to(top))
+    if (!tree_.node(k).trial.alive) return {false, tree_.node(k).trial.outcome};
+  return {true, "it falls too often"};
 }
 
 bool TowerSearch::finish_known_route() {
-  std::string reason;
   int top = 0;
   for (const PlacedStone& next : context_.problem->known_route) {
-    const int higher = climb(top, next, &reason);
+    const int higher = climb(top, next).node;
     if (higher < 0) break;
     top = higher;
     tree_.set_grown(top);

@@ -20,9 +20,13 @@ class TowerSearch {
   /// does not lead to the top, both.
   enum class Routes { kFoundBefore, kNew, kAll };
   void run(Routes routes = Routes::kAll);
-  /// True if all of a plan is reachable, comes to rest in balance and stands its judgement; else `reason`
-  /// gives the cause.
-  [[nodiscard]] bool follow(std::span<const PlacedStone> plan, std::string* reason);
+  /// Whether a plan holds.
+  struct Followed {
+    bool whole = false;  ///< all of it is reachable, comes to rest in balance and stands its judgement
+    std::string reason;  ///< why not; of a whole plan what to report if a closer look should drop it
+  };
+  /// Puts the stones of a plan one upon the other and judges them.
+  [[nodiscard]] Followed follow(std::span<const PlacedStone> plan);
   [[nodiscard]] const TowerTree& tree() const { return tree_; }
   /// The node whose tower is highest and, of those, most likely to stand, after the last whole round; 0 for
   /// none. It and all below it are predicted.
@@ -64,10 +68,13 @@ class TowerSearch {
   [[nodiscard]] std::vector<Proposal> proposals(int node);
   [[nodiscard]] std::vector<Trial> next_turn(TowerNode* node, int count);
   [[nodiscard]] bool accepts(const Proposal& proposal, const Stack& below, Trial* trial);
-  /// Settles and judges a placement on a node's tower; the new node, or -1 with the reason.
-  [[nodiscard]] int climb(int node, const PlacedStone& next, std::string* reason);
-  /// Follows the problem's known route as far as it holds, and searches on from its top. True if that
-  /// finished a tower.
+  struct Climbed {
+    int node = -1;       ///< the new node; -1: none
+    std::string reason;  ///< why there is none
+  };
+  /// Settles and judges a placement on a node's tower.
+  [[nodiscard]] Climbed climb(int node, const PlacedStone& next);
+  /// The problem's way up as far as it holds, and on from its top. True if that finished a tower.
   [[nodiscard]] bool finish_known_route();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);

@@ -5,7 +5,7 @@
 
 #include "physics/shape.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
-#include "stonestack/stacking/build_options.hpp"
+#include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/: which stones are stacked and which lie loose, and what follows from that.

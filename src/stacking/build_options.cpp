@@ -1,4 +1,4 @@
-#include "stonestack/stacking/build_options.hpp"
+#include "stonestack/stacking/build_tower.hpp"
 
 #include <algorithm>
 

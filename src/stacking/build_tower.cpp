@@ -3,15 +3,15 @@
 #include <cstdio>
 #include <utility>
 
+#include "stacking/choose_action.hpp"
 #include "stacking/learn.hpp"
 #include "stacking/plan_motion.hpp"
 #include "stacking/record.hpp"
+#include "stacking/state_file.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/stacking/choose_action.hpp"
-#include "stonestack/stacking/state_file.hpp"
 
 namespace stonestack::stacking {
 namespace {

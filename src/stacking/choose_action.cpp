@@ -1,4 +1,4 @@
-#include "stonestack/stacking/choose_action.hpp"
+#include "stacking/choose_action.hpp"
 
 #include <algorithm>
 #include <cmath>

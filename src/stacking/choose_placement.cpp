@@ -346,9 +346,8 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
   bool higher = false;
   for (std::size_t level = first_level(possible, memory.friction);
        level < possible.size() && best_expected < s.options.sure_success * levels; ++level) {
-    std::string reason;
     const auto tower =
-        plan_tower(problem, levels, options_at(s.options, memory.friction, level, route), &reason);
+        plan_tower(problem, levels, options_at(s.options, memory.friction, level, route)).placements;
     problem.known_route.clear();
     for (const Placement& placement : tower)
       problem.known_route.push_back({placement.stone, placement.T_W_O});

@@ -3,8 +3,8 @@
 #include <optional>
 
 #include "stacking/arrangement.hpp"
+#include "stacking/choose_action.hpp"
 #include "stacking/reach.hpp"
-#include "stonestack/stacking/choose_action.hpp"
 
 /// Private to stacking/: the search for the next placement, at one assumed friction after the other.
 namespace stonestack::stacking {

@@ -1,4 +1,4 @@
-#include "stonestack/stacking/execute.hpp"
+#include "stacking/execute.hpp"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "stacking/run_memory.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/stacking/run_memory.hpp"
 
 /// A discrete Bayes filter over the frictions that are assumed.
 namespace stonestack::stacking {

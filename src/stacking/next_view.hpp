@@ -1,7 +1,7 @@
 #pragma once
 #include <optional>
 
-#include "stonestack/stacking/run_memory.hpp"
+#include "stacking/run_memory.hpp"
 
 /// Private to stacking/: where a stone that is out of sight is looked for.
 namespace stonestack::stacking {

@@ -2,9 +2,9 @@
 #include <span>
 #include <string>
 
+#include "stacking/execute.hpp"
 #include "stacking/gripper_mass.hpp"
 #include "stacking/wrist.hpp"
-#include "stonestack/stacking/execute.hpp"
 
 namespace stonestack::stacking {
 

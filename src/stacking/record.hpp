@@ -2,8 +2,8 @@
 #include <set>
 #include <string>
 
+#include "stacking/choose_action.hpp"
 #include "stonestack/stacking/build_tower.hpp"
-#include "stonestack/stacking/choose_action.hpp"
 
 /// Private to stacking/: what is made of the events of a run.
 namespace stonestack::stacking {

@@ -56,8 +56,7 @@ Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double fr
   Stack best = given, tried = given;
   double nearest = kMaxMeasured;
   for (int k = 0; k < kStackTries && nearest > kConsistent / 2; ++k) {
-    std::string reason;
-    const auto standing = settled_stack(shapes, tried, options, &reason);
+    const std::optional<Stack> standing = settled_stack(shapes, tried, options).stack;
     double off = 0.0;
     for (std::size_t i = 0; standing && i < given.stones.size(); ++i)
       off = std::max(off, off_measured(standing->stones[i].T_W_O, given.stones[i].T_W_O));
@@ -99,9 +98,8 @@ std::vector<RestingStack> resting_stacks(const ShapeList& shapes, const Stack& s
   for (const double friction : frictions) {
     SearchOptions judged = options;
     judged.friction = friction;
-    RestingStack at{friction, std::nullopt, ""};
-    at.stack = settled_stack(shapes, stack, judged, &at.reason);
-    resting.push_back(std::move(at));
+    StandingStack at_rest = settled_stack(shapes, stack, judged);
+    resting.push_back({friction, std::move(at_rest.stack), std::move(at_rest.reason)});
   }
   return resting;
 }

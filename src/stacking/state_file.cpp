@@ -1,4 +1,4 @@
-#include "stonestack/stacking/state_file.hpp"
+#include "stacking/state_file.hpp"
 
 #include <nlohmann/json.hpp>
 

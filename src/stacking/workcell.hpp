@@ -3,8 +3,9 @@
 #include <optional>
 #include <vector>
 
+#include "stacking/choose_action.hpp"
 #include "stonestack/stacking/build_tower.hpp"
-#include "stonestack/stacking/choose_action.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/: the devices of a run, and what is done with them.
 namespace stonestack::stacking {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/convex_pieces.hpp"
 #include "stone/geodesic.hpp"
 #include "stone/rubble.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack::stone {
 namespace {

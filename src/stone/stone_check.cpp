@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack::stone {
 namespace {

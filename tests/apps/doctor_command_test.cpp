@@ -5,8 +5,8 @@
 #include <thread>
 
 #include "commands.hpp"
+#include "core/socket.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/core/socket.hpp"
+#include "core/socket.hpp"
 
 #include <gmock/gmock.h>
 #include <sys/socket.h>

@@ -9,8 +9,8 @@
 #include <set>
 
 #include "detection/test_scene.hpp"
+#include "detection/trace.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/trace.hpp"
 
 namespace stonestack::detection {
 namespace {

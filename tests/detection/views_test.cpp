@@ -10,9 +10,9 @@
 
 #include "detection/scene/align_views.hpp"
 #include "detection/test_scene.hpp"
+#include "detection/trace.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/detection/trace.hpp"
 #include "stonestack/detection/track_stones.hpp"
 #include "stonestack/geometry/cloud.hpp"
 

@@ -3,16 +3,17 @@
 
 #include <algorithm>
 
+#include "emulators/camera/camera_simulator.hpp"
+#include "emulators/robotiq/ft_simulator.hpp"
+#include "emulators/robotiq/gripper_simulator.hpp"
+#include "emulators/servers_options.hpp"
+#include "hardware/camera/stream_camera.hpp"
+#include "hardware/robotiq/ft_sensor.hpp"
+#include "hardware/robotiq/three_finger_gripper.hpp"
+#include "hardware/ur/rtde_client.hpp"
 #include "simulation/pebble.hpp"
 #include "simulation/shared_world.hpp"
-#include "stonestack/emulators/camera/camera_simulator.hpp"
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
-#include "stonestack/hardware/camera/stream_camera.hpp"
-#include "stonestack/hardware/robotiq/ft_sensor.hpp"
-#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
-#include "stonestack/hardware/ur/rtde_client.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <array>
 
+#include "core/socket.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -5,6 +5,7 @@
 #include <regex>
 #include <set>
 
+#include "emulators/servers_options.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 

@@ -9,11 +9,11 @@
 #include <chrono>
 #include <thread>
 
+#include "core/socket.hpp"
 #include "emulators/ur/script_queue.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <thread>
 
+#include "core/socket.hpp"
 #include "protocol/big_endian.hpp"
 #include "script_bench.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::emulators {
 namespace {

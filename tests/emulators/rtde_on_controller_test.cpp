@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <thread>
 
+#include "emulators/ur/ur_controller_server.hpp"
+#include "hardware/ur/rtde_client.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
-#include "stonestack/hardware/ur/rtde_client.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <thread>
 
+#include "emulators/ur/ur_controller_server.hpp"
+#include "hardware/ur/script_writer.hpp"
+#include "hardware/ur/ur_arm.hpp"
 #include "motion/timing.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
-#include "stonestack/hardware/ur/script_writer.hpp"
-#include "stonestack/hardware/ur/ur_arm.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {

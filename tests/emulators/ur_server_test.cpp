@@ -1,5 +1,5 @@
 // The simulated controller over loopback sockets: every port, several clients, faults.
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
+#include "emulators/ur/ur_controller_server.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <cstdlib>
 #include <thread>
 
+#include "core/socket.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "emulators/ur/plant.hpp"
 #include "simulation/pebble.hpp"
 #include "simulation/shared_world.hpp"
-#include "stonestack/emulators/ur/plant.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {

@@ -1,4 +1,4 @@
-#include "stonestack/experiment/judge_tower.hpp"
+#include "stonestack/experiment/experiment.hpp"
 
 #include <gtest/gtest.h>
 

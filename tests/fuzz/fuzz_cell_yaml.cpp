@@ -1,6 +1,7 @@
 // Cell files: refused with a FileError, or a layout of rotations and finite places. A calibration that is
 // written into one is found there.
 #include "fuzz/checks.hpp"
+#include "hardware/cell_config.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"

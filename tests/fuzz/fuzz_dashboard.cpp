@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "hardware/ur/dashboard_client.hpp"
 #include "protocol/dashboard_text.hpp"
 #include "rooms.hpp"
-#include "stonestack/hardware/ur/dashboard_client.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace stonestack;

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "fuzz/checks.hpp"
+#include "geometry/depth_sequence.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/depth_sequence.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
 // The primary port's stream on arbitrary bytes, whole and byte by byte; what decodes must survive encoding.
 #include <cstdlib>
 
+#include "protocol/primary_wire.hpp"
 #include "rooms.hpp"
-#include "stonestack/protocol/primary_wire.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace stonestack;

@@ -1,8 +1,8 @@
 // Every decoder of RTDE on arbitrary bytes. What decodes must encode to bytes that decode to the same.
 #include <cstdlib>
 
+#include "protocol/rtde_wire.hpp"
 #include "rooms.hpp"
-#include "stonestack/protocol/rtde_wire.hpp"
 
 namespace {
 

@@ -6,8 +6,8 @@
 
 #include "emulators/ur/dashboard_session.hpp"
 #include "emulators/ur/rtde_session.hpp"
+#include "hardware/ur/dashboard_client.hpp"
 #include "rooms.hpp"
-#include "stonestack/hardware/ur/dashboard_client.hpp"
 
 namespace {
 

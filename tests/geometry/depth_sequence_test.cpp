@@ -1,4 +1,4 @@
-#include "stonestack/geometry/depth_sequence.hpp"
+#include "geometry/depth_sequence.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

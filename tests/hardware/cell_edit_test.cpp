@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"

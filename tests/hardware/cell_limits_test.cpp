@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/ur/dashboard_client.hpp"
+#include "hardware/ur/dashboard_client.hpp"
 #include "protocol/dashboard_text.hpp"
 
 #include <gmock/gmock.h>

@@ -7,7 +7,7 @@
 
 #include "hardware/fake_server.hpp"
 #include "protocol/hex.hpp"
-#include "stonestack/protocol/rtde_wire.hpp"
+#include "protocol/rtde_wire.hpp"
 
 namespace stonestack::hardware {
 

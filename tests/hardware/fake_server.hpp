@@ -3,8 +3,8 @@
 #include <functional>
 #include <thread>
 
+#include "core/socket.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {
 

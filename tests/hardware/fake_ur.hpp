@@ -5,7 +5,7 @@
 
 #include "hardware/fake_rtde.hpp"
 #include "hardware/ur/ur_status.hpp"
-#include "stonestack/protocol/primary_wire.hpp"
+#include "protocol/primary_wire.hpp"
 
 namespace stonestack::hardware {
 

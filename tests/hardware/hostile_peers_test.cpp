@@ -5,16 +5,16 @@
 
 #include <cstdlib>
 
+#include "hardware/camera/stream_camera.hpp"
 #include "hardware/fake_rtde.hpp"
 #include "hardware/fake_server.hpp"
+#include "hardware/robotiq/ft_sensor.hpp"
+#include "hardware/robotiq/modbus.hpp"
+#include "hardware/ur/dashboard_client.hpp"
+#include "hardware/ur/primary_client.hpp"
+#include "hardware/ur/rtde_client.hpp"
 #include "protocol/hex.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/hardware/camera/stream_camera.hpp"
-#include "stonestack/hardware/robotiq/ft_sensor.hpp"
-#include "stonestack/hardware/robotiq/modbus.hpp"
-#include "stonestack/hardware/ur/dashboard_client.hpp"
-#include "stonestack/hardware/ur/primary_client.hpp"
-#include "stonestack/hardware/ur/rtde_client.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/ur/rtde_client.hpp"
+#include "hardware/ur/rtde_client.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/ur/script_writer.hpp"
+#include "hardware/ur/script_writer.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

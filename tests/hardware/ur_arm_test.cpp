@@ -1,4 +1,4 @@
-#include "stonestack/hardware/ur/ur_arm.hpp"
+#include "hardware/ur/ur_arm.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -23,6 +23,7 @@ TOKEN = re.compile(
 )
 OPEN, CLOSE = {"(", "[", "{"}, {")", "]", "}"}
 ALTERNATIVE = "realsense_library.cpp"  # in place of realsense_absent.cpp, where the build has the library
+IMPORTER = "import_program.cpp"  # a program of its own
 TYPE_WORDS = {"const", "unsigned", "signed", "int", "long", "short", "double", "float", "bool", "char", "auto", "void"}
 
 
@@ -233,7 +234,7 @@ def check(program, files, cache):
 
 
 def sources(folder):
-    return sorted(p for p in folder.rglob("*") if p.suffix in (".hpp", ".cpp") and p.name != ALTERNATIVE)
+    return sorted(p for p in folder.rglob("*") if p.suffix in (".hpp", ".cpp") and p.name not in (ALTERNATIVE, IMPORTER))
 
 
 def main(root):
@@ -242,7 +243,7 @@ def main(root):
         sys.exit(f"only {len(library)} files found below {root}: is ROOT right?")
     cache = {}
     problems = check("library", library, cache)
-    programs = {"command": [p for p in sources(root / "apps") if p.name != "import.cpp"]}
+    programs = {"command": sources(root / "apps")}
     if (root / "benchmarks").exists():
         programs["benchmarks"] = sources(root / "benchmarks")
     for folder in sorted(p for p in (root / "tests").iterdir() if p.is_dir() and p.name not in ("house", "fuzz")):

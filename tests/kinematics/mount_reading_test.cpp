@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/mount_reading.hpp"
+#include "kinematics/mount_reading.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <set>
+
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::motion {
@@ -41,6 +44,26 @@ TEST(FitForGripper, TheArmCarriesTheGripperToo) {
               testing::HasSubstr("kg, ur5 carries 5 kg, 3.35 kg of them the gripper with sensor and camera"));
   EXPECT_GT(carried_mass(gripper), sensed_mass(gripper)) << "the sensor does not feel itself";
   EXPECT_GT(sensed_mass(gripper), gripper.mass);
+}
+
+TEST(FitForGripper, DrawsOnlyStonesThatCanBeCarried) {
+  const GripperModel gripper = make_robotiq_3f();
+  const RobotModel robot = read_robot("ur10");
+  Catalogue catalogue;
+  for (int k = 0; k < 6; ++k) catalogue.stones.push_back(block({0.12, 0.09, 0.06}));
+  catalogue.stones[2] = block({0.20, 0.18, 0.02});  // too wide
+  EXPECT_EQ(draw_stones(catalogue, 9, 1, gripper, robot), (std::vector<int>{0, 1, 3, 4, 5}));
+  std::set<std::vector<int>> drawn;
+  for (int seed = 1; seed <= 20; ++seed) {
+    const std::vector<int> stones = draw_stones(catalogue, 3, seed, gripper, robot);
+    ASSERT_EQ(stones.size(), 3U);
+    EXPECT_TRUE(std::is_sorted(stones.begin(), stones.end()));
+    EXPECT_EQ(draw_stones(catalogue, 3, seed, gripper, robot), stones);
+    drawn.insert(stones);
+  }
+  EXPECT_GT(drawn.size(), 4U) << "of ten possible sets";
+  catalogue.stones = {block({0.20, 0.18, 0.02})};
+  EXPECT_THROW((void)draw_stones(catalogue, 1, 1, gripper, robot), Error);
 }
 
 TEST(FitForGripper, StoneWithoutMassIsRefused) {

@@ -1,4 +1,4 @@
-#include "stonestack/protocol/rtde_wire.hpp"
+#include "protocol/rtde_wire.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

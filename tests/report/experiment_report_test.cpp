@@ -1,4 +1,4 @@
-#include "stonestack/report/experiment_report.hpp"
+#include "stonestack/report/run_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

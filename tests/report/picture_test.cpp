@@ -1,4 +1,4 @@
-#include "stonestack/report/picture.hpp"
+#include "report/picture.hpp"
 
 #include <gtest/gtest.h>
 

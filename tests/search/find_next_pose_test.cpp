@@ -329,11 +329,11 @@ TEST(PlanTower, StacksThreeBoxes) {
   problem.available = {{0, at(0.4, -0.3, 0.03)}, {1, at(0.4, 0, 0.025)}, {2, at(0.4, 0.3, 0.02)}};
   SearchOptions options = quick();
   options.beam = 1;
-  std::string reason;
-  const auto tower = plan_tower(problem, 3, options, &reason);
-  ASSERT_EQ(tower.size(), 3U) << reason;
+  const TowerPlan tower = plan_tower(problem, 3, options);
+  ASSERT_EQ(tower.placements.size(), 3U) << tower.reason;
   Stack stack;
-  for (const Placement& placement : tower) stack.stones.push_back({placement.stone, placement.T_W_O});
+  for (const Placement& placement : tower.placements)
+    stack.stones.push_back({placement.stone, placement.T_W_O});
   const StandVerdict verdict = judge_stack(boxes(), stack);
   EXPECT_TRUE(verdict.stands) << verdict.reason;
   EXPECT_TRUE(verdict.clean);
@@ -344,9 +344,9 @@ TEST(PlanTower, ReportsThatTheTimeWasOver) {
   options.budget = 1e-6;
   for (const int horizon : {1, 4}) {
     options.horizon = horizon;
-    std::string reason;
-    EXPECT_TRUE(plan_tower(base_stands(), 2, options, &reason).empty());
-    EXPECT_THAT(reason, HasSubstr("the time was over")) << "horizon " << horizon;
+    const TowerPlan tower = plan_tower(base_stands(), 2, options);
+    EXPECT_TRUE(tower.placements.empty());
+    EXPECT_THAT(tower.reason, HasSubstr("the time was over")) << "horizon " << horizon;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "stonestack/search/find_stack.hpp"
+#include "search/find_stack.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -7,6 +7,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/stacking/choose_action.hpp"
+#include "stacking/choose_action.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "stacking/heard.hpp"
+#include "stacking/state_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/stacking/state_file.hpp"
 
 /// Decisions without a cell: states that runs saved, and what is changed in them.
 namespace stonestack::stacking {

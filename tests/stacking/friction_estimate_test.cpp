@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "stacking/run_memory.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/stacking/run_memory.hpp"
 
 namespace stonestack::stacking {
 namespace {

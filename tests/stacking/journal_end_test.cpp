@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "physics/shape.hpp"
+#include "stacking/journal.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"

@@ -1,4 +1,4 @@
-#include "stonestack/stacking/journal.hpp"
+#include "stacking/journal.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rooms.hpp"
-#include "stonestack/stacking/state_file.hpp"
+#include "stacking/state_file.hpp"
 
 namespace stonestack::test {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "rooms.hpp"
+#include "stacking/execute.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/stacking/execute.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 /// Devices for tests of what carries out plans: they note what they are told and answer as scripted.

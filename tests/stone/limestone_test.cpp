@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "geometry/convex_pieces.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::stone {

@@ -1,16 +1,17 @@
 #pragma once
-#include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "stonestack/emulators/camera/camera_simulator.hpp"
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 #pragma GCC visibility push(default)
+
+namespace stonestack::core {
+struct Endpoint;  // private
+}
 
 namespace stonestack::emulators {
 
@@ -19,22 +20,10 @@ struct ServedDevices {
   bool arm = true, gripper = true, force_torque = true, camera = true;
 };
 
-/// The simulated devices of a cell behind their real protocols.
-struct SimulatedServersOptions {
-  UrServerOptions arm;
-  GripperSimulatorOptions gripper;
-  FtSimulatorOptions force_torque;
-  CameraSimulatorOptions camera;
-  GripperFaults gripper_faults;
-  ModbusFaults modbus_faults;
-  FtFaults force_torque_faults;
-  CameraFaults camera_faults;
-  ServedDevices devices;
-  /// True pose of the camera in the tool, independent of the cell file: x, y, z (m), qx, qy, qz, qw.
-  std::array<double, 7> T_T_C;
-
-  SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals, standard camera mount
-};
+/// Settings of the simulated devices of a cell behind their real protocols. Private: a program sets them by
+/// their names, in the group `simulators` of a cell file or as `fields`.
+struct SimulatedServersOptions;
+struct UrPorts;  // private
 /// `layout` with the camera where the simulated one sits: what a simulated world is made of. Throws
 /// InvalidArgument for a quaternion that is not one.
 [[nodiscard]] CellLayout true_layout(CellLayout layout, const SimulatedServersOptions& options);
@@ -68,6 +57,48 @@ class SimulatedServers {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
+
+/// Content of a cell file: the devices, and, if `simulate`, how this program serves them itself.
+class CellFile {
+ public:
+  std::string path;
+  bool simulate = false;
+
+  CellFile();
+  ~CellFile();
+  CellFile(const CellFile& other);
+  CellFile(CellFile&& other) noexcept;
+  CellFile& operator=(const CellFile& other);
+  CellFile& operator=(CellFile&& other) noexcept;
+  [[nodiscard]] CellConfig& cell();
+  [[nodiscard]] const CellConfig& cell() const;
+  [[nodiscard]] SimulatedServersOptions& servers();
+  [[nodiscard]] const SimulatedServersOptions& servers() const;
+  /// Name of the cell's robot: ur3 to ur16e, or the path of a URDF.
+  [[nodiscard]] const std::string& robot() const;
+  /// Address of the cell's arm; empty: none.
+  [[nodiscard]] const std::string& arm_address() const;
+  /// Lets these devices be served, and no others.
+  void serve(const ServedDevices& devices);
+
+ private:
+  struct Content;
+  std::unique_ptr<Content> content_;
+};
+/// `simulate` and the group `simulators`; CellConfig has the rest.
+[[nodiscard]] FieldList cell_fields(CellFile& file);
+/// Lets `set` change all fields of a cell, and reads anew what depends on them: the file of a hand-eye
+/// calibration. Throws InvalidArgument when it sets layout.T_T_C beside such a file.
+void set_cell(CellFile& file, const std::function<void(const FieldList&)>& set);
+/// Reads a cell file by its path, or by the name of a cell that comes with stonestack, "loopback-ur10".
+/// @throws FileError
+[[nodiscard]] CellFile read_cell(const std::string& name);
+/// True if another process serves the standard ports of a simulated cell.
+/// @throws Interrupted
+[[nodiscard]] bool is_served_elsewhere(const CellFile& file);
+
+/// Writes the addresses and ports where the servers listen into the client side of a cell.
+void connect_to(const SimulatedServers& servers, CellConfig& cell);
 
 }  // namespace stonestack::emulators
 

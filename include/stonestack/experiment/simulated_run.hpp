@@ -1,8 +1,12 @@
 #pragma once
+#include <string>
+#include <vector>
+
 #include "stonestack/experiment/experiment.hpp"
 
 #pragma GCC visibility push(default)
 
+/// Runs of the loop in the simulated cell, and the rows of a comparison of experiments.
 namespace stonestack::experiment {
 
 /// Settings of one run of the loop in the simulated cell.
@@ -18,6 +22,24 @@ void spread_seed(SimulatedRun& run);
 
 /// Does what the run reports stand in the simulated world's own state, with the arm away?
 [[nodiscard]] TruthReport judge_run(const SimulatedCell& cell, const RunResult& result);
+
+/// One row of a comparison: the experiment with some options set differently.
+struct Variant {
+  std::string name;
+  std::vector<std::string> assignments;
+};
+
+/// Each way in which the cell is hard, alone, against all of them and none of them.
+[[nodiscard]] std::vector<Variant> cell_variants();
+/// Each part of the design taken away, alone.
+[[nodiscard]] std::vector<Variant> design_variants();
+/// "name: option=value, option=value". Throws InvalidArgument.
+[[nodiscard]] Variant parse_variant(const std::string& text);
+
+/// Throws InvalidArgument, before anything is built, for an option of a variant that there is not, and for a
+/// seed that the runs of an experiment would not have: `run` are the settings of all, `seed` the
+/// experiment's.
+void check_variants(const std::vector<Variant>& variants, const SimulatedRun& run, int seed);
 
 }  // namespace stonestack::experiment
 

@@ -6,6 +6,7 @@
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/geometry/obstacle.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/stone.hpp"
 
 #pragma GCC visibility push(default)
@@ -98,6 +99,13 @@ struct PlanningScene {
 
 /// Names what cannot carry `mass` (kg), and its limit: "the fingers carry 2.5 kg"; empty if all can.
 [[nodiscard]] std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot);
+
+/// Draws `count` stones of a catalogue by the seed (paper §4.2: an alternating set of four of six). A stone
+/// that gripper or arm cannot carry (`unfit_for_gripper`) is not drawn but named in the log.
+/// @return indices, sorted; fewer than `count` where fewer are fit.
+/// @throws Error (planning failed) if no stone is fit
+[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,
+                                           const GripperModel& gripper, const RobotModel& robot);
 
 }  // namespace stonestack::motion
 

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "stonestack/experiment/experiment.hpp"
-#include "stonestack/report/picture.hpp"
 
 #pragma GCC visibility push(default)
 
+/// Reports of a run and of an experiment, for people and for other programs.
 namespace stonestack::report {
 
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.
@@ -16,11 +16,19 @@ namespace stonestack::report {
 [[nodiscard]] std::string run_table(const RunReport& report);
 /// One self-contained HTML file with the picture, the table and the options.
 [[nodiscard]] std::string run_html(const RunReport& report);
-/// Meshes of stones at poses in stone-like colours, one a stone.
-[[nodiscard]] std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue,
-                                                  const std::vector<PlacedStone>& stones);
-/// A view of everything at the site: from the front, high enough to see the table.
-[[nodiscard]] View view_of_site(const Eigen::Vector2d& site, double top_height);
+/// For a person: histogram beside the paper's, times beside the paper's, survival, predictions, a line a run.
+[[nodiscard]] std::string experiment_table(const Experiment& experiment);
+/// "stonestack.experiment/1".
+[[nodiscard]] std::string experiment_json(const Experiment& experiment);
+/// Reads a file that experiment_json wrote. Not in it: catalogue, options and belief of the runs. Throws
+/// FileError.
+[[nodiscard]] Experiment read_experiment(const std::string& path);
+/// A line a run: run, seed, stones, height, end, times.
+[[nodiscard]] std::string runs_csv(const Experiment& experiment);
+/// The paper's figure 5: cost of each selected pose by level, a colour a run, a ring where the placement held
+/// and a cross where it failed; as CSV and as SVG.
+[[nodiscard]] std::string figure5_csv(const Experiment& experiment);
+[[nodiscard]] std::string figure5_svg(const Experiment& experiment);
 
 }  // namespace stonestack::report
 

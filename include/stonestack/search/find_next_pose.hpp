@@ -138,12 +138,15 @@ struct SearchResult {
 [[nodiscard]] double expected_height(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                                      const SearchOptions& options = {});
 
+/// A tower on paper.
+struct TowerPlan {
+  std::vector<Placement> placements;  ///< from the bottom up
+  std::string reason;                 ///< what stood in the way of more; empty: nothing
+};
 /// Plans a tower of `levels` more stones as if each placement succeeded, and returns the highest that it
-/// found to stand, from the bottom up; `reason` is why there are no more. Throws as find_next_pose
-/// does; Ctrl-C and the budget end it with the best so far.
-[[nodiscard]] std::vector<Placement> plan_tower(SearchProblem problem, int levels,
-                                                const SearchOptions& options, std::string* reason,
-                                                const std::function<void(const std::string&)>& report = {});
+/// found to stand. Throws as find_next_pose does; Ctrl-C and the budget end it with the best so far.
+[[nodiscard]] TowerPlan plan_tower(SearchProblem problem, int levels, const SearchOptions& options = {},
+                                   const std::function<void(const std::string&)>& report = {});
 
 }  // namespace stonestack::search
 

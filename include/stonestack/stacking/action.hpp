@@ -70,6 +70,22 @@ using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop
 /// "place", "reorient", "unstack", "clear_base", "look_again", "stop".
 [[nodiscard]] std::string name_of(const Action& action);
 
+/// One attempted placement, or a stone that was set down in the field.
+struct PlacementRecord {
+  enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kDropped, kLost, kUnstacked, kReoriented };
+  std::string stone;
+  Placement planned;
+  std::optional<Pose> T_W_O_measured;  ///< where it was seen afterwards
+  Outcome outcome = Outcome::kPlaced;
+  std::string note;
+  int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
+  std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
+  Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim against the bias, m
+};
+/// "placed", "moved", "fallen", "not picked", "dropped" (out of the gripper, on the route), "lost" (released,
+/// not seen afterwards), "unstacked", "reoriented".
+[[nodiscard]] std::string to_text(PlacementRecord::Outcome outcome);
+
 }  // namespace stonestack::stacking
 
 #pragma GCC visibility pop

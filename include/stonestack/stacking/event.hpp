@@ -5,7 +5,8 @@
 #include <variant>
 #include <vector>
 
-#include "stonestack/stacking/run_memory.hpp"
+#include "stonestack/stacking/action.hpp"
+#include "stonestack/stacking/world_estimate.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 #pragma GCC visibility push(default)

@@ -43,6 +43,12 @@ struct RestingStack {
   std::string reason;
 };
 
+/// How likely each of some frictions is that the stones may have.
+struct FrictionEstimate {
+  std::vector<double> frictions;  ///< rising
+  std::vector<double> weights;    ///< sum to 1
+};
+
 /// State of the cell as the program knows it: only from what camera and sensors reported.
 struct WorldEstimate {
   std::vector<StoneEstimate> stack;  ///< from the table up

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "detection/hypotheses/candidates.hpp"
-#include "stonestack/detection/trace.hpp"
+#include "detection/trace.hpp"
 
 namespace stonestack::detection {
 

@@ -1,4 +1,4 @@
-#include "stonestack/emulators/camera/camera_simulator.hpp"
+#include "emulators/camera/camera_simulator.hpp"
 
 #include <chrono>
 #include <cstring>

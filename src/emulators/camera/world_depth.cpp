@@ -1,7 +1,7 @@
+#include "emulators/camera/camera_simulator.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/true_view.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/emulators/camera/camera_simulator.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
+#include "emulators/robotiq/ft_simulator.hpp"
 
 #include <array>
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <thread>
 
+#include "emulators/robotiq/ft_simulator.hpp"
 #include "protocol/ft_frames.hpp"
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
 
 namespace stonestack::emulators {
 

@@ -1,4 +1,4 @@
-#include "stonestack/emulators/robotiq/gripper_plant.hpp"
+#include "emulators/robotiq/gripper_plant.hpp"
 
 #include <algorithm>
 #include <cmath>

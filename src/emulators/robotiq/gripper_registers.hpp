@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <span>
 
-#include "stonestack/emulators/robotiq/gripper_plant.hpp"
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
+#include "emulators/robotiq/gripper_plant.hpp"
+#include "emulators/robotiq/gripper_simulator.hpp"
 
 namespace stonestack::emulators {
 

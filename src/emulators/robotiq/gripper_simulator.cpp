@@ -1,4 +1,4 @@
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
+#include "emulators/robotiq/gripper_simulator.hpp"
 
 #include <atomic>
 #include <chrono>

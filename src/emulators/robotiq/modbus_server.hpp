@@ -5,9 +5,9 @@
 #include <thread>
 
 #include "core/serial.hpp"
+#include "emulators/robotiq/modbus_faults.hpp"
 #include "emulators/tcp_service.hpp"
 #include "protocol/modbus_frame.hpp"
-#include "stonestack/emulators/robotiq/modbus_faults.hpp"
 
 namespace stonestack::emulators {
 

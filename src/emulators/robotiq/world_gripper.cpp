@@ -2,9 +2,9 @@
 #include <cmath>
 #include <mutex>
 
+#include "emulators/robotiq/gripper_plant.hpp"
 #include "simulation/finger_drive.hpp"
 #include "simulation/shared_world.hpp"
-#include "stonestack/emulators/robotiq/gripper_plant.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -1,5 +1,5 @@
+#include "emulators/robotiq/ft_simulator.hpp"
 #include "simulation/shared_world.hpp"
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
 
 namespace stonestack::emulators {
 namespace {

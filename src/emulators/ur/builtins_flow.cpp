@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "emulators/ur/builtins.hpp"
+#include "protocol/rtde_fields.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/protocol/rtde_fields.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
+#include "core/socket.hpp"
 #include "emulators/ur/motion.hpp"
-#include "stonestack/core/socket.hpp"
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
-#include "stonestack/protocol/rtde_fields.hpp"
+#include "emulators/ur/ur_controller_server.hpp"
+#include "protocol/rtde_fields.hpp"
 #include "urscript/machine.hpp"
 
 namespace stonestack::emulators {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "protocol/rtde_wire.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/protocol/rtde_wire.hpp"
 
 namespace stonestack::emulators {
 namespace {

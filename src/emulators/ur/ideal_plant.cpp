@@ -1,4 +1,4 @@
-#include "stonestack/emulators/ur/plant.hpp"
+#include "emulators/ur/plant.hpp"
 
 namespace stonestack::emulators {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "emulators/ur/controller.hpp"
-#include "stonestack/protocol/rtde_fields.hpp"
+#include "protocol/rtde_fields.hpp"
 
 namespace stonestack::emulators {
 

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "emulators/ur/rtde_access.hpp"
-#include "stonestack/protocol/rtde_wire.hpp"
+#include "protocol/rtde_wire.hpp"
 
 namespace stonestack::emulators {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "core/socket.hpp"
 #include "emulators/ur/controller.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::emulators {
 

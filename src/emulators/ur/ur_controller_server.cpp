@@ -1,4 +1,4 @@
-#include "stonestack/emulators/ur/ur_controller_server.hpp"
+#include "emulators/ur/ur_controller_server.hpp"
 
 #include <atomic>
 #include <chrono>

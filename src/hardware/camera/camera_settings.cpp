@@ -1,4 +1,4 @@
-#include "stonestack/hardware/camera/camera_settings.hpp"
+#include "hardware/camera/camera_settings.hpp"
 
 #include <algorithm>
 #include <cmath>

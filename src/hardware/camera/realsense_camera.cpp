@@ -1,4 +1,4 @@
-#include "stonestack/hardware/camera/realsense_camera.hpp"
+#include "hardware/camera/realsense_camera.hpp"
 
 #include "hardware/camera/realsense_device.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/hardware/camera/realsense_camera.hpp"
+#include "hardware/camera/realsense_camera.hpp"
 
 namespace stonestack::hardware {
 

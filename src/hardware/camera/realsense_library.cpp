@@ -4,9 +4,9 @@
 #include <librealsense2/rs.hpp>
 #include <thread>
 
+#include "core/byte_stream.hpp"
 #include "hardware/camera/realsense_device.hpp"
 #include "protocol/z16.hpp"
-#include "stonestack/core/byte_stream.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::hardware {

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/camera/recorded_camera.hpp"
+#include "hardware/camera/recorded_camera.hpp"
 
 #include <fstream>
 

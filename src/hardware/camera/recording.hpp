@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "stonestack/hardware/camera/recorded_camera.hpp"
+#include "hardware/camera/recorded_camera.hpp"
 
 /// Lists of frames on disk.
 namespace stonestack::hardware {

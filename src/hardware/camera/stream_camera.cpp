@@ -1,11 +1,11 @@
-#include "stonestack/hardware/camera/stream_camera.hpp"
+#include "hardware/camera/stream_camera.hpp"
 
 #include <array>
 
+#include "core/socket.hpp"
 #include "hardware/constants.hpp"
 #include "protocol/frame_stream.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {
 

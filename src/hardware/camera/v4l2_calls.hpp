@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "core/byte_stream.hpp"
+#include "hardware/camera/v4l2_camera.hpp"
 #include "hardware/camera/v4l2_recording.hpp"
-#include "stonestack/core/byte_stream.hpp"
-#include "stonestack/hardware/camera/v4l2_camera.hpp"
 
 namespace stonestack::hardware {
 

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/camera/v4l2_camera.hpp"
+#include "hardware/camera/v4l2_camera.hpp"
 
 #include <linux/videodev2.h>
 

@@ -1,10 +1,10 @@
 #include "hardware/robotiq/ft_link.hpp"
 
 #include "core/serial.hpp"
+#include "core/socket.hpp"
 #include "hardware/constants.hpp"
 #include "protocol/modbus_frame.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 #include <memory>
 
+#include "core/byte_stream.hpp"
+#include "hardware/robotiq/ft_sensor.hpp"
 #include "protocol/ft_frames.hpp"
-#include "stonestack/core/byte_stream.hpp"
-#include "stonestack/hardware/robotiq/ft_sensor.hpp"
 
 namespace stonestack::hardware {
 

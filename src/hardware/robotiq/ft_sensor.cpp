@@ -1,4 +1,4 @@
-#include "stonestack/hardware/robotiq/ft_sensor.hpp"
+#include "hardware/robotiq/ft_sensor.hpp"
 
 #include <Eigen/Geometry>
 #include <atomic>

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
+#include "hardware/robotiq/three_finger_gripper.hpp"
 
 /// The gripper's registers as words and as values.
 namespace stonestack::hardware {

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/robotiq/modbus.hpp"
+#include "hardware/robotiq/modbus.hpp"
 
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"

@@ -1,9 +1,9 @@
 #include <array>
 
+#include "core/socket.hpp"
 #include "hardware/constants.hpp"
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -2,9 +2,9 @@
 #include <memory>
 #include <optional>
 
+#include "core/byte_stream.hpp"
+#include "hardware/robotiq/modbus.hpp"
 #include "protocol/modbus_frame.hpp"
-#include "stonestack/core/byte_stream.hpp"
-#include "stonestack/hardware/robotiq/modbus.hpp"
 
 namespace stonestack::hardware {
 

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
+#include "hardware/robotiq/three_finger_gripper.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -6,9 +6,9 @@
 #include <functional>
 #include <thread>
 
+#include "core/byte_stream.hpp"
 #include "hardware/constants.hpp"
 #include "hardware/robotiq/gripper_words.hpp"
-#include "stonestack/core/byte_stream.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 

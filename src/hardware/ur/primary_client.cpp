@@ -1,4 +1,4 @@
-#include "stonestack/hardware/ur/primary_client.hpp"
+#include "hardware/ur/primary_client.hpp"
 
 #include <array>
 #include <condition_variable>

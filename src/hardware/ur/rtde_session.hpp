@@ -3,7 +3,7 @@
 #include <memory>
 #include <mutex>
 
-#include "stonestack/hardware/ur/rtde_client.hpp"
+#include "hardware/ur/rtde_client.hpp"
 
 /// One RTDE connection from V to S: what has to be done again after every loss of the link.
 namespace stonestack::hardware {

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "hardware/constants.hpp"
+#include "hardware/ur/script_writer.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/ur/script_writer.hpp"
 
 namespace stonestack::hardware {
 namespace {

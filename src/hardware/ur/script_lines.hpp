@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "hardware/ur/script_text.hpp"
+#include "hardware/ur/script_writer.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/ur/script_writer.hpp"
 
 namespace stonestack::hardware {
 

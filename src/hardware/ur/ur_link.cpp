@@ -3,9 +3,9 @@
 #include <limits>
 
 #include "hardware/constants.hpp"
+#include "hardware/ur/dashboard_client.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/hardware/ur/dashboard_client.hpp"
 
 namespace stonestack::hardware {
 namespace {

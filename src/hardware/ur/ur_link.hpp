@@ -4,9 +4,9 @@
 #include <mutex>
 #include <thread>
 
+#include "hardware/ur/primary_client.hpp"
+#include "hardware/ur/ur_arm.hpp"
 #include "hardware/ur/ur_status.hpp"
-#include "stonestack/hardware/ur/primary_client.hpp"
-#include "stonestack/hardware/ur/ur_arm.hpp"
 
 /// The connections to one controller, its heartbeat, and whether motions are allowed.
 namespace stonestack::hardware {

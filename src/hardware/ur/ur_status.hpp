@@ -1,12 +1,11 @@
 #pragma once
-#include "core/export.hpp"
-#include "stonestack/hardware/ur/rtde_client.hpp"
-#include "stonestack/hardware/ur/script_writer.hpp"
+#include "hardware/ur/rtde_client.hpp"
+#include "hardware/ur/script_writer.hpp"
 
 /// State of arm and program in one RTDE sample.
 namespace stonestack::hardware {
 
-struct STONESTACK_EXPORT UrStatus {
+struct UrStatus {
   static constexpr std::uint32_t kPausing = 3, kPaused = 4, kResuming = 5;  ///< of `runtime_state`
   Joints q, qd;
   double device_time = 0.0, host_time = 0.0;  ///< [s]
@@ -30,8 +29,8 @@ struct STONESTACK_EXPORT UrStatus {
 [[nodiscard]] RtdeRecipe arm_recipe(const UrVersion& version);
 /// Returns the recipe for the controller at `address`; throws DeviceError that names it for PolyScope X
 /// (version 10).
-[[nodiscard]] STONESTACK_EXPORT RtdeRecipeFor served_recipe(const std::string& address);
-[[nodiscard]] STONESTACK_EXPORT UrStatus read_status(const RtdeSample& sample, int first_register);
+[[nodiscard]] RtdeRecipeFor served_recipe(const std::string& address);
+[[nodiscard]] UrStatus read_status(const RtdeSample& sample, int first_register);
 /// Empty unless the safety system holds the arm: "protective stop (safety 3, bits 0x4)".
 [[nodiscard]] std::string find_safety_stop(const UrStatus& status);
 /// Finds a safety stop, or that the arm is not powered with its brakes off.

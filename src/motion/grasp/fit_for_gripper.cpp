@@ -4,9 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/core/random.hpp"
 
 namespace stonestack::motion {
 namespace {
@@ -60,6 +63,26 @@ std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper, c
     return concat(std::lround(1e3 * width), " mm across, the fingers open ",
                   std::lround(1e3 * gripper.max_opening), " mm");
   return {};
+}
+
+std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& gripper,
+                             const RobotModel& robot) {
+  std::vector<int> order(catalogue.stones.size());
+  std::iota(order.begin(), order.end(), 0);
+  Random::stream(static_cast<std::uint64_t>(seed), "stones of the run").shuffle(order.begin(), order.end());
+  std::string unfit;
+  std::erase_if(order, [&](int k) {
+    const Stone& stone = catalogue.stones[static_cast<std::size_t>(k)];
+    const std::string why = unfit_for_gripper(stone, gripper, robot);
+    if (!why.empty()) unfit += concat(unfit.empty() ? "" : ", ", stone.name, " (", why, ")");
+    return !why.empty();
+  });
+  if (order.empty())
+    throw Error("no stone of the catalogue can be carried: " + unfit, ExitCode::kExecutionFailed);
+  if (!unfit.empty()) log_info("not drawn, for gripper or arm cannot hold them: " + unfit);
+  order.resize(std::min(order.size(), static_cast<std::size_t>(count)));
+  std::sort(order.begin(), order.end());
+  return order;
 }
 
 }  // namespace stonestack::motion

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/convex_pieces.hpp"
 #include "geometry/polygon.hpp"
 #include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/convex_pieces.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,11 +1,11 @@
-#include "stonestack/emulators/camera/camera_simulator.hpp"
+#include "emulators/camera/camera_simulator.hpp"
 
 #include <gmock/gmock.h>
 
 #include <vector>
 
+#include "hardware/camera/stream_camera.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/camera/stream_camera.hpp"
 
 namespace stonestack::emulators {
 namespace {

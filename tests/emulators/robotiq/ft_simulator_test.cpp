@@ -1,4 +1,4 @@
-#include "stonestack/emulators/robotiq/ft_simulator.hpp"
+#include "emulators/robotiq/ft_simulator.hpp"
 
 #include <gmock/gmock.h>
 #include <modbus/modbus.h>
@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
+#include "core/byte_stream.hpp"
 #include "core/serial.hpp"
-#include "stonestack/core/byte_stream.hpp"
+#include "hardware/robotiq/ft_sensor.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/robotiq/ft_sensor.hpp"
 
 namespace stonestack::emulators {
 namespace {

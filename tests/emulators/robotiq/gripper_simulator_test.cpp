@@ -1,4 +1,4 @@
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
+#include "emulators/robotiq/gripper_simulator.hpp"
 
 #include <gmock/gmock.h>
 #include <modbus/modbus.h>
@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/serial.hpp"
+#include "hardware/robotiq/three_finger_gripper.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 
 namespace stonestack::emulators {
 namespace {

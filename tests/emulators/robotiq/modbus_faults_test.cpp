@@ -3,10 +3,10 @@
 
 #include <array>
 
-#include "stonestack/core/byte_stream.hpp"
+#include "core/byte_stream.hpp"
+#include "emulators/robotiq/gripper_simulator.hpp"
+#include "hardware/robotiq/three_finger_gripper.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/emulators/robotiq/gripper_simulator.hpp"
-#include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -1,12 +1,13 @@
 // The RealSense backend, compiled against a declared part of librealsense over a scripted camera, and what a
 // build without the library says.
-#include "stonestack/hardware/camera/realsense_camera.hpp"
+#include "hardware/camera/realsense_camera.hpp"
 
 #include <gmock/gmock.h>
 
 #include <librealsense2/rs.hpp>
 
 #include "hardware/camera/realsense_device.hpp"
+#include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 

@@ -1,5 +1,5 @@
 // This machine has no video device: a kernel that the test writes stands in for it, down to the ioctls.
-#include "stonestack/hardware/camera/v4l2_camera.hpp"
+#include "hardware/camera/v4l2_camera.hpp"
 
 #include <gmock/gmock.h>
 #include <linux/videodev2.h>
@@ -9,10 +9,10 @@
 #include <deque>
 #include <filesystem>
 
+#include "hardware/camera/recorded_camera.hpp"
 #include "hardware/camera/v4l2_calls.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/camera/recorded_camera.hpp"
 
 namespace stonestack::hardware {
 namespace {

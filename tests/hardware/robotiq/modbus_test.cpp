@@ -1,4 +1,4 @@
-#include "stonestack/hardware/robotiq/modbus.hpp"
+#include "hardware/robotiq/modbus.hpp"
 
 #include <gmock/gmock.h>
 #include <modbus/modbus.h>
@@ -8,8 +8,8 @@
 #include <thread>
 
 #include "core/serial.hpp"
+#include "core/socket.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {
 namespace {

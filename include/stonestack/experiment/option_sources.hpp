@@ -1,0 +1,64 @@
+#pragma once
+#include <map>
+#include <string>
+#include <vector>
+
+#include "stonestack/core/options.hpp"
+#include "stonestack/detection/track_stones.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
+#include "stonestack/simulation/render_scene.hpp"
+
+#pragma GCC visibility push(default)
+
+/// Where the options of a program come from. Precedence: flag, environment (STONESTACK_*), project file
+/// (./stonestack.yaml), user file (~/.config/stonestack/config.yaml), default.
+namespace stonestack::experiment {
+
+/// The options of all commands, as a file may hold them.
+struct EveryOption {
+  BuildOptions build;
+  TrackOptions tracking;
+  SimulationOptions simulation;
+  SceneOptions scene;
+};
+[[nodiscard]] FieldList fields(EveryOption& every);
+
+/// Value that a flag of its own gives to an option: --method for search.method.
+struct FlagValue {
+  std::string flag;
+  std::string option;  ///< "*.seed": the seed of every part
+  std::string value;
+};
+
+/// Options as a command line gives them.
+struct OptionSources {
+  std::string config;  ///< option file in place of ./stonestack.yaml; empty: none
+  std::vector<FlagValue> flags;
+  std::vector<std::string> assignments;  ///< "NAME=VALUE", one after the other
+};
+
+/// Sources of the values of options, by name; an option that is not in it has its default.
+using OptionOrigins = std::map<std::string, std::string>;
+/// @return "default" for an option that is not in it
+[[nodiscard]] std::string origin_of(const std::string& option, const OptionOrigins& origins);
+
+/// Applies files, environment, flags and assignments to `list`, in that order. A file may hold options of
+/// other commands as well: they are checked, and have no effect. Where detection.method becomes one that
+/// stands for a set of options, these take the place of the defaults.
+/// @return "detection.method", "user file PATH", "project file PATH", "file PATH", "environment NAME",
+/// "flag --set" or the name of a flag for each option that is not at its default.
+/// @throws FileError or InvalidArgument with file, value and range
+[[nodiscard]] OptionOrigins apply_options(const FieldList& list, const OptionSources& sources);
+
+/// Sets "NAME=VALUE" one after the other, as --set does, also the options that a detection.method among them
+/// stands for.
+/// @throws InvalidArgument
+void set_fields(const FieldList& list, const std::vector<std::string>& assignments);
+
+/// JSON text of schema stonestack.config/1: name, description and value of each field, range and unit of a
+/// number, its origin where `origins` is given.
+[[nodiscard]] std::string fields_json(const FieldList& list, const OptionOrigins* origins = nullptr);
+
+}  // namespace stonestack::experiment
+
+#pragma GCC visibility pop

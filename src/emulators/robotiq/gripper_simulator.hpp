@@ -1,0 +1,54 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "core/socket.hpp"
+#include "emulators/robotiq/gripper_plant.hpp"
+#include "emulators/robotiq/modbus_faults.hpp"
+
+namespace stonestack::emulators {
+
+/// Faults of a simulated gripper behind a healthy wire.
+struct GripperFaults {
+  bool activation_hangs = false;  ///< the activation never completes
+  int fault = 0;                  ///< gFLT that is reported, 0 to 15; 13 to 15 end with a reset
+  bool stuck_moving = false;      ///< the axes report motion for ever
+  double echo_delay = 0.0;        ///< s until a write is acted upon and echoed
+  int ignored_writes = 0;         ///< position commands that are lost (never echoed), from now on
+  bool false_object = false;      ///< contact is reported at the requested position
+  double slip = 0.0;              ///< counts/s that the closed fingers creep on with a grip on something
+};
+[[nodiscard]] FieldList fields(GripperFaults& faults);
+
+struct GripperSimulatorOptions {
+  bool tcp = true;                    ///< serve Modbus/TCP
+  std::string address = "127.0.0.1";  ///< any 127.x.y.z
+  int port = 502;                     ///< 0: a free one
+  bool rtu = false;                   ///< serve Modbus/RTU on a pseudo terminal
+  std::string link;                   ///< a name for the pseudo terminal, e.g. /tmp/ttyGripper
+  int unit = 9;                       ///< on the serial line
+  double speed_up = 1.0;              ///< simulated seconds per second, of activation and fingers
+};
+[[nodiscard]] FieldList fields(GripperSimulatorOptions& options);
+
+/// A Robotiq 3-finger gripper for any Modbus master. Both register layouts at once: commands at 0 and 1000,
+/// status at 0 and 2000 with functions 3 and 4, commands read back with function 3 at 1000. Every TCP unit id
+/// is served. Its own threads serve and move the plant until it is destroyed.
+class GripperSimulator {
+ public:
+  /// `plant` must outlive the simulator and is called by its thread only. Throws as TcpListener and
+  /// PseudoTerminal do.
+  explicit GripperSimulator(GripperPlant& plant, const GripperSimulatorOptions& options = {});
+  ~GripperSimulator();
+  /// Where it listens. Throws InvalidArgument when that link is off.
+  [[nodiscard]] Endpoint endpoint() const;
+  [[nodiscard]] std::string serial_path() const;
+  void set_faults(const GripperFaults& faults);
+  void set_faults(const ModbusFaults& faults);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace stonestack::emulators

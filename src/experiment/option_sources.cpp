@@ -1,0 +1,161 @@
+#include "stonestack/experiment/option_sources.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+
+namespace stonestack::experiment {
+namespace {
+
+/// search.theta_init -> STONESTACK_SEARCH_THETA_INIT
+std::string environment_name(const std::string& field) {
+  std::string name = "STONESTACK_";
+  for (const char c : field)
+    name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+std::string user_file() {
+  if (const char* home = std::getenv("XDG_CONFIG_HOME")) return std::string(home) + "/stonestack/config.yaml";
+  if (const char* home = std::getenv("HOME")) return std::string(home) + "/.config/stonestack/config.yaml";
+  return "";
+}
+
+std::vector<std::string> values(const FieldList& list) {
+  std::vector<std::string> texts;
+  for (const auto& field : list) texts.push_back(field_text(field));
+  return texts;
+}
+
+/// Returns the options that detection.method stands for, by name, as far as it is not the default.
+std::vector<std::pair<std::string, std::string>> set_of_method(const FieldList& list) {
+  const auto method =
+      std::find_if(list.begin(), list.end(), [](const Field& f) { return f.name == "detection.method"; });
+  if (method == list.end()) return {};
+  DetectionOptions plain, meant = options_of(field_text(*method));
+  plain.method = meant.method;
+  const FieldList before = nest("detection", fields(plain)), after = nest("detection", fields(meant));
+  std::vector<std::pair<std::string, std::string>> set;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    if (field_text(before[i]) != field_text(after[i])) set.emplace_back(after[i].name, field_text(after[i]));
+  return set;
+}
+
+/// Takes the option from its environment variable and returns that one's name, if there is one.
+std::optional<std::string> apply_environment(const FieldList& list, const std::string& option) {
+  const std::string name = environment_name(option);
+  const char* value = std::getenv(name.c_str());
+  if (value == nullptr) return {};
+  try {
+    set_field(list, option + "=" + value);
+  } catch (const InvalidArgument& problem) {
+    throw InvalidArgument(concat("environment variable ", name, ": ", problem.what()));
+  }
+  return name;
+}
+
+void apply_file(const FieldList& list, const std::string& path, const std::string& kind,
+                OptionOrigins& origins) {
+  const auto before = values(list);
+  EveryOption others;
+  read_fields(list, path, fields(others));
+  const auto after = values(list);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (before[i] != after[i]) origins[list[i].name] = kind + " " + path;
+}
+
+bool is_meant(const FlagValue& flag, const std::string& option) {
+  if (flag.option == "*.seed") return option == "seed" || option.ends_with(".seed");
+  return option == flag.option;
+}
+
+/// Applies the sources once, the strongest last.
+void apply_all(const FieldList& list, const OptionSources& sources, OptionOrigins& origins) {
+  const std::string user = user_file(), project = "stonestack.yaml";
+  if (!user.empty() && std::filesystem::exists(user)) apply_file(list, user, "user file", origins);
+  if (!sources.config.empty())
+    apply_file(list, sources.config, "file", origins);
+  else if (std::filesystem::exists(project))
+    apply_file(list, project, "project file", origins);
+  for (const auto& field : list)
+    if (const auto name = apply_environment(list, field.name)) origins[field.name] = "environment " + *name;
+  for (const FlagValue& flag : sources.flags)
+    for (const auto& field : list) {
+      if (!is_meant(flag, field.name)) continue;
+      set_field(list, field.name + "=" + flag.value);
+      origins[field.name] = "flag " + flag.flag;
+    }
+  for (const auto& assignment : sources.assignments) {
+    set_field(list, assignment);
+    origins[assignment.substr(0, assignment.find('='))] = "flag --set";
+  }
+}
+
+nlohmann::json bound_json(double bound) {
+  return std::abs(bound) < FieldRange{}.high ? nlohmann::json(bound) : nlohmann::json(nullptr);
+}
+
+nlohmann::json field_json(const Field& field) {
+  nlohmann::json option = {{"name", field.name}, {"description", field.description}};
+  std::visit([&](const auto* value) { option["value"] = *value; }, field.value);
+  if (option["value"].is_number()) {
+    option["range"] = {bound_json(field.range.low), bound_json(field.range.high)};
+    option["unit"] = field.unit;
+  }
+  return option;
+}
+
+}  // namespace
+
+FieldList fields(EveryOption& every) {
+  return join({fields(every.build), nest("tracking", fields(every.tracking)),
+               nest("simulation", fields(every.simulation)), nest("scene", fields(every.scene))});
+}
+
+OptionOrigins apply_options(const FieldList& list, const OptionSources& sources) {
+  OptionOrigins origins;
+  apply_all(list, sources, origins);
+  const auto set = set_of_method(list);
+  if (set.empty()) return origins;
+  for (const auto& [name, value] : set) {
+    set_field(list, name + "=" + value);
+    origins[name] = "detection.method";
+  }
+  apply_all(list, sources, origins);  // over it
+  return origins;
+}
+
+void set_fields(const FieldList& list, const std::vector<std::string>& assignments) {
+  const auto set_all = [&] {
+    for (const auto& assignment : assignments) set_field(list, assignment);
+  };
+  const auto before = set_of_method(list);
+  set_all();
+  const auto after = set_of_method(list);
+  if (after == before) return;
+  for (const auto& [name, value] : after) set_field(list, name + "=" + value);
+  set_all();  // over it
+}
+
+std::string origin_of(const std::string& option, const OptionOrigins& origins) {
+  const auto found = origins.find(option);
+  return found == origins.end() ? "default" : found->second;
+}
+
+std::string fields_json(const FieldList& list, const OptionOrigins* origins) {
+  nlohmann::json options = nlohmann::json::array();
+  for (const Field& field : list) {
+    options.push_back(field_json(field));
+    if (origins != nullptr) options.back()["origin"] = origin_of(field.name, *origins);
+  }
+  return nlohmann::json{{"schema", "stonestack.config/1"}, {"options", options}}.dump(2) + "\n";
+}
+
+}  // namespace stonestack::experiment

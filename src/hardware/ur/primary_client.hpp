@@ -1,0 +1,44 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "core/socket.hpp"
+#include "protocol/primary_wire.hpp"
+
+namespace stonestack::hardware {
+
+struct PrimaryOptions {
+  std::vector<int> ports = {30001, 30002, 30003};  ///< primary, then secondary, then realtime
+  double connect_timeout = 2.0;                    ///< each [s]
+  double send_timeout = 5.0;                       ///< [s]
+};
+
+/// Sends scripts to a controller and receives its reports about them. A thread of its own drains the
+/// connection. The realtime port (30003) reports nothing about programs. Thread-safe.
+class PrimaryClient {
+ public:
+  /// Takes the first port that accepts. Throws DeviceError that names all of them.
+  /// Interrupted after Ctrl-C.
+  PrimaryClient(const std::string& address, const PrimaryOptions& options = {});
+  ~PrimaryClient();
+
+  /// Sends a program; one that runs is killed by it. Connects again first if the connection was lost. Throws
+  /// DeviceError.
+  void send(const std::string& script);
+  /// Closes and connects again: helps after a switch from local to remote control, when an old connection may
+  /// only read.
+  void reconnect();
+  /// Messages since the last call, at most the newest 256.
+  [[nodiscard]] std::vector<PrimaryMessage> take_messages();
+  /// Waits for a message that only a controller sends: its version, or a state. Throws DeviceError when
+  /// nothing or something else comes, Interrupted after Ctrl-C.
+  void wait_until_heard(Deadline deadline) const;
+  /// The port in use.
+  [[nodiscard]] int port() const;
+
+ private:
+  struct Link;
+  std::unique_ptr<Link> link_;
+};
+
+}  // namespace stonestack::hardware

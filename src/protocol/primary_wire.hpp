@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "protocol/ur_version.hpp"
+
+/// Messages of a controller's primary port: packages of `int32 size, uint8 type`, of which robot messages
+/// (type 20) report the state of a program. Robot states (type 16) are passed over: state comes by RTDE.
+namespace stonestack::protocol {
+
+/// A robot message. Which fields mean something depends on the kind.
+struct PrimaryMessage {
+  enum class Kind : std::uint8_t {
+    kText = 0,
+    kPopup = 2,
+    kVersion = 3,
+    kSafetyMode = 5,
+    kError = 6,
+    kKey = 7,
+    kRequestValue = 9,
+    kRuntimeException = 10,
+  };
+  Kind kind = Kind::kText;
+  std::uint64_t timestamp = 0;  ///< of the controller, us
+  int source = 0;
+  std::string text;            ///< kText, kError, kKey, kRuntimeException
+  std::string title;           ///< kKey: PROGRAM_XXX_STARTED, PROGRAM_XXX_STOPPED, ...
+  int code = 0, argument = 0;  ///< kError, kKey, kSafetyMode: "C210A0"
+  int level = 0;               ///< kError
+  int line = 0, column = 0;    ///< kRuntimeException: place in the script, from 1
+  UrVersion version;           ///< kVersion
+};
+
+/// C210: a script came in on a connection that may only read (robot in local control).
+[[nodiscard]] bool is_read_only_error(const PrimaryMessage& message);
+
+/// A whole package of type 20 for tests and for a simulated controller.
+[[nodiscard]] std::string encode(const PrimaryMessage& message);
+
+/// Cuts the stream into packages, however the bytes arrive.
+class PrimaryStream {
+ public:
+  explicit PrimaryStream(std::size_t max = 1 << 16) : max_(max) {}
+  void feed(std::string_view bytes);
+  /// The next robot message of a known kind; other packages are passed over and counted. Empty: more bytes
+  /// are needed, or `problem()` names a permanent fault.
+  [[nodiscard]] std::optional<PrimaryMessage> next();
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+  [[nodiscard]] long passed_over() const { return passed_over_; }
+  /// Robot states (type 16) among them.
+  [[nodiscard]] long states() const { return states_; }
+
+ private:
+  std::size_t max_;
+  std::string bytes_;
+  std::size_t begin_ = 0;
+  std::string problem_;
+  long passed_over_ = 0, states_ = 0;
+};
+
+}  // namespace stonestack::protocol

@@ -1,0 +1,148 @@
+#include "report/perform_run.hpp"
+
+#include <exception>
+#include <functional>
+
+#include "hardware/cell_config.hpp"
+#include "report/picture.hpp"
+#include "stacking/journal.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/report/results.hpp"
+#include "stonestack/report/run_report.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+
+namespace stonestack::report {
+namespace {
+
+constexpr double kAtSite = 0.15;  // m: stones so near count for the height of the picture
+
+/// Opens the report with what is known before anything is done.
+RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                      const std::vector<int>& present, const std::string& version) {
+  RunReport report;
+  report.version = version;
+  report.robot = robot.name;
+  report.catalogue = catalogue.path;
+  report.seed = run.seed;
+  SimulatedRun copy = run;
+  report.options_text = write_fields(fields(copy));
+  for (const int stone : present)
+    report.present.push_back(catalogue.stones[static_cast<std::size_t>(stone)].name);
+  return report;
+}
+
+void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
+           const RobotModel& robot, const std::string& folder) {
+  write_file(folder + "/options.yaml", report.options_text);
+  Journal journal(folder + "/journal.jsonl");
+  log_info("record in " + folder);
+  report.result = build_tower(cell, catalogue, robot, run.build,
+                              {[&](const Event& event) {
+                                 if (const std::string line = to_text(event, catalogue); !line.empty())
+                                   log_info(line);
+                               },
+                               &journal, folder});
+}
+
+void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
+                        const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                        const std::string& folder) {
+  // The controller knows nothing of the limits of the cell: it is the host that keeps them.
+  const SimulatedServers servers(world, read_robot(file.cell().robot), file.servers());
+  CellConfig config = file.cell();
+  connect_to(servers, config);
+  log_info("simulated devices:\n" + servers.text());
+  HardwareCell hardware(config);
+  hardware.activate_gripper();
+  build(report, hardware.cell(), run, catalogue, robot, folder);
+}
+
+/// Keeps what goes wrong first in `problem` instead of throwing it: the tower stands, and the caller goes on
+/// to report it.
+void attempt(std::string& problem, const std::function<void()>& write) {
+  try {
+    write();
+  } catch (const std::exception& error) {
+    if (problem.empty()) problem = error.what();
+  }
+}
+
+void write_report(std::string& problem, const RunReport& report, const std::string& folder) {
+  attempt(problem, [&] { write_file(folder + "/result.json", run_json(report)); });
+  attempt(problem, [&] { write_file(folder + "/report.html", run_html(report)); });
+}
+
+using DrawPicture = std::function<void(const std::string& path)>;
+
+/// Writes what cannot be made again first, the largest last: a disk that fills up costs the picture.
+void close_report(RecordedRun& done, const std::string& folder, const DrawPicture& draw_picture) {
+  write_report(done.unwritten, done.report, folder);
+  if (!draw_picture) return;
+  const std::string picture = folder + "/tower.png";
+  attempt(done.unwritten, [&] {
+    draw_picture(picture);
+    done.report.picture = picture;
+  });
+  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, folder);
+}
+
+}  // namespace
+
+RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                    const std::vector<int>& present, const RecordFolder& folder, const std::string& version,
+                    const SurvivalOptions* survival, const CellFile* file) {
+  RecordedRun done;
+  done.folder = folder.path();
+  RunReport& report = done.report;
+  report = open_report(run, catalogue, robot, present, version);
+  log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
+                  " stones"));
+  const CellLayout layout =
+      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
+  SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
+  if (file == nullptr) {
+    build(report, world.cell(), run, catalogue, robot, folder.path());
+  } else {
+    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path());
+  }
+  if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
+    std::string later;  // what cannot be written now is tried, and told of, again below
+    write_report(later, report, folder.path());
+    log_info("judging the tower in the true world");
+    try {
+      report.truth = judge_run(world, report.result);
+      if (survival != nullptr) done.survival = try_tower(world, *survival);
+    } catch (const Interrupted&) {  // what was built is reported, without a verdict
+      log_info("interrupted before the tower was judged");
+    }
+  }
+  close_report(done, folder.path(), [&](const std::string& path) {
+    const Truth truth = world.truth();
+    std::vector<PlacedStone> stones;
+    for (const int stone : present) stones.push_back({stone, truth.T_W_O[static_cast<std::size_t>(stone)]});
+    draw_tower(path, catalogue, stones, layout.site, kAtSite);
+  });
+  return done;
+}
+
+RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
+                         const RecordFolder& folder, const std::string& version) {
+  const RobotModel robot = read_cell_robot(file.cell());
+  RecordedRun done;
+  done.folder = folder.path();
+  done.report = open_report(run, catalogue, robot, {}, version);
+  log_info(concat("cell ", file.path, ": arm at ", file.cell().arm.address));
+  HardwareCell hardware(file.cell());
+  hardware.activate_gripper();
+  build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
+  const auto stack = at_rest(done.report.result.world).stack;
+  const auto draw_stack = [&](const std::string& path) {
+    write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell()).site, 0.3)));
+  };
+  close_report(done, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
+  return done;
+}
+
+}  // namespace stonestack::report

@@ -1,0 +1,207 @@
+#include "stonestack/stacking/check_cell.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "hardware/cell_config.hpp"
+#include "hardware/ur/dashboard_client.hpp"
+#include "hardware/ur/primary_client.hpp"
+#include "hardware/ur/ur_status.hpp"
+#include "stacking/check_hand_eye.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr std::uint32_t kPolyScopeX = 10;
+constexpr double kListen = 1.0;  // s to RTDE
+constexpr double kHello = 2.0;   // s until a controller has said who it is; it sends a state every 0.1 s
+
+std::string ask_dashboard(const CellConfig& cell) {
+  DashboardClient dashboard({cell.arm.address, cell.arm.dashboard_port});
+  const UrVersion version = dashboard.version();
+  const std::string mode = dashboard.robot_mode(), safety = dashboard.safety();
+  const auto remote = dashboard.is_in_remote_control();
+  const std::string name = "UR controller at " + cell.arm.address;
+  if (version.major >= kPolyScopeX)
+    throw DeviceError(name, "PolyScope X is not supported", "use a CB3 or an e-Series controller");
+  if (remote && !*remote)
+    throw DeviceError(name, "is in local mode and ignores programs from outside",
+                      "switch to Remote Control on the pendant");
+  if (safety != "NORMAL" && safety != "REDUCED")
+    throw DeviceError(name, "safety is " + safety, "look at the cell, then clear the stop on the pendant");
+  if (mode != "RUNNING")
+    throw DeviceError(name, "robot mode is " + mode, "switch on and release the brakes on the pendant");
+  return concat("PolyScope ", to_string(version), ", robot ", mode, ", safety ", safety,
+                remote ? ", remote control" : "");
+}
+
+std::string hear_primary(const CellConfig& cell) {
+  PrimaryOptions options;
+  options.ports = {cell.arm.primary_port, cell.arm.secondary_port, cell.arm.realtime_port};
+  std::erase(options.ports, 0);  // left out
+  const PrimaryClient primary(cell.arm.address, options);
+  primary.wait_until_heard(Deadline::in(kHello));
+  return concat("scripts go to port ", primary.port());
+}
+
+/// Listens for a while, so that a stream that breaks again and again is found; with all that a run reads and
+/// writes. The controller's version is known as soon as it says it, also where the rest fails.
+Found listen_rtde(const CellConfig& cell, UrVersion& version, CellView& view) {
+  const auto recipe = [&, served = served_recipe(cell.arm.address)](const UrVersion& reported) {
+    version = reported;
+    return served(reported);
+  };
+  const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, recipe, cell.arm.rtde);
+  for (const Stopwatch watch; watch.seconds() < kListen;) {
+    throw_if_interrupted();
+    (void)rtde.wait_for_next(Deadline::in(kListen));
+  }
+  const RtdeSample sample = rtde.sample();
+  if (const int lost = rtde.counts().sessions - 1; lost > 0)
+    throw DeviceError(concat("UR RTDE at ", cell.arm.address, ":", cell.arm.rtde_port),
+                      concat("the stream broke ", lost, " times within ", kListen, " s"),
+                      "look at cable and switch, and at the controller's log");
+  const UrStatus status = read_status(sample, first_register(rtde.version()));
+  view.q = status.q;
+  std::string text = concat("protocol ", rtde.protocol(), ", controller time ", sample.device_time(),
+                            " s, joints ", status.q.transpose(), " rad");
+  for (const std::string& name : rtde.missing()) text += "; this controller has no " + name;
+  if (!status.is_paused()) return {text};
+  return {"the speed slider stands at 0 or a program is paused: nothing moves until a person changes that",
+          true};
+}
+
+Found ask_gripper(const CellConfig& cell) {
+  ThreeFingerGripper gripper(cell.gripper);
+  const ThreeFingerStatus status = gripper.status();
+  if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
+    throw DeviceError(gripper.name(), gripper_fault_text(status.fault),
+                      "empty the gripper and activate the gripper");
+  std::string text = status.active ? "active"
+                                   : "not activated; `run` activates it: it opens and closes fully, so empty "
+                                     "the gripper first";
+  if (status.fault != 0) text += "; " + gripper_fault_text(status.fault);
+  return {text, !status.active};
+}
+
+/// Takes as many readings as tell a sensor that repeats one from one at rest.
+std::string read_force(const CellConfig& cell) {
+  RobotiqFtSensor sensor(cell.force_torque);
+  Wrench wrench = sensor.read();
+  const long wanted = cell.force_torque.stuck_samples + 10;
+  for (const Deadline limit = Deadline::in(3.0); sensor.health().readings < wanted && !limit.over();) {
+    throw_if_interrupted();
+    wrench = sensor.read();
+  }
+  return concat("force ", wrench.force.x(), " ", wrench.force.y(), " ", wrench.force.z(), " N, ",
+                sensor.firmware().empty() ? "streaming" : sensor.firmware(), ", ", sensor.health().rate,
+                " readings/s");
+}
+
+/// Takes two frames or more, so that a camera whose stream or image stands still is found; of a recording the
+/// first only.
+std::string take_frames(const CellConfig& cell, int frames, CellView& view) {
+  const auto describe = [](const DepthFrame& frame) {
+    return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
+  };
+  const auto camera = make_camera(cell);
+  const DepthFrame first = camera->capture();
+  if (cell.camera == "recorded") return describe(first);
+  DepthFrame last = first;
+  for (int k = 1; k < frames; ++k) last = camera->capture();
+  view.image = last.image;
+  std::string text =
+      concat(describe(last), ", ", last.device_time - first.device_time, " s after the one before");
+  if (frames > 2)
+    text = concat(describe(last), ", ", frames, " within ", last.device_time - first.device_time, " s");
+  if (cell.camera == "v4l2" && !cell.v4l2.record.empty()) text += ", kept in " + cell.v4l2.record;
+  return text;
+}
+
+/// Runs the checks in order and keeps what each found.
+class Examination {
+ public:
+  explicit Examination(const CellCheckOptions& options) : options_(options) {}
+
+  /// `view` returns what it found, or throws with what is wrong.
+  template <class SearchView>
+  void check(const std::string& device, const std::string& step, const SearchView& view) {
+    throw_if_interrupted();
+    CellCheck done{device, step, CellCheck::Verdict::kPassed, ""};
+    try {
+      const Found found{view()};
+      done.text = found.text;
+      if (found.to_do) done.verdict = CellCheck::Verdict::kNote;
+    } catch (const Interrupted&) {
+      throw;
+    } catch (const Error& problem) {
+      done.verdict = CellCheck::Verdict::kFailed;
+      done.text = problem.what();
+    }
+    if (options_.on_check) options_.on_check(done);
+    report_.checks.push_back(done);
+  }
+  [[nodiscard]] const CellReport& report() const { return report_; }
+
+ private:
+  const CellCheckOptions& options_;
+  CellReport report_;
+};
+
+/// Asks RTDE first: its version tells what else there may be. PolyScope X has no Dashboard, and must not be
+/// asked to enable one.
+void examine_arm(const CellConfig& cell, CellView& view, Examination& examination) {
+  if (cell.arm.address.empty()) {
+    examination.check("cell file", "arm", [&] {
+      require_arm_address(cell);
+      return Found{};
+    });
+    return;
+  }
+  UrVersion version;
+  examination.check("arm", "RTDE", [&] { return listen_rtde(cell, version, view); });
+  if (version.major >= kPolyScopeX) return;
+  examination.check("arm", "Dashboard", [&] { return ask_dashboard(cell); });
+  examination.check("arm", "script port", [&] { return hear_primary(cell); });
+}
+
+}  // namespace
+
+std::string to_text(const CellCheck& check) {
+  const char* mark = check.verdict == CellCheck::Verdict::kFailed ? "FAIL  "
+                     : check.verdict == CellCheck::Verdict::kNote ? "note  "
+                                                                  : "ok    ";
+  return concat(mark, check.device, ", ", check.step, ": ", check.text);
+}
+
+int CellReport::failed() const {
+  return static_cast<int>(std::count_if(checks.begin(), checks.end(), [](const CellCheck& check) {
+    return check.verdict == CellCheck::Verdict::kFailed;
+  }));
+}
+
+std::string cell_report_json(const CellReport& report) {
+  nlohmann::json findings = nlohmann::json::array();
+  for (const CellCheck& check : report.checks)
+    findings.push_back({{"device", check.device},
+                        {"step", check.step},
+                        {"good", check.verdict != CellCheck::Verdict::kFailed},
+                        {"to_do", check.verdict == CellCheck::Verdict::kNote},
+                        {"text", check.text}});
+  return nlohmann::json{{"schema", "stonestack.doctor/1"}, {"findings", findings}}.dump(2) + "\n";
+}
+
+CellReport check_cell(const CellConfig& cell, const CellCheckOptions& options) {
+  Examination examination(options);
+  CellView view;
+  examine_arm(cell, view, examination);
+  examination.check("gripper", "status", [&] { return ask_gripper(cell); });
+  examination.check("force sensor", "reading", [&] { return read_force(cell); });
+  examination.check("camera", "frames", [&] { return take_frames(cell, options.frames, view); });
+  examination.check("cell file", "hand-eye", [&] { return check_hand_eye(cell, view); });
+  return examination.report();
+}
+
+}  // namespace stonestack::stacking

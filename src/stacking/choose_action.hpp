@@ -1,0 +1,50 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "stacking/run_memory.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/event.hpp"
+
+namespace stonestack::stacking {
+
+/// Stones and robot, as known before anything is seen. Catalogue and robot must outlive it.
+struct Models {
+  const Catalogue* catalogue = nullptr;
+  const RobotModel* robot = nullptr;
+  ShapeList shapes;
+  std::vector<std::string> unfit;  ///< why the gripper can hold a stone in no pose; empty: it can
+
+  [[nodiscard]] const std::string& name(int stone) const;
+  [[nodiscard]] const Stone& stone(int stone) const;
+};
+[[nodiscard]] Models make_models(const Catalogue& catalogue, const RobotModel& robot,
+                                 const CellLayout& layout);
+
+/// Adds the stack as it rests at each friction: needed by `choose_action`, for a world that was read from a
+/// file.
+void add_resting_stacks(const Models& models, const BuildOptions& options, const FrictionEstimate& friction,
+                        WorldEstimate& world);
+
+/// A memory with which a run begins.
+[[nodiscard]] RunMemory make_memory(const BuildOptions& options);
+
+/// The next action, and why.
+struct Decision {
+  Action action;
+  RunMemory memory;        ///< with what was found out: the result of the search, what was given up
+  std::vector<Event> why;  ///< in order
+};
+
+/// Decides what the robot does next. Pure: asks no device and no clock, and the same world, memory and
+/// options give the same decision. In this order: ends after a failure; searches for stones out of sight;
+/// goes on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the
+/// search (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
+/// `listener` hears events as they happen. Throws Interrupted, and InvalidArgument for a world without
+/// resting stacks.
+[[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
+                                     const Models& models, const BuildOptions& options,
+                                     const Listener& listener = {});
+
+}  // namespace stonestack::stacking

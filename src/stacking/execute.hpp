@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+
+#include "stacking/journal.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+
+namespace stonestack::stacking {
+
+/// How carrying out a plan ended.
+struct ExecutionResult {
+  /// kNotPicked: it did not come up with the gripper. kLost: it came up and fell out of the gripper on the
+  /// way.
+  enum class Status { kReleased, kNotPicked, kLost, kStopped };
+  Status status = Status::kReleased;
+  double contact_force = 0.0;  ///< at the end of the guarded descent [N]
+  std::string reason;          ///< when it was not released
+};
+
+/// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.
+/// Before the gripper is lowered, and before the guarded descent, wrist and gripper check whether the stone
+/// is still there; if not, the gripper returns along the same path and opens where the carry began. What
+/// touches while it is lowered, before the guarded descent, is released there: the stone is held otherwise
+/// than planned, and the next view shows how it lies. After contact the retreat is planned anew from the
+/// arm's measured joints. A stop of the arm ends it at once, with the stone held.
+[[nodiscard]] ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone,
+                                      const PlanningScene& scene, Cell& cell, const MotionOptions& options,
+                                      Journal* journal);
+
+}  // namespace stonestack::stacking
