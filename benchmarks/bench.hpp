@@ -27,5 +27,6 @@ void add_calibration(CLI::App& app);
 void add_equilibrium(CLI::App& app);
 void add_detection(CLI::App& app);
 void add_rtde(CLI::App& app);
+void add_site(CLI::App& app);
 
 }  // namespace stonestack::bench
