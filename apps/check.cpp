@@ -7,11 +7,12 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "geometry/pose_json.hpp"
+#include "physics/shape.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/physics/stack_problem.hpp"
+#include "stonestack/physics/stack.hpp"
 #include "stonestack/report/run_report.hpp"
 
 namespace stonestack::apps {
@@ -105,7 +106,7 @@ void print_json(const CheckCommand& command, const Report& report, const Names& 
                         {"margin_direction", {e.direction.x(), e.direction.y()}},
                         {"least_friction", nullptr},
                         {"weakest_contact", nullptr}};
-  if (std::isfinite(e.least_friction)) out["least_friction"] = e.least_friction;
+  if (std::isfinite(e.min_friction)) out["least_friction"] = e.min_friction;
   if (e.weakest_contact >= 0) {
     const Contact& c = report.statics.contacts[static_cast<std::size_t>(e.weakest_contact)];
     out["weakest_contact"] = {{"above", names.of(c.above)},
@@ -130,8 +131,8 @@ void print_text(const CheckCommand& command, const Report& report, const Names& 
   } else {
     std::printf("equilibrium  no contact forces hold it\n");
   }
-  if (std::isfinite(e.least_friction))
-    std::printf("friction     holds down to %.3f\n", e.least_friction);
+  if (std::isfinite(e.min_friction))
+    std::printf("friction     holds down to %.3f\n", e.min_friction);
   else
     std::printf("friction     none up to 2 holds it\n");
   if (e.weakest_contact < 0) return;

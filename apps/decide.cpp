@@ -4,8 +4,8 @@
 
 #include "commands.hpp"
 #include "settings.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/stacking/state_file.hpp"
 
 namespace stonestack::apps {

@@ -12,7 +12,6 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/detection/table_frame.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack::apps {
@@ -88,9 +87,9 @@ void print_table(const Catalogue& catalogue, const DetectionResult& result, cons
 std::string in_words(const Detection& found, const Catalogue& catalogue) {
   std::string others;
   int turned = 0;
-  for (const auto& like : found.likes) {
-    const std::string& name = catalogue.stones[static_cast<std::size_t>(like.stone)].name;
-    if (like.stone == found.stone)
+  for (const auto& alternative : found.alternatives) {
+    const std::string& name = catalogue.stones[static_cast<std::size_t>(alternative.stone)].name;
+    if (alternative.stone == found.stone)
       ++turned;
     else if (others.find("'" + name + "'") == std::string::npos)
       others += concat(others.empty() ? "" : ", ", "'", name, "'");

@@ -26,10 +26,10 @@ nlohmann::json detection_json(const Catalogue& catalogue, const Detection& found
                           {"visible", found.visible},
                           {"covariance_C", covariance_json(found.covariance)}};
   entry["certainty"] = found.certainty;
-  for (const auto& like : found.likes)
-    entry["likes"].push_back({{"stone", catalogue.stones[static_cast<std::size_t>(like.stone)].name},
-                              {"T_C_O", pose_json(like.T_C_O)},
-                              {"weight", like.weight}});
+  for (const auto& alternative : found.alternatives)
+    entry["likes"].push_back({{"stone", catalogue.stones[static_cast<std::size_t>(alternative.stone)].name},
+                              {"T_C_O", pose_json(alternative.T_C_O)},
+                              {"weight", alternative.weight}});
   if (T_W_C) entry["T_W_O"] = pose_json(*T_W_C * found.T_C_O);
   return entry;
 }

@@ -39,7 +39,7 @@ struct ExperimentCommand {
 /// The stones of the experiment: `count` of the catalogue, drawn by the seed, in its order.
 Catalogue choose_stones(const Catalogue& all, int count, int seed, const RobotModel& robot) {
   Catalogue chosen{all.path, {}};
-  for (const int stone : draw_stones(all, count, seed, hand_of(CellLayout{}), robot))
+  for (const int stone : draw_stones(all, count, seed, gripper_of(CellLayout{}), robot))
     chosen.stones.push_back(all.stones[static_cast<std::size_t>(stone)]);
   return chosen;
 }
@@ -123,7 +123,7 @@ std::vector<ExperimentRun> runs_done(const ExperimentCommand& command, const Sim
             ", not with ", robot.name);
     const int k = static_cast<int>(i) + 1;
     const SimulatedRun run = run_number(k, settings, command.common.seed);
-    const auto present = draw_stones(catalogue, command.per_run, run.seed, hand_of(CellLayout{}), robot);
+    const auto present = draw_stones(catalogue, command.per_run, run.seed, gripper_of(CellLayout{}), robot);
     check_same_run(runs[i].report, k, run, names_of(catalogue, present), folder);
     require(runs[i].survival.standing.empty() != command.survival, folder, ": run ", k,
             " was made with --survival ", command.survival ? "false" : "true",
@@ -153,7 +153,7 @@ Performed perform_runs(const ExperimentCommand& command, const SimulatedRun& set
   write_file(folder + "/experiment.json", experiment_json(experiment));
   for (int k = static_cast<int>(experiment.runs.size()) + 1; k <= command.runs; ++k) {
     const SimulatedRun run = run_number(k, settings, command.common.seed);
-    const auto present = draw_stones(catalogue, command.per_run, run.seed, hand_of(CellLayout{}), robot);
+    const auto present = draw_stones(catalogue, command.per_run, run.seed, gripper_of(CellLayout{}), robot);
     log_info(concat("run ", k, " of ", command.runs));
     FinishedRun done;
     try {
@@ -223,10 +223,9 @@ std::vector<Variant> variants_of(const ExperimentCommand& command) {
 /// Before anything is built: what could end the experiment hours later.
 void check_command(const ExperimentCommand& command, const Catalogue& catalogue,
                    const std::vector<Variant>& variants) {
-  constexpr int kLargest = std::numeric_limits<int>::max();
-  require(command.common.seed <= (kLargest - command.runs) / 1000,
-          "run k of seed S has the seed 1000 S + k, ", "which is too large for --seed ", command.common.seed,
-          "; at most ", (kLargest - command.runs) / 1000);
+  constexpr int kMax = std::numeric_limits<int>::max();
+  require(command.common.seed <= (kMax - command.runs) / 1000, "run k of seed S has the seed 1000 S + k, ",
+          "which is too large for --seed ", command.common.seed, "; at most ", (kMax - command.runs) / 1000);
   const auto count = static_cast<int>(catalogue.stones.size());
   require(command.per_run <= count, "--per-run ", command.per_run, " of ", count,
           " stones: ask for more with --stones, of a catalogue that has them");

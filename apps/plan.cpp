@@ -16,7 +16,6 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
-#include "stonestack/motion/scene_problem.hpp"
 #include "stonestack/report/plan_preview.hpp"
 #include "stonestack/stacking/observe.hpp"
 

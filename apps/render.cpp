@@ -6,7 +6,6 @@
 #include "commands.hpp"
 #include "geometry/pose_json.hpp"
 #include "settings.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"

@@ -48,7 +48,7 @@ void check_command(const RunCommand& command, const Catalogue& catalogue) {
 FinishedRun build_tower_for(const RunCommand& command, const Catalogue& catalogue,
                             const RecordFolder& folder) {
   const auto draw = [&](const CellLayout& layout, const RobotModel& robot) {
-    return draw_stones(catalogue, command.per_run, command.common.seed, hand_of(layout), robot);
+    return draw_stones(catalogue, command.per_run, command.common.seed, gripper_of(layout), robot);
   };
   if (!command.file) {
     const RobotModel& robot = *command.model;
@@ -133,9 +133,9 @@ void add_run(CLI::App& app) {
           ->check(CLI::Range(1, 100))
           ->capture_default_str();
   command->common.settings.bind(
-      sub->add_option("--height", command->run.build.most_stones, "Stop at this height (0: all stones)")
+      sub->add_option("--height", command->run.build.max_stones, "Stop at this height (0: all stones)")
           ->check(CLI::Range(0, 100)),
-      "run.most_stones");
+      "run.max_stones");
   command->common.settings.bind(
       sub->add_option("--method", command->run.build.search.method, "Pose search: default or paper")
           ->check(CLI::IsMember({"default", "paper"}))

@@ -12,10 +12,9 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/geometry/mesh.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stone/catalogue.hpp"
-#include "stonestack/stone/limestone.hpp"
 #include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::apps {
@@ -143,7 +142,7 @@ void print_table(const nlohmann::json& stones) {
 /// Makes and stores one stone; the JSON about it.
 nlohmann::json scan_one(const Task& task, const ScanCommand& command) {
   ModelResult result = make(task, command);
-  if (const std::string why = unfit_for_hand(result.stone, make_robotiq_3f()); !why.empty())
+  if (const std::string why = unfit_for_gripper(result.stone, make_robotiq_3f()); !why.empty())
     result.warnings.push_back("the hand will not pick it up: " + why);
   for (const auto& warning : result.warnings) log_warning(concat(task.name, ": ", warning));
   write_stone(command.catalogue, result.stone);

@@ -6,7 +6,7 @@
 
 #include "rooms.hpp"
 #include "stonestack/geometry/depth_image.hpp"
-#include "stonestack/geometry/plane.hpp"
+#include "stonestack/geometry/pose.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
 namespace stonestack::apps {

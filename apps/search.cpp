@@ -14,13 +14,13 @@
 #include "search_scene.hpp"
 #include "search_trace.hpp"
 #include "stacking/reach.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/core/time_limit.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stacking/build_tower.hpp"
@@ -62,7 +62,7 @@ struct Found {
 void let_come_to_rest(const SearchOptions& options, SearchProblem* problem) {
   check_problem(*problem, options);
   std::string unused;
-  const auto stack = standing_stack(*problem->shapes, problem->stack, options, &unused);
+  const auto stack = settled_stack(*problem->shapes, problem->stack, options, &unused);
   if (!stack) return;
   double moved = 0.0;
   for (std::size_t i = 0; i < stack->stones.size(); ++i)
@@ -279,7 +279,7 @@ Found find_in_time(const SearchCommand& command, const Clock& clock, Catalogue* 
 void search(SearchCommand& command) {
   command.common.begin();
   command.options.seed = command.detection.seed = command.common.seed;
-  if (command.robot.empty()) command.options.largest_tilt = kAnyTilt;
+  if (command.robot.empty()) command.options.max_tilt = kAnyTilt;
   command.common.settings.apply(
       join({nest("search", fields(command.options)), nest("detection", fields(command.detection)),
             nest("motion", fields(command.motion))}));
@@ -363,7 +363,7 @@ void add_search(CLI::App& app) {
       "camera's "
       "pose,\nor --world for a cloud in the cell's frame. A stack in a scene file is built on, from "
       "its last "
-      "stone up.\nWithout --robot a stone may be turned any way up, as search.largest_tilt limits what one "
+      "stone up.\nWithout --robot a stone may be turned any way up, as search.max_tilt limits what one "
       "grasp "
       "can do.\nCtrl-C ends the search with the best so far (exit code 130).");
   sub->callback([command] { search(*command); });

@@ -8,15 +8,15 @@
 
 #include "bench.hpp"
 #include "common_options.hpp"
+#include "geometry/depth_render.hpp"
+#include "physics/settle.hpp"
 #include "search/detect_missing.hpp"
+#include "simulation/sensor_noise.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/detection/table_frame.hpp"
-#include "stonestack/geometry/depth_render.hpp"
-#include "stonestack/physics/settle.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/search/find_stack.hpp"
-#include "stonestack/simulation/sensor_noise.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::bench {
@@ -46,21 +46,21 @@ std::optional<Pose> settled(const ShapeList& shapes, const Stack& below, int sto
   const ContactShape& shape = *shapes[static_cast<std::size_t>(stone)];
   Pose T_W_O = make_pose(Eigen::Vector3d(p_W.x(), p_W.y(), 0.6), random.rotation());
   const auto gap = [&] {
-    double least = 1.0;
+    double min = 1.0;
     for (const SurfaceSample& sample : shape.samples) {
       const Eigen::Vector3d p = T_W_O * sample.point;
-      least = std::min(least, p.z());
+      min = std::min(min, p.z());
       for (const PlacedStone& other : below.stones)
-        least = std::min(least, shapes[static_cast<std::size_t>(other.stone)]->distance.distance(
-                                    other.T_W_O.inverse() * p));
+        min = std::min(
+            min, shapes[static_cast<std::size_t>(other.stone)]->distance.distance(other.T_W_O.inverse() * p));
     }
-    return least;
+    return min;
   };
   while (gap() > 0.002) T_W_O.pretranslate(Eigen::Vector3d(0, 0, -0.001));
   SettleOptions options;
   options.world.friction = kFriction;
   options.seconds = 3.0;
-  options.largest_travel = 0.06;
+  options.max_travel = 0.06;
   const SettleResult result = settle(shapes, below, stone, T_W_O, options);
   if (!result.rests) return std::nullopt;
   return result.T_W_O;

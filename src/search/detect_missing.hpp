@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/core/export.hpp"
+#include "core/export.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::search {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "detection/scene/preprocess.hpp"
+#include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {
@@ -34,7 +35,7 @@ struct Body {
   std::vector<int> loads;     // of bodies that lie on it
   bool covered = false;       // an unknown thing lies over it
 
-  [[nodiscard]] bool hangs() const { return lowest >= kOnTable && carriers.empty(); }
+  [[nodiscard]] bool unsupported() const { return lowest >= kOnTable && carriers.empty(); }
 };
 
 std::vector<Body> bodies_of(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {
@@ -186,10 +187,10 @@ std::vector<UnknownThing> unknown_things(std::vector<Body>& bodies,
       thing.p_W += p.head<2>() / static_cast<double>(points.size());
       thing.highest = std::max(thing.highest, p.z());
     }
-    int most = kPointsOver - 1;
+    int max = kPointsOver - 1;
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      if (const int over = points_over(bodies[i], points); over > most)
-        most = over, thing.on = static_cast<int>(i);
+      if (const int over = points_over(bodies[i], points); over > max)
+        max = over, thing.on = static_cast<int>(i);
     if (thing.on >= 0) bodies[static_cast<std::size_t>(thing.on)].covered = true;
     unknown.push_back(thing);
   }
@@ -208,7 +209,7 @@ std::string missing_part(const std::vector<Body>& bodies, const std::vector<Unkn
     return !site || (p_W - *site).norm() < kAtSite + radius;
   };
   for (const Body& body : bodies)
-    if (body.hangs() && counts(body.p_W_com.head<2>(), body.shape->radius))
+    if (body.unsupported() && counts(body.p_W_com.head<2>(), body.shape->radius))
       return concat(body.shape->name, " lies ", std::round(1e3 * body.lowest), " mm above the table at ",
                     place(body.p_W_com.head<2>()), ", and no stone that was recognised carries it");
   for (const UnknownThing& thing : unknown) {
@@ -261,7 +262,7 @@ SortedStones find_stack(const ShapeList& shapes, const std::vector<PlacedStone>&
     const Body& body = bodies[i];
     if (std::find(tower.begin(), tower.end(), static_cast<int>(i)) != tower.end()) continue;
     const bool free = body.loads.empty() && !body.covered;
-    auto& list = body.hangs() ? sorted.unsupported : free ? sorted.available : sorted.carrying;
+    auto& list = body.unsupported() ? sorted.unsupported : free ? sorted.available : sorted.carrying;
     list.push_back(body.placed);
   }
   if (sorted.note.empty()) sorted.note = missing_part(bodies, sorted.unknown, site);
