@@ -28,5 +28,6 @@ void add_equilibrium(CLI::App& app);
 void add_detection(CLI::App& app);
 void add_rtde(CLI::App& app);
 void add_results(CLI::App& app);
+void add_site(CLI::App& app);
 
 }  // namespace stonestack::bench

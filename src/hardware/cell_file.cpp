@@ -163,7 +163,8 @@ void read_hand_eye(CellConfig& config) {
   const std::string path = hand_eye_path(config);
   const EasyHandEye calibration = read_easy_handeye(path);
   if (calibration.mount != CameraMount::kOnHand)
-    throw FileError(path, "is the calibration of a camera beside the arm (eye_on_hand: false)",
+    throw FileError(path,
+                    "is the calibration of a camera beside the arm (eye_on_hand: false, or eye_on_base)",
                     "layout.hand_eye needs one of the camera on the gripper");
   warn_of_frames(path, calibration);
   config.T_F_C = calibration.T_A_C;

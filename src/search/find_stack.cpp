@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "detection/scene/preprocess.hpp"
 #include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -18,6 +19,11 @@ constexpr double kUpwards = 0.3;    // z of the carrier's mean normal where it i
 constexpr double kAtSite = 0.12;    // m from the site to the centre of mass of a tower's lowest stone
 constexpr double kFingers = 0.03;   // m beside a stone for the gripper's fingers
 constexpr double kInView = 0.8;     // share of the cells below a stone in which the table is seen
+constexpr double kOwn = 0.010;      // m from a stone's surface within which seen surface is its own
+constexpr double kLinked = 0.012;   // m between points of one thing
+constexpr int kThing = 20;          // cubes of 5 mm at least: 5 cm2; a stone shows 40 to 150 cm2
+constexpr double kOver = 0.006;     // m beside a stone's outline, seen from above, that count as over it
+constexpr int kPointsOver = 6;      // of a thing that lies over a stone, at least
 
 /// A stone where it was seen.
 struct Body {
@@ -27,6 +33,9 @@ struct Body {
   double lowest = 0.0;        // m above the table
   std::vector<int> carriers;  // indices of bodies
   std::vector<int> loads;     // of bodies that lie on it
+  bool covered = false;       // an unknown thing lies over it
+
+  [[nodiscard]] bool unsupported() const { return lowest >= kOnTable && carriers.empty(); }
 };
 
 std::vector<Body> bodies_of(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {
@@ -139,6 +148,87 @@ std::vector<int> highest_tower(const std::vector<Body>& bodies) {
   return highest;
 }
 
+bool is_own(const Body& body, const Eigen::Vector3d& p_W) {
+  if ((p_W - body.p_W_com).norm() > body.shape->radius + kOwn) return false;
+  return body.shape->distance.distance(body.placed.T_W_O.inverse() * p_W) < kOwn;
+}
+
+/// Number of `points` that lie over a body: beside none of its surface, seen from above, and higher than it
+/// there.
+int points_over(const Body& body, const std::vector<Eigen::Vector3d>& points) {
+  std::vector<Eigen::Vector3d> surface_W;
+  for (const SurfaceSample& sample : body.shape->samples)
+    surface_W.push_back(body.placed.T_W_O * sample.point);
+  int over = 0;
+  for (const Eigen::Vector3d& p : points) {
+    if ((p - body.p_W_com).head<2>().norm() > body.shape->radius + kOver) continue;
+    bool beside = true;
+    double top = 0.0;
+    for (const Eigen::Vector3d& q : surface_W)
+      if ((p - q).head<2>().squaredNorm() < kOver * kOver) beside = false, top = std::max(top, q.z());
+    over += !beside && p.z() > top ? 1 : 0;
+  }
+  return over;
+}
+
+/// Things among `seen_W` that no body explains, the one with the most surface first, and which body each lies
+/// over.
+std::vector<UnknownThing> unknown_things(std::vector<Body>& bodies,
+                                         const std::vector<Eigen::Vector3d>& seen_W) {
+  std::vector<Eigen::Vector3f> rest;
+  for (const Eigen::Vector3d& p : seen_W)
+    if (std::none_of(bodies.begin(), bodies.end(), [&](const Body& body) { return is_own(body, p); }))
+      rest.push_back(p.cast<float>());
+  const std::vector<int> group = cluster_points(rest, static_cast<float>(kLinked), kThing);
+  std::vector<std::vector<Eigen::Vector3d>> things;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    if (group[i] < 0) continue;
+    things.resize(std::max(things.size(), static_cast<std::size_t>(group[i]) + 1));
+    things[static_cast<std::size_t>(group[i])].push_back(rest[i].cast<double>());
+  }
+  std::vector<UnknownThing> unknown;
+  for (const auto& points : things) {
+    UnknownThing thing;
+    for (const Eigen::Vector3d& p : points) {
+      thing.p_W += p.head<2>() / static_cast<double>(points.size());
+      thing.highest = std::max(thing.highest, p.z());
+    }
+    int max = kPointsOver - 1;
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (const int over = points_over(bodies[i], points); over > max)
+        max = over, thing.on = static_cast<int>(i);
+    if (thing.on >= 0) bodies[static_cast<std::size_t>(thing.on)].covered = true;
+    unknown.push_back(thing);
+  }
+  return unknown;
+}
+
+std::string place(const Eigen::Vector2d& p_W) {
+  return concat('(', 1e-2 * std::round(1e2 * p_W.x()), ", ", 1e-2 * std::round(1e2 * p_W.y()), ") m");
+}
+
+/// Reason why what was found is not all of a tower; empty where it may be. With a site only what may belong
+/// to the tower there counts.
+std::string missing_part(const std::vector<Body>& bodies, const std::vector<UnknownThing>& unknown,
+                         const std::optional<Eigen::Vector2d>& site) {
+  const auto counts = [&](const Eigen::Vector2d& p_W, double radius) {
+    return !site || (p_W - *site).norm() < kAtSite + radius;
+  };
+  for (const Body& body : bodies)
+    if (body.unsupported() && counts(body.p_W_com.head<2>(), body.shape->radius))
+      return concat(body.shape->name, " lies ", std::round(1e3 * body.lowest), " mm above the table at ",
+                    place(body.p_W_com.head<2>()), ", and no stone that was recognised carries it");
+  for (const UnknownThing& thing : unknown) {
+    if (!counts(thing.p_W, 0.0)) continue;
+    if (thing.on >= 0)
+      return concat("something on ", bodies[static_cast<std::size_t>(thing.on)].shape->name, " at ",
+                    place(thing.p_W), " was not recognised");
+    return concat("something at ", place(thing.p_W), ", ", std::round(1e3 * thing.highest),
+                  " mm high, was not recognised and may be part of a tower");
+  }
+  return {};
+}
+
 /// Surface points of stones, seen from above.
 std::vector<Eigen::Vector2d> outlines(const std::vector<Body>& bodies) {
   std::vector<Eigen::Vector2d> points;
@@ -166,20 +256,23 @@ double share_in_view(const std::set<std::pair<int, int>>& cells, double cell, co
 }  // namespace
 
 SortedStones find_stack(const ShapeList& shapes, const std::vector<PlacedStone>& stones,
-                        const std::optional<Eigen::Vector2d>& site) {
+                        const std::optional<Eigen::Vector2d>& site,
+                        const std::vector<Eigen::Vector3d>& seen_W) {
   std::vector<Body> bodies = bodies_of(shapes, stones);
   link(bodies);
   const auto [tower, note] = site ? tower_at(bodies, *site) : SiteTower{highest_tower(bodies), ""};
   SortedStones sorted;
   sorted.note = note;
+  sorted.unknown = unknown_things(bodies, seen_W);
   for (const int i : tower) sorted.stack.push_back(bodies[static_cast<std::size_t>(i)].placed);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];
     if (std::find(tower.begin(), tower.end(), static_cast<int>(i)) != tower.end()) continue;
-    const bool unsupported = body.lowest >= kOnTable && body.carriers.empty();
-    auto& list = unsupported ? sorted.unsupported : body.loads.empty() ? sorted.available : sorted.carrying;
+    const bool free = body.loads.empty() && !body.covered;
+    auto& list = body.unsupported() ? sorted.unsupported : free ? sorted.available : sorted.carrying;
     list.push_back(body.placed);
   }
+  if (sorted.note.empty()) sorted.note = missing_part(bodies, sorted.unknown, site);
   return sorted;
 }
 

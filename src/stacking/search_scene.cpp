@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "physics/shape.hpp"
+#include "search/detect_missing.hpp"
 #include "search/find_stack.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -130,6 +131,13 @@ void refuse_unknown_world(const SceneView& view, const SceneSearchTask& input) {
                    "cell's world (the arm's base is its origin)"));
 }
 
+/// What was found in a view is not all that stands there: no proposal is made on it.
+[[noreturn]] void refuse_incomplete(const SceneSearchTask& input, const std::string& note) {
+  throw Error(concat(input.scene, ": ", note, "; take another view, rather from the side, or clear the table",
+                     input.site.empty() ? ", or give --site x,y for a tower away from it" : ""),
+              ExitCode::kNoStablePose);
+}
+
 /// Sorts the stones and sets the site: as asked, where a tower stands, or the best place in view.
 void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
                const std::vector<PlacedStone>& placed, const TableView& table, SearchStart& start) {
@@ -139,10 +147,12 @@ void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
     site = parse_point(input.site);
   else if (in_cell)
     site = CellLayout{}.site;
-  SortedStones sorted = find_stack(*start.shapes, placed, site);
-  if (!sorted.note.empty()) throw Error(concat(input.scene, ": ", sorted.note), ExitCode::kNoStablePose);
+  SortedStones sorted = find_stack(*start.shapes, placed, site, table.above_W);
+  if (!sorted.note.empty()) refuse_incomplete(input, sorted.note);
   if (sorted.stack.empty() && input.site.empty() && site) {
-    if (SortedStones elsewhere = find_stack(*start.shapes, placed); !elsewhere.stack.empty()) {
+    SortedStones elsewhere = find_stack(*start.shapes, placed, std::nullopt, table.above_W);
+    if (!elsewhere.note.empty()) refuse_incomplete(input, elsewhere.note);
+    if (!elsewhere.stack.empty()) {
       log_info(
           concat("no stone stands at the cell's site ", in_metres(*site), "; building on the tower in view"));
       sorted = std::move(elsewhere);
@@ -155,6 +165,9 @@ void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
   if (!sorted.carrying.empty())
     log_info(
         concat("left where they are, for other stones lie on them: ", names(catalogue, sorted.carrying)));
+  for (const UnknownThing& thing : sorted.unknown)
+    log_warning(concat("not recognised, and left alone: something at ", in_metres(thing.p_W), ", ",
+                       std::round(1e3 * thing.highest), " mm high"));
   start.problem.stack.stones = sorted.stack;
   start.problem.available = sorted.available;
   if (!sorted.stack.empty()) {
@@ -177,6 +190,18 @@ void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
   start.problem.site = *site;
 }
 
+/// The stones that were detected, in order, with their shapes.
+std::vector<PlacedStone> set_shapes(const Catalogue& catalogue, const DetectionResult& seen,
+                                    const Pose& T_W_C, SearchStart& start) {
+  std::vector<PlacedStone> placed;
+  for (const auto& found : seen.detections) placed.push_back({found.stone, T_W_C * found.T_C_O});
+  std::sort(placed.begin(), placed.end(),
+            [](const PlacedStone& a, const PlacedStone& b) { return a.stone < b.stone; });
+  start.shapes = shapes_of(catalogue, indices_of(placed));
+  start.problem.shapes = start.shapes.get();
+  return placed;
+}
+
 SearchStart start_from_view(const SceneSearchTask& input, const Catalogue& catalogue,
                             const DetectionOptions& options) {
   const SceneView view = read_view(input.scene, input.camera_pose, input.world, input.depth);
@@ -189,13 +214,16 @@ SearchStart start_from_view(const SceneSearchTask& input, const Catalogue& catal
   if (seen.detections.empty())
     throw Error(input.scene + ": nothing detected: " + seen.note, ExitCode::kNothingDetected);
   const Pose T_W_C = start.T_W_C ? *start.T_W_C : *view.T_W_C;
-  std::vector<PlacedStone> placed;
-  for (const auto& found : seen.detections) placed.push_back({found.stone, T_W_C * found.T_C_O});
-  std::sort(placed.begin(), placed.end(),
-            [](const PlacedStone& a, const PlacedStone& b) { return a.stone < b.stone; });
-  start.shapes = shapes_of(catalogue, indices_of(placed));
-  start.problem.shapes = start.shapes.get();
   const TableView table = table_C ? view_of_table(view.image, *table_C, T_W_C, options) : TableView{};
+  std::vector<PlacedStone> placed = set_shapes(catalogue, seen, T_W_C, start);
+  if (!find_stack(*start.shapes, placed, std::nullopt, table.above_W).note.empty()) {
+    log_info("what was found does not stand by itself; detecting what is missing");
+    const DetectionResult all = detect_missing(view.image, models, seen, options);
+    SearchStart again = start;
+    const std::vector<PlacedStone> more = set_shapes(catalogue, all, T_W_C, again);
+    if (find_stack(*again.shapes, more, std::nullopt, table.above_W).note.empty())
+      placed = more, start = std::move(again);
+  }
   set_stack(input, catalogue, placed, table, start);
   log_info(concat(start.site_text, "; ", start.problem.available.size(), " stones lie loose"));
   return start;

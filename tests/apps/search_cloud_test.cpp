@@ -48,6 +48,13 @@ class SearchCloud : public Commands {
     Random random = Random::stream(1, "search cloud");
     cloud_ = to_cloud(add_noise(render(world, sensor.camera, T_W_C_), T_W_C_, sensor, random));
   }
+  /// A catalogue without one stone; returns the option that names it.
+  [[nodiscard]] std::string catalogue_without(const std::string& stone) const {
+    const std::string path = folder_ + "/without_" + stone;
+    fs::copy(STONESTACK_SOURCE_DIR "/data/stones", path, fs::copy_options::recursive);
+    fs::remove_all(path + "/" + stone);
+    return " --catalogue " + path;
+  }
   template <class Change>
   void write_changed(const std::string& name, const Cloud& cloud, const Change& change) const {
     Cloud changed = cloud;
@@ -106,6 +113,27 @@ TEST_F(SearchCloud, FindsTheTowerInACloudAlone) {
   const Eigen::Vector3d site = T_V_W * truth_of(tower_.front()).translation();
   EXPECT_LT((Eigen::Vector2d(found["site"]["x"], found["site"]["y"]) - site.head<2>()).norm(), 0.01);
   EXPECT_TRUE(found["placements"].empty());
+}
+
+TEST_F(SearchCloud, RefusesATowerOfWhichAStoneIsNotRecognised) {
+  ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3"));
+  ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.58, -0.10));
+  write_cloud(folder_ + "/scene.ply", cloud_);
+  const std::string base = tower_.front(), top = tower_.back();
+  const auto expect_refused = [&](const std::string& catalogue, const std::vector<std::string>& parts) {
+    const Outcome outcome = run("search scene.ply --json" + catalogue);
+    EXPECT_EQ(outcome.code, 5) << outcome.err;
+    EXPECT_EQ(outcome.out, "") << "no proposal";
+    for (const std::string& part : parts) EXPECT_THAT(outcome.err, HasSubstr(part));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("nothing stands")));
+  };
+  expect_refused(catalogue_without(base), {"scene.ply: " + top, "above the table",
+                                           "no stone that was recognised carries it", "--site"});
+  expect_refused(catalogue_without(top), {"scene.ply: something on " + base, "was not recognised"});
+  // Neither of them: what stands there is something all the same.
+  fs::remove_all(folder_ + "/without_" + base + "/" + top);
+  expect_refused(" --catalogue without_" + base,
+                 {"something at (", "was not recognised and may be part of a tower"});
 }
 
 TEST_F(SearchCloud, PutsTheFirstStoneOnAFreePlaceInView) {

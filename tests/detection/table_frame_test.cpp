@@ -50,5 +50,21 @@ TEST(TableFrame, ShowsWhereTheBareTableIsSeen) {
   EXPECT_LT(view.p_W_middle.norm(), 0.03);
 }
 
+TEST(TableFrame, ShowsTheSurfaceAboveTheTable) {
+  Stone box;
+  box.scan = box.mesh = make_box({0.2, 0.2, 0.1});
+  const Pose T_W_C = make_camera_pose(0.0, 0.0);
+  const DepthImage image = look_at({{&box, make_pose(Eigen::Vector3d(0.1, 0.1, 0.05))}}, T_W_C);
+  const auto table_C = find_table(image);
+  ASSERT_TRUE(table_C);
+  const TableView view = view_of_table(image, *table_C, T_W_C);
+  EXPECT_GT(view.above_W.size(), 1200U) << "the top alone has 1600 squares of 5 mm";
+  EXPECT_LT(view.above_W.size(), 4000U);
+  for (const Eigen::Vector3d& p : view.above_W) {
+    EXPECT_GT(p.x(), -0.005), EXPECT_LT(p.x(), 0.205);
+    EXPECT_GT(p.z(), 0.009), EXPECT_LT(p.z(), 0.105);
+  }
+}
+
 }  // namespace
 }  // namespace stonestack::detection

@@ -169,6 +169,60 @@ TEST_F(HandEyeFiles, AddedParametersAreQuotedWhereTheyMustBe) {
   EXPECT_EQ(read.parameters[1].value, "- x");
 }
 
+// As easy_handeye2 writes it (ROS 2's message_to_yaml); values made up.
+constexpr const char* kEasyHandEye2 =
+    "parameters:\n"
+    "  name: ur10_sr300\n"
+    "  calibration_type: eye_in_hand\n"
+    "  robot_base_frame: base_link\n"
+    "  robot_effector_frame: tool0\n"
+    "  tracking_base_frame: camera_depth_optical_frame\n"
+    "  tracking_marker_frame: camera_marker\n"
+    "  freehand_robot_movement: true\n"
+    "  move_group_namespace: /\n"
+    "  move_group: manipulator\n"
+    "transform:\n"
+    "  translation:\n"
+    "    x: 0.0123456789\n"
+    "    y: -0.0678\n"
+    "    z: 0.091\n"
+    "  rotation:\n"
+    "    x: 0.0\n"
+    "    y: 0.6\n"
+    "    z: 0.0\n"
+    "    w: 0.8\n";
+
+TEST_F(HandEyeFiles, EasyHandeye2IsReadAndWrittenInItsOwnFormat) {
+  write_file(path, kEasyHandEye2);
+  const EasyHandEye read = read_easy_handeye(path);
+  EXPECT_TRUE(read.of_ros2);
+  EXPECT_EQ(read.mount, CameraMount::kOnHand);
+  EXPECT_NEAR(read.T_A_C.translation().y(), -0.0678, 1e-15);
+  // 0.6, 0.8 about y: cos 0.28, sin 0.96
+  EXPECT_NEAR((read.T_A_C.linear() * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.28, 0, -0.96)).norm(), 0,
+              1e-12);
+  ASSERT_EQ(read.parameters.size(), 9U);
+  EXPECT_EQ(read.parameters[2].key, "robot_effector_frame");
+  write_easy_handeye(path, read);
+  const std::string text = read_file(path, 100000), expected = kEasyHandEye2;
+  EXPECT_EQ(text.substr(0, text.find("  rotation")), expected.substr(0, expected.find("  rotation")));
+  EXPECT_LT((read_easy_handeye(path).T_A_C.matrix() - read.T_A_C.matrix()).norm(), 1e-15);
+  const auto refuses = [&](const std::string& from, const std::string& to) {
+    std::string changed = kEasyHandEye2;
+    changed.replace(changed.find(from), from.size(), to);
+    write_file(path, changed);
+    EXPECT_THROW((void)read_easy_handeye(path), FileError) << to;
+  };
+  refuses("eye_in_hand", "eye_on_hand");
+  refuses("w: 0.8", "w: 0.2");
+  refuses("y: -0.0678", "y: nan");
+  refuses("transform:", "transformation:");
+  std::string beside = kEasyHandEye2;
+  beside.replace(beside.find("eye_in_hand"), 11, "eye_on_base");
+  write_file(path, beside);
+  EXPECT_EQ(read_easy_handeye(path).mount, CameraMount::kOnBase);
+}
+
 TEST_F(HandEyeFiles, BadEasyHandeyeFilesAreRefusedByName) {
   const auto refuses = [&](const std::string& from, const std::string& to) {
     std::string text = kEasyHandEye;

@@ -11,6 +11,7 @@ namespace stonestack::search {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 std::vector<int> stones(const std::vector<PlacedStone>& placed) {
@@ -72,6 +73,55 @@ TEST(FindStack, AStoneInTheAirIsNeitherLooseNorStacked) {
   const SortedStones sorted = find_stack(six(), seen);
   EXPECT_THAT(stones(sorted.available), ElementsAre(0));
   EXPECT_THAT(stones(sorted.unsupported), ElementsAre(1)) << "what it lies on was not found";
+  EXPECT_THAT(sorted.note, HasSubstr("middle lies 60 mm above the table")) << "it is no empty table";
+  EXPECT_NE(find_stack(six(), seen, Eigen::Vector2d(0.4, 0.1)).note, "") << "the tower at that site";
+  EXPECT_EQ(find_stack(six(), seen, Eigen::Vector2d(0.0, 0.05)).note, "") << "another site";
+}
+
+/// Surface of a level face, a point in each square of 5 mm.
+std::vector<Eigen::Vector3d> face(double x, double y, double z, double side) {
+  std::vector<Eigen::Vector3d> points;
+  for (double u = -0.5 * side; u < 0.5 * side; u += 0.005)
+    for (double v = -0.5 * side; v < 0.5 * side; v += 0.005) points.emplace_back(x + u, y + v, z);
+  return points;
+}
+
+std::vector<Eigen::Vector3d> together(std::vector<Eigen::Vector3d> a, const std::vector<Eigen::Vector3d>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+TEST(FindStack, SurfaceOfTheStonesThatWereFoundIsExplained) {
+  // Seen 4 mm off, and a speck of 4 cm2 beside it.
+  const auto seen_W = together(face(0.002, 0, 0.064, 0.10), face(0.3, 0, 0.05, 0.02));
+  const SortedStones sorted = find_stack(six(), {{0, at(0, 0, 0.03)}}, std::nullopt, seen_W);
+  EXPECT_THAT(sorted.unknown, IsEmpty());
+  EXPECT_EQ(sorted.note, "");
+  EXPECT_THAT(stones(sorted.available), ElementsAre(0));
+}
+
+TEST(FindStack, AnUnknownThingOnAStoneIsPartOfATower) {
+  const std::vector<PlacedStone> seen{{2, at(0.5, 0, 0.02)}, {0, at(0, 0, 0.03)}};
+  const auto seen_W = together(face(0, 0, 0.11, 0.08), face(0.5, 0, 0.04, 0.06));
+  const SortedStones sorted = find_stack(six(), seen, std::nullopt, seen_W);
+  ASSERT_EQ(sorted.unknown.size(), 1U);
+  EXPECT_EQ(sorted.unknown.front().on, 1) << "over the base";
+  EXPECT_NEAR(sorted.unknown.front().highest, 0.11, 1e-6);
+  EXPECT_THAT(sorted.note, HasSubstr("something on base"));
+  EXPECT_THAT(stones(sorted.available), ElementsAre(2));
+  EXPECT_THAT(stones(sorted.carrying), ElementsAre(0)) << "it is not free";
+  EXPECT_NE(find_stack(six(), seen, Eigen::Vector2d(0, 0), seen_W).note, "") << "no tower to build on";
+  EXPECT_EQ(find_stack(six(), seen, Eigen::Vector2d(0.5, 0), seen_W).note, "") << "another site";
+}
+
+TEST(FindStack, AnUnknownThingOnTheTableMayBeATower) {
+  const std::vector<PlacedStone> seen{{0, at(0, 0, 0.03)}};
+  const SortedStones sorted = find_stack(six(), seen, std::nullopt, face(0.3, 0.2, 0.12, 0.08));
+  ASSERT_EQ(sorted.unknown.size(), 1U);
+  EXPECT_EQ(sorted.unknown.front().on, -1);
+  EXPECT_LT((sorted.unknown.front().p_W - Eigen::Vector2d(0.3, 0.2)).norm(), 0.005);
+  EXPECT_THAT(sorted.note, HasSubstr("120 mm high, was not recognised"));
+  EXPECT_THAT(stones(sorted.available), ElementsAre(0));
 }
 
 TEST(FindStack, RefusesStonesWithoutAShape) {

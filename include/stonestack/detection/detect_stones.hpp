@@ -142,8 +142,9 @@ struct TableView {
   double cell = 0.02;                    ///< side of a cell [m]
   std::vector<Eigen::Vector2d> p_W;      ///< centres of the cells in which the bare table is seen, sorted
   Eigen::Vector2d p_W_middle{0.0, 0.0};  ///< of the box around them
+  std::vector<Eigen::Vector3d> above_W;  ///< surface 1 cm and more above the table, one point a cube of 5 mm
 };
-/// Cells count where a depth lies within `DetectionOptions::table_tolerance` of the plane.
+/// Cells count where a depth lies within 4 mm of the plane.
 [[nodiscard]] TableView view_of_table(const DepthImage& image, const Plane& table_C, const Pose& T_W_C,
                                       const DetectionOptions& options = {});
 

@@ -84,16 +84,19 @@ struct EasyHandEyeParameter {
 };
 
 /// The result as the ROS package easy_handeye keeps it (~/.ros/easy_handeye/NAME.yaml): `parameters` and
-/// `transformation`, which is T_F_C with eye_on_hand, T_R_C otherwise.
+/// `transformation`, which is T_F_C with eye_on_hand, T_R_C otherwise. Or as easy_handeye2 does
+/// (~/.ros2/easy_handeye2/calibrations/NAME.calib): `parameters` with a calibration_type, and `transform`.
 struct EasyHandEye {
+  bool of_ros2 = false;  ///< in the format of easy_handeye2
   CameraMount mount = CameraMount::kOnHand;
   Pose T_A_C = Pose::Identity();
-  /// Every parameter but eye_on_hand as it stood in the file: robot_base_frame, tracking_base_frame, ...
+  /// Every parameter but eye_on_hand or calibration_type as it stood in the file: robot_base_frame, ...
   std::vector<EasyHandEyeParameter> parameters;
 };
-/// Throws FileError naming file, key and value.
+/// Reads either format. Throws FileError naming file, key and value.
 [[nodiscard]] EasyHandEye read_easy_handeye(const std::string& path);
-/// Writes what was read unchanged, keys sorted and text quoted as easy_handeye (PyYAML) does.
+/// Writes what was read unchanged, in its format: keys sorted and text quoted as easy_handeye (PyYAML) does,
+/// or in the order of easy_handeye2's message.
 void write_easy_handeye(const std::string& path, const EasyHandEye& calibration);
 
 /// Errors of a simulated arm and camera, standard deviations of each station.

@@ -1,7 +1,9 @@
 #include "stonestack/detection/detect_stones.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -9,6 +11,12 @@
 #include "detection/scene/preprocess.hpp"
 
 namespace stonestack::detection {
+namespace {
+
+constexpr double kCube = 0.005;       // m, side of the cubes in which surface is thinned
+constexpr double kAboveTable = 0.01;  // m, lower the sensor's error may pass for a thing
+
+}  // namespace
 
 std::optional<Plane> find_table(const DepthImage& image, const DetectionOptions& options) {
   const auto pixels =
@@ -33,16 +41,23 @@ TableView view_of_table(const DepthImage& image, const Plane& table_C, const Pos
                         const DetectionOptions& options) {
   TableView view;
   std::set<std::pair<int, int>> cells;
+  std::map<std::array<int, 3>, Eigen::Vector3d> cubes;
   const DepthImage depth = smooth_depth(image, options);
   for (int v = 0; v < depth.camera.height; ++v)
     for (int u = 0; u < depth.camera.width; ++u) {
       const double z = depth.at(u, v);
       if (z <= 0) continue;
       const Eigen::Vector3d p_C = z * deproject(depth.camera, u, v);
-      if (std::abs(table_C.distance(p_C)) > kTableTolerance) continue;
-      const Eigen::Vector2d p_W = (T_W_C * p_C).head<2>() / view.cell;
-      cells.emplace(static_cast<int>(std::floor(p_W.x())), static_cast<int>(std::floor(p_W.y())));
+      const double height = table_C.distance(p_C);
+      const Eigen::Vector3d p_W = T_W_C * p_C;
+      const auto index = [&](int axis, double side) {
+        return static_cast<int>(std::floor(p_W[axis] / side));
+      };
+      if (height > kAboveTable && height < kMaxHeight)
+        cubes.try_emplace({index(0, kCube), index(1, kCube), index(2, kCube)}, p_W);
+      if (std::abs(height) <= kTableTolerance) cells.emplace(index(0, view.cell), index(1, view.cell));
     }
+  for (const auto& [cube, p_W] : cubes) view.above_W.push_back(p_W);
   Eigen::AlignedBox2d box;
   for (const auto& [i, k] : cells) {
     view.p_W.emplace_back(view.cell * (i + 0.5), view.cell * (k + 0.5));
