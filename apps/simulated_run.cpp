@@ -77,23 +77,32 @@ void attempt(std::string& problem, const std::function<void()>& write) {
   }
 }
 
-void write_report(std::string& problem, const RunReport& report, const std::string& folder) {
+/// Stones and robot, of which the report shows meshes and arm.
+struct Shown {
+  const Catalogue& catalogue;
+  const RobotModel& robot;
+};
+
+void write_report(std::string& problem, const RunReport& report, const Shown& shown,
+                  const std::string& folder) {
   attempt(problem, [&] { write_file(folder + "/result.json", run_json(report)); });
-  attempt(problem, [&] { write_file(folder + "/report.html", run_html(report)); });
+  attempt(problem,
+          [&] { write_file(folder + "/report.html", run_html(report, shown.catalogue, shown.robot)); });
 }
 
 using DrawPicture = std::function<void(const std::string& path)>;
 
 /// Writes what cannot be made again first, the largest last: a disk that fills up costs the picture.
-void close_report(FinishedRun& done, const std::string& folder, const DrawPicture& draw_picture) {
-  write_report(done.unwritten, done.report, folder);
+void close_report(FinishedRun& done, const Shown& shown, const std::string& folder,
+                  const DrawPicture& draw_picture) {
+  write_report(done.unwritten, done.report, shown, folder);
   if (!draw_picture) return;
   const std::string picture = folder + "/tower.png";
   attempt(done.unwritten, [&] {
     draw_picture(picture);
     done.report.picture = picture;
   });
-  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, folder);
+  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, shown, folder);
 }
 
 }  // namespace
@@ -116,7 +125,7 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
-    write_report(later, report, folder.path());
+    write_report(later, report, {catalogue, robot}, folder.path());
     log_info("judging the tower in the true world");
     try {
       report.truth = judge_run(world, report.result);
@@ -125,7 +134,7 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       log_info("interrupted before the tower was judged");
     }
   }
-  close_report(done, folder.path(),
+  close_report(done, {catalogue, robot}, folder.path(),
                [&](const std::string& path) { draw_truth(world.truth(), catalogue, present, layout, path); });
   return done;
 }
@@ -143,7 +152,7 @@ FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   const auto draw_stack = [&](const std::string& path) {
     write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell).site, 0.3)));
   };
-  close_report(done, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
+  close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
   return done;
 }
 

@@ -3,7 +3,9 @@
 #include <vector>
 
 #include "stonestack/experiment/experiment.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/report/picture.hpp"
+#include "stonestack/stone/catalogue.hpp"
 
 #pragma GCC visibility push(default)
 
@@ -14,8 +16,11 @@ namespace stonestack::report {
 /// The table that a person reads at the end of a run: stone, cost and its terms, planned and measured pose,
 /// outcome, times.
 [[nodiscard]] std::string run_table(const RunReport& report);
-/// One self-contained HTML file with the picture, the table and the options.
-[[nodiscard]] std::string run_html(const RunReport& report);
+/// One self-contained HTML file: the cell in 3-D over the whole time of the run, decisions with the
+/// placements that were compared, tables, times, the paper's figure 5, options. Without WebGL it shows the
+/// picture `report.picture`. Throws FileError if that cannot be read.
+[[nodiscard]] std::string run_html(const RunReport& report, const Catalogue& catalogue,
+                                   const RobotModel& robot);
 /// Meshes of stones at poses in stone-like colours, one a stone.
 [[nodiscard]] std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue,
                                                   const std::vector<PlacedStone>& stones);
