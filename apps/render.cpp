@@ -1,22 +1,16 @@
-#include <cstdio>
 #include <iostream>
-#include <memory>
-#include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
 
 #include "commands.hpp"
-#include "geometry/pose_json.hpp"
-#include "settings.hpp"
+#include "common_options.hpp"
 #include "stonestack/core/data.hpp"
-#include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/simulation/render_scene.hpp"
-#include "stonestack/stone/catalogue.hpp"
+#include "stonestack/report/results.hpp"
 
 namespace stonestack::apps {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 struct RenderCommand {
   std::string catalogue;  ///< empty: the stones that come with the project
@@ -30,90 +24,65 @@ struct RenderCommand {
   Settings settings;
 };
 
-std::vector<int> present(const RenderCommand& command, const Catalogue& catalogue) {
-  std::vector<int> indices;
-  if (command.stones.empty())
-    for (std::size_t i = 0; i < catalogue.stones.size(); ++i) indices.push_back(static_cast<int>(i));
-  else
-    for (const auto& name : command.stones) indices.push_back(catalogue.index(name));
-  return indices;
-}
-
-void print_json(const SimulatedScene& scene, const Catalogue& catalogue, const RenderCommand& command) {
-  nlohmann::json stones = nlohmann::json::array();
-  for (const auto& placed : scene.stones)
-    stones.push_back({{"stone", catalogue.stones[static_cast<std::size_t>(placed.stone)].name},
-                      {"T_W_O", pose_json(placed.T_W_O)},
-                      {"T_C_O", pose_json(scene.T_W_C.inverse() * placed.T_W_O)}});
-  std::cout << nlohmann::json{{"schema", "stonestack.render/1"},         {"folder", command.out},
-                              {"seed", command.options.simulation.seed}, {"T_W_C", pose_json(scene.T_W_C)},
-                              {"depth_unit", scene.depth_unit},          {"stones", stones}}
-                   .dump(2)
-            << '\n';
-}
-
 void render(RenderCommand& command) {
   if (command.quiet) set_log_level(LogLevel::kWarning);
+  SceneOptions& options = command.options;
   command.settings.apply(
-      join({nest("scene", fields(command.options)), nest("simulation", fields(command.options.simulation))}));
-  if (command.tilt_degrees >= 0) command.options.tilt = command.tilt_degrees * kDegree;
-  if (command.no_noise) command.options.simulation.sensor_noise = false;
+      join({nest("scene", fields(options)), nest("simulation", fields(options.simulation))}));
+  if (command.tilt_degrees >= 0) options.tilt = command.tilt_degrees * std::numbers::pi / 180;
+  if (command.no_noise) options.simulation.sensor_noise = false;
   require_writable(command.out + "/scene.yaml");
   const Catalogue catalogue =
       read_catalogue(command.catalogue.empty() ? data_path("stones") : command.catalogue);
-  const SimulatedScene scene =
-      render_scene(catalogue.stones, present(command, catalogue), CellLayout{}, command.options);
+  std::vector<int> present;
+  for (const auto& name : command.stones) present.push_back(catalogue.index(name));
+  if (present.empty()) {
+    present.resize(catalogue.stones.size());
+    std::iota(present.begin(), present.end(), 0);
+  }
+  const SimulatedScene scene = render_scene(catalogue.stones, present, CellLayout{}, options);
   write_scene(command.out, scene, catalogue.stones);
   log_info("wrote depth.png, cloud.ply and scene.yaml to " + command.out);
-  if (command.json) {
-    print_json(scene, catalogue, command);
-    return;
-  }
-  std::printf("%-20s   true position in the world (m)\n", "stone");
-  for (const auto& placed : scene.stones) {
-    const auto& p = placed.T_W_O.translation();
-    std::printf("%-20s   %7.4f %7.4f %7.4f\n",
-                catalogue.stones[static_cast<std::size_t>(placed.stone)].name.c_str(), p.x(), p.y(), p.z());
-  }
+  std::cout << (command.json ? scene_json(scene, catalogue, command.out, options.simulation.seed)
+                             : scene_table(scene, catalogue));
 }
 
 }  // namespace
 
 void add_render(CLI::App& app) {
-  auto command = std::make_shared<RenderCommand>();
-  CLI::App* sub = app.add_subcommand("render", "Write a simulated scene: depth image, cloud, ground truth");
-  sub->add_option("--out", command->out, "Folder to write to; made if missing")->required()->type_name("DIR");
-  sub->add_option("--stones", command->stones, "Stones to scatter, by name, comma-separated (default: all)")
+  const auto [sub, command] = add_subcommand<RenderCommand>(
+      app, "render", "Write a simulated scene: depth image, cloud, ground truth", render);
+  SimulationOptions& simulation = command.options.simulation;
+  add_path(sub, "--out", command.out, "Folder to write to; made if missing", "DIR")->required();
+  sub.add_option("--stones", command.stones, "Stones to scatter, by name, comma-separated (default: all)")
       ->delimiter(',');
-  command->settings.bind(
-      sub->add_option("--distance", command->options.distance, "Camera to table along its axis, m")
+  command.settings.bind(
+      sub.add_option("--distance", command.options.distance, "Camera to table along its axis, m")
           ->check(CLI::Range(0.2, 3.0))
           ->capture_default_str(),
       "scene.distance");
-  sub->add_option("--tilt", command->tilt_degrees, "Camera off the vertical, degrees (default: 10)")
+  sub.add_option("--tilt", command.tilt_degrees, "Camera off the vertical, degrees (default: 10)")
       ->check(CLI::Range(0.0, 80.0));
-  command->settings.bind(
-      sub->add_option("--sensor", command->options.simulation.sensor, "Depth camera to imitate")
-          ->check(CLI::IsMember({"sr300", "d435", "ideal"}))
-          ->capture_default_str(),
-      "simulation.sensor");
-  sub->add_flag("--no-noise", command->no_noise, "A perfect sensor of that kind");
-  sub->add_option("--catalogue", command->catalogue, "Folder of stones (default: those that come with it)")
-      ->type_name("DIR");
-  command->settings.bind(sub->add_option("--seed", command->options.simulation.seed, "Same seed, same scene")
-                             ->capture_default_str()
-                             ->check(CLI::Range(0, 2147483647)),
-                         "*.seed");
-  sub->add_flag("--json", command->json, "Result as JSON on stdout");
-  sub->add_flag("--quiet,-q", command->quiet, "Warnings and errors only on stderr");
-  command->settings.register_on(*sub);
-  sub->footer(
+  command.settings.bind(sub.add_option("--sensor", simulation.sensor, "Depth camera to imitate")
+                            ->check(CLI::IsMember({"sr300", "d435", "ideal"}))
+                            ->capture_default_str(),
+                        "simulation.sensor");
+  sub.add_flag("--no-noise", command.no_noise, "A perfect sensor of that kind");
+  add_path(sub, "--catalogue", command.catalogue, "Folder of stones (default: those that come with it)",
+           "DIR");
+  command.settings.bind(sub.add_option("--seed", simulation.seed, "Same seed, same scene")
+                            ->capture_default_str()
+                            ->check(CLI::Range(0, 2147483647)),
+                        "*.seed");
+  sub.add_flag("--json", command.json, "Result as JSON on stdout");
+  sub.add_flag("--quiet,-q", command.quiet, "Warnings and errors only on stderr");
+  command.settings.register_on(sub);
+  sub.footer(
       "Examples:\n"
       "  stonestack render --out scene --seed 1\n"
       "  stonestack render --out scene --stones limestone_1,limestone_2 --distance 0.6 --tilt 30\n"
       "  stonestack detect scene/scene.yaml --json\n"
       "depth.png holds 16-bit counts of depth_unit metres; scene.yaml holds the camera and the true poses.");
-  sub->callback([command] { render(*command); });
 }
 
 }  // namespace stonestack::apps

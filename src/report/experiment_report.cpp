@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "report/csv.hpp"
+#include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/report/run_report.hpp"
 
@@ -19,14 +18,6 @@ using nlohmann::json;
 constexpr std::array<int, 5> kPaperHeights{0, 0, 3, 6, 2};
 constexpr double kPaperRun = 271.0;          // s
 constexpr double kPaperManipulation = 0.61;  // share of it
-
-/// printf-style text for the tables.
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-  return buffer.data();
-}
 
 std::string percent(const Rate& rate) {
   return format("%5.1f %% (%d of %d; 95 %%: %.0f to %.0f)", 100 * rate.share(), rate.hits, rate.trials,

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "report/base64.hpp"
-#include "report/svg.hpp"
+#include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
 #include "stonestack/kinematics/forward.hpp"

@@ -2,15 +2,12 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "geometry/pose_json.hpp"
 #include "report/base64.hpp"
 #include "report/run_page.hpp"
-#include "report/svg.hpp"
+#include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 

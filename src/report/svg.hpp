@@ -1,20 +1,10 @@
 #pragma once
-#include <array>
 #include <cmath>
-#include <cstdio>
-#include <string>
 
-#include "stonestack/core/rooms.hpp"
+#include "report/text.hpp"
 
 /// Private to report: what its drawings share.
 namespace stonestack::report {
-
-template <class... Values>
-[[nodiscard]] std::string format(const char* pattern, Values... values) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-  return buffer.data();
-}
 
 /// A step of 1, 2 or 5 times a power of ten that divides `range` into at most `most` parts.
 [[nodiscard]] inline double tick(double range, double most = 10) {

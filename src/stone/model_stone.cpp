@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "stone/blame_file.hpp"
@@ -10,6 +11,9 @@
 #include "stone/reduce_mesh.hpp"
 #include "stone/repair_mesh.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+#include "stonestack/stone/catalogue.hpp"
+#include "stonestack/stone/limestone.hpp"
 
 namespace stonestack::stone {
 namespace {
@@ -154,6 +158,23 @@ ModelResult model_stone(const Mesh& scan, const std::string& name, const std::st
   check(options);
   check(scan, source);
   return blame_file(source, [&] { return model_checked(scan, name, source, options); });
+}
+
+ModelResult model_limestone(std::uint64_t seed, int number, const ModelOptions& options) {
+  ModelOptions in_metres = options;
+  in_metres.units = "m";
+  in_metres.scale = 1.0;
+  const Mesh scan = make_limestone(Random::stream(seed, static_cast<std::uint64_t>(number)).bits());
+  return model_stone(scan, concat("limestone_", number),
+                     concat("generated: limestone, seed ", seed, ", number ", number), in_metres);
+}
+
+std::string stone_name_of(const std::string& file) {
+  std::string name = std::filesystem::path(file).stem().string().substr(0, 64);
+  for (char& c : name)
+    if (!is_stone_name(std::string("x") + c)) c = '_';
+  if (!name.empty() && name.front() == '.') name.front() = '_';
+  return name;
 }
 
 }  // namespace stonestack::stone

@@ -1,4 +1,4 @@
-#include "stonestack/report/record_folder.hpp"
+#include "report/record_folder.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

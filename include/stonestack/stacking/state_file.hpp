@@ -32,6 +32,8 @@ struct StateHeader {
 [[nodiscard]] State read_state(const std::string& path, const Catalogue& catalogue);
 /// A decision as "stonestack.decision/1": action, alternatives, why.
 [[nodiscard]] std::string decision_json(const Decision& decision, const Catalogue& catalogue);
+/// A decision for a person: the action with its alternatives, a line each, then why.
+[[nodiscard]] std::string decision_text(const Decision& decision, const Catalogue& catalogue);
 
 }  // namespace stonestack::stacking
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,6 +37,11 @@ struct ModelResult {
 /// a mesh that cannot be a stone: empty, not finite, encloses nothing, size out of 2 cm to 2 m after units.
 [[nodiscard]] ModelResult model_stone(const Mesh& scan, const std::string& name, const std::string& source,
                                       const ModelOptions& options = {});
+/// The generated limestone `number` (from 1) of a seed, named limestone_NUMBER. Units and scale of the
+/// options are not for it.
+[[nodiscard]] ModelResult model_limestone(std::uint64_t seed, int number, const ModelOptions& options = {});
+/// Name for the stone of a scan: the file's stem with '_' for each character that a name may not hold.
+[[nodiscard]] std::string stone_name_of(const std::string& file);
 
 }  // namespace stonestack::stone
 

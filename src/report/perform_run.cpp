@@ -1,36 +1,25 @@
-#include "simulated_run.hpp"
+#include "report/perform_run.hpp"
 
 #include <exception>
 #include <functional>
 
-#include "cell_input.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
+#include "stonestack/report/results.hpp"
+#include "stonestack/report/run_report.hpp"
 #include "stonestack/stacking/build_tower.hpp"
-#include "version.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::report {
 namespace {
 
-void draw_truth(const Truth& truth, const Catalogue& catalogue, const std::vector<int>& present,
-                const CellLayout& layout, const std::string& path) {
-  std::vector<PlacedStone> placed;
-  for (const int stone : present) placed.push_back({stone, truth.T_W_O[static_cast<std::size_t>(stone)]});
-  const auto meshes = drawn_stones(catalogue, placed);
-  double top = 0.0;
-  for (const auto& item : meshes) {
-    const auto box = bounds(transformed(item.mesh, item.T_W_A));
-    if ((box.center().head<2>() - layout.site).norm() < 0.15) top = std::max(top, box.max().z());
-  }
-  write_png(path, draw(meshes, view_of_site(layout.site, top)));
-}
+constexpr double kAtSite = 0.15;  // m: stones so near count for the height of the picture
 
 /// Opens the report with what is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                      const std::vector<int>& present) {
+                      const std::vector<int>& present, const std::string& version) {
   RunReport report;
-  report.version = program_version();
+  report.version = version;
   report.robot = robot.name;
   report.catalogue = catalogue.path;
   report.seed = run.seed;
@@ -93,7 +82,7 @@ void write_report(std::string& problem, const RunReport& report, const Shown& sh
 using DrawPicture = std::function<void(const std::string& path)>;
 
 /// Writes what cannot be made again first, the largest last: a disk that fills up costs the picture.
-void close_report(FinishedRun& done, const Shown& shown, const std::string& folder,
+void close_report(RecordedRun& done, const Shown& shown, const std::string& folder,
                   const DrawPicture& draw_picture) {
   write_report(done.unwritten, done.report, shown, folder);
   if (!draw_picture) return;
@@ -107,12 +96,13 @@ void close_report(FinishedRun& done, const Shown& shown, const std::string& fold
 
 }  // namespace
 
-FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                    const std::vector<int>& present, const RecordFolder& folder,
+RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                    const std::vector<int>& present, const RecordFolder& folder, const std::string& version,
                     const SurvivalOptions* survival, const CellFile* file) {
-  FinishedRun done;
+  RecordedRun done;
+  done.folder = folder.path();
   RunReport& report = done.report;
-  report = open_report(run, catalogue, robot, present);
+  report = open_report(run, catalogue, robot, present, version);
   log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
                   " stones"));
   const CellLayout layout =
@@ -134,16 +124,21 @@ FinishedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       log_info("interrupted before the tower was judged");
     }
   }
-  close_report(done, {catalogue, robot}, folder.path(),
-               [&](const std::string& path) { draw_truth(world.truth(), catalogue, present, layout, path); });
+  close_report(done, {catalogue, robot}, folder.path(), [&](const std::string& path) {
+    const Truth truth = world.truth();
+    std::vector<PlacedStone> stones;
+    for (const int stone : present) stones.push_back({stone, truth.T_W_O[static_cast<std::size_t>(stone)]});
+    draw_tower(path, catalogue, stones, layout.site, kAtSite);
+  });
   return done;
 }
 
-FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
-                         const RecordFolder& folder) {
+RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
+                         const RecordFolder& folder, const std::string& version) {
   const RobotModel robot = read_cell_robot(file.cell);
-  FinishedRun done;
-  done.report = open_report(run, catalogue, robot, {});
+  RecordedRun done;
+  done.folder = folder.path();
+  done.report = open_report(run, catalogue, robot, {}, version);
   log_info(concat("cell ", file.path, ": arm at ", file.cell.arm.address));
   HardwareCell hardware(file.cell);
   hardware.activate_gripper();
@@ -156,4 +151,4 @@ FinishedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   return done;
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::report

@@ -1,4 +1,4 @@
-#include "search_scene.hpp"
+#include "stacking/search_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/search/find_stack.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::stacking {
 namespace {
 
 constexpr double kTableHeight = 0.02;  // m by which the table of a cloud in W may lie off z = 0
@@ -51,10 +51,10 @@ void add_shapes(const Catalogue& catalogue, SearchStart& start) {
   start.problem.shapes = start.shapes.get();
 }
 
-SearchStart start_from_names(const SearchInput& input, const Catalogue& catalogue) {
+SearchStart start_from_names(const SceneSearchTask& input, const Catalogue& catalogue) {
   require(!input.stones.empty(), "no scene and no stones; give SCENE or --stones a,b,c");
   SearchStart start;
-  for (const auto& name : split(input.stones, ','))
+  for (const auto& name : split_list(input.stones))
     start.problem.available.push_back({catalogue.index(name), Pose::Identity()});
   start.frame = "cell", start.frame_text = "the cell's world: z up, table at z = 0";
   add_shapes(catalogue, start);
@@ -62,7 +62,7 @@ SearchStart start_from_names(const SearchInput& input, const Catalogue& catalogu
 }
 
 /// Empty for a scene file without stones, whose view is to be searched.
-std::optional<SearchStart> start_from_poses(const SearchInput& input, const Catalogue& catalogue) {
+std::optional<SearchStart> start_from_poses(const SceneSearchTask& input, const Catalogue& catalogue) {
   const SceneFile scene = read_scene_file(input.scene);
   SearchStart start;
   for (const auto& item : scene.stack)
@@ -94,7 +94,8 @@ void check_height(const SceneView& view, const Plane& table_C, const std::string
 }
 
 /// Where W is for a view; the table is empty where none is seen.
-SearchStart frame_of(const SceneView& view, const std::optional<Plane>& table_C, const SearchInput& input) {
+SearchStart frame_of(const SceneView& view, const std::optional<Plane>& table_C,
+                     const SceneSearchTask& input) {
   SearchStart start;
   start.seen = true;
   if (view.world) {
@@ -116,8 +117,8 @@ SearchStart frame_of(const SceneView& view, const std::optional<Plane>& table_C,
 }
 
 /// An arm needs W to be that of its cell.
-void refuse_unknown_world(const SceneView& view, const SearchInput& input) {
-  if (!input.for_robot || input.world || (view.T_W_C && !view.world)) return;
+void refuse_unknown_world(const SceneView& view, const SceneSearchTask& input) {
+  if (input.robot.empty() || input.world || (view.T_W_C && !view.world)) return;
   throw InvalidArgument(
       view.world
           ? concat("--robot: ", input.scene,
@@ -129,8 +130,8 @@ void refuse_unknown_world(const SceneView& view, const SearchInput& input) {
 }
 
 /// Sorts the stones and sets the site: as asked, where a tower stands, or the best place in view.
-void set_stack(const SearchInput& input, const Catalogue& catalogue, const std::vector<PlacedStone>& placed,
-               const TableView& table, SearchStart& start) {
+void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
+               const std::vector<PlacedStone>& placed, const TableView& table, SearchStart& start) {
   const bool in_cell = input.world || start.frame == "camera_pose";
   std::optional<Eigen::Vector2d> site;
   if (!input.site.empty())
@@ -175,7 +176,7 @@ void set_stack(const SearchInput& input, const Catalogue& catalogue, const std::
   start.problem.site = *site;
 }
 
-SearchStart start_from_view(const SearchInput& input, const Catalogue& catalogue,
+SearchStart start_from_view(const SceneSearchTask& input, const Catalogue& catalogue,
                             const DetectionOptions& options) {
   const SceneView view = read_view(input.scene, input.camera_pose, input.world, input.depth);
   refuse_unknown_world(view, input);
@@ -201,19 +202,18 @@ SearchStart start_from_view(const SearchInput& input, const Catalogue& catalogue
 
 }  // namespace
 
-SearchStart read_start(const SearchInput& input, const Catalogue& catalogue,
-                       const DetectionOptions& options) {
+SearchStart read_start(const SceneSearchTask& input, const Catalogue& catalogue) {
   SearchStart start;
   if (input.scene.empty()) {
     start = start_from_names(input, catalogue);
   } else {
     std::optional<SearchStart> given;
     if (is_scene_file(input.scene)) given = start_from_poses(input, catalogue);
-    if (!given) return start_from_view(input, catalogue, options);
+    if (!given) return start_from_view(input, catalogue, input.detection);
     start = std::move(*given);
   }
   start.problem.site = input.site.empty() ? CellLayout{}.site : parse_point(input.site);
   return start;
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::stacking

@@ -1,4 +1,4 @@
-#include "run_folder.hpp"
+#include "report/run_folder.hpp"
 
 #include <ctime>
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 
-namespace stonestack::apps {
+namespace stonestack::report {
 namespace {
 
 /// A journal in which something stands: its run looked, and perhaps moved something.
@@ -41,4 +41,4 @@ RecordFolder take_run_folder(const std::string& out, int seed) {
   return folder;
 }
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::report

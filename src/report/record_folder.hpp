@@ -4,8 +4,6 @@
 
 #include "stonestack/core/rooms.hpp"
 
-#pragma GCC visibility push(default)
-
 namespace stonestack::report {
 
 /// The folder into which one run or one experiment writes its record, and nobody else as long as this object
@@ -46,5 +44,3 @@ class RecordFolder {
 std::string put_aside(const std::string& path);
 
 }  // namespace stonestack::report
-
-#pragma GCC visibility pop

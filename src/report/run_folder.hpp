@@ -1,11 +1,10 @@
 #pragma once
 #include <string>
 
-#include "rooms.hpp"
-#include "stonestack/report/record_folder.hpp"
+#include "report/record_folder.hpp"
 
-/// Where `run` and `experiment` write their records.
-namespace stonestack::apps {
+/// Private to report/: where runs and experiments write their records.
+namespace stonestack::report {
 
 /// "runs/20261121-143000-seed1": `kind`, the time and the seed.
 [[nodiscard]] std::string stamped_name(const std::string& kind, int seed);
@@ -15,4 +14,4 @@ namespace stonestack::apps {
 /// written over. Throws InvalidArgument where a run that ended is in it, and FileError.
 [[nodiscard]] RecordFolder take_run_folder(const std::string& out, int seed);
 
-}  // namespace stonestack::apps
+}  // namespace stonestack::report

@@ -1,0 +1,72 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/emulators/simulated_servers.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
+#include "stonestack/experiment/variants.hpp"
+
+#pragma GCC visibility push(default)
+
+/// Runs and experiments that write a record. The folder of a record belongs to the process that writes into
+/// it, until it ends.
+namespace stonestack::report {
+
+/// A run to perform.
+struct RunOrder {
+  SimulatedRun run;  ///< options; those of the simulation are for simulated cells
+  RobotModel robot;  ///< of a cell that is simulated in this process
+  /// In place of that: real devices, which then move, or simulated ones that are served on sockets.
+  std::optional<CellFile> cell;
+  int per_run = 4;      ///< stones of the catalogue that are drawn into a simulated field
+  std::string out;      ///< folder; empty: runs/<time>-seed<seed>
+  std::string version;  ///< of the program
+};
+/// A run and its record.
+struct RecordedRun {
+  RunReport report;
+  Survival survival;      ///< how the tower fares when it is tried further; empty: not tried
+  std::string unwritten;  ///< the first file of the record that could not be written, and why; empty: none
+  std::string folder;
+};
+/// Builds a tower and writes options, journal, result.json, report.html and picture into the folder, in this
+/// order. A run that was killed leaves a folder without a result: what is in it is put aside, so that the
+/// same command can be started again. In a real cell there is no truth to judge by, and the picture shows the
+/// stones where they were seen last. The caller has asked for the permission to move.
+/// @throws InvalidArgument where a run that ended is in the folder; FileError; DeviceError.
+[[nodiscard]] RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue);
+
+/// Consecutive runs of stones that are drawn anew each time.
+struct ExperimentOrder {
+  SimulatedRun run;  ///< options of all runs
+  RobotModel robot;
+  int seed = 1;  ///< run k has the seed 1000 seed + k
+  int runs = 11;
+  int stones = 6;                 ///< of the catalogue, to draw from
+  int per_run = 4;                ///< in the field of each run
+  bool survival = true;           ///< try each tower further
+  bool continues = false;         ///< with what the folder `out` holds
+  std::vector<Variant> variants;  ///< rows of a comparison; empty: the runs as they are
+  std::string out;                ///< folder; empty: experiments/<time>-seed<seed>
+  std::string version;            ///< of the program
+};
+/// An experiment and its record.
+struct RecordedExperiment {
+  Experiment experiment;   ///< runs that are done; of a comparison, those of the last variant
+  std::string comparison;  ///< a table with a row for each variant that has runs
+  std::string folder;
+  bool interrupted = false;  ///< by the user: the run under way is not counted
+  std::string unwritten;     ///< what of the last run's record could not be written; empty: nothing
+};
+/// Performs the runs. What is done is on the disk after each of them. `listener` hears each line of a
+/// comparison's table once it is known.
+/// @throws InvalidArgument and FileError before the first run, also for a folder that other options made.
+[[nodiscard]] RecordedExperiment record_experiment(
+    const ExperimentOrder& order, const Catalogue& catalogue,
+    const std::function<void(const std::string& line)>& listener = {});
+
+}  // namespace stonestack::report
+
+#pragma GCC visibility pop

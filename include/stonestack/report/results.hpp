@@ -1,0 +1,111 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/detection/track_stones.hpp"
+#include "stonestack/simulation/render_scene.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/scene_tasks.hpp"
+#include "stonestack/stone/catalogue.hpp"
+#include "stonestack/stone/model_stone.hpp"
+#include "stonestack/stone/scene_view.hpp"
+
+#pragma GCC visibility push(default)
+
+/// Results of single steps as JSON for programs (docs/formats.md) and as text for a person, a line a stone.
+/// Runs and experiments have reports of their own.
+namespace stonestack::report {
+
+/// "stonestack.detect/1"; with the camera's pose each detection has T_W_O as well.
+[[nodiscard]] std::string detection_json(const DetectionResult& result, const Catalogue& catalogue,
+                                         const std::optional<Pose>& T_W_C);
+/// Positions in C, or in W for a cloud that no camera took.
+[[nodiscard]] std::string detection_table(const DetectionResult& result, const Catalogue& catalogue,
+                                          const SceneView& view);
+/// Warnings: stones whose shape leaves open which stone it is or how it lies, and poses that the paper's
+/// inlier ratio takes though the visibility-aware score would refuse them.
+[[nodiscard]] std::vector<std::string> detection_doubts(const DetectionResult& result,
+                                                        const Catalogue& catalogue,
+                                                        const DetectionOptions& options);
+
+/// "stonestack.track/1".
+[[nodiscard]] std::string tracking_json(const TrackResult& result, const Catalogue& catalogue,
+                                        const Pose& T_W_C);
+[[nodiscard]] std::string tracking_table(const TrackResult& result, const Catalogue& catalogue);
+/// Poses that `detection_json` or `tracking_json` wrote into a file, or those of a scene file.
+/// @throws FileError, also for detections whose camera pose was not known.
+[[nodiscard]] std::vector<NamedPose> read_seen_poses(const std::string& path);
+
+/// "stonestack.search/1"; `next` is the command to type next.
+[[nodiscard]] std::string search_json(const SceneSearch& found, int seed, const std::string& next);
+/// Frame and stack of a view, and the placements.
+[[nodiscard]] std::string search_text(const SceneSearch& found, const std::string& next);
+/// "stonestack.trace/1": every candidate with its path to contact (poses T_W_O), support polygon, cost, terms
+/// and outcome.
+[[nodiscard]] std::string search_trace_json(const SceneSearch& found);
+/// Command line that goes on from what was found in a view; empty for other results. `catalogue` and `out`
+/// are paths that the user gave, or empty.
+[[nodiscard]] std::string next_command(const SceneSearch& found, const SceneSearchTask& task,
+                                       const std::string& catalogue, const std::string& out);
+/// The stack with the placements on it.
+[[nodiscard]] std::vector<PlacedStone> planned_tower(const SceneSearch& found);
+/// A scene file with the tower as its stack.
+[[nodiscard]] SceneFile scene_of(const std::vector<PlacedStone>& tower, const Catalogue& catalogue);
+
+/// "stonestack.check/1".
+[[nodiscard]] std::string tower_json(const TowerCheck& check, const Catalogue& catalogue);
+[[nodiscard]] std::string tower_text(const TowerCheck& check, const Catalogue& catalogue);
+/// Draws the stones on a table, with the tower at `site` in the middle, as a PNG file. The view is as high as
+/// the highest stone within `radius` of the site. @throws FileError.
+void draw_tower(const std::string& path, const Catalogue& catalogue, const std::vector<PlacedStone>& stones,
+                const Eigen::Vector2d& site, double radius = 1e3);
+
+/// Placement that a search proposed, as its JSON has it, and then its alternatives: targets of a plan.
+/// @throws FileError.
+[[nodiscard]] std::vector<NamedPose> read_search_targets(const std::string& path);
+/// "stonestack.plan/1".
+[[nodiscard]] std::string plan_json(const ScenePlan& planned);
+[[nodiscard]] std::string plan_table(const ScenePlan& planned);
+/// All motions one after the other, sampled every 8 ms.
+[[nodiscard]] std::string plan_csv(const ScenePlan& planned);
+/// Joints, tool speed and clearance over time as an SVG file. @throws FileError.
+void plot_plan(const std::string& path, const ScenePlan& planned);
+/// One PNG for the start and for the end of each motion: FOLDER/00_start.png, 01_transit.png, ...; `width` in
+/// pixels. @throws FileError.
+void draw_plan(const std::string& folder, const ScenePlan& planned, int width);
+
+/// "stonestack.render/1".
+[[nodiscard]] std::string scene_json(const SimulatedScene& scene, const Catalogue& catalogue,
+                                     const std::string& folder, int seed);
+[[nodiscard]] std::string scene_table(const SimulatedScene& scene, const Catalogue& catalogue);
+
+/// Measures of a stone that was made of a scan.
+struct StoneSummary {
+  Stone stone;                                        ///< without its meshes
+  Eigen::Vector3d extents = Eigen::Vector3d::Zero();  ///< [m]
+  double volume = 0.0;                                ///< [m^3]
+  double volume_over_hull = 0.0;
+  std::size_t scan_faces = 0, faces = 0, pieces = 0;
+  std::vector<std::string> warnings;
+};
+[[nodiscard]] StoneSummary summary_of(ModelResult result);
+/// A scan that could not be made a stone.
+struct FailedScan {
+  std::string file;
+  std::string error;
+};
+/// "stonestack.scan/1" of stones that were stored in the folder `catalogue`.
+[[nodiscard]] std::string stones_json(const std::vector<StoneSummary>& stones, const std::string& catalogue,
+                                      const std::vector<FailedScan>& failed);
+/// Lengths in cm, deviations in mm.
+[[nodiscard]] std::string stones_table(const std::vector<StoneSummary>& stones);
+
+/// Exit code of a program that made the run and does nothing else.
+[[nodiscard]] ExitCode exit_code(const RunResult& result);
+
+}  // namespace stonestack::report
+
+#pragma GCC visibility pop

@@ -1,0 +1,108 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/physics/stack.hpp"
+#include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/stone/catalogue.hpp"
+#include "stonestack/stone/scene_view.hpp"
+
+#pragma GCC visibility push(default)
+
+/// Single steps of the loop for scenes that come from files: no device, no run.
+namespace stonestack::stacking {
+
+/// A search in a scene, as a user asks for it.
+struct SceneSearchTask {
+  std::string catalogue;    ///< folder of the stones
+  std::string scene;        ///< scene file or view; empty: `stones` on the empty table
+  std::string camera_pose;  ///< of a view, as `parse_pose` reads it; may be empty
+  std::string stones;       ///< by name, comma-separated
+  std::string site;         ///< x,y; may be empty
+  bool world = false;       ///< the view is a cloud in the world frame
+  DepthInput depth;
+  std::string robot;  ///< only poses to which this arm brings the stones, in one go; empty: any pose
+  int levels = 1;     ///< to plan, as if each placement succeeded
+  SearchOptions search;
+  DetectionOptions detection;
+  MotionOptions motion;
+};
+/// A search problem with the frame that it is stated in.
+struct SearchStart {
+  std::shared_ptr<const ShapeList> shapes;  ///< of the stones that occur, by catalogue index; others are null
+  SearchProblem problem;
+  /// Definition of W: cell (nothing was seen), scene_file, camera_pose, world_cloud, or table (found in a
+  /// view); unknown before the input was read.
+  std::string frame = "unknown";
+  std::string frame_text;     ///< the same for a person
+  std::optional<Pose> T_W_C;  ///< of a view that a camera took
+  std::string site_text;      ///< where the tower stands or will stand, for a person; empty: as was asked
+  bool seen = false;          ///< stones were found in a view
+};
+/// Result of a search in a scene.
+struct SceneSearch {
+  Catalogue catalogue;
+  SearchStart start;                    ///< empty, or as far as it came, where the time was over before
+  std::vector<Placement> placements;    ///< the next one, or one a level; empty: see `reason`
+  std::vector<Placement> alternatives;  ///< other poses for the first, should the arm refuse it
+  std::string reason;
+  bool repeatable = true;  ///< not ended by the clock or the user: the same seed gives the same
+  /// Every candidate of a search of one level that was made, with SearchOptions::trace.
+  std::optional<std::vector<CandidateTrace>> trace;
+};
+/// Reads the catalogue and the scene, finds the stones if the scene is a view (which tower stands there and
+/// which stones lie loose: `find_stack`), lets the tower come to rest, and searches. A view whose camera pose
+/// is unknown defines W by the table that it shows; its tower is the one that stands there, else the site is
+/// the best place in view. A `TimeLimit` that is over ends it with the best so far. `report` hears of the
+/// progress.
+/// @throws FileError; InvalidArgument; Error when nothing is detected, when what is seen is no tower to build
+/// on, or when the arm can carry none of the stones; Interrupted.
+[[nodiscard]] SceneSearch search_in_scene(const SceneSearchTask& task,
+                                          const std::function<void(const std::string&)>& report = {});
+
+/// A motion to plan.
+struct ScenePlanTask {
+  std::string scene;               ///< scene file with the stones' poses and, if there are any, obstacles
+  std::vector<NamedPose> targets;  ///< in order of preference: which stone, and where to
+  RobotModel robot;
+  CellLayout layout;  ///< obstacles and paddings of the scene are added
+  Joints q_start = Joints::Zero();
+  MotionOptions options;
+};
+/// A plan with its scene; the task points into the catalogue.
+struct ScenePlan {
+  PlanningScene scene;
+  PickAndPlaceTask task;
+  PickAndPlacePlan plan;
+};
+/// Plans for the first target that can be carried out.
+/// @return the last plan that failed, with what stands in the way of each target as its reason, where none
+/// can.
+/// @throws FileError, InvalidArgument for an unknown stone, Interrupted.
+[[nodiscard]] ScenePlan plan_in_scene(const ScenePlanTask& task, const Catalogue& catalogue);
+
+/// A tower of a scene file, and whether and how firmly it stands.
+struct TowerCheck {
+  Stack stack;
+  double friction = 0.0;
+  double seconds = 0.0;  ///< simulated
+  StandVerdict verdict;
+  Equilibrium equilibrium;
+  StackStatics statics;
+};
+/// Simulates the stack of a scene file for `seconds`, and solves its equilibrium.
+/// @throws FileError for a file without a stack, for stones that cannot be, and for stones that overlap by
+/// more than 2 mm.
+[[nodiscard]] TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue,
+                                     double friction, double seconds);
+
+}  // namespace stonestack::stacking
+
+#pragma GCC visibility pop

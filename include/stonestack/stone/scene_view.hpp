@@ -1,0 +1,61 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/geometry/plane.hpp"
+#include "stonestack/stone/scene_file.hpp"
+
+#pragma GCC visibility push(default)
+
+namespace stonestack::stone {
+
+/// A view that came from a file: the frame, and where the camera stood if that is known.
+struct SceneView {
+  DepthImage image;
+  std::optional<Pose> T_W_C;
+  bool world = false;  ///< of a cloud in W: no camera took it, T_W_C is one that is put above it
+};
+
+/// Data that a depth image, a recording or a cloud does not contain, as a user writes it.
+struct DepthInput {
+  double unit = 0.0;        ///< m a count; 0: it must stand in the files
+  std::string camera;       ///< fx,fy,cx,cy
+  std::string distortion;   ///< none, brown_conrady:k1,k2,p1,p2,k3 or inverse_brown_conrady:...
+  int frame = 0;            ///< of a recording
+  std::string units = "m";  ///< of a cloud's coordinates: m, cm, mm
+};
+
+/// A depth view from a scene file (depth image or cloud in it), a 16-bit depth PNG, a recording (folder in
+/// the layout of BOP, Open3D or TUM), or from a cloud (PLY, PCD). A cloud is in the camera frame, unless
+/// `world` says otherwise or it cannot be: not organised like a depth camera's, no `camera_pose` given, and
+/// most of it within 10 cm of z = 0 (a table there).
+/// @param camera_pose as `parse_pose` reads it; empty: that of the file, if it has one.
+/// @throws FileError, also for a mirrored cloud and for one that lies behind the camera (OpenGL's axes), and
+/// InvalidArgument for a part of `depth` that this kind of file has no use for.
+[[nodiscard]] SceneView read_view(const std::string& path, const std::string& camera_pose, bool world = false,
+                                  const DepthInput& depth = {});
+
+/// Refuses a cloud that was taken as in W and whose table, seen from the camera above it, leans: its z does
+/// not point up.
+/// @throws FileError.
+void check_level(const SceneView& view, const std::optional<Plane>& table_C, const std::string& path);
+
+/// True for .yaml and .yml.
+[[nodiscard]] bool is_scene_file(const std::string& path);
+
+/// The parts of "a,b,c"; one empty part for an empty text.
+[[nodiscard]] std::vector<std::string> split_list(const std::string& text);
+/// `count` finite numbers with commas between; `form` says in errors what they are.
+/// @throws InvalidArgument.
+[[nodiscard]] std::vector<double> parse_numbers(const std::string& text, std::size_t count, const char* form);
+/// "x,y,z,qx,qy,qz,qw", or the path of a scene file with T_W_C.
+/// @throws InvalidArgument, FileError.
+[[nodiscard]] Pose parse_pose(const std::string& text);
+/// "x,y". @throws InvalidArgument.
+[[nodiscard]] Eigen::Vector2d parse_point(const std::string& text);
+
+}  // namespace stonestack::stone
+
+#pragma GCC visibility pop

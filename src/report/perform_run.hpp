@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "report/record_folder.hpp"
+#include "stonestack/report/record_run.hpp"
+
+/// Private to report/: one run of the loop with its record, once for `record_run` and often for
+/// `record_experiment`.
+namespace stonestack::report {
+
+/// Builds a tower of the stones `present` (indices into the catalogue). With `file` the simulated devices are
+/// served on sockets, and the loop uses the real backends.
+[[nodiscard]] RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
+                                  const RobotModel& robot, const std::vector<int>& present,
+                                  const RecordFolder& folder, const std::string& version,
+                                  const SurvivalOptions* survival = nullptr, const CellFile* file = nullptr);
+/// Performs a run with the devices of a real cell.
+[[nodiscard]] RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue,
+                                       const CellFile& file, const RecordFolder& folder,
+                                       const std::string& version);
+
+}  // namespace stonestack::report

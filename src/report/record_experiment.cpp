@@ -1,0 +1,251 @@
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "report/perform_run.hpp"
+#include "report/run_folder.hpp"
+#include "report/text.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/experiment/option_sources.hpp"
+#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/report/experiment_report.hpp"
+#include "stonestack/stacking/observe.hpp"
+
+namespace stonestack::report {
+namespace {
+
+constexpr const char* kRepeat = "repeat the command that began it";
+
+std::vector<int> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
+  return draw_stones(catalogue, count, seed, hand_of(CellLayout{}), robot);
+}
+
+/// The stones of the experiment, drawn by its seed, in the order of the catalogue.
+Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
+  Catalogue chosen{all.path, {}};
+  for (const int stone : draw(all, order.stones, order.seed, order.robot))
+    chosen.stones.push_back(all.stones[static_cast<std::size_t>(stone)]);
+  return chosen;
+}
+
+/// Refuses what could end the experiment hours later.
+void check_order(const ExperimentOrder& order, const Catalogue& catalogue) {
+  constexpr int kLargest = std::numeric_limits<int>::max();
+  require(order.seed <= (kLargest - order.runs) / 1000, "run k of seed S has the seed 1000 S + k, ",
+          "which is too large for --seed ", order.seed, "; at most ", (kLargest - order.runs) / 1000);
+  const auto count = static_cast<int>(catalogue.stones.size());
+  require(order.per_run <= count, "--per-run ", order.per_run, " of ", count,
+          " stones: ask for more with --stones, of a catalogue that has them");
+  check_variants(order.variants, order.run, order.seed);
+  require(!order.continues || !order.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
+}
+
+RecordFolder out_folder(const ExperimentOrder& order) {
+  if (order.out.empty()) return RecordFolder::make_new(stamped_name("experiments", order.seed));
+  RecordFolder folder(order.out);
+  require(order.continues || folder.made(), order.out,
+          " is there already; go on with it by --continue, or name another folder with --out");
+  return folder;
+}
+
+void write_record(const Experiment& experiment, const std::string& folder) {
+  write_file(folder + "/experiment.json", experiment_json(experiment));
+  write_file(folder + "/runs.csv", runs_csv(experiment));
+  write_file(folder + "/figure5.csv", figure5_csv(experiment));
+  write_file(folder + "/figure5.svg", figure5_svg(experiment));
+  write_file(folder + "/summary.txt", experiment_table(experiment));
+}
+
+/// The first line in which two option files differ, for the user.
+std::string first_difference(const std::string& there, const std::string& now) {
+  std::istringstream a(there), b(now);
+  std::string p, q;
+  do {
+    p.clear();
+    q.clear();
+    std::getline(a, p);
+    std::getline(b, q);
+  } while (p == q && (a || b));
+  return concat("'", p, "' there, '", q, "' now");
+}
+
+/// The runs of one experiment: `order` with the options of a variant, in a folder of its own.
+class Runs {
+ public:
+  Runs(const ExperimentOrder& order, const SimulatedRun& settings, const Catalogue& catalogue,
+       std::string folder)
+      : order_(order), settings_(settings), catalogue_(catalogue), folder_(std::move(folder)) {}
+
+  /// Performs those that are not done; the reports of a run that the user interrupts, or whose record is not
+  /// whole, stay in its folder, but it is not counted.
+  [[nodiscard]] RecordedExperiment perform_all() const {
+    const auto shapes = make_contact_shapes(catalogue_.stones);  // held, so that all runs find them
+    RecordedExperiment done;
+    done.folder = folder_;
+    Experiment& experiment = done.experiment;
+    experiment.per_run = order_.per_run;
+    experiment.title = concat(order_.runs, " runs of ", order_.per_run, " of ", catalogue_.stones.size(),
+                              " stones, ", order_.robot.name, ", seed ", order_.seed);
+    experiment.survival_seconds = survival_.seconds;
+    if (order_.continues) experiment.runs = runs_done();
+    // Before the first run ends, too: what --continue must agree with.
+    write_file(folder_ + "/experiment.json", experiment_json(experiment));
+    for (int k = static_cast<int>(experiment.runs.size()) + 1; k <= order_.runs; ++k)
+      if (!perform_one(k, done)) break;
+    return done;
+  }
+
+ private:
+  [[nodiscard]] std::string run_folder(int k) const { return concat(folder_, "/run-", k); }
+  [[nodiscard]] SimulatedRun run_number(int k) const {
+    SimulatedRun run = settings_;
+    run.seed = 1000 * order_.seed + k;
+    spread_seed(run);
+    return run;
+  }
+  [[nodiscard]] std::vector<int> present_in(const SimulatedRun& run) const {
+    return draw(catalogue_, order_.per_run, run.seed, order_.robot);
+  }
+
+  /// Adds run `k`; false where the experiment ends with it.
+  [[nodiscard]] bool perform_one(int k, RecordedExperiment& done) const {
+    const SimulatedRun run = run_number(k);
+    const auto present = present_in(run);
+    log_info(concat("run ", k, " of ", order_.runs));
+    RecordedRun made;
+    try {
+      const RecordFolder place(run_folder(k));
+      made = perform(run, catalogue_, order_.robot, present, place, order_.version,
+                     order_.survival ? &survival_ : nullptr);
+      done.unwritten = made.unwritten;
+      done.interrupted = interrupt_noted();
+    } catch (const Interrupted&) {
+      done.interrupted = true;
+    } catch (const FileError& error) {
+      done.unwritten = error.what();
+    }
+    if (done.interrupted) {
+      log_info(concat("interrupted; run ", k, " is not counted"));
+      return false;
+    }
+    if (!done.unwritten.empty()) {
+      log_info(concat("the record of run ", k, " is not whole; it is not counted"));
+      return false;
+    }
+    Experiment& experiment = done.experiment;
+    experiment.runs.push_back({made.report, made.survival});
+    try {
+      write_record(experiment, folder_);
+    } catch (const FileError& error) {
+      done.unwritten = error.what();
+      return false;
+    }
+    log_info(concat("run ", k, ": height ", judged_height(experiment.runs.back()), "; ",
+                    made.report.result.ended));
+    return true;
+  }
+
+  /// Refuses a run that would not be made now as it was made.
+  void check_same_run(const ExperimentRun& there, int k) const {
+    const std::string remedy = concat(kRepeat, ", or begin another in a new folder");
+    const RunReport& report = there.report;
+    require(report.robot == order_.robot.name, folder_, " was made with ", report.robot, ", not with ",
+            order_.robot.name);
+    SimulatedRun run = run_number(k);
+    if (report.seed != run.seed)
+      throw FileError(folder_, concat("run ", k, " has the seed ", report.seed, ", not ", run.seed), remedy);
+    std::vector<std::string> present;
+    for (const int stone : present_in(run)) present.push_back(name_of(catalogue_, stone));
+    if (report.present != present)
+      throw FileError(folder_, concat("run ", k, " was made with other stones"), remedy);
+    const std::string file = run_folder(k) + "/options.yaml";
+    const std::string options = read_file(file, 1U << 20U), now = write_fields(fields(run));
+    if (options != now)
+      throw FileError(file, concat("made with other options: ", first_difference(options, now)), remedy);
+    require(there.survival.standing.empty() != order_.survival, folder_, ": run ", k,
+            " was made with --survival ", order_.survival ? "false" : "true", "; ", kRepeat);
+  }
+
+  /// The runs that the folder holds, if they belong to this experiment. One that was interrupted is put
+  /// aside.
+  [[nodiscard]] std::vector<ExperimentRun> runs_done() const {
+    std::vector<ExperimentRun> runs;
+    if (std::filesystem::exists(folder_ + "/experiment.json")) {
+      Experiment there = read_experiment(folder_ + "/experiment.json");
+      require(there.per_run == order_.per_run, folder_, " was made with --per-run ", there.per_run, ", not ",
+              order_.per_run, "; ", kRepeat);
+      runs = std::move(there.runs);
+    }
+    require(runs.size() <= static_cast<std::size_t>(order_.runs), folder_, " holds ", runs.size(),
+            " runs already; ask for more with --runs");
+    for (std::size_t i = 0; i < runs.size(); ++i) check_same_run(runs[i], static_cast<int>(i) + 1);
+    const std::string next = run_folder(static_cast<int>(runs.size()) + 1);
+    if (std::filesystem::exists(next))
+      log_info(concat(next, " was not finished; it is kept as ", put_aside(next)));
+    if (!runs.empty()) log_info(concat(runs.size(), " runs are there already"));
+    return runs;
+  }
+
+  const ExperimentOrder& order_;
+  const SimulatedRun& settings_;
+  const Catalogue& catalogue_;
+  const std::string folder_;
+  const SurvivalOptions survival_;
+};
+
+std::string comparison_row(std::string name, const Experiment& experiment) {
+  double height = 0.0, seconds = 0.0;
+  for (const auto& run : experiment.runs) {
+    height += judged_height(run);
+    seconds += run.report.result.seconds.motion;
+  }
+  const auto n = static_cast<double>(experiment.runs.size());
+  const Rate whole = reached(experiment, experiment.per_run);
+  name.resize(std::max<std::size_t>(name.size(), 28), ' ');
+  return name + format(" %5zu   %5.2f   %3d of %-3d (%3.0f to %3.0f %%)   %6.1f\n", experiment.runs.size(),
+                       height / n, whole.hits, whole.trials, 100 * whole.low(), 100 * whole.high(),
+                       seconds / n);
+}
+
+/// One experiment a variant.
+RecordedExperiment compare(const ExperimentOrder& order, const Catalogue& catalogue,
+                           const std::string& folder,
+                           const std::function<void(const std::string&)>& listener) {
+  std::string table;
+  const auto add = [&](const std::string& line) {
+    table += line;
+    if (listener) listener(line);
+  };
+  add("variant                       runs   height   whole                    robot s\n");
+  RecordedExperiment done;
+  for (std::size_t v = 0; v < order.variants.size(); ++v) {
+    SimulatedRun run = order.run;
+    set_fields(fields(run), order.variants[v].assignments);
+    done = Runs(order, run, catalogue, concat(folder, "/variant-", v + 1)).perform_all();
+    if (!done.experiment.runs.empty()) {
+      add(comparison_row(order.variants[v].name, done.experiment));
+      write_file(folder + "/comparison.txt", table);
+    }
+    if (done.interrupted || !done.unwritten.empty()) break;
+  }
+  done.comparison = table;
+  done.folder = folder;
+  return done;
+}
+
+}  // namespace
+
+RecordedExperiment record_experiment(const ExperimentOrder& order, const Catalogue& catalogue,
+                                     const std::function<void(const std::string& line)>& listener) {
+  const Catalogue chosen = choose_stones(order, catalogue);
+  check_order(order, chosen);
+  const RecordFolder folder = out_folder(order);
+  if (!order.variants.empty()) return compare(order, chosen, folder.path(), listener);
+  return Runs(order, order.run, chosen, folder.path()).perform_all();
+}
+
+}  // namespace stonestack::report

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "geometry/pose_json.hpp"
+#include "stonestack/stone/catalogue.hpp"
+
+/// Private to report/: text and JSON that several reports share.
+namespace stonestack::report {
+
+/// Text as printf makes it, of any length.
+template <class... Values>
+[[nodiscard]] std::string format(const char* pattern, Values... values) {
+  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, pattern, values...)), ' ');
+  std::snprintf(text.data(), text.size() + 1, pattern, values...);
+  return text;
+}
+
+[[nodiscard]] inline const std::string& name_of(const Catalogue& catalogue, int stone) {
+  return catalogue.stones[static_cast<std::size_t>(stone)].name;
+}
+
+/// {stone, T_W_O}
+[[nodiscard]] inline nlohmann::json placed_json(const Catalogue& catalogue, int stone, const Pose& T_W_O) {
+  return {{"stone", name_of(catalogue, stone)}, {"T_W_O", pose_json(T_W_O)}};
+}
+
+/// The document as a command prints it.
+[[nodiscard]] inline std::string document(const nlohmann::json& json, int indent = 2) {
+  return json.dump(indent) + "\n";
+}
+
+}  // namespace stonestack::report

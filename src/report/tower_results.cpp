@@ -1,0 +1,103 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report/text.hpp"
+#include "stonestack/report/picture.hpp"
+#include "stonestack/report/results.hpp"
+#include "stonestack/report/run_report.hpp"
+
+namespace stonestack::report {
+namespace {
+
+/// Of a stone of the stack, or the table.
+std::string level_name(const TowerCheck& check, const Catalogue& catalogue, int level) {
+  if (level == kTable) return "the table";
+  return name_of(catalogue, check.stack.stones[static_cast<std::size_t>(level)].stone);
+}
+
+/// The contact that gives way first, if there is one.
+const Contact* weakest_contact(const TowerCheck& check) {
+  const int index = check.equilibrium.weakest_contact;
+  return index < 0 ? nullptr : &check.statics.contacts[static_cast<std::size_t>(index)];
+}
+
+double degrees(const Eigen::Vector2d& direction) {
+  return std::atan2(direction.y(), direction.x()) * 180.0 / M_PI;
+}
+
+}  // namespace
+
+std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
+  const Equilibrium& e = check.equilibrium;
+  nlohmann::json out = {
+      {"schema", "stonestack.check/1"}, {"friction", check.friction},
+      {"seconds", check.seconds},       {"stands", check.verdict.stands},
+      {"clean", check.verdict.clean},   {"standing", check.verdict.standing},
+      {"shift_m", check.verdict.shift}, {"turn_rad", check.verdict.turn},
+      {"reason", check.verdict.reason}, {"in_equilibrium", e.stands},
+      {"margin_g", e.margin},           {"margin_direction", {e.direction.x(), e.direction.y()}},
+      {"least_friction", nullptr},      {"weakest_contact", nullptr}};
+  if (std::isfinite(e.least_friction)) out["least_friction"] = e.least_friction;
+  if (const Contact* c = weakest_contact(check))
+    out["weakest_contact"] = {{"above", level_name(check, catalogue, c->above)},
+                              {"below", level_name(check, catalogue, c->below)},
+                              {"p_W", {c->p_W.x(), c->p_W.y(), c->p_W.z()}},
+                              {"n_W", {c->n_W.x(), c->n_W.y(), c->n_W.z()}}};
+  return document(out);
+}
+
+std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
+  const StandVerdict& verdict = check.verdict;
+  const Equilibrium& e = check.equilibrium;
+  std::string text = format("simulation   %s, %s; moved %.3f mm and turned %.3f deg in %g s at friction %g\n",
+                            verdict.stands ? "stands" : "falls", verdict.clean ? "clean" : "not clean",
+                            1e3 * verdict.shift, verdict.turn * 180 / M_PI, check.seconds, check.friction);
+  if (!verdict.reason.empty()) text += "             " + verdict.reason + "\n";
+  text += e.stands ? format(
+                         "equilibrium  holds; bears %.3f g sideways, least when pushed towards %.0f deg (x "
+                         "is 0, y is 90)\n",
+                         e.margin, degrees(e.direction))
+                   : "equilibrium  no contact forces hold it\n";
+  text += std::isfinite(e.least_friction) ? format("friction     holds down to %.3f\n", e.least_friction)
+                                          : "friction     none up to 2 holds it\n";
+  if (const Contact* c = weakest_contact(check))
+    text += format("weakest      %s on %s at (%.3f, %.3f, %.3f) m\n",
+                   level_name(check, catalogue, c->above).c_str(),
+                   level_name(check, catalogue, c->below).c_str(), c->p_W.x(), c->p_W.y(), c->p_W.z());
+  return text;
+}
+
+void draw_tower(const std::string& path, const Catalogue& catalogue, const std::vector<PlacedStone>& stones,
+                const Eigen::Vector2d& site, double radius) {
+  const auto meshes = drawn_stones(catalogue, stones);
+  double top = 0.0;
+  for (const auto& item : meshes) {
+    const auto box = bounds(transformed(item.mesh, item.T_W_A));
+    if ((box.center().head<2>() - site).norm() < radius) top = std::max(top, box.max().z());
+  }
+  write_png(path, draw(meshes, view_of_site(site, top)));
+}
+
+ExitCode exit_code(const RunResult& result) {
+  switch (result.end) {
+    case RunResult::End::kAllPlaced:
+    case RunResult::End::kHeightReached:
+      return ExitCode::kDone;
+    case RunResult::End::kNothingSeen:
+      return ExitCode::kNothingDetected;
+    case RunResult::End::kNoPose:
+      return result.height > 1 ? ExitCode::kDone : ExitCode::kNoStablePose;
+    case RunResult::End::kNoPlan:
+    case RunResult::End::kPlacementFailed:
+      return ExitCode::kExecutionFailed;
+    case RunResult::End::kStopped:
+      return ExitCode::kSafetyStop;
+    case RunResult::End::kInterrupted:
+      return ExitCode::kInterrupted;
+    case RunResult::End::kFailed:
+      return ExitCode::kInternal;
+  }
+  return ExitCode::kInternal;
+}
+
+}  // namespace stonestack::report

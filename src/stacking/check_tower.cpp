@@ -1,0 +1,67 @@
+#include "stonestack/core/error.hpp"
+#include "stonestack/physics/stack_problem.hpp"
+#include "stonestack/stacking/scene_tasks.hpp"
+#include "stonestack/stone/scene_view.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+// m: stones that stand touch; what is deeper says nothing of how they stand
+constexpr double kOverlap = 0.002;
+constexpr int kConeEdges = 64;  // of a friction cone; the search makes do with 8, 8 % on the safe side
+constexpr int kDirections = 16;
+
+Stack read_stack(const std::string& path, const Catalogue& catalogue) {
+  if (!is_scene_file(path))
+    throw FileError(path, "is not a scene file", "give a .yaml file with a stack, as `search --out` writes");
+  const SceneFile scene = read_scene_file(path);
+  if (scene.stack.empty()) throw FileError(path, "has no stack", "list its stones from the table up");
+  Stack stack;
+  for (const NamedPose& item : scene.stack) stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
+  return stack;
+}
+
+/// Contact shapes of the stack's stones; those of others are null.
+ShapeList shapes_of(const Stack& stack, const Catalogue& catalogue) {
+  ShapeList shapes(catalogue.stones.size());
+  for (const PlacedStone& placed : stack.stones) {
+    const auto k = static_cast<std::size_t>(placed.stone);
+    if (!shapes[k]) shapes[k] = make_contact_shapes({catalogue.stones[k]}).front();
+  }
+  return shapes;
+}
+
+void refuse_impossible(const std::string& path, const ShapeList& shapes, const Stack& stack) {
+  for (const PlacedStone& placed : stack.stones) {
+    const ContactShape& shape = *shapes[static_cast<std::size_t>(placed.stone)];
+    const std::string wrong = impossible(shape);
+    if (!wrong.empty()) throw FileError(path, concat("stone ", shape.name, ": ", wrong), "mend the stone");
+  }
+  const std::string overlap = overlap_of(shapes, stack, kOverlap);
+  if (!overlap.empty()) throw FileError(path, overlap, "give poses at which the stones touch");
+}
+
+}  // namespace
+
+TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue, double friction,
+                       double seconds) {
+  TowerCheck check;
+  check.friction = friction;
+  check.seconds = seconds;
+  check.stack = read_stack(scene_path, catalogue);
+  const ShapeList shapes = shapes_of(check.stack, catalogue);
+  refuse_impossible(scene_path, shapes, check.stack);
+  StandOptions stand;
+  stand.friction = friction;
+  stand.seconds = seconds;
+  check.verdict = judge_stack(shapes, check.stack, stand);
+  check.statics = stack_statics(shapes, check.stack, friction);
+  EquilibriumOptions options;
+  options.friction = friction;
+  options.directions = kDirections;
+  options.cone_edges = kConeEdges;
+  check.equilibrium = solve_equilibrium(check.statics.bodies, check.statics.contacts, options);
+  return check;
+}
+
+}  // namespace stonestack::stacking

@@ -1,0 +1,57 @@
+#include <cstdio>
+
+#include "stonestack/core/error.hpp"
+#include "stonestack/stacking/state_file.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+std::string in_millimetres(const Pose& pose) {
+  const Eigen::Vector3d p = 1000 * pose.translation();
+  char text[64];
+  std::snprintf(text, sizeof text, "(%.0f %.0f %.0f) mm", p.x(), p.y(), p.z());
+  return text;
+}
+
+/// An action and its alternatives, a line each.
+struct ActionText {
+  const Catalogue& catalogue;
+
+  [[nodiscard]] const std::string& name(int stone) const {
+    return catalogue.stones[static_cast<std::size_t>(stone)].name;
+  }
+  [[nodiscard]] std::string candidates(const char* verb, const std::vector<Placement>& list) const {
+    std::string text;
+    for (const Placement& p : list)
+      text +=
+          concat(text.empty() ? verb : "  or", " ", name(p.stone), " at ", in_millimetres(p.T_W_O),
+                 ", predicted success ", p.predicted_success, ", expected height ", p.expected_height, "\n");
+    return text;
+  }
+  [[nodiscard]] static std::string places(const std::string& start, const std::vector<Pose>& list) {
+    std::string text = start + "\n";
+    for (const Pose& pose : list) text += "  to " + in_millimetres(pose) + "\n";
+    return text;
+  }
+  std::string operator()(const Place& a) const { return candidates("place", a.candidates); }
+  std::string operator()(const Reorient& a) const { return candidates("reorient", a.candidates); }
+  std::string operator()(const Unstack& a) const {
+    return places("unstack " + name(a.top.stone), a.T_W_O_down);
+  }
+  std::string operator()(const ClearBase& a) const {
+    return places("clear the base of " + name(a.stray.stone), a.T_W_O_down);
+  }
+  std::string operator()(const LookAgain& a) const { return concat("look for ", name(a.stone), "\n"); }
+  std::string operator()(const Stop& a) const { return "stop: " + a.reason + "\n"; }
+};
+
+}  // namespace
+
+std::string decision_text(const Decision& decision, const Catalogue& catalogue) {
+  std::string text = std::visit(ActionText{catalogue}, decision.action) + "why:\n";
+  for (const Event& event : decision.why)
+    if (const std::string line = to_text(event, catalogue); !line.empty()) text += "  " + line + "\n";
+  return text;
+}
+
+}  // namespace stonestack::stacking
