@@ -31,7 +31,7 @@ const samples = (() => {
       spacing: flat[i + 8], force: flat[i + 9], holds: flat[i + 10] > 0.5});
   return list;
 })();
-const duration = samples.length ? samples[samples.length - 1].time : 0;
+const duration = Math.max(0, ...samples.slice(-1).map((s) => s.time), ...run.events.slice(-1).map((e) => e.t));
 
 function sampleAt(time) {
   if (!samples.length) return null;
@@ -58,7 +58,7 @@ let scene = null, now = 0, playing = false;
 // Stones where they were seen last; the one in the gripper moves with it, and stays where it was let go.
 function placeStones(time) {
   const poses = new Map();
-  const seen = lastBefore(run.views, time);
+  const seen = lastBefore(run.views, time) || run.views[0];
   if (seen) seen.stones.forEach(([stone, pose]) => poses.set(stone, pose));
   scene.stones.forEach((mesh, stone) => {
     mesh.visible = poses.has(stone);
@@ -139,7 +139,7 @@ function fillDecisions() {
     for (const line of decision.why.slice(-3)) item.append(make('p', line));
     if (decision.candidates.length) {
       const more = make('details'), table = make('table'), box = make('div', undefined, 'wide');
-      more.append(make('summary', `${decision.candidates.length} placements compared`), box);
+      more.append(make('summary', `${decision.candidates.length} placement${decision.candidates.length > 1 ? 's' : ''} compared`), box);
       box.append(table);
       const terms = decision.terms;
       fillTable(table, ['stone', 'predicted', 'expected height', 'margin g', 'cost', ...terms],

@@ -21,7 +21,7 @@ function makeStone(stone, index) {
   const faces = decode(stone.faces, Uint16Array);
   const position = new Float32Array(faces.length * 3);
   const colour = new Float32Array(faces.length * 3);
-  const base = new THREE.Color(STONE_COLOURS[index % STONE_COLOURS.length]);
+  const base = new THREE.Color(STONE_COLOURS[index % STONE_COLOURS.length]).convertSRGBToLinear();
   for (let corner = 0; corner < faces.length; ++corner) {
     const grain = 0.94 + 0.12 * Math.abs(Math.sin(12.9898 * Math.floor(corner / 3) + 78.233 * index));
     for (let axis = 0; axis < 3; ++axis) position[3 * corner + axis] = shared[3 * faces[corner] + axis];
@@ -170,8 +170,8 @@ function makeScene(element) {
   const scene = new THREE.Scene();
   scene.background = new THREE.Color(0xdde4ec);
   scene.fog = new THREE.Fog(0xdde4ec, 3, 7);
-  scene.add(new THREE.HemisphereLight(0xf2f6ff, 0x8a8078, 0.75));
-  const sun = new THREE.DirectionalLight(0xfff2dd, 0.85);
+  scene.add(new THREE.HemisphereLight(0xe8eefc, 0x8a8078, 0.5));
+  const sun = new THREE.DirectionalLight(0xfff2dd, 0.62);
   sun.position.set(0.1, -1.4, 2.4);
   sun.target.position.set(0.6, 0.1, 0);
   sun.castShadow = true;
@@ -180,8 +180,10 @@ function makeScene(element) {
   Object.assign(sun.shadow.camera, {left: -1.1, right: 1.1, top: 1.1, bottom: -1.1, near: 0.5, far: 5});
   scene.add(sun, sun.target);
 
+  // Colours are given in sRGB, light is added in linear space.
+  const linear = (material) => { material.color.convertSRGBToLinear(); return material; };
   const table = new THREE.Mesh(new THREE.PlaneBufferGeometry(2.6, 2.2),
-      new THREE.MeshStandardMaterial({color: 0xc9c5be, roughness: 0.9, metalness: 0}));
+      linear(new THREE.MeshStandardMaterial({color: 0x9a9ea4, roughness: 0.9, metalness: 0})));
   table.position.set(0.5, 0.05, -0.0005);
   table.receiveShadow = true;
   scene.add(table);
@@ -189,7 +191,7 @@ function makeScene(element) {
   const outline = [[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]].map(
       ([x, y]) => new THREE.Vector3(cx + x * sx / 2, cy + y * sy / 2, 0.0005));
   scene.add(new THREE.Line(new THREE.BufferGeometry().setFromPoints(outline),
-      new THREE.LineBasicMaterial({color: 0x77808a})));
+      new THREE.LineBasicMaterial({color: 0xf4f6f8})));
   const site = new THREE.Mesh(new THREE.RingBufferGeometry(0.012, 0.016, 40),
       new THREE.MeshBasicMaterial({color: 0xb4632a}));
   site.position.set(run.site[0], run.site[1], 0.0008);
@@ -203,6 +205,14 @@ function makeScene(element) {
   // Layers: groups that are shown or hidden, filled for a moment in time.
   const layers = {};
   for (const name of ['candidates', 'support', 'contacts', 'mass']) scene.add(layers[name] = new THREE.Group());
+  // Drawn last and through what stands before it.
+  const addOnTop = (group, object) => {
+    object.traverse((part) => {
+      part.renderOrder = 10;
+      if (part.material) Object.assign(part.material, {transparent: true, depthTest: false});
+    });
+    group.add(object);
+  };
   const clear = (group) => {
     while (group.children.length) group.remove(group.children[0]);
   };
@@ -218,8 +228,8 @@ function makeScene(element) {
       layers.candidates.add(ghost);
       if (!candidate.support.length || !candidate.chosen) return;
       const corners = candidate.support.map((p) => new THREE.Vector3(...p));
-      layers.support.add(new THREE.LineLoop(new THREE.BufferGeometry().setFromPoints(corners),
-          new THREE.LineBasicMaterial({color: 0xd0342c, depthTest: false})));
+      addOnTop(layers.support, new THREE.LineLoop(new THREE.BufferGeometry().setFromPoints(corners),
+          new THREE.LineBasicMaterial({color: 0xd0342c})));
     });
   };
   // Contact points and forces of the tower as it came to rest, and the thrust line through them.
@@ -230,28 +240,28 @@ function makeScene(element) {
     for (const contact of moment.contacts) {
       const point = new THREE.Vector3(...contact.p);
       const ball = new THREE.Mesh(new THREE.SphereBufferGeometry(0.0025, 12, 8),
-          new THREE.MeshBasicMaterial({color: 0xd0342c, depthTest: false}));
+          new THREE.MeshBasicMaterial({color: 0xd0342c}));
       ball.position.copy(point);
-      layers.contacts.add(ball);
+      addOnTop(layers.contacts, ball);
       const force = new THREE.Vector3(...contact.f);
-      if (force.length() > 0.01) layers.contacts.add(makeArrow(point, force.multiplyScalar(0.004), 0xd0342c));
+      if (force.length() > 0.01) addOnTop(layers.contacts, makeArrow(point, force.multiplyScalar(0.004), 0xd0342c));
     }
     for (const centre of moment.centres) {
       const ball = new THREE.Mesh(new THREE.SphereBufferGeometry(0.005, 16, 12),
-          new THREE.MeshBasicMaterial({color: 0x1d5fa8, depthTest: false}));
+          new THREE.MeshBasicMaterial({color: 0x1d5fa8}));
       ball.position.set(...centre);
-      layers.mass.add(ball);
+      addOnTop(layers.mass, ball);
     }
     if (moment.thrust.length > 1)
-      layers.mass.add(new THREE.Line(new THREE.BufferGeometry().setFromPoints(
+      addOnTop(layers.mass, new THREE.Line(new THREE.BufferGeometry().setFromPoints(
           moment.thrust.map((p) => new THREE.Vector3(...p))),
-      new THREE.LineBasicMaterial({color: 0x1d5fa8, depthTest: false})));
+      new THREE.LineBasicMaterial({color: 0x1d5fa8})));
   };
 
   const camera = new THREE.PerspectiveCamera(38, 1, 0.02, 20);
   camera.up.set(0, 0, 1);
-  camera.position.set(1.95, -1.35, 1.05);
-  const target = new THREE.Vector3(0.5, 0.08, 0.22);
+  camera.position.set(1.75, -1.15, 0.85);
+  const target = new THREE.Vector3(0.5, 0.1, 0.24);
   const render = () => renderer.render(scene, camera);
   makeOrbit(camera, renderer.domElement, target, render);
   const resize = () => {
