@@ -64,7 +64,7 @@ struct TestSensor : ForceTorqueSensor {
 };
 
 struct NoCamera : DepthCamera {
-  DepthImage capture() override { return {}; }
+  DepthFrame capture() override { return {}; }
 };
 
 JointTrajectory ramp(double seconds) {
