@@ -3,6 +3,7 @@
 #include <exception>
 #include <functional>
 
+#include "report/drawn_arm.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -12,8 +13,6 @@
 
 namespace stonestack::report {
 namespace {
-
-constexpr double kAtSite = 0.15;  // m: stones so near count for the height of the picture
 
 /// Opens the report with what is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
@@ -54,6 +53,22 @@ void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile&
   HardwareCell hardware(config);
   hardware.activate_gripper();
   build(report, hardware.cell(), run, catalogue, robot, folder);
+}
+
+/// Draws the cell as the run left it: the stones and the arm.
+void draw_cell(const std::string& path, const RunResult& result, const Catalogue& catalogue,
+               const RobotModel& robot, const CellLayout& layout, const std::vector<PlacedStone>& stones) {
+  std::vector<DrawnMesh> meshes = drawn_stones(catalogue, stones);
+  if (!result.timeline.samples.empty()) {
+    const MotionSample& last = result.timeline.samples.back();
+    const auto arm = drawn_arm(robot, with_camera_at(make_robotiq_3f(), layout.T_T_C), layout.T_W_R,
+                               layout.T_F_T, {last.q, last.opening});
+    meshes.insert(meshes.end(), arm.begin(), arm.end());
+  }
+  View view;
+  view.p_W_target = {0.75 * layout.site.x(), 0.4 * layout.site.y(), 0.26};
+  view.p_W_eye = view.p_W_target + Eigen::Vector3d(1.25, -1.25, 0.61);
+  write_png(path, draw(meshes, view));
 }
 
 /// Keeps what goes wrong first in `problem` instead of throwing it: the tower stands, and the caller goes on
@@ -128,7 +143,7 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
     const Truth truth = world.truth();
     std::vector<PlacedStone> stones;
     for (const int stone : present) stones.push_back({stone, truth.T_W_O[static_cast<std::size_t>(stone)]});
-    draw_tower(path, catalogue, stones, layout.site, kAtSite);
+    draw_cell(path, report.result, catalogue, robot, layout, stones);
   });
   return done;
 }
@@ -145,7 +160,7 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
   const auto stack = at_rest(done.report.result.world).stack;
   const auto draw_stack = [&](const std::string& path) {
-    write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell).site, 0.3)));
+    draw_cell(path, done.report.result, catalogue, robot, to_layout(file.cell), stack);
   };
   close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
   return done;

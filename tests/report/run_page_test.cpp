@@ -12,9 +12,9 @@
 namespace stonestack::report {
 namespace {
 
+using nlohmann::json;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using nlohmann::json;
 
 const Catalogue& stones() {
   static const Catalogue catalogue = read_catalogue(data_path("stones"));
