@@ -11,9 +11,8 @@
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
-#include "stonestack/kinematics/hand_eye_file.hpp"
-#include "stonestack/kinematics/hand_eye_stations.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -21,8 +20,8 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 // Fifteen stations of our simulated arm leave 0.5 mm and 0.1 deg; a poor board and a loose mount ten times
 // that.
-constexpr double kMostShift = 0.010;         // m, root mean square: more is no calibration
-constexpr double kMostTurn = 2.0 * kDegree;  // the same
+constexpr double kMaxShift = 0.010;         // m, root mean square: more is no calibration
+constexpr double kMaxTurn = 2.0 * kDegree;  // the same
 
 struct CalibrateCommand {
   CommonOptions common;
@@ -31,7 +30,7 @@ struct CalibrateCommand {
   bool on_base = false;
   bool force = false;
   std::string method = "joint";
-  std::string check, out, cell, like, write_pairs;
+  std::string check, out, cell, example, write_pairs;
   Pose simulated_truth = Pose::Identity();  ///< what a simulated calibration should find
 };
 
@@ -94,10 +93,10 @@ std::string in_words(const HandEyeResidual& r) {
 }
 
 /// Describes what is wrong with the result, and the remedy; empty if nothing is.
-std::string doubt(const HandEyeResult& result, const HandEyeSolution& chosen) {
+std::string caution(const HandEyeResult& result, const HandEyeSolution& chosen) {
   if (!result.warning.empty()) return result.warning;
-  if (chosen.residual.translation <= kMostShift && chosen.residual.rotation <= kMostTurn) return {};
-  return concat(in_words(chosen.residual), ", more than ", 1000 * kMostShift, " mm or ", kMostTurn / kDegree,
+  if (chosen.residual.translation <= kMaxShift && chosen.residual.rotation <= kMaxTurn) return {};
+  return concat(in_words(chosen.residual), ", more than ", 1000 * kMaxShift, " mm or ", kMaxTurn / kDegree,
                 " deg: arm and target poses do not belong together, or are in other units");
 }
 
@@ -120,8 +119,8 @@ void print_json(const HandEyeResult& result, const HandEyeFile& file, const Hand
 
 void save(const CalibrateCommand& command, const HandEyeFile& file, const HandEyeSolution& chosen) {
   EasyHandEye out;
-  if (!command.like.empty()) {
-    out = read_easy_handeye(command.like);
+  if (!command.example.empty()) {
+    out = read_easy_handeye(command.example);
   } else {
     out.parameters = {{"move_group", "manipulator"},
                       {"move_group_namespace", "/"},
@@ -175,7 +174,7 @@ void calibrate(CalibrateCommand& command) {
   require(chosen != result.solutions.end(), "method ", command.method, " has no result for these pairs");
   std::optional<Check> check;
   if (!command.check.empty()) check = check_file(command, file, *chosen);
-  const std::string problem = doubt(result, *chosen);
+  const std::string problem = caution(result, *chosen);
   std::vector<std::string> warnings;
   if (!problem.empty()) warnings.push_back(problem);
   if (check)
@@ -217,7 +216,7 @@ void add_calibrate(CLI::App& app) {
                   "layout.hand_eye: the file of --out")
       ->type_name("CELL");
   sub->add_flag("--force", command->force, "Write a result that looks wrong, too");
-  sub->add_option("--like", command->like, "Take frame names and the other parameters from this file")
+  sub->add_option("--like", command->example, "Take frame names and the other parameters from this file")
       ->type_name("FILE");
   sub->add_option("--write-pairs", command->write_pairs, "Write the stations that were used")
       ->type_name("FILE");

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 
 namespace stonestack::apps {
 

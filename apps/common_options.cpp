@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::apps {
 
@@ -41,7 +41,7 @@ void require_stones(const Catalogue& catalogue, int count, const CLI::Option* as
           " has ", all, " stones");
 }
 
-std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& hand,
+std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& gripper,
                              const RobotModel& robot) {
   std::vector<int> order(catalogue.stones.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
@@ -49,7 +49,7 @@ std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, co
   std::string unfit;
   std::erase_if(order, [&](int k) {
     const Stone& stone = catalogue.stones[static_cast<std::size_t>(k)];
-    const std::string why = unfit_for_hand(stone, hand, robot);
+    const std::string why = unfit_for_gripper(stone, gripper, robot);
     if (!why.empty()) unfit += concat(unfit.empty() ? "" : ", ", stone.name, " (", why, ")");
     return !why.empty();
   });

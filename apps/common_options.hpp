@@ -31,9 +31,9 @@ struct CommonOptions {
 void require_stones(const Catalogue& catalogue, int count, const CLI::Option* asked);
 
 /// `count` stones of a catalogue, drawn by the seed, sorted (paper §4.2: an alternating set of four of six).
-/// What the hand of that cell or the arm cannot carry (`unfit_for_hand`) is not drawn but named in the log;
-/// fewer than `count` may be left. Throws Error (planning failed) if none is.
+/// What the hand of that cell or the arm cannot carry (`unfit_for_gripper`) is not drawn but named in the
+/// log; fewer than `count` may be left. Throws Error (planning failed) if none is.
 [[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,
-                                           const GripperModel& hand, const RobotModel& robot);
+                                           const GripperModel& gripper, const RobotModel& robot);
 
 }  // namespace stonestack::apps

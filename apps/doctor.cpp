@@ -11,16 +11,16 @@
 #include "common_options.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/socket.hpp"
-#include "stonestack/detection/table_frame.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/hardware/ur/dashboard_client.hpp"
 #include "stonestack/hardware/ur/primary_client.hpp"
-#include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/mount_reading.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -36,9 +36,9 @@ struct DoctorCommand {
 };
 
 /// Finding of a step: `to_do` is nothing wrong, but something to know or to do before a run.
-struct Look {
-  Look(std::string all_well) : text(std::move(all_well)) {}  // NOLINT: most looks find only that
-  Look(std::string found, bool something_to_do) : text(std::move(found)), to_do(something_to_do) {}
+struct Check {
+  Check(std::string all_well) : text(std::move(all_well)) {}  // NOLINT: most looks find only that
+  Check(std::string found, bool something_to_do) : text(std::move(found)), to_do(something_to_do) {}
   std::string text;
   bool to_do = false;
 };
@@ -55,12 +55,12 @@ struct Finding {
 /// Runs the steps in order and keeps what each found; nothing here moves anything.
 class Examination {
  public:
-  /// `look` returns what it found, or throws with what is wrong. False when it threw.
-  bool step(const std::string& device, const std::string& step, const std::function<Look()>& look) {
+  /// `check_camera` returns what it found, or throws with what is wrong. False when it threw.
+  bool step(const std::string& device, const std::string& step, const std::function<Check()>& check_camera) {
     throw_if_interrupted();
     Finding finding{device, step, true, false, ""};
     try {
-      const Look found = look();
+      const Check found = check_camera();
       finding.text = found.text;
       finding.to_do = found.to_do;
     } catch (const Interrupted&) {
@@ -115,16 +115,16 @@ std::string hear_primary(const CellConfig& cell) {
 }
 
 /// Answers of the devices, for comparing them with each other.
-struct Said {
+struct DeviceReports {
   UrVersion version;
   std::optional<Joints> q;          ///< of an arm that answers
   std::optional<DepthImage> image;  ///< taken now: not of a recording
 };
 
 /// For a while, so that a stream that breaks again and again is found; with all that a run reads and writes.
-Look listen_rtde(const CellConfig& cell, Said& said) {
+Check listen_rtde(const CellConfig& cell, DeviceReports& reports) {
   const auto recipe = [&, served = served_recipe(cell.arm.address)](const UrVersion& reported) {
-    said.version = reported;
+    reports.version = reported;
     return served(reported);
   };
   const RtdeClient rtde({cell.arm.address, cell.arm.rtde_port}, recipe, cell.arm.rtde);
@@ -138,7 +138,7 @@ Look listen_rtde(const CellConfig& cell, Said& said) {
            concat("the stream broke ", lost, " times within ", kListen, " s"),
            "look at cable and switch, and at the controller's log");
   const UrStatus status = read_status(sample, first_register(rtde.version()));
-  said.q = status.q;
+  reports.q = status.q;
   std::string text = concat("protocol ", rtde.protocol(), ", controller time ", sample.device_time(),
                             " s, joints ", status.q.transpose(), " rad");
   for (const std::string& name : rtde.missing()) text += "; this controller has no " + name;
@@ -147,7 +147,7 @@ Look listen_rtde(const CellConfig& cell, Said& said) {
           true};
 }
 
-Look ask_gripper(const CellConfig& cell) {
+Check ask_gripper(const CellConfig& cell) {
   ThreeFingerGripper gripper(cell.gripper);
   const ThreeFingerStatus status = gripper.status();
   if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
@@ -175,7 +175,7 @@ std::string read_force(const CellConfig& cell) {
 
 /// Two frames or more, so that a camera whose stream or image stands still is found; of a recording the first
 /// only.
-std::string look(const CellConfig& cell, int frames, Said& said) {
+std::string check_camera(const CellConfig& cell, int frames, DeviceReports& reports) {
   const auto describe = [](const DepthFrame& frame) {
     return concat("frame ", frame.number, ", ", frame.image.camera.width, " x ", frame.image.camera.height);
   };
@@ -184,7 +184,7 @@ std::string look(const CellConfig& cell, int frames, Said& said) {
   if (cell.camera == "recorded") return describe(first);
   DepthFrame last = first;
   for (int k = 1; k < frames; ++k) last = camera->capture();
-  said.image = last.image;
+  reports.image = last.image;
   std::string text =
       concat(describe(last), ", ", last.device_time - first.device_time, " s after the one before");
   if (frames > 2)
@@ -236,7 +236,7 @@ std::string write_instead(const Pose& T_T_C) {
 }
 
 /// By the numbers alone: nothing here is known to be right, but much is known to be wrong.
-Look judge_numbers(const GivenMount& given, const std::string& why_no_view) {
+Check judge_numbers(const GivenMount& given, const std::string& why_no_view) {
   const Pose& T_T_C = given.layout.T_T_C;
   if (is_possible_mount(T_T_C))
     return {concat(place_of(T_T_C), "; not compared with the table: ", why_no_view), true};
@@ -252,7 +252,7 @@ Look judge_numbers(const GivenMount& given, const std::string& why_no_view) {
 }
 
 /// The table that the camera sees, at the place where the mount puts it.
-Look judge_view(const GivenMount& given, const Pose& T_W_T, const Plane& table_C) {
+Check judge_view(const GivenMount& given, const Pose& T_W_T, const Plane& table_C) {
   const MountCheck check = check_mount(given.numbers, given.meant, given.layout.T_F_T, T_W_T, table_C);
   const std::string seen =
       concat(place_of(check.meant.T_T_C), "; the table is seen ", in_words(check.meant.table));
@@ -284,45 +284,45 @@ Look judge_view(const GivenMount& given, const Pose& T_W_T, const Plane& table_C
 }
 
 /// Reason why the view cannot be compared; empty if it can.
-std::string obstacle_to_view(const CellConfig& cell, const Said& said) {
-  if (!said.q) return "the arm has not said where it is";
+std::string obstacle_to_view(const CellConfig& cell, const DeviceReports& reports) {
+  if (!reports.q) return "the arm has not said where it is";
   if (cell.camera == "recorded") return "a recording is not from where the arm is now";
-  if (!said.image) return "there is no depth image";
+  if (!reports.image) return "there is no depth image";
   return "";
 }
 
-Look check_hand_eye(const CellConfig& cell, const Said& said) {
+Check check_hand_eye(const CellConfig& cell, const DeviceReports& reports) {
   const GivenMount given(cell);
-  if (const std::string why = obstacle_to_view(cell, said); !why.empty()) return judge_numbers(given, why);
-  const auto table_C = find_table(*said.image);
+  if (const std::string why = obstacle_to_view(cell, reports); !why.empty()) return judge_numbers(given, why);
+  const auto table_C = find_table(*reports.image);
   if (!table_C) return judge_numbers(given, "the camera sees none; move the hand over it and ask again");
-  const Pose T_W_T = given.layout.T_W_R * forward(read_cell_robot(cell), *said.q) * given.layout.T_F_T;
+  const Pose T_W_T = given.layout.T_W_R * forward(read_cell_robot(cell), *reports.q) * given.layout.T_F_T;
   return judge_view(given, T_W_T, *table_C);
 }
 
 /// RTDE first: its version tells what else there may be. PolyScope X has no Dashboard, and must not be asked
 /// to enable one.
-void examine_arm(const CellConfig& cell, Said& said, Examination& examination) {
+void examine_arm(const CellConfig& cell, DeviceReports& reports, Examination& examination) {
   if (cell.arm.address.empty()) {
     examination.step("cell file", "arm", [&] {
       require_arm_address(cell);
-      return Look("");
+      return Check("");
     });
     return;
   }
-  examination.step("arm", "RTDE", [&] { return listen_rtde(cell, said); });
-  if (said.version.major >= kPolyScopeX) return;
+  examination.step("arm", "RTDE", [&] { return listen_rtde(cell, reports); });
+  if (reports.version.major >= kPolyScopeX) return;
   examination.step("arm", "Dashboard", [&] { return ask_dashboard(cell); });
   examination.step("arm", "script port", [&] { return hear_primary(cell); });
 }
 
 void examine(const CellConfig& cell, int frames, Examination& examination) {
-  Said said;
-  examine_arm(cell, said, examination);
+  DeviceReports reports;
+  examine_arm(cell, reports, examination);
   examination.step("gripper", "status", [&] { return ask_gripper(cell); });
   examination.step("force sensor", "reading", [&] { return read_force(cell); });
-  examination.step("camera", "frames", [&] { return look(cell, frames, said); });
-  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell, said); });
+  examination.step("camera", "frames", [&] { return check_camera(cell, frames, reports); });
+  examination.step("cell file", "hand-eye", [&] { return check_hand_eye(cell, reports); });
 }
 
 /// Sets what --set says; the file of a hand-eye calibration is read again.

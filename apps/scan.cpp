@@ -10,8 +10,8 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/geometry/mesh.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/report/results.hpp"
 
 namespace stonestack::apps {
@@ -66,7 +66,7 @@ StoneSummary scan_one(const Task& task, const ScanCommand& command) {
   ModelResult result = task.number > 0
                            ? model_limestone(command.seed, task.number, command.options)
                            : model_stone(read_mesh(task.file), task.name, task.file, command.options);
-  if (const std::string why = unfit_for_hand(result.stone, make_robotiq_3f()); !why.empty())
+  if (const std::string why = unfit_for_gripper(result.stone, make_robotiq_3f()); !why.empty())
     result.warnings.push_back("the hand will not pick it up: " + why);
   for (const auto& warning : result.warnings) log_warning(concat(task.name, ": ", warning));
   write_stone(command.catalogue, result.stone);

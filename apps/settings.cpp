@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::apps {
 namespace {

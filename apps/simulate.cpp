@@ -10,8 +10,8 @@
 #include "cell_input.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 
 namespace stonestack::apps {

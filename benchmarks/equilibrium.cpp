@@ -6,13 +6,14 @@
 #include <memory>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
+#include "physics/settle.hpp"
+#include "physics/shape.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::bench {
 namespace {
@@ -56,7 +57,7 @@ struct Compared {
 bool add_at_random(const BenchOptions& options, const StonePool& pool, Random& random, Stack* stack) {
   SettleOptions settling;
   settling.world.friction = std::max(options.friction, kSettlingFriction);
-  settling.largest_travel = 0.06;
+  settling.max_travel = 0.06;
   double top = 0.0;
   Eigen::Vector2d p_W_top = Eigen::Vector2d::Zero();
   if (!stack->stones.empty()) {
@@ -100,11 +101,11 @@ Compared compare(const BenchOptions& options, const StonePool& pool, const Stack
   statics.contacts = geometric_contacts(pool.shapes, stack, 0.0002);
   EquilibriumOptions asked;
   asked.friction = options.friction;
-  asked.least_friction = false;
+  asked.min_friction = false;
   const Stopwatch watch;
   out.equilibrium = solve_equilibrium(statics.bodies, statics.contacts, asked);
   out.solve_ms = 1e3 * watch.seconds();
-  asked.least_friction = true;
+  asked.min_friction = true;
   out.equilibrium = solve_equilibrium(statics.bodies, statics.contacts, asked);
   StandOptions stand;
   stand.friction = options.friction;
@@ -143,7 +144,7 @@ void report(const std::string& pool, const std::vector<Stepping>& list, int coun
 /// How far from the edge, in units of the friction: margin of what stands, missing friction of what falls.
 bool outside_band(const BenchOptions& options, const Equilibrium& e) {
   if (e.stands) return e.margin >= options.band;
-  return e.least_friction - options.friction >= options.band;
+  return e.min_friction - options.friction >= options.band;
 }
 
 /// The row of a pool and, with --steps, how its stacks fared with other steps.

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
+#include "kinematics/inverse.hpp"
+#include "motion/problem_file.hpp"
+#include "motion/transit.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/problem_file.hpp"
-#include "stonestack/motion/transit.hpp"
 
 namespace stonestack::bench {
 namespace {
@@ -162,12 +162,12 @@ void plan_file(const std::string& path, Results& results) {
   const MotionProblems file = read_motion_problems(path);
   CollisionRules rules;
   rules.padding = file.padding;
-  rules.opening = file.scene.gripper.largest_opening;
+  rules.opening = file.scene.gripper.max_opening;
   const CollisionChecker checker(file.scene, rules);
   std::size_t solved = 0;
   results.settings({{"file", path}, {"padding_mm", 1e3 * file.padding}});
   results.table("problems",
-                {{"problem"}, {"solved"}, {"way_points"}, {"length_rad"}, {"ms", 1}, {"blocked_ends"}});
+                {{"problem"}, {"solved"}, {"waypoints"}, {"length_rad"}, {"ms", 1}, {"blocked_ends"}});
   std::vector<double> milliseconds;
   for (std::size_t i = 0; i < file.problems.size(); ++i) {
     const MotionProblem& problem = file.problems[i];

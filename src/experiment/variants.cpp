@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::experiment {
 
@@ -42,12 +42,12 @@ std::vector<Variant> design_variants() {
           {"paper's search", {"search.method=paper"}},
           {"no look-ahead", {"search.horizon=1"}},
           {"let go without feeling",
-           {"motion.descent_past=0", "motion.least_threshold=100", "motion.early_threshold=100"}},
+           {"motion.descent_past=0", "motion.min_threshold=100", "motion.early_threshold=100"}},
           {"placed stone not measured", {"run.measure_placed=false"}},
-          {"first failure ends the run", {"run.most_failures=1"}},
-          {"no stone taken off again", {"run.most_taken_off=0"}},
-          {"no stone turned over", {"run.most_turned_over=0"}},
-          {"friction 0.1 only", {"run.most_friction=0.1"}},
+          {"first failure ends the run", {"run.max_failures=1"}},
+          {"no stone taken off again", {"run.max_unstacked=0"}},
+          {"no stone turned over", {"run.max_reoriented=0"}},
+          {"friction 0.1 only", {"run.max_friction=0.1"}},
           {"grasps by three contacts", {"motion.press_pads=false"}},
           {"no perturbed verdicts", {"search.perturbations=0"}},
           {"aim not corrected", {"run.correct_aim=false"}}};

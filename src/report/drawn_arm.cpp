@@ -1,6 +1,6 @@
 #include "report/drawn_arm.hpp"
 
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/collision.hpp"
 #include "report/drawn_arm.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/collision.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -41,7 +41,7 @@ PlanningScene scene_at(PlanningScene scene, const PickAndPlaceTask& task, const 
 }
 
 /// The hand with its fingers as the plan wants them.
-GripperModel hand_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
+GripperModel gripper_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
   return plan.spacing > 0 ? with_spacing(scene.gripper, plan.spacing) : scene.gripper;
 }
 
@@ -49,7 +49,7 @@ CollisionChecker checker_of(PlanningScene scene, const PickAndPlaceTask& task, c
                             std::size_t step) {
   const Stage stage = stage_of(plan, step);
   const Kind kind = plan.steps[step].kind;
-  scene.gripper = hand_of(scene, plan);
+  scene.gripper = gripper_of(scene, plan);
   CollisionRules rules;
   rules.opening = stage.opening;
   if (stage.held) {
@@ -115,7 +115,7 @@ std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPla
                                     const PickAndPlacePlan& plan, const PlanMoment& moment) {
   const Stage stage = stage_of(plan, moment.step);
   std::vector<DrawnMesh> meshes =
-      drawn_arm(scene.robot, hand_of(scene, plan), scene.T_W_R, scene.T_F_T, {moment.q, stage.opening});
+      drawn_arm(scene.robot, gripper_of(scene, plan), scene.T_W_R, scene.T_F_T, {moment.q, stage.opening});
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, moment.q) * scene.T_F_T;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (static_cast<int>(i) == task.object) continue;

@@ -11,7 +11,7 @@
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/report/experiment_report.hpp"

@@ -4,10 +4,10 @@
 #include "search/search_context.hpp"
 #include "stacking/reach.hpp"
 #include "stacking/search_scene.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/core/time_limit.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 void let_come_to_rest(const SearchOptions& options, SearchProblem& problem) {
   check_problem(problem, options);
   std::string unused;
-  const auto stack = standing_stack(*problem.shapes, problem.stack, options, &unused);
+  const auto stack = settled_stack(*problem.shapes, problem.stack, options, &unused);
   if (!stack) return;
   double moved = 0.0;
   for (std::size_t i = 0; i < stack->stones.size(); ++i)

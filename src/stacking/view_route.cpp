@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <future>
 
+#include "motion/timing.hpp"
+#include "motion/transit.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -27,7 +27,7 @@ Eigen::Vector3d direction_of_tool(const PlanningScene& scene, const JointPath& p
 /// Where the gripper stands too near to something to go anywhere: backs away from it, until it touches.
 /// Throws DeviceError when it does, or when the arm stops.
 void back_away(Workcell& w, const PlanningScene& scene) {
-  const auto out = way_out(scene, w.cell.arm.state().q, w.options.motion);
+  const auto out = escape_path(scene, w.cell.arm.state().q, w.options.motion);
   if (!out || out->size() < 2) return;  // without a path out no route is found, which is reported
   w.emit(BackedAway{});
   w.emit(StepBegun{"back away"});

@@ -1,4 +1,4 @@
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/file.hpp"
 
 namespace stonestack::core {
 namespace {
@@ -21,7 +20,7 @@ TEST(DataPath, FindsWhatComesWithTheProjectAndPrefersTheGivenFolder) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(DataPath, SaysWhatWasTried) {
+TEST(DataPath, ListsThePathsThatWereTried) {
   EXPECT_THROW((void)data_path("no_such_thing"), FileError);
 }
 

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <thread>
 
+#include "motion/timing.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/emulators/ur/ur_controller_server.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 #include "stonestack/hardware/ur/ur_arm.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {
@@ -409,7 +409,7 @@ TEST(UrArmOnController, ALinkFromBeforeRemoteControlIsMadeAnew) {
   EXPECT_EQ(never.arm->follow(planned(0.1)).status, Status::kRefused);
 }
 
-TEST(UrArmOnController, ScriptsThatNeverStartAreSaid) {
+TEST(UrArmOnController, ScriptsThatNeverStartAreReported) {
   UrServerOptions options;
   options.faults.scripts_never_start = true;
   Loopback cell(options);

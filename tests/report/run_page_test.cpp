@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
 #include "stonestack/report/run_report.hpp"
 

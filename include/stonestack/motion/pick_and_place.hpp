@@ -25,7 +25,7 @@ struct MotionOptions {
   double transit_padding = 0.010;   ///< [m]
   double approach_padding = 0.002;  ///< [m]
   double approach_speed = 0.10;     ///< m/s of the tool on straight approaches, lifts and retreats
-  double least_threshold = 5.0;     ///< contact at the descent [N]
+  double min_threshold = 5.0;       ///< contact at the descent [N]
   double early_threshold = 20.0;    ///< contact while the stone is lowered towards the guarded descent [N]
   double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
   bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
@@ -49,7 +49,7 @@ struct PlanStep {
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
-/// `least_threshold`, six times `force_noise` and 35 % of its weight. Throws InvalidArgument for
+/// `min_threshold`, six times `force_noise` and 35 % of its weight. Throws InvalidArgument for
 /// a mass that is none.
 [[nodiscard]] double contact_threshold(double mass, const MotionOptions& options = {});
 
@@ -107,6 +107,17 @@ struct PickAndPlaceTask {
 
 /// A grasp so near to one of `failed` (T_O_T) that it would fail as well: 20 mm and 0.35 rad.
 [[nodiscard]] bool is_near_grasp(std::span<const Pose> failed, const Pose& T_O_T);
+
+/// Object that the arm overlaps with these joints, where no motion can begin: "at the start the arm stands in
+/// something: forearm and wall overlap".
+/// @return empty where it stands in nothing.
+[[nodiscard]] std::string start_problem(const PlanningScene& scene, const Joints& q_start);
+
+/// Why a task cannot be meant as it stands, at a small part of what planning costs: the arm starts in
+/// something, or the stone, where it lies, reaches more than 8 mm into the table or another object, which is
+/// more than measured poses err by.
+/// @return empty for a task that may be planned.
+[[nodiscard]] std::string scene_problem(const PlanningScene& scene, const PickAndPlaceTask& task);
 
 }  // namespace stonestack::motion
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/core/export.hpp"
+#include "core/export.hpp"
 #include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/geometry/polygon.hpp"
-#include "stonestack/motion/regrasp.hpp"
+#include "geometry/polygon.hpp"
+#include "motion/regrasp.hpp"
 
 namespace stonestack::motion {
 
@@ -20,7 +20,7 @@ class SetDownPlaces {
   [[nodiscard]] std::vector<Pose> poses(const Eigen::Quaterniond& R_W_O) const;
 
  private:
-  [[nodiscard]] bool has_room(const Polygon2& print, const Eigen::Vector2d& p_W_shift) const;
+  [[nodiscard]] bool has_clearance(const Polygon2& print, const Eigen::Vector2d& p_W_shift) const;
 
   const PlanningScene& scene_;
   const PickAndPlaceTask& task_;

@@ -1,0 +1,221 @@
+#include "stacking/plan_executor.hpp"
+
+#include <cmath>
+
+#include "motion/cartesian.hpp"
+#include "motion/timing.hpp"
+#include "stacking/constants.hpp"
+#include "stacking/record.hpp"
+#include "stacking/reversed_trajectory.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the stone
+constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
+constexpr double kFingerForce = 60.0;   // N, when the plan names none
+constexpr double kGravity = 9.81;       // m/s^2
+// A stone slips towards the finger tips by up to 2 mm while it is carried, so the hand ends lower than
+// planned: this near the table it goes back a little, with the stone loose, before fingers open into the
+// table.
+constexpr double kNearTable = 0.010;  // m, of the tool's tip
+constexpr double kBackOff = 0.004;    // m
+constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
+
+using Status = ExecutionResult::Status;
+
+}  // namespace
+
+void PlanExecutor::intend(const PlanStep& step) const {
+  record(journal, StepBegun{step.name});
+}
+
+void PlanExecutor::set_payload(bool holding) const {
+  const GripperMass gripper = carried_gripper_mass(scene.gripper, cell.layout);
+  const GripperMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
+  stacking::set_payload(cell.arm, holding ? together(gripper, held) : gripper);
+}
+
+ExecutionResult PlanExecutor::follow(const PlanStep& step) const {
+  const MotionResult moved = cell.arm.follow(step.trajectory);
+  if (moved.status == MotionResult::Status::kDone) return {};
+  return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
+  const double speed = step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed;
+  try {
+    const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
+    if (!held.object) return give_up(step, "the fingers closed on nothing");
+    set_payload(true);
+  } catch (const DeviceError& problem) {  // jammed, or refused: the arm has not moved, so opening is safe
+    return give_up(step, problem.what());
+  }
+  return {};
+}
+
+ExecutionResult PlanExecutor::give_up(const PlanStep& step, const std::string& why) const {
+  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+  const ExecutionResult back = go_back(step, options.approach);
+  if (back.status == Status::kStopped) return back;
+  return {Status::kNotPicked, 0.0, why};
+}
+
+ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
+  const WristLoad load = wrist.feel();
+  const double expected = kGravity * stone.mass.mass;
+  const double off = swing(load);
+  record(journal, HoldMeasured{load.weight, expected, off});
+  if (load.weight < kMinHeldShare * expected) {
+    const std::string why =
+        concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
+    // What still hangs is set down; what lies below already must not be met from above.
+    return load.weight > kEmptyGripper * expected ? put_back(lift, why) : release(why);
+  }
+  if (off > kMaxSwing) return put_back(lift, turned(off));
+  return {};
+}
+
+double PlanExecutor::swing(const WristLoad& load) const {
+  return beside(load, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M));
+}
+
+std::string PlanExecutor::turned(double off) {
+  return concat("turned in the hand: it pulls ", std::lround(1e3 * off), " mm beside where it should");
+}
+
+ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep& next) {
+  if (lift == nullptr) return {};
+  const double expected = kGravity * stone.mass.mass;
+  const CarriedLoad carried = feel_carried(wrist, cell, expected, kMinHeldShare);
+  const double off = swing(carried.load);
+  carried_weight = carried.load.weight;
+  record(journal, CarriedMeasured{carried_weight, expected, off, carried.load.uncertainty, carried.held});
+  // What has swung would not come to stand where it is let go of.
+  if (carried.held && off > kMaxSwing + carried.load.uncertainty) {
+    const ExecutionResult home = go_home({lift + 1, &next});
+    return home.status == Status::kStopped ? home : put_back(*lift, turned(off));
+  }
+  if (carried.held) return {};
+  set_payload(false);
+  const ExecutionResult home = go_home({lift + 1, &next});
+  if (home.status == Status::kStopped) return home;
+  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+  return {Status::kLost, 0.0,
+          concat("lost on the way: ", carried_weight, " N hang in the hand, not ", expected, " N")};
+}
+
+ExecutionResult PlanExecutor::go_home(std::span<const PlanStep> carried) const {
+  for (auto step = carried.rbegin(); step != carried.rend(); ++step) {
+    PlanStep back = *step;
+    back.trajectory = reversed(step->trajectory);
+    const ExecutionResult moved = follow(back);
+    if (moved.status == Status::kStopped) return moved;
+  }
+  return {};
+}
+
+ExecutionResult PlanExecutor::release(const std::string& why) const {
+  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+  set_payload(false);
+  return {Status::kNotPicked, 0.0, why};
+}
+
+ExecutionResult PlanExecutor::put_back(const PlanStep& lift, const std::string& why) const {
+  GuardedMotion down;
+  down.trajectory = reversed(lift.trajectory);
+  down.threshold = options.early_threshold;
+  const MotionResult moved = cell.arm.follow_guarded(down);
+  if (moved.status != MotionResult::Status::kContact && moved.status != MotionResult::Status::kNoContact)
+    return {Status::kStopped, moved.force, "putting " + stone.name + " back: " + moved.reason};
+  // Fingers that stand on the table cannot open.
+  if (const ExecutionResult up = go_back(lift, kBackOff); up.status == Status::kStopped) return up;
+  set_payload(false);
+  return give_up(lift, why);
+}
+
+Eigen::Vector3d PlanExecutor::tip(const Joints& q) const {
+  return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
+}
+
+double PlanExecutor::above_end(const PlanStep& step) const {
+  if (step.trajectory.q.empty()) return 0.0;
+  return (tip(cell.arm.state().q) - tip(step.trajectory.q.back())).z();
+}
+
+ExecutionResult PlanExecutor::feel_table(const PlanStep& step) const {
+  GuardedMotion motion;
+  motion.trajectory = step.trajectory;
+  motion.threshold = step.threshold;
+  const JointPath& route = step.trajectory.q;
+  if (route.size() > 1) motion.n_W_direction = (tip(route.back()) - tip(route.front())).normalized();
+  const MotionResult moved = cell.arm.follow_guarded(motion);
+  if (moved.status == MotionResult::Status::kNoContact) return {};
+  if (moved.status != MotionResult::Status::kContact)
+    return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+  record(journal, TouchMeasured{true, moved.force, above_end(step)});
+  return go_back(step, kOffTable);
+}
+
+ExecutionResult PlanExecutor::feel_down(const PlanStep& step, bool* touched) const {
+  GuardedMotion motion;
+  motion.trajectory = step.trajectory;
+  motion.threshold = step.threshold;
+  const MotionResult moved = cell.arm.follow_guarded(motion);
+  *touched = moved.status == MotionResult::Status::kContact;
+  record(journal, TouchMeasured{*touched, moved.force, above_end(step)});
+  if (*touched || moved.status == MotionResult::Status::kNoContact)
+    return {Status::kReleased, moved.force, ""};
+  return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
+}
+
+void PlanExecutor::open(const PlanStep& step) const {
+  cell.gripper.move(step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed, kFingerForce);
+}
+
+ExecutionResult PlanExecutor::retreat(const PlanStep& step) const {
+  const JointPath& route = step.trajectory.q;
+  if (route.empty()) return go_back(step, options.approach);
+  const Pose T_R_T_from = forward(scene.robot, route.front()) * scene.T_F_T;
+  const Pose T_R_T_to = forward(scene.robot, route.back()) * scene.T_F_T;
+  return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
+}
+
+ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) const {
+  const double max = max_in_empty_gripper(kGravity * stone.mass.mass);
+  double left = wrist.feel().weight;
+  const auto empty = [&] { return left <= max && !cell.gripper.state().object; };
+  if (!empty() && may_open) {
+    cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
+    left = wrist.feel().weight;
+  }
+  record(journal, ReleaseMeasured{left, max});
+  if (empty()) return {};
+  set_payload(true);
+  return {Status::kStopped, 0.0,
+          concat(step.name, ": the hand is not empty after release, ", left, " N hang in it; take ",
+                 stone.name, " out of the fingers")};
+}
+
+ExecutionResult PlanExecutor::clear_table(const PlanStep& step) const {
+  const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
+  if ((cell.layout.T_W_R * T_R_T).translation().z() > kNearTable) return {};
+  return go_back(step, kBackOff);
+}
+
+ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) const {
+  const Joints q = cell.arm.state().q;
+  const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
+  const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -distance);
+  const auto path = straight_path(scene.robot, scene.T_F_T, q, T_R_T_goal);
+  if (!path) return {Status::kStopped, 0.0, step.name + ": no straight way back"};
+  TimingLimits limits = timing_limits(scene.robot, options);
+  limits.tool_speed = kRetreatSpeed;
+  PlanStep actual = step;
+  actual.trajectory = time_path(*path, limits, scene.robot, scene.T_F_T);
+  return follow(actual);
+}
+
+}  // namespace stonestack::stacking
