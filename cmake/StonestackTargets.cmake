@@ -81,7 +81,7 @@ endfunction()
 function(stonestack_install_program target)
   file(RELATIVE_PATH to_library "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/${to_library}")
-  install(TARGETS ${target})
+  install(TARGETS ${target} COMPONENT programs)
 endfunction()
 
 function(stonestack_tests room)

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "hardware/cell_config.hpp"
+#include "report/drawn_arm.hpp"
 #include "report/picture.hpp"
 #include "stacking/journal.hpp"
 #include "stonestack/core/error.hpp"
@@ -15,8 +16,6 @@
 
 namespace stonestack::report {
 namespace {
-
-constexpr double kAtSite = 0.15;  // m: stones so near count for the height of the picture
 
 /// Opens the report with what is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
@@ -59,6 +58,22 @@ void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile&
   build(report, hardware.cell(), run, catalogue, robot, folder);
 }
 
+/// Draws the cell as the run left it: the stones and the arm.
+void draw_cell(const std::string& path, const RunResult& result, const Catalogue& catalogue,
+               const RobotModel& robot, const CellLayout& layout, const std::vector<PlacedStone>& stones) {
+  std::vector<DrawnMesh> meshes = drawn_stones(catalogue, stones);
+  if (!result.timeline.samples.empty()) {
+    const MotionSample& last = result.timeline.samples.back();
+    const auto arm = drawn_arm(robot, with_camera_at(make_robotiq_3f(), layout.T_T_C), layout.T_W_R,
+                               layout.T_F_T, {last.q, last.opening});
+    meshes.insert(meshes.end(), arm.begin(), arm.end());
+  }
+  View view;
+  view.p_W_target = {0.75 * layout.site.x(), 0.4 * layout.site.y(), 0.26};
+  view.p_W_eye = view.p_W_target + Eigen::Vector3d(1.25, -1.25, 0.61);
+  write_png(path, draw(meshes, view));
+}
+
 /// Keeps what goes wrong first in `problem` instead of throwing it: the tower stands, and the caller goes on
 /// to report it.
 void attempt(std::string& problem, const std::function<void()>& write) {
@@ -69,23 +84,32 @@ void attempt(std::string& problem, const std::function<void()>& write) {
   }
 }
 
-void write_report(std::string& problem, const RunReport& report, const std::string& folder) {
+/// Stones and robot, of which the report shows meshes and arm.
+struct Shown {
+  const Catalogue& catalogue;
+  const RobotModel& robot;
+};
+
+void write_report(std::string& problem, const RunReport& report, const Shown& shown,
+                  const std::string& folder) {
   attempt(problem, [&] { write_file(folder + "/result.json", run_json(report)); });
-  attempt(problem, [&] { write_file(folder + "/report.html", run_html(report)); });
+  attempt(problem,
+          [&] { write_file(folder + "/report.html", run_html(report, shown.catalogue, shown.robot)); });
 }
 
 using DrawPicture = std::function<void(const std::string& path)>;
 
 /// Writes what cannot be made again first, the largest last: a disk that fills up costs the picture.
-void close_report(RecordedRun& done, const std::string& folder, const DrawPicture& draw_picture) {
-  write_report(done.unwritten, done.report, folder);
+void close_report(RecordedRun& done, const Shown& shown, const std::string& folder,
+                  const DrawPicture& draw_picture) {
+  write_report(done.unwritten, done.report, shown, folder);
   if (!draw_picture) return;
   const std::string picture = folder + "/tower.png";
   attempt(done.unwritten, [&] {
     draw_picture(picture);
     done.report.picture = picture;
   });
-  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, folder);
+  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, shown, folder);
 }
 
 }  // namespace
@@ -109,7 +133,7 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
-    write_report(later, report, folder.path());
+    write_report(later, report, {catalogue, robot}, folder.path());
     log_info("judging the tower in the true world");
     try {
       report.truth = judge_run(world, report.result);
@@ -118,11 +142,11 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       log_info("interrupted before the tower was judged");
     }
   }
-  close_report(done, folder.path(), [&](const std::string& path) {
+  close_report(done, {catalogue, robot}, folder.path(), [&](const std::string& path) {
     const Truth truth = world.truth();
     std::vector<PlacedStone> stones;
     for (const int stone : present) stones.push_back({stone, truth.T_W_O[static_cast<std::size_t>(stone)]});
-    draw_tower(path, catalogue, stones, layout.site, kAtSite);
+    draw_cell(path, report.result, catalogue, robot, layout, stones);
   });
   return done;
 }
@@ -139,9 +163,9 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
   const auto stack = at_rest(done.report.result.world).stack;
   const auto draw_stack = [&](const std::string& path) {
-    write_png(path, draw(drawn_stones(catalogue, stack), view_of_site(to_layout(file.cell()).site, 0.3)));
+    draw_cell(path, done.report.result, catalogue, robot, to_layout(file.cell()), stack);
   };
-  close_report(done, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
+  close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
   return done;
 }
 

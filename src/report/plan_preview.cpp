@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "motion/collision.hpp"
+#include "report/drawn_arm.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
@@ -12,7 +13,6 @@ namespace {
 
 using Kind = PlanStep::Kind;
 
-const Eigen::Vector3d kArmColour(0.42, 0.52, 0.62), kGripperColour(0.24, 0.25, 0.28);
 const Eigen::Vector3d kMovedColour(0.80, 0.52, 0.25), kOtherColour(0.75, 0.72, 0.66);
 
 /// Gripper motion during a step.
@@ -79,14 +79,6 @@ double contact_time(const PlanningScene& scene, const JointTrajectory& descent, 
   return late;
 }
 
-/// A sphere pulled apart along `axis`.
-Mesh capsule_mesh(const LinkCapsule& capsule) {
-  Mesh mesh = make_sphere(capsule.radius, 2);
-  const Eigen::Vector3d axis = capsule.b - capsule.a;
-  for (auto& v : mesh.vertices) v += axis.dot(v) > 0.0 ? capsule.b : capsule.a;
-  return mesh;
-}
-
 }  // namespace
 
 std::vector<PlanMoment> preview(const PlanningScene& scene, const PickAndPlaceTask& task,
@@ -122,17 +114,9 @@ std::vector<PlanMoment> preview(const PlanningScene& scene, const PickAndPlaceTa
 std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPlaceTask& task,
                                     const PickAndPlacePlan& plan, const PlanMoment& moment) {
   const Stage stage = stage_of(plan, moment.step);
-  const auto links = link_poses(scene.robot, moment.q);
-  std::vector<DrawnMesh> meshes;
-  for (const auto& capsule : scene.robot.capsules)
-    meshes.push_back(
-        {capsule_mesh(capsule), scene.T_W_R * links[static_cast<std::size_t>(capsule.link)], kArmColour});
+  std::vector<DrawnMesh> meshes =
+      drawn_arm(scene.robot, gripper_of(scene, plan), scene.T_W_R, scene.T_F_T, {moment.q, stage.opening});
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, moment.q) * scene.T_F_T;
-  for (const auto& box : gripper_of(scene, plan).boxes) {
-    const Eigen::Vector3d centre =
-        box.p_T_centre + 0.5 * stage.opening * box.finger_side * Eigen::Vector3d::UnitX();
-    meshes.push_back({make_box(box.size), T_W_T * Pose(Eigen::Translation3d(centre)), kGripperColour});
-  }
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (static_cast<int>(i) == task.object) continue;
     for (const auto& piece : scene.objects[i].pieces)

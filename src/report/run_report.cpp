@@ -3,13 +3,20 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
+#include "report/base64.hpp"
 #include "report/picture.hpp"
+#include "report/run_page.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
 namespace stonestack::report {
+
+// Files of src/report/page and three.js, embedded by the build.
+extern const std::string_view kPageHtml, kPageCss, kSceneJs, kPageJs, kThreeJs;
+
 namespace {
 
 using nlohmann::json;
@@ -56,16 +63,10 @@ std::string escape(const std::string& text) {
   return safe;
 }
 
-std::string base64(const std::string& bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = (group << 8) | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k <= bytes.size() ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
-  }
+/// JSON that may stand within a script element: no "</" in it.
+std::string within_script(std::string text) {
+  for (std::size_t at = 0; (at = text.find("</", at)) != std::string::npos; at += 3)
+    text.replace(at, 2, "<\\/");
   return text;
 }
 
@@ -129,20 +130,21 @@ std::string run_table(const RunReport& report) {
   return text + summary(report);
 }
 
-std::string run_html(const RunReport& report) {
-  std::string text =
-      "<!doctype html><meta charset=\"utf-8\"><title>stonestack run</title>"
-      "<style>body{font:15px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 "
-      "1rem;color:#222}"
-      "img{width:100%;border-radius:6px}pre{background:#f4f3f0;padding:1rem;overflow-x:auto;border-radius:"
-      "6px}</style>";
-  text += format("<h1>Tower of %d</h1><p>robot %s, seed %d, stonestack %s</p>", report.result.height,
-                 escape(report.robot).c_str(), report.seed, escape(report.version).c_str());
+std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
+  std::string picture;
   if (!report.picture.empty())
-    text += "<img alt=\"the tower\" src=\"data:image/png;base64," +
-            base64(read_file(report.picture, std::size_t{1} << 26)) + "\">";
-  text += "<pre>" + escape(run_table(report)) + "</pre>";
-  text += "<h2>Options</h2><pre>" + escape(report.options_text) + "</pre>\n";
+    picture = "data:image/png;base64," + base64(read_file(report.picture, std::size_t{1} << 26));
+  std::string text = "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n";
+  text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+          escape(format("Tower of %d", report.result.height)) + "</title>\n<style>\n";
+  text.append(kPageCss).append("</style>\n<body>\n").append(kPageHtml);
+  text.append("<noscript><pre>").append(escape(run_table(report))).append("</pre></noscript>\n<script>");
+  text.append(kThreeJs).append("</script>\n<script>\nconst run = ");
+  text.append(within_script(page_data(report, catalogue, robot, picture))).append(";\n</script>\n<script>\n");
+  text.append(kSceneJs)
+      .append("</script>\n<script>\n")
+      .append(kPageJs)
+      .append("</script>\n</body>\n</html>\n");
   return text;
 }
 

@@ -7,6 +7,7 @@
 #include "stacking/learn.hpp"
 #include "stacking/plan_motion.hpp"
 #include "stacking/record.hpp"
+#include "stacking/recorded_devices.hpp"
 #include "stacking/state_file.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
@@ -91,6 +92,7 @@ Stop build(Workcell& w, StateWriter& states, Journal* journal) {
   for (;;) {
     states.write(known);
     const auto [action, memory, why] = decide(w, known, w.emit);
+    w.emit(ActionChosen{action, memory.search ? memory.search->found.best : std::vector<Placement>{}});
     if (const auto* stop = std::get_if<Stop>(&action)) return *stop;
     const MotionPlan plan = plan_motion(w, known.world, action, memory);
     if (!plan.found) {
@@ -132,10 +134,12 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
                       const BuildOptions& options, const BuildHooks& hooks) {
   const Models models = make_models(catalogue, robot, cell.layout);
   const DetectionModels detection(catalogue.stones, options.detection);
-  Recorder recorder(models, hooks);
-  Workcell workcell{cell, models, detection, options, recorder.result().seconds, [&](const Event& event) {
-                      recorder.hear(event);
-                    }};
+  Recorder recorder(models, hooks, cell.clock);
+  RecordedDevices devices(cell, recorder.result().timeline);
+  Workcell workcell{
+      devices.cell(), models, detection, options, recorder.result().seconds, [&](const Event& event) {
+        recorder.hear(event);
+      }};
   StateWriter states(workcell, hooks.states_folder);
   Stop ended;
   try {

@@ -101,6 +101,7 @@ struct Words {
   std::string operator()(const UnstackToFree& e) const {
     return concat(name(e.top), " is unstacked so that ", name(e.freed), " comes free");
   }
+  std::string operator()(const ActionChosen&) const { return ""; }
   std::string operator()(const PlaceBegun& e) const {
     return concat("level ", e.level, ": ", name(e.placement.stone), ", cost ", e.placement.cost,
                   ", predicted success ", e.placement.predicted_success);

@@ -28,6 +28,7 @@ void Recorder::hear(const Event& event) {
     result_.ended = ended->reason;
   }
   result_.events.push_back(event);
+  result_.timeline.event_time.push_back(clock_.now());
   record(hooks_.journal, event, *models_.catalogue);
   if (hooks_.listener) hooks_.listener(event);
 }

@@ -11,7 +11,8 @@ namespace stonestack::stacking {
 /// Keeps the result, writes the journal, and passes events on; a repeated statement is dropped.
 class Recorder {
  public:
-  Recorder(const Models& models, const BuildHooks& hooks) : models_(models), hooks_(hooks) {}
+  Recorder(const Models& models, const BuildHooks& hooks, const Clock& clock)
+      : models_(models), hooks_(hooks), clock_(clock) {}
 
   void hear(const Event& event);
   [[nodiscard]] RunResult& result() { return result_; }
@@ -21,6 +22,7 @@ class Recorder {
 
   const Models& models_;
   const BuildHooks& hooks_;
+  const Clock& clock_;
   RunResult result_;
   std::set<int> uncertain_;
   std::string not_held_;

@@ -3,6 +3,8 @@
 #include <vector>
 
 #include "stonestack/experiment/experiment.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/stone/catalogue.hpp"
 
 #pragma GCC visibility push(default)
 
@@ -14,8 +16,11 @@ namespace stonestack::report {
 /// The table that a person reads at the end of a run: stone, cost and its terms, planned and measured pose,
 /// outcome, times.
 [[nodiscard]] std::string run_table(const RunReport& report);
-/// One self-contained HTML file with the picture, the table and the options.
-[[nodiscard]] std::string run_html(const RunReport& report);
+/// One self-contained HTML file: the cell in 3-D over the whole time of the run, decisions with the
+/// placements that were compared, tables, times, the paper's figure 5, options. Without WebGL it shows the
+/// picture `report.picture`. Throws FileError if that cannot be read.
+[[nodiscard]] std::string run_html(const RunReport& report, const Catalogue& catalogue,
+                                   const RobotModel& robot);
 /// For a person: histogram beside the paper's, times beside the paper's, survival, predictions, a line a run.
 [[nodiscard]] std::string experiment_table(const Experiment& experiment);
 /// "stonestack.experiment/1".

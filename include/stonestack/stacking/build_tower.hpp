@@ -62,6 +62,22 @@ struct StageSeconds {
   double detection = 0, search = 0, planning = 0, motion = 0, beside_motion = 0;
 };
 
+/// State of arm and gripper at one time, as the devices reported it.
+struct MotionSample {
+  double time = 0.0;  ///< of the cell's clock [s]
+  Joints q = Joints::Zero();
+  double opening = 0.155;  ///< between the finger pads [m]
+  double spacing = 0.073;  ///< of fingers B and C [m]
+  double force = 0.0;      ///< at the wrist, last reading [N]
+  bool holds = false;      ///< the fingers were stopped by an object
+};
+
+/// History of a run over time. Between two samples the joints move in a straight line.
+struct Timeline {
+  std::vector<MotionSample> samples;
+  std::vector<double> event_time;  ///< of each event of the result [s]
+};
+
 /// Result of a run, as the program knows it: made from its events.
 struct RunResult {
   using End = RunEnd;
@@ -72,6 +88,7 @@ struct RunResult {
   StageSeconds seconds;
   WorldEstimate world;  ///< as last observed
   std::vector<Event> events;
+  Timeline timeline;
 };
 
 class Journal;  // private: the append-only record that a run's folder holds

@@ -95,6 +95,11 @@ struct UnstackToFree {
   int freed = -1;
 };
 
+struct ActionChosen {  ///< with the placements that the search offered, best first
+  Action action;
+  std::vector<Placement> offered;
+};
+
 // Motion and judgement
 struct PlaceBegun {
   int level = 0;
@@ -150,9 +155,9 @@ using Event =
     std::variant<Observed, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain, CameraRefined,
                  CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit, StonesNotHeld,
                  SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned, PosesRefused,
-                 GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, PlaceBegun, SetDownBegun,
-                 FingertipGrasp, MotionRefused, PlacementJudged, FrictionUpdated, StoneToppled, RunEnded,
-                 StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
+                 GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, ActionChosen, PlaceBegun,
+                 SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionUpdated, StoneToppled,
+                 RunEnded, StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
 using Listener = std::function<void(const Event&)>;
 
 /// A line for a person; empty for an event that is for the journal only.

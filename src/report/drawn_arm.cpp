@@ -1,0 +1,36 @@
+#include "report/drawn_arm.hpp"
+
+#include "stonestack/kinematics/robot_model.hpp"
+
+namespace stonestack::report {
+namespace {
+
+const Eigen::Vector3d kArmColour(0.42, 0.52, 0.62), kGripperColour(0.24, 0.25, 0.28);
+
+/// A sphere pulled apart along `axis`.
+Mesh capsule_mesh(const LinkCapsule& capsule) {
+  Mesh mesh = make_sphere(capsule.radius, 2);
+  const Eigen::Vector3d axis = capsule.b - capsule.a;
+  for (auto& v : mesh.vertices) v += axis.dot(v) > 0.0 ? capsule.b : capsule.a;
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<DrawnMesh> drawn_arm(const RobotModel& robot, const GripperModel& gripper, const Pose& T_W_R,
+                                 const Pose& T_F_T, const ArmPose& pose) {
+  const auto links = link_poses(robot, pose.q);
+  std::vector<DrawnMesh> meshes;
+  for (const LinkCapsule& capsule : robot.capsules)
+    meshes.push_back(
+        {capsule_mesh(capsule), T_W_R * links[static_cast<std::size_t>(capsule.link)], kArmColour});
+  const Pose T_W_T = T_W_R * forward(robot, pose.q) * T_F_T;
+  for (const GripperBox& box : gripper.boxes) {
+    const Eigen::Vector3d centre =
+        box.p_T_centre + 0.5 * pose.opening * box.finger_side * Eigen::Vector3d::UnitX();
+    meshes.push_back({make_box(box.size), T_W_T * Pose(Eigen::Translation3d(centre)), kGripperColour});
+  }
+  return meshes;
+}
+
+}  // namespace stonestack::report

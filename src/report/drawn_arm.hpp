@@ -1,0 +1,20 @@
+#pragma once
+#include <vector>
+
+#include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/report/picture.hpp"
+
+/// Private to report/: the arm in pictures.
+namespace stonestack::report {
+
+/// Pose of the arm and its gripper.
+struct ArmPose {
+  Joints q = Joints::Zero();
+  double opening = 0.155;  ///< between the finger pads [m]
+};
+
+/// Meshes of the links' capsules and of the gripper's boxes, in W.
+[[nodiscard]] std::vector<DrawnMesh> drawn_arm(const RobotModel& robot, const GripperModel& gripper,
+                                               const Pose& T_W_R, const Pose& T_F_T, const ArmPose& pose);
+
+}  // namespace stonestack::report

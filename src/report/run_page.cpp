@@ -1,0 +1,393 @@
+#include "report/run_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "report/base64.hpp"
+#include "report/text.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/physics/stack.hpp"
+#include "stonestack/report/experiment_report.hpp"
+
+namespace stonestack::report {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kGravity = 9.81;     // m/s^2
+constexpr double kSamePoint = 0.003;  // m: contacts of one pair that are drawn as one
+const std::array<const char*, 4> kTerms{"area", "kinetic_energy", "distance", "normal"};  // of eq. (2)
+
+double rounded(double value, double unit = 1e-5) {
+  return std::round(value / unit) * unit;
+}
+
+json numbers(const Eigen::Vector3d& v) {
+  return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
+}
+
+json numbers(const Pose& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  const Eigen::Vector3d& p = pose.translation();
+  return {rounded(p.x()), rounded(p.y()), rounded(p.z()), rounded(q.x()),
+          rounded(q.y()), rounded(q.z()), rounded(q.w())};
+}
+
+template <class Number>
+std::string packed(const std::vector<Number>& values) {
+  return base64({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Number)});
+}
+
+json stone_entry(const Stone& stone) {
+  std::vector<float> vertices;
+  std::vector<std::uint16_t> faces;
+  for (const Eigen::Vector3d& v : stone.mesh.vertices)
+    for (int i = 0; i < 3; ++i) vertices.push_back(static_cast<float>(v[i]));
+  for (const Eigen::Vector3i& face : stone.mesh.faces)
+    for (int i = 0; i < 3; ++i) faces.push_back(static_cast<std::uint16_t>(face[i]));
+  return {{"name", stone.name}, {"vertices", packed(vertices)}, {"faces", packed(faces)}};
+}
+
+json robot_entry(const RobotModel& robot, const CellLayout& layout) {
+  const GripperModel gripper = with_camera_at(make_robotiq_3f(), layout.T_T_C);
+  json joints = json::array(), capsules = json::array(), boxes = json::array();
+  for (const Pose& T_parent_joint : robot.T_parent_joint) joints.push_back(numbers(T_parent_joint));
+  for (const LinkCapsule& c : robot.capsules)
+    capsules.push_back({{"link", c.link}, {"a", numbers(c.a)}, {"b", numbers(c.b)}, {"radius", c.radius}});
+  for (const GripperBox& box : gripper.boxes)
+    boxes.push_back({{"size", numbers(box.size)},
+                     {"centre", numbers(box.p_T_centre)},
+                     {"side", box.finger_side},
+                     {"spread", box.spread},
+                     {"camera", box.camera}});
+  return {{"T_W_R", numbers(layout.T_W_R)},   {"T_parent_joint", joints}, {"T_6_F", numbers(robot.T_6_F)},
+          {"T_F_T", numbers(layout.T_F_T)},   {"capsules", capsules},     {"boxes", boxes},
+          {"spacing", gripper.finger_spacing}};
+}
+
+/// Contacts of a resting tower with their forces: impulses of the settled world, scaled so that the table
+/// carries the weight.
+json tower_entry(const ShapeList& shapes, const RestingStack& resting) {
+  json contacts = json::array(), centres = json::array(), thrust = json::array();
+  const StackStatics statics = stack_statics(shapes, *resting.stack, resting.friction);
+  struct Point {
+    Contact contact;
+    double impulse = 0.0;
+  };
+  std::vector<Point> points;
+  double weight = 0.0, on_table = 0.0;
+  for (const StaticBody& body : statics.bodies) {
+    weight += body.mass * kGravity;
+    centres.push_back(numbers(body.p_W_com));
+  }
+  for (const Contact& contact : statics.contacts) {
+    if (contact.below == kTable) on_table += contact.impulse * contact.n_W.z();
+    const auto same = std::find_if(points.begin(), points.end(), [&](const Point& p) {
+      return p.contact.below == contact.below && p.contact.above == contact.above &&
+             (p.contact.p_W - contact.p_W).norm() < kSamePoint;
+    });
+    if (same != points.end())
+      same->impulse += contact.impulse;
+    else
+      points.push_back({contact, contact.impulse});
+  }
+  const double scale = on_table > 0.0 ? weight / on_table : 0.0;
+  std::map<int, std::pair<Eigen::Vector3d, double>> below;  // centre of pressure under each stone, by level
+  for (const Point& point : points) {
+    const double force = scale * point.impulse;
+    contacts.push_back({{"p", numbers(point.contact.p_W)}, {"f", numbers(force * point.contact.n_W)}});
+    auto& [sum, total] = below.try_emplace(point.contact.above, Eigen::Vector3d::Zero(), 0.0).first->second;
+    sum += force * point.contact.p_W;
+    total += force;
+  }
+  for (const auto& [level, pressure] : below)
+    if (pressure.second > 0.0) {
+      thrust.push_back(numbers(pressure.first / pressure.second));
+      thrust.push_back(numbers(statics.bodies[static_cast<std::size_t>(level)].p_W_com));
+    }
+  return {{"contacts", contacts}, {"centres", centres}, {"thrust", thrust}};
+}
+
+/// Time from the first sample on.
+class Times {
+ public:
+  explicit Times(const Timeline& timeline) : timeline_(timeline) {
+    if (!timeline.samples.empty()) zero_ = timeline.samples.front().time;
+  }
+  [[nodiscard]] double of(double time) const { return std::max(0.0, rounded(time - zero_, 1e-3)); }
+  [[nodiscard]] double of_event(std::size_t index) const {
+    return index < timeline_.event_time.size() ? of(timeline_.event_time[index]) : 0.0;
+  }
+
+ private:
+  const Timeline& timeline_;
+  double zero_ = 0.0;
+};
+
+std::string packed_samples(const Timeline& timeline, const Times& times) {
+  std::vector<float> flat;
+  for (const MotionSample& s : timeline.samples) {
+    flat.push_back(static_cast<float>(times.of(s.time)));
+    for (int i = 0; i < 6; ++i) flat.push_back(static_cast<float>(s.q[i]));
+    for (const double value : {s.opening, s.spacing, s.force, s.holds ? 1.0 : 0.0})
+      flat.push_back(static_cast<float>(value));
+  }
+  return packed(flat);
+}
+
+/// From grasp to release: the stone nearest to the tool when the fingers closed moves with it.
+json carries(const RunReport& report, const RobotModel& robot, const Times& times) {
+  json list = json::array();
+  const auto& samples = report.result.timeline.samples;
+  const CellLayout& layout = report.result.world.layout;
+  const WorldEstimate* seen = nullptr;
+  std::size_t next_event = 0;
+  const auto& events = report.result.events;
+  json open;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (; next_event < events.size() && times.of_event(next_event) <= times.of(samples[i].time);
+         ++next_event)
+      if (const auto* observed = std::get_if<Observed>(&events[next_event])) seen = &observed->world;
+    const bool held = i > 0 && samples[i - 1].holds;
+    if (samples[i].holds && !held && seen != nullptr) {
+      const Pose T_W_T = layout.T_W_R * forward(robot, samples[i].q) * layout.T_F_T;
+      const StoneEstimate* nearest = nullptr;
+      const auto distance = [&](const StoneEstimate& s) {
+        return (s.T_W_O_seen.translation() - T_W_T.translation()).norm();
+      };
+      for (const auto* stones : {&seen->loose, &seen->stack})
+        for (const StoneEstimate& stone : *stones)
+          if (nearest == nullptr || distance(stone) < distance(*nearest)) nearest = &stone;
+      if (nearest != nullptr)
+        open = {{"begin", times.of(samples[i].time)},
+                {"stone", nearest->stone},
+                {"T_T_O", numbers(T_W_T.inverse() * nearest->T_W_O_seen)}};
+    }
+    if (!open.is_null() && (!samples[i].holds || i + 1 == samples.size())) {
+      open["end"] = times.of(samples[i].time);
+      list.push_back(open);
+      open = nullptr;
+    }
+  }
+  return list;
+}
+
+json candidate_entry(const Placement& p, bool chosen) {
+  json support = json::array();
+  for (const Eigen::Vector3d& corner : p.support.corners_W) support.push_back(numbers(corner));
+  const auto margin = p.terms.find("margin");
+  return {{"stone", p.stone},
+          {"T_W_O", numbers(p.T_W_O)},
+          {"cost", p.cost},
+          {"predicted", p.predicted_success},
+          {"terms", p.terms},
+          {"expected", p.expected_height},
+          {"chosen", chosen},
+          {"support", support},
+          {"margin", margin == p.terms.end() ? json(nullptr) : json(margin->second)}};
+}
+
+/// Title of a decision, and the placement that it is about.
+struct ActionTitle {
+  const Catalogue& catalogue;
+  const Placement* chosen = nullptr;
+
+  [[nodiscard]] const std::string& name(int stone) const {
+    return catalogue.stones[static_cast<std::size_t>(stone)].name;
+  }
+  std::string operator()(const Place& a) {
+    if (!a.candidates.empty()) chosen = &a.candidates.front();
+    return chosen == nullptr ? "place" : "place " + name(chosen->stone);
+  }
+  std::string operator()(const Reorient& a) {
+    if (!a.candidates.empty()) chosen = &a.candidates.front();
+    return chosen == nullptr ? "reorient" : "reorient " + name(chosen->stone);
+  }
+  std::string operator()(const Unstack& a) { return "unstack " + name(a.top.stone); }
+  std::string operator()(const ClearBase& a) { return "clear the base of " + name(a.stray.stone); }
+  std::string operator()(const LookAgain& a) { return "look again for " + name(a.stone); }
+  std::string operator()(const Stop&) { return "stop"; }
+};
+
+bool same_placement(const Placement& a, const Placement& b) {
+  return a.stone == b.stone && a.T_W_O.isApprox(b.T_W_O, 1e-9);
+}
+
+json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, double time,
+                    const std::vector<std::string>& why) {
+  ActionTitle title{catalogue};
+  const std::string text = std::visit(title, chosen.action);
+  json candidates = json::array();
+  const bool listed =
+      title.chosen != nullptr && std::any_of(chosen.offered.begin(), chosen.offered.end(),
+                                             [&](const auto& p) { return same_placement(p, *title.chosen); });
+  if (title.chosen != nullptr && !listed) candidates.push_back(candidate_entry(*title.chosen, true));
+  if (title.chosen != nullptr)
+    for (const Placement& p : chosen.offered)
+      candidates.push_back(candidate_entry(p, same_placement(p, *title.chosen)));
+  json reasons = why;
+  if (const auto* stop = std::get_if<Stop>(&chosen.action)) reasons.push_back(stop->reason);
+  return {{"t", time}, {"title", text}, {"why", reasons}, {"candidates", candidates}, {"terms", kTerms}};
+}
+
+/// What happened, in order of time: views of the stones, resting towers, decisions, log lines.
+void add_events(json& page, const RunReport& report, const Catalogue& catalogue, const Times& times) {
+  json views = json::array(), towers = json::array(), decisions = json::array(), events = json::array();
+  const ShapeList shapes = make_contact_shapes(catalogue.stones);
+  std::vector<std::string> why;
+  for (std::size_t i = 0; i < report.result.events.size(); ++i) {
+    const Event& event = report.result.events[i];
+    const double time = times.of_event(i);
+    const std::string text = to_text(event, catalogue);
+    if (!text.empty()) events.push_back({{"t", time}, {"text", text}});
+    if (const auto* observed = std::get_if<Observed>(&event)) {
+      json stones = json::array();
+      for (const auto* list : {&observed->world.stack, &observed->world.loose})
+        for (const StoneEstimate& s : *list) stones.push_back({s.stone, numbers(s.T_W_O_seen)});
+      views.push_back({{"t", time}, {"stones", stones}});
+      const auto& resting = observed->world.resting;
+      const auto whole = std::find_if(resting.begin(), resting.end(), [](const RestingStack& r) {
+        return r.stack && !r.stack->stones.empty();
+      });
+      json tower =
+          whole == resting.end()
+              ? json{{"contacts", json::array()}, {"centres", json::array()}, {"thrust", json::array()}}
+              : tower_entry(shapes, *whole);
+      tower["t"] = time;
+      towers.push_back(tower);
+      why.clear();
+    } else if (const auto* chosen = std::get_if<ActionChosen>(&event)) {
+      decisions.push_back(decision_entry(*chosen, catalogue, time, why));
+      why.clear();
+    } else if (!text.empty()) {
+      why.push_back(text);
+    }
+  }
+  page["views"] = views;
+  page["towers"] = towers;
+  page["decisions"] = decisions;
+  page["events"] = events;
+}
+
+json placement_rows(const RunReport& report) {
+  json rows = json::array();
+  const auto text = [](const Pose& pose) {
+    const Eigen::Vector3d p = 1000.0 * pose.translation();
+    return format("%.0f, %.0f, %.0f", p.x(), p.y(), p.z());
+  };
+  for (const PlacementRecord& r : report.result.placements) {
+    std::string off;
+    if (r.T_W_O_measured) {
+      const Pose difference = r.planned.T_W_O.inverse() * *r.T_W_O_measured;
+      off = format("%.1f mm, %.1f deg",
+                   1000.0 * (r.planned.T_W_O.translation() - r.T_W_O_measured->translation()).norm(),
+                   Eigen::AngleAxisd(difference.linear()).angle() * 57.295779513082321);
+    }
+    rows.push_back({{"level", r.level},
+                    {"stone", r.stone},
+                    {"outcome", to_text(r.outcome)},
+                    {"predicted", r.planned.predicted_success},
+                    {"cost", r.planned.cost},
+                    {"terms", r.planned.terms},
+                    {"planned", text(r.planned.T_W_O)},
+                    {"measured", r.T_W_O_measured ? text(*r.T_W_O_measured) : "not seen"},
+                    {"off", off},
+                    {"note", r.note}});
+  }
+  return rows;
+}
+
+/// "section.key" of every line of a YAML text of nested maps, with its value.
+std::map<std::string, std::string> flat_options(const std::string& yaml) {
+  std::map<std::string, std::string> values;
+  std::vector<std::pair<std::size_t, std::string>> sections;
+  std::istringstream lines(yaml);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t indent = line.find_first_not_of(' ');
+    const std::size_t colon = line.find(':');
+    if (indent == std::string::npos || line[indent] == '#' || colon == std::string::npos) continue;
+    while (!sections.empty() && sections.back().first >= indent) sections.pop_back();
+    const std::string key = line.substr(indent, colon - indent);
+    const std::size_t begin = line.find_first_not_of(' ', colon + 1);
+    if (begin == std::string::npos) {
+      sections.emplace_back(indent, key);
+      continue;
+    }
+    std::string name;
+    for (const auto& section : sections) name += section.second + ".";
+    values[name + key] = line.substr(begin);
+  }
+  return values;
+}
+
+/// Options that differ from their defaults: name, value, default.
+json changed_options(const std::string& yaml) {
+  SimulatedRun defaults;
+  const auto usual = flat_options(write_fields(fields(defaults)));
+  json rows = json::array();
+  for (const auto& [name, value] : flat_options(yaml)) {
+    const auto known = usual.find(name);
+    if (known == usual.end() || known->second != value)
+      rows.push_back({name, value, known == usual.end() ? "" : known->second});
+  }
+  return rows;
+}
+
+json truth_entry(const TruthReport& truth) {
+  return {{"height", truth.height}, {"stands", truth.stands}, {"seconds", truth.seconds}};
+}
+
+}  // namespace
+
+std::string page_data(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot,
+                      const std::string& picture) {
+  const RunResult& result = report.result;
+  const CellLayout& layout = result.world.layout;
+  const Times times(result.timeline);
+  Experiment alone;
+  alone.per_run = std::max(1, result.height);
+  alone.runs.push_back({report, {}});
+  json stones = json::array();
+  for (const Stone& stone : catalogue.stones) stones.push_back(stone_entry(stone));
+  json page = {
+      {"title", concat("Tower of ", result.height)},
+      {"robot", report.robot},
+      {"seed", report.seed},
+      {"version", report.version},
+      {"catalogue", report.catalogue},
+      {"height", result.height},
+      {"present", report.present.empty() ? static_cast<std::size_t>(result.height) : report.present.size()},
+      {"ended", to_text(result.end)},
+      {"truth", report.truth ? truth_entry(*report.truth) : json(nullptr)},
+      {"seconds",
+       {{"detection", result.seconds.detection},
+        {"search", result.seconds.search},
+        {"planning", result.seconds.planning},
+        {"motion", result.seconds.motion},
+        {"beside_motion", result.seconds.beside_motion}}},
+      {"site", {layout.site.x(), layout.site.y()}},
+      {"field",
+       {{"centre", {layout.field_centre.x(), layout.field_centre.y()}},
+        {"size", {layout.field_size.x(), layout.field_size.y()}}}},
+      {"robot_model", robot_entry(robot, layout)},
+      {"stones", stones},
+      {"samples", packed_samples(result.timeline, times)},
+      {"carries", carries(report, robot, times)},
+      {"placements", placement_rows(report)},
+      {"terms", kTerms},
+      {"figure5", figure5_svg(alone)},
+      {"changed", changed_options(report.options_text)},
+      {"options", report.options_text},
+      {"picture", picture}};
+  add_events(page, report, catalogue, times);
+  return page.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+}  // namespace stonestack::report

@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+"""Opens the report of a run in headless Chromium and clicks through it.
+
+browse_report.py REPORT.html [PICTURE.png]: exit code 0 if every check holds. Chromium is driven by chromedriver's
+WebDriver protocol (JSON over HTTP), with nothing but Python's standard library. PICTURE: a screenshot is kept there.
+"""
+import base64
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import urllib.request
+
+CHROMIUM_FLAGS = ["--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+                  "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
+                  "--enable-unsafe-swiftshader", "--window-size=1440,1000"]
+
+
+class Browser:
+    """A session of chromedriver."""
+
+    def __init__(self, profile):
+        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        for line in self.driver.stdout:
+            if port := re.search(r"successfully on port (\d+)", line):
+                self.address = f"http://127.0.0.1:{port.group(1)}"
+                break
+        options = {"binary": "/usr/bin/chromium", "args": CHROMIUM_FLAGS + [f"--user-data-dir={profile}"]}
+        self.session = ""
+        wanted = {"capabilities": {"alwaysMatch": {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}}}
+        self.session = "/session/" + self.call("POST", "/session", wanted)["sessionId"]
+
+    def call(self, method, path, body=None):
+        request = urllib.request.Request(self.address + self.session + path, method=method,
+                                         data=None if body is None else json.dumps(body).encode(),
+                                         headers={"Content-Type": "application/json"})
+        with urllib.request.urlopen(request, timeout=120) as answer:
+            return json.load(answer)["value"]
+
+    def open(self, url):
+        self.call("POST", "/url", {"url": url})
+
+    def run(self, script, *arguments):
+        return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})
+
+    def click(self, selector):
+        found = self.call("POST", "/element", {"using": "css selector", "value": selector})
+        self.call("POST", f"/element/{next(iter(found.values()))}/click", {})
+
+    def errors(self):
+        return [entry["message"] for entry in self.call("POST", "/se/log", {"type": "browser"}) if entry["level"] == "SEVERE"]
+
+    def close(self):
+        try:
+            self.call("DELETE", "")
+        finally:
+            self.driver.terminate()
+
+
+failures = []
+
+
+def check(holds, what):
+    print(("ok    " if holds else "FAIL  ") + what)
+    if not holds:
+        failures.append(what)
+
+
+def browse(browser, report, picture):
+    browser.open(report.as_uri())
+    deadline = time.monotonic() + 60
+    while browser.run("return document.documentElement.dataset.ready") != "true" and time.monotonic() < deadline:
+        time.sleep(0.2)
+    check(browser.run("return document.documentElement.dataset.ready") == "true", "the page starts")
+    check(browser.run("return document.querySelectorAll('#view canvas').length") == 1, "the cell is drawn with WebGL")
+    colours = browser.run("""
+        const source = document.querySelector('#view canvas'), copy = document.createElement('canvas');
+        copy.width = 160; copy.height = 100;
+        const context = copy.getContext('2d');
+        context.drawImage(source, 0, 0, 160, 100);
+        const pixels = context.getImageData(0, 0, 160, 100).data, colours = new Set();
+        for (let i = 0; i < pixels.length; i += 4) colours.add((pixels[i] >> 4) << 8 | (pixels[i + 1] >> 4) << 4 | pixels[i + 2] >> 4);
+        return colours.size""")
+    check(colours > 20, f"the drawing shows something ({colours} colours)")
+    placements = browser.run("return document.querySelectorAll('#placements tbody tr').length")
+    check(placements == browser.run("return run.placements.length") and placements > 0, f"{placements} placements are listed")
+    decisions = browser.run("return document.querySelectorAll('#decisions > li').length")
+    check(decisions == browser.run("return run.decisions.length") and decisions > 0, f"{decisions} decisions are listed")
+    check(browser.run("return document.querySelectorAll('#stages .bar').length") == 5, "five stages have their times")
+    check(browser.run("return document.querySelector('#costs svg circle') !== null"), "the paper's figure 5 is drawn")
+    check(browser.run("return run.samples.length > 1000 && duration > 5"), "the motion of the arm was recorded")
+    check(browser.run("return run.carries.length > 0"), "stones are carried")
+
+    end = browser.run("return document.getElementById('clock').textContent")
+    browser.click("#decisions > li:first-child button.jump")
+    begin = browser.run("return document.getElementById('clock').textContent")
+    check(begin != end, f"a decision leads to its time ({begin})")
+    arm = browser.run("return scene.arm.tool.getWorldPosition(new THREE.Vector3()).toArray()")
+    browser.run("show(duration / 2)")
+    moved = browser.run("return scene.arm.tool.getWorldPosition(new THREE.Vector3()).toArray()")
+    check(max(abs(a - b) for a, b in zip(arm, moved)) > 0.01, "the arm moves with time")
+    placed = browser.run("return Math.max(...run.placements.map(p => p.level))")
+    browser.run("show(duration)")
+    heights = browser.run("return scene.stones.filter(s => s.visible).map(s => s.position.z)")
+    check(len(heights) > 0 and (placed < 2 or max(heights) > 0.06), "stones stand upon each other at the end")
+    browser.click("#layer-contacts")
+    check(browser.run("return scene.layers.contacts.visible && scene.layers.contacts.children.length > 2"), "contacts are a layer")
+    browser.click("#layer-candidates")
+    browser.click("#decisions > li:first-child button.jump")
+    check(browser.run("return scene.layers.candidates.visible && scene.layers.candidates.children.length > 0"),
+          "candidate poses are a layer")
+    browser.click("#play")
+    time.sleep(1.0)
+    check(browser.run("return playing && now") > 0, "the run plays")
+    browser.click("#play")
+    check(browser.run("""
+        const page = document.documentElement;
+        return page.scrollWidth <= page.clientWidth"""), "nothing is cut off at the right")
+    if picture:
+        browser.run("show(duration); document.querySelector('#layer-candidates').click(); document.querySelector('#layer-mass').click();")
+        pathlib.Path(picture).write_bytes(base64.b64decode(browser.call("GET", "/screenshot")))
+    check(browser.errors() == [], "the console shows no error")
+
+
+def main():
+    report = pathlib.Path(sys.argv[1]).resolve()
+    size = report.stat().st_size / 1e6
+    check(size <= 6.0, f"{size:.2f} MB")
+    check(not re.search(r"(src|href)\s*=\s*[\"']https?:", report.read_text()), "nothing is loaded from a network")
+    with tempfile.TemporaryDirectory() as profile:
+        browser = Browser(profile)
+        try:
+            browse(browser, report, sys.argv[2] if len(sys.argv) > 2 else None)
+        finally:
+            browser.close()
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

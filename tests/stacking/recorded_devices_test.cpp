@@ -1,0 +1,131 @@
+#include "stacking/recorded_devices.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "rooms.hpp"
+
+namespace stonestack::test {
+namespace {
+
+/// Time that devices let pass.
+struct TestClock : Clock {
+  double seconds = 100.0;
+  [[nodiscard]] double now() const override { return seconds; }
+};
+
+/// Arm on the clock: follows a trajectory to its end, or to where a guarded motion touches.
+struct TestArm : Arm {
+  TestClock& clock;
+  Joints q = Joints::Zero();
+  double contact_after = 1e9;  ///< s
+  explicit TestArm(TestClock& c) : clock(c) {}
+  ArmState state() override {
+    ArmState state;
+    state.q = q;
+    return state;
+  }
+  MotionResult move(const JointTrajectory& trajectory, double seconds, MotionResult::Status status) {
+    clock.seconds += seconds;
+    q = sample(trajectory, seconds).q;
+    return {status, q, status == MotionResult::Status::kContact ? 12.0 : 0.0, ""};
+  }
+  MotionResult follow(const JointTrajectory& trajectory) override {
+    return move(trajectory, trajectory.duration(), MotionResult::Status::kDone);
+  }
+  MotionResult follow_guarded(const GuardedMotion& motion) override {
+    return move(motion.trajectory, contact_after, MotionResult::Status::kContact);
+  }
+  void stop() override {}
+  void set_payload(double, const Eigen::Vector3d&) override {}
+};
+
+struct TestGripper : Gripper {
+  TestClock& clock;
+  explicit TestGripper(TestClock& c) : clock(c) {}
+  GripperState state() override { return {}; }
+  GripperState move(double opening, double, double) override {
+    clock.seconds += 1.0;
+    GripperState state;
+    state.opening = opening;
+    state.object = opening < 0.1;
+    return state;
+  }
+  void spread(double) override {}
+};
+
+struct TestSensor : ForceTorqueSensor {
+  Wrench read() override {
+    Wrench wrench;
+    wrench.force = {3.0, 0.0, -4.0};
+    return wrench;
+  }
+  void zero() override {}
+};
+
+struct NoCamera : DepthCamera {
+  DepthFrame capture() override { return {}; }
+};
+
+JointTrajectory ramp(double seconds) {
+  JointTrajectory trajectory;
+  trajectory.time = {0.0, seconds};
+  trajectory.q = {Joints::Zero(), Joints::Constant(seconds)};
+  trajectory.qd = {Joints::Ones(), Joints::Ones()};
+  return trajectory;
+}
+
+class RecordedDevicesTest : public ::testing::Test {
+ protected:
+  TestClock clock_;
+  TestArm arm_{clock_};
+  TestGripper gripper_{clock_};
+  TestSensor sensor_;
+  NoCamera camera_;
+  Cell inner_{arm_, gripper_, sensor_, camera_, clock_, {}};
+  Timeline timeline_;
+  RecordedDevices devices_{inner_, timeline_};
+};
+
+TEST_F(RecordedDevicesTest, SamplesAMotionAlongItsTime) {
+  EXPECT_EQ(devices_.cell().arm.follow(ramp(2.0)).status, MotionResult::Status::kDone);
+  ASSERT_GE(timeline_.samples.size(), 20u);
+  EXPECT_NEAR(timeline_.samples.front().time, 100.0, 1e-9);
+  EXPECT_NEAR(timeline_.samples.back().time, 102.0, 1e-9);
+  for (const MotionSample& s : timeline_.samples) EXPECT_NEAR(s.q[3], s.time - 100.0, 1e-9);
+}
+
+TEST_F(RecordedDevicesTest, EndsAGuardedMotionWhereItTouched) {
+  arm_.contact_after = 0.35;
+  GuardedMotion motion;
+  motion.trajectory = ramp(2.0);
+  EXPECT_EQ(devices_.cell().arm.follow_guarded(motion).status, MotionResult::Status::kContact);
+  const MotionSample& last = timeline_.samples.back();
+  EXPECT_NEAR(last.time, 100.35, 1e-9);
+  EXPECT_NEAR(last.q[0], 0.35, 1e-9);
+  EXPECT_DOUBLE_EQ(last.force, 12.0);
+}
+
+TEST_F(RecordedDevicesTest, KnowsFromWhenToWhenAnObjectIsHeld) {
+  Cell cell = devices_.cell();
+  cell.gripper.move(0.06, 0.1, 30.0);
+  EXPECT_FALSE(timeline_.samples.front().holds);
+  EXPECT_TRUE(timeline_.samples.back().holds);
+  EXPECT_DOUBLE_EQ(timeline_.samples.back().opening, 0.06);
+  (void)cell.force_torque.read();
+  EXPECT_DOUBLE_EQ(timeline_.samples.back().force, 5.0);
+  cell.gripper.move(0.155, 0.1, 30.0);
+  EXPECT_FALSE(timeline_.samples.back().holds);
+}
+
+TEST_F(RecordedDevicesTest, TimeNeverRunsBackwards) {
+  Cell cell = devices_.cell();
+  (void)cell.arm.follow(ramp(1.0));
+  clock_.seconds -= 0.5;  // a clock that jumps
+  (void)cell.force_torque.read();
+  for (std::size_t i = 1; i < timeline_.samples.size(); ++i)
+    EXPECT_GE(timeline_.samples[i].time, timeline_.samples[i - 1].time);
+}
+
+}  // namespace
+}  // namespace stonestack::test
