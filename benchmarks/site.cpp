@@ -16,7 +16,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/search/find_stack.hpp"
+#include "search/find_stack.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::bench {

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "stonestack/motion/planning_scene.hpp"
-#include "stonestack/report/picture.hpp"
+#include "report/picture.hpp"
 
 /// Private to report/: the arm in pictures.
 namespace stonestack::report {

@@ -90,26 +90,26 @@ struct Shown {
   const RobotModel& robot;
 };
 
-void write_report(std::string& problem, const RunReport& report, const Shown& shown,
-                  const std::string& folder) {
+void write_result(std::string& problem, const RunReport& report, const std::string& folder) {
   attempt(problem, [&] { write_file(folder + "/result.json", run_json(report)); });
-  attempt(problem,
-          [&] { write_file(folder + "/report.html", run_html(report, shown.catalogue, shown.robot)); });
 }
 
 using DrawPicture = std::function<void(const std::string& path)>;
 
-/// Writes what cannot be made again first, the largest last: a disk that fills up costs the picture.
+/// Writes what cannot be made again first, the largest last: a disk that fills up costs picture and report.
 void close_report(RecordedRun& done, const Shown& shown, const std::string& folder,
                   const DrawPicture& draw_picture) {
-  write_report(done.unwritten, done.report, shown, folder);
-  if (!draw_picture) return;
-  const std::string picture = folder + "/tower.png";
-  attempt(done.unwritten, [&] {
-    draw_picture(picture);
-    done.report.picture = picture;
-  });
-  if (!done.report.picture.empty()) write_report(done.unwritten, done.report, shown, folder);
+  write_result(done.unwritten, done.report, folder);
+  if (draw_picture) {
+    const std::string picture = folder + "/tower.png";
+    attempt(done.unwritten, [&] {
+      draw_picture(picture);
+      done.report.picture = picture;
+    });
+    if (!done.report.picture.empty()) write_result(done.unwritten, done.report, folder);
+  }
+  attempt(done.unwritten,
+          [&] { write_file(folder + "/report.html", run_html(done.report, shown.catalogue, shown.robot)); });
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
-    write_report(later, report, {catalogue, robot}, folder.path());
+    write_result(later, report, folder.path());
     log_info("judging the tower in the true world");
     try {
       report.truth = judge_run(world, report.result);

@@ -14,7 +14,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/physics/stack.hpp"
-#include "stonestack/report/experiment_report.hpp"
+#include "stonestack/report/run_report.hpp"
 
 namespace stonestack::report {
 namespace {
