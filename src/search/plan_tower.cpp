@@ -43,7 +43,7 @@ TowerPlan plan_whole(const SearchProblem& problem, int levels, const SearchOptio
     tower.reason = time_is_over() ? kTimeOver : "interrupted";
   }
   const int top = search.best() > 0 ? search.best() : search.highest();
-  for (const int k : search.tree().way_to(top)) {
+  for (const int k : search.tree().path_to(top)) {
     if (!search.tree().node(k).predicted) break;  // interrupted before that
     tower.placements.push_back(search.tree().node(k).trial.placement);
   }
@@ -59,7 +59,7 @@ TowerPlan plan_tower(SearchProblem problem, int levels, const SearchOptions& opt
   require(levels >= 0, "levels must not be negative, got ", levels);
   check_problem(problem, options);
   try {
-    StandingStack at_rest = standing_stack(*problem.shapes, problem.stack, options);
+    StandingStack at_rest = settled_stack(*problem.shapes, problem.stack, options);
     if (!at_rest.stack) return {{}, std::move(at_rest.reason)};
     if (levels == 0) return {};
     problem.stack = *std::move(at_rest.stack);

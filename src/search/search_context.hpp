@@ -18,7 +18,7 @@ struct SearchContext {
   [[nodiscard]] bool out_of_time() const {
     return time_is_over() || (options->budget > 0.0 && watch.seconds() >= options->budget);
   }
-  void say(const std::string& line) const {
+  void log(const std::string& line) const {
     if (report) report(line);
   }
 };
@@ -54,7 +54,7 @@ struct StandingStack {
 /// 2 mrad); else the stack that results when each stone in turn is let down from just above its given pose,
 /// provided that it ends near there (5 mm, 5 deg) and stands; else empty with the reason. Measured poses are
 /// off by a millimetre: a tower measured so may not stand to the letter, or hover above its contacts.
-[[nodiscard]] StandingStack standing_stack(const ShapeList& shapes, const Stack& stack,
-                                           const SearchOptions& options);
+[[nodiscard]] StandingStack settled_stack(const ShapeList& shapes, const Stack& stack,
+                                          const SearchOptions& options);
 
 }  // namespace stonestack::search

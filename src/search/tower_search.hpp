@@ -18,8 +18,8 @@ class TowerSearch {
 
   /// Which ways are looked for: on from the problem's way up, from the bottom, or, where the first does not
   /// lead to the top, both.
-  enum class Ways { kFoundBefore, kNew, kAll };
-  void run(Ways ways = Ways::kAll);
+  enum class Routes { kFoundBefore, kNew, kAll };
+  void run(Routes routes = Routes::kAll);
   /// Whether a plan holds.
   struct Followed {
     bool whole = false;  ///< all of it is reachable, comes to rest in balance and stands its judgement
@@ -41,7 +41,7 @@ class TowerSearch {
   /// calibration: what they believe to stand in a quarter of the cases stands in half of them).
   void predict(std::span<const int> nodes, bool closely = false);
   /// Predicts a node and all below it; false if that was done before.
-  bool predict_way(int node);
+  bool predict_path(int node);
 
   [[nodiscard]] long candidates() const { return candidates_; }
   [[nodiscard]] int unreachable() const { return unreachable_; }
@@ -75,7 +75,7 @@ class TowerSearch {
   /// Settles and judges a placement on a node's tower.
   [[nodiscard]] Climbed climb(int node, const PlacedStone& next);
   /// The problem's way up as far as it holds, and on from its top. True if that finished a tower.
-  [[nodiscard]] bool finish_way_up();
+  [[nodiscard]] bool finish_known_route();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);
   /// Sets best(): predicts what leads until nothing that is not tried may be better.

@@ -16,7 +16,7 @@ namespace {
 /// reported below them. One that does not stand is left to the search to refuse.
 void let_come_to_rest(const SearchOptions& options, SearchProblem& problem) {
   check_problem(problem, options);
-  const std::optional<Stack> stack = standing_stack(*problem.shapes, problem.stack, options).stack;
+  const std::optional<Stack> stack = settled_stack(*problem.shapes, problem.stack, options).stack;
   if (!stack) return;
   double moved = 0.0;
   for (std::size_t i = 0; i < stack->stones.size(); ++i)
