@@ -1,5 +1,4 @@
 #pragma once
-#include "core/export.hpp"
 #include "search/proposals.hpp"
 #include "stonestack/core/clock.hpp"
 
@@ -45,7 +44,7 @@ inline constexpr double kStill = 1e-7;
 inline constexpr double kVerdictStep = 1.0 / 480.0;
 
 /// Throws InvalidArgument for stones and options that cannot be.
-STONESTACK_EXPORT void check_problem(const SearchProblem& problem, const SearchOptions& options);
+void check_problem(const SearchProblem& problem, const SearchOptions& options);
 /// A stack as it comes to rest.
 struct StandingStack {
   std::optional<Stack> stack;
@@ -55,7 +54,7 @@ struct StandingStack {
 /// 2 mrad); else the stack that results when each stone in turn is let down from just above its given pose,
 /// provided that it ends near there (5 mm, 5 deg) and stands; else empty with the reason. Measured poses are
 /// off by a millimetre: a tower measured so may not stand exactly, or hover above its contacts.
-[[nodiscard]] STONESTACK_EXPORT StandingStack settled_stack(const ShapeList& shapes, const Stack& stack,
-                                                            const SearchOptions& options);
+[[nodiscard]] StandingStack settled_stack(const ShapeList& shapes, const Stack& stack,
+                                          const SearchOptions& options);
 
 }  // namespace stonestack::search

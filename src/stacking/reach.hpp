@@ -3,7 +3,6 @@
 #include <set>
 #include <vector>
 
-#include "core/export.hpp"
 #include "motion/grasp_check.hpp"
 #include "motion/regrasp.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -13,7 +12,7 @@ namespace stonestack::stacking {
 
 /// Reach of arm and gripper for the stones of one arrangement. What does not depend on the target is
 /// computed once for each stone, when it is first asked about; so not to be shared by threads.
-class STONESTACK_EXPORT Reach {
+class Reach {
  public:
   /// `catalogue` and `options` must outlive it. Stones are asked about by their index in the catalogue, and
   /// must be among the loose ones (InvalidArgument else).

@@ -13,8 +13,6 @@ def main(root, library):
     declared = set()
     for header in (root / "include").rglob("*.hpp"):
         declared |= set(re.findall(r"[A-Za-z_]\w*", header.read_text(encoding="utf-8")))
-    for source in (root / "src").rglob("*.hpp"):  # the few that the command needs beside public headers
-        declared |= set(re.findall(r"STONESTACK_EXPORT [^;{(]*?(\w+)\s*[({]", source.read_text(encoding="utf-8")))
     lines = subprocess.run(["nm", "-DC", "--defined-only", library], capture_output=True, text=True, check=True).stdout
     own, foreign = set(), set()
     for line in lines.splitlines():

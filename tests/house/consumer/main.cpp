@@ -1,6 +1,6 @@
 // What a user's program does: a library call from an installed stonestack.
 #include <stonestack/core/random.hpp>
-#include <stonestack/geometry/mass_properties.hpp>
+#include <stonestack/geometry/mesh.hpp>
 
 int main() {
   const auto box = stonestack::geometry::make_box({0.1, 0.1, 0.1});
