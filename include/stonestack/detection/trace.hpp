@@ -47,7 +47,8 @@ struct DetectionTrace {
 
 /// Writes DIR/turn_N/: surface.ply, cluster_K.ply, keypoints.ply, matches.ply (keypoints that have one),
 /// hypotheses.ply (where each has the middle of its stone), candidate_K.ply (the model at the pose) and
-/// stages.json with matches, hypotheses and candidates; no PLY of what a turn has none of. Throws FileError.
+/// stages.json with matches, hypotheses and candidates; no PLY of what a turn has none of.
+/// @throws FileError
 void write_trace(const std::string& folder, const DetectionTrace& trace, std::span<const Stone> stones);
 
 }  // namespace stonestack::detection

@@ -35,8 +35,8 @@ struct SimulatedServersOptions {
 
   SimulatedServersOptions();  ///< force sensor as a TCP stream, no pseudo terminals, standard camera mount
 };
-/// `layout` with the camera where the simulated one sits: what a simulated world is made of. Throws
-/// InvalidArgument for a quaternion that is not one.
+/// `layout` with the camera where the simulated one sits: what a simulated world is made of.
+/// @throws InvalidArgument for a quaternion that is not one.
 [[nodiscard]] CellLayout true_layout(CellLayout layout, const SimulatedServersOptions& options);
 /// arm.*, gripper.*, force_torque.*, camera.*, and the faults below each.
 [[nodiscard]] FieldList fields(SimulatedServersOptions& options);
@@ -45,8 +45,8 @@ struct SimulatedServersOptions {
 /// force sensor, camera. Time passes as the wall clock's, times `arm.speed`.
 class SimulatedServers {
  public:
-  /// `cell` must outlive it, and nobody else may touch its world meanwhile. Throws DeviceError when a port is
-  /// taken.
+  /// `cell` must outlive it, and nobody else may touch its world meanwhile.
+  /// @throws DeviceError when a port is taken.
   SimulatedServers(SimulatedCell& cell, const RobotModel& robot, const SimulatedServersOptions& options);
   ~SimulatedServers();
 

@@ -19,7 +19,8 @@ struct Variant {
 [[nodiscard]] std::vector<Variant> cell_variants();
 /// Each part of the design taken away, alone.
 [[nodiscard]] std::vector<Variant> design_variants();
-/// "name: option=value, option=value". Throws InvalidArgument.
+/// "name: option=value, option=value".
+/// @throws InvalidArgument
 [[nodiscard]] Variant parse_variant(const std::string& text);
 
 /// Throws InvalidArgument, before anything is built, for an option of a variant that there is not, and for a

@@ -32,8 +32,8 @@ struct CellLimits {
 [[nodiscard]] FieldList fields(CellLimits& limits);
 
 /// The robot as the limits leave it: joint ranges, speeds, accelerations, the room of the tool. Whoever plans
-/// with it keeps them, and so does the gate of the arm that it is given to. `path` is named in errors. Throws
-/// FileError for numbers that are not finite, ranges that are empty or wider than the robot's.
+/// with it keeps them, and so does the gate of the arm that it is given to. `path` is named in errors.
+/// @throws FileError for numbers that are not finite, ranges that are empty or wider than the robot's.
 [[nodiscard]] RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T_W_R,
                                      const Pose& T_F_T, const std::string& path);
 
@@ -76,20 +76,21 @@ struct CellConfig {
 /// The pose, likewise; `name` is named in the error.
 [[nodiscard]] Pose to_pose(const PoseNumbers& numbers, const std::string& name);
 /// Sets `T_F_C` by the file `hand_eye` (an easy_handeye file, as `stonestack calibrate` writes it), or clears
-/// it where none is named. A relative path is sought beside the cell file, ~ is the home folder. Throws
-/// FileError, also for a camera that is not on the hand.
+/// it where none is named. A relative path is sought beside the cell file, ~ is the home folder.
+/// @throws FileError also for a camera that is not on the hand.
 void read_hand_eye(CellConfig& config);
-/// The cell's robot within the cell's limits. Throws FileError for either.
+/// The cell's robot within the cell's limits.
+/// @throws FileError for either.
 [[nodiscard]] RobotModel read_cell_robot(const CellConfig& config);
-/// Reads the file; `others` are further groups that it may hold. Throws FileError with file, name and value,
-/// also for a word that is none of those that a setting knows, and when both layout.T_T_C and layout.hand_eye
-/// are given.
+/// Reads the file; `others` are further groups that it may hold.
+/// @throws FileError with file, name and value, also for a word that is none of those that a setting knows,
+/// and when both layout.T_T_C and layout.hand_eye are given.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
 
 /// Throws FileError that names the file when it says no `arm.address`.
 void require_arm_address(const CellConfig& config);
-/// The camera of `camera.driver`, connected. Throws FileError that names the file for settings that do not
-/// do.
+/// The camera of `camera.driver`, connected.
+/// @throws FileError that names the file for settings that do not do.
 [[nodiscard]] std::unique_ptr<DepthCamera> make_camera(const CellConfig& config);
 
 /// The devices of a cell, connected. Making it moves nothing.

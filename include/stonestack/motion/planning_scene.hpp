@@ -48,14 +48,14 @@ struct GripperModel {
 [[nodiscard]] double sensed_mass(const GripperModel& gripper);
 /// gripper, camera and sensor [kg]: what the arm carries without a stone.
 [[nodiscard]] double carried_mass(const GripperModel& gripper);
-/// The hand with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing that
-/// is not between `narrow_spacing` and `finger_spacing`.
+/// The hand with fingers B and C `spacing` (m) apart at their pads.
+/// @throws InvalidArgument for a spacing that is not between `narrow_spacing` and `finger_spacing`.
 [[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);
 
 /// The hand with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around
 /// camera and bracket moves with it and grows to the box along T's axes that holds it. A mount within 10 mm
-/// and 3 deg of the default, as a calibration finds it, keeps the default's box. Throws InvalidArgument for
-/// what is no rigid transform.
+/// and 3 deg of the default, as a calibration finds it, keeps the default's box.
+/// @throws InvalidArgument for what is no rigid transform.
 [[nodiscard]] GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C);
 
 /// A convex obstacle or one convex piece of a stone, with its own name for messages.
@@ -84,11 +84,13 @@ struct PlanningScene {
 
 /// narrowest horizontal width of a stone that stands on a table [m]: over its poses of rest (`rest_poses`)
 /// and all turns about the vertical. A hand from above that is to hold it about its middle opens that wide at
-/// least. 0 for a stone without a firm pose of rest. Throws InvalidArgument as `rest_poses`.
+/// least. 0 for a stone without a firm pose of rest.
+/// @throws InvalidArgument as `rest_poses`.
 [[nodiscard]] double least_width_at_rest(const Stone& stone);
 
 /// Why no grasp from above picks the stone up, however it lies: "162 mm across, the fingers open 155 mm";
-/// empty if its weight and its width do not stand in the way. Throws InvalidArgument as `rest_poses`.
+/// empty if its weight and its width do not stand in the way.
+/// @throws InvalidArgument as `rest_poses`.
 [[nodiscard]] std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper);
 
 /// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the hand

@@ -12,8 +12,8 @@ namespace stonestack::report {
 [[nodiscard]] std::string experiment_table(const Experiment& experiment);
 /// "stonestack.experiment/1".
 [[nodiscard]] std::string experiment_json(const Experiment& experiment);
-/// Reads a file that experiment_json wrote. Not in it: catalogue, options and belief of the runs. Throws
-/// FileError.
+/// Reads a file that experiment_json wrote. Not in it: catalogue, options and belief of the runs.
+/// @throws FileError
 [[nodiscard]] Experiment read_experiment(const std::string& path);
 /// A line a run: run, seed, stones, height, end, times.
 [[nodiscard]] std::string runs_csv(const Experiment& experiment);

@@ -118,10 +118,11 @@ struct SearchResult {
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
   double seconds = 0.0;
 };
-/// The next placement (paper §3). Throws InvalidArgument for stones that cannot be (mass or friction not
-/// positive, centre of mass outside the hull, not finite) and indices out of range; a stack that overlaps or
-/// does not stand is refused with its reason. Ctrl-C and the budget end it with the best so far. `report` is
-/// told about progress from one thread.
+/// The next placement (paper §3). Ctrl-C and the budget end it with the best so far. `report` is told about
+/// progress from one thread.
+/// @throws InvalidArgument for stones that cannot be (mass or friction not positive, centre of mass outside
+/// the hull, not finite) and indices out of range; a stack that overlaps or does not stand is refused with
+/// its reason.
 [[nodiscard]] SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options = {},
                                           const std::function<void(const std::string&)>& report = {});
 

@@ -23,7 +23,8 @@ struct SortedStones {
 /// the other's centre of mass is higher. A tower is a chain of stones from the table up, each carried by the
 /// one below alone and carrying one at most. With `site` (W) the tower is the one whose lowest stone has its
 /// centre of mass nearest to it, within 12 cm, and may be that stone alone; without, it is the highest of at
-/// least two stones. z = 0 of W is the table. Throws InvalidArgument for indices out of range.
+/// least two stones. z = 0 of W is the table.
+/// @throws InvalidArgument for indices out of range.
 [[nodiscard]] SortedStones find_stack(const ShapeList& shapes, const std::vector<PlacedStone>& stones,
                                       const std::optional<Eigen::Vector2d>& site = std::nullopt);
 

@@ -20,13 +20,13 @@ struct FrictionEstimate {
   std::vector<double> frictions;  ///< rising
   std::vector<double> weights;    ///< sum to 1
 };
-/// The higher the likelier (design choice: dry stone has more rather than less). Throws InvalidArgument for
-/// an empty list.
+/// The higher the likelier (design choice: dry stone has more rather than less).
+/// @throws InvalidArgument for an empty list.
 [[nodiscard]] FrictionEstimate first_estimate(const std::vector<double>& frictions);
 /// True if the lowest friction is the likeliest.
 [[nodiscard]] bool min_is_likeliest(const FrictionEstimate& estimate);
 /// Bayes' rule after a placement fell, of which `success[k]` (0 to 1) was to be expected at `frictions[k]`.
-/// Throws InvalidArgument when the sizes differ.
+/// @throws InvalidArgument when the sizes differ.
 [[nodiscard]] FrictionEstimate update_estimate(FrictionEstimate estimate, const std::vector<double>& success);
 
 /// One attempted placement, or a stone that was set down in the field.

@@ -28,11 +28,13 @@ struct RecordedCameraOptions {
 /// nor the recording says. A depth scale that nobody gives is an error, except for clouds.
 class RecordedCamera final : public DepthCamera {
  public:
-  /// Reads lists and calibration. Throws FileError (missing, empty, times that do not rise, files outside the
-  /// folder), InvalidArgument (scale or focal lengths not given).
+  /// Reads lists and calibration.
+  /// @throws FileError (missing, empty, times that do not rise, files outside the folder), InvalidArgument
+  /// (scale or focal lengths not given).
   explicit RecordedCamera(const RecordedCameraOptions& options);
   ~RecordedCamera() override;
-  /// The next frame. Throws FileError for a broken one, DeviceError at the end of the recording.
+  /// The next frame.
+  /// @throws FileError for a broken one, DeviceError at the end of the recording.
   [[nodiscard]] DepthFrame capture() override;
   [[nodiscard]] std::size_t frames() const;
   [[nodiscard]] const CameraIntrinsics& intrinsics() const;

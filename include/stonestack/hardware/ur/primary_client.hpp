@@ -19,21 +19,21 @@ struct PrimaryOptions {
 /// connection. On the realtime port (30003) nothing is said about programs. Thread-safe.
 class PrimaryClient {
  public:
-  /// Takes the first port that accepts. Throws DeviceError that names all of them.
-  /// Interrupted after Ctrl-C.
+  /// Takes the first port that accepts. Interrupted after Ctrl-C.
+  /// @throws DeviceError that names all of them.
   PrimaryClient(const std::string& address, const PrimaryOptions& options = {});
   ~PrimaryClient();
 
-  /// Sends a program; one that runs is killed by it. Connects again first if the connection was lost. Throws
-  /// DeviceError.
+  /// Sends a program; one that runs is killed by it. Connects again first if the connection was lost.
+  /// @throws DeviceError
   void send(const std::string& script);
   /// Closes and connects again: helps after a switch from local to remote control, when an old connection may
   /// only read.
   void reconnect();
   /// Messages since the last call, at most the newest 256.
   [[nodiscard]] std::vector<PrimaryMessage> take_messages();
-  /// Waits for what only a controller says: its version, or a state. Throws DeviceError when nothing or
-  /// something else comes, Interrupted after Ctrl-C.
+  /// Waits for what only a controller says: its version, or a state.
+  /// @throws DeviceError when nothing or something else comes, Interrupted after Ctrl-C.
   void wait_until_heard(Deadline deadline) const;
   /// The port in use.
   [[nodiscard]] int port() const;

@@ -66,9 +66,10 @@ struct ScriptGuard {
 /// "stonestack_17", also the name in the controller's messages; at most 31 characters.
 [[nodiscard]] std::string script_name(int run);
 
-/// The last gate before the wire. Empty if the trajectory may be sent, else what is wrong with it: sizes,
-/// numbers that are not finite, times that do not rise from 0, a start far from `q`, and, at every control
-/// step, joint limits, speeds, accelerations and the tool's room.
+/// The last gate before the wire.
+/// @return empty if the trajectory may be sent, else what is wrong with it: sizes, numbers that are not
+/// finite, times that do not rise from 0, a start far from `q`, and, at every control step, joint limits,
+/// speeds, accelerations and the tool's room.
 [[nodiscard]] std::string find_fault(const JointTrajectory& trajectory, const Joints& q,
                                      const RobotModel& robot, const ScriptContext& context);
 
