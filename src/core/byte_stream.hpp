@@ -13,7 +13,8 @@ namespace stonestack::core {
 /// transaction, so that the whole of it is bounded.
 class Deadline {
  public:
-  /// `seconds` from now; 0 means "do not wait". Throws InvalidArgument for what is negative or not finite.
+  /// `seconds` from now; 0 means "do not wait".
+  /// @throws InvalidArgument for what is negative or not finite.
   [[nodiscard]] static Deadline in(double seconds);
   /// Seconds left, 0 when over.
   [[nodiscard]] double left() const;
@@ -77,8 +78,8 @@ class ByteStream {
   /// Fills `bytes`; bytes that trickle in do not put off the deadline. After kTimeOut the bytes counted in
   /// the result are lost to later reads.
   IoResult read_exact(std::span<std::uint8_t> bytes, Deadline deadline);
-  /// One line up to '\n'. After kTimeOut the part that came is kept for the next call. Throws DeviceError
-  /// for a line longer than `longest`.
+  /// One line up to '\n'. After kTimeOut the part that came is kept for the next call.
+  /// @throws DeviceError for a line longer than `longest`.
   LineResult read_line(std::size_t longest, Deadline deadline);
   IoResult write_all(std::span<const std::uint8_t> bytes, Deadline deadline);
   IoResult write_all(std::string_view text, Deadline deadline);

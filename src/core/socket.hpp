@@ -15,7 +15,8 @@ struct Endpoint {
 };
 /// "address:port".
 [[nodiscard]] std::string to_text(const Endpoint& endpoint);
-/// True for 127.x.y.z and "localhost". Throws InvalidArgument for what is not an address.
+/// True for 127.x.y.z and "localhost".
+/// @throws InvalidArgument for what is not an address.
 [[nodiscard]] bool is_loopback(const std::string& address);
 
 /// One TCP connection, with TCP_NODELAY and keep-alive (a dead peer is noticed after about half a minute).

@@ -47,7 +47,8 @@ struct DepthSequenceInput {
 /// True if the folder has one of these layouts.
 [[nodiscard]] bool is_depth_sequence(const std::string& folder);
 
-/// Width and height of a PNG file. Throws FileError.
+/// Width and height of a PNG file.
+/// @throws FileError
 [[nodiscard]] Eigen::Vector2i png_size(const std::string& path);
 
 /// Throws FileError naming `path` when the principal point lies further outside the image than half its size:

@@ -29,7 +29,8 @@ struct RtdePacket {
   RtdeKind kind = RtdeKind::kTextMessage;
   std::string payload;
 };
-/// With its header. Throws InvalidArgument above 65535 bytes.
+/// With its header.
+/// @throws InvalidArgument above 65535 bytes.
 [[nodiscard]] std::string encode(const RtdePacket& packet);
 
 /// Cuts a byte stream into packets, however the bytes arrive. A length below 3 or above `max`, or an

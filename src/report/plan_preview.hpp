@@ -21,7 +21,8 @@ struct PlanMoment {
 };
 
 /// Samples the motions every `period` (s) and at every end of a step. The guarded descent is followed to the
-/// target, not past it. Throws InvalidArgument for a plan that failed and a period that is not positive.
+/// target, not past it.
+/// @throws InvalidArgument for a plan that failed and a period that is not positive.
 [[nodiscard]] std::vector<PlanMoment> preview(const PlanningScene& scene, const PickAndPlaceTask& task,
                                               const PickAndPlacePlan& plan, double period);
 

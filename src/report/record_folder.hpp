@@ -11,10 +11,12 @@ namespace stonestack::report {
 /// with the process, however it ends.
 class RecordFolder {
  public:
-  /// Makes the folder, with those above it, or takes one that is there and in which nobody works. Throws
-  /// FileError when it cannot be made, is no folder or takes no files, and when another process holds it.
+  /// Makes the folder, with those above it, or takes one that is there and in which nobody works.
+  /// @throws FileError when it cannot be made, is no folder or takes no files, and when another process holds
+  /// it.
   explicit RecordFolder(const std::string& path);
-  /// Makes the first of PATH, PATH-2, PATH-3, ... that nobody else has made. Throws FileError.
+  /// Makes the first of PATH, PATH-2, PATH-3, ... that nobody else has made.
+  /// @throws FileError
   [[nodiscard]] static RecordFolder make_new(const std::string& path);
   /// Removes what this object made, if it is still empty.
   ~RecordFolder();
@@ -25,7 +27,9 @@ class RecordFolder {
   /// False for a folder that was there already.
   [[nodiscard]] bool made() const { return made_; }
   /// Keeps what is in it under another name, PATH-interrupted or PATH-interrupted-2, ..., and goes on with an
-  /// empty folder. Returns that name. Throws FileError.
+  /// empty folder.
+  /// @return that name.
+  /// @throws FileError
   std::string put_aside();
 
  private:
@@ -40,7 +44,8 @@ class RecordFolder {
 };
 
 /// Renames a folder to PATH-interrupted, or PATH-interrupted-2, ..., whichever is free, and returns that
-/// name. Throws FileError.
+/// name.
+/// @throws FileError
 std::string put_aside(const std::string& path);
 
 }  // namespace stonestack::report

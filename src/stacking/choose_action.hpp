@@ -41,8 +41,8 @@ struct Decision {
 /// options give the same decision. In this order: ends after a failure; searches for stones out of sight;
 /// goes on unstacking; clears the base; ends when the height is reached; places or reorients a stone by the
 /// search (src/stacking/choose_placement.hpp); unstacks where nothing fits; retries grasps that failed; ends.
-/// `listener` hears events as they happen. Throws Interrupted, and InvalidArgument for a world without
-/// resting stacks.
+/// `listener` hears events as they happen.
+/// @throws Interrupted and InvalidArgument for a world without resting stacks.
 [[nodiscard]] Decision choose_action(const WorldEstimate& world, const RunMemory& memory,
                                      const Models& models, const BuildOptions& options,
                                      const Listener& listener = {});

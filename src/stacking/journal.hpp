@@ -10,14 +10,16 @@ namespace stonestack::stacking {
 class Journal {
  public:
   Journal() = default;
-  /// Opens or makes the file and continues its numbering; a torn last line is cut off. Throws FileError.
+  /// Opens or makes the file and continues its numbering; a torn last line is cut off.
+  /// @throws FileError
   explicit Journal(const std::string& path);
   ~Journal();
   Journal(Journal&& other) noexcept;
   Journal& operator=(Journal&& other) noexcept;
 
   /// Appends {"seq", "kind", "data"} in one write and waits until it is on the disk. `data_json` is a JSON
-  /// value. Throws FileError when the disk refuses.
+  /// value.
+  /// @throws FileError when the disk refuses.
   void record(const std::string& kind, const std::string& data_json);
 
  private:

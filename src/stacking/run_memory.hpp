@@ -19,7 +19,7 @@ namespace stonestack::stacking {
 /// True if the lowest friction is the likeliest.
 [[nodiscard]] bool min_is_likeliest(const FrictionEstimate& estimate);
 /// Bayes' rule after a placement fell, of which `success[k]` (0 to 1) was to be expected at `frictions[k]`.
-/// Throws InvalidArgument when the sizes differ.
+/// @throws InvalidArgument when the sizes differ.
 [[nodiscard]] FrictionEstimate update_estimate(FrictionEstimate estimate, const std::vector<double>& success);
 
 /// Mean offset of placed stones from their targets, level, m: hand-eye and arm calibration err the same each

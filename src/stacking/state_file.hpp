@@ -15,7 +15,8 @@ struct State {
 };
 
 /// Writes "stonestack.state/1" (JSON, named keys; stones by name, options that are not the default): what
-/// `stonestack decide` reads. Not in it: views, and an attempt that is not judged yet. Throws FileError.
+/// `stonestack decide` reads. Not in it: views, and an attempt that is not judged yet.
+/// @throws FileError
 void write_state(const std::string& path, const WorldEstimate& world, const RunMemory& memory,
                  const Models& models, const BuildOptions& options);
 

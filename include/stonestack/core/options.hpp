@@ -67,12 +67,13 @@ using FieldList = std::vector<Field>;
 /// Joins lists.
 [[nodiscard]] FieldList join(std::vector<FieldList> lists);
 
-/// Applies "name=value". Throws InvalidArgument that names the field, the value and the range; for an unknown
-/// name it asks whether one of the nearest was meant.
+/// Applies "name=value".
+/// @throws InvalidArgument that names the field, the value and the range; for an unknown name it asks whether
+/// one of the nearest was meant.
 void set_field(const FieldList& list, std::string_view assignment);
 /// Reads a YAML file of `name: value` (nested maps become `a.b`). A name that is not in `list` but in
-/// `others` (options of other parts of a program that share the file) is set there. Throws FileError with
-/// file, name and value.
+/// `others` (options of other parts of a program that share the file) is set there.
+/// @throws FileError with file, name and value.
 void read_fields(const FieldList& list, const std::string& path, const FieldList& others = {});
 /// YAML text, a line a field, with range, unit and description as comments.
 [[nodiscard]] std::string write_fields(const FieldList& list);

@@ -110,8 +110,8 @@ class DetectionModels {
 
 /// Detects from several camera poses: hypotheses from each view, one verdict over all, so that what one view
 /// hides another may show. Views are first aligned by what they see (hand-eye and arm err by a millimetre or
-/// two). Results and `known` are in C, the camera frame of the first view. Throws InvalidArgument for no
-/// view.
+/// two). Results and `known` are in C, the camera frame of the first view.
+/// @throws InvalidArgument for no view.
 [[nodiscard]] DetectionResult detect_stones(std::span<const DepthView> views, const DetectionModels& models,
                                             std::span<const int> wanted = {},
                                             const DetectionOptions& options = {},

@@ -34,8 +34,8 @@ struct UrPorts;  // private
 /// force sensor, camera. Time passes as the wall clock's, times `arm.speed`.
 class SimulatedServers {
  public:
-  /// `cell` must outlive it, and nobody else may touch its world meanwhile. Throws DeviceError when a port is
-  /// taken.
+  /// `cell` must outlive it, and nobody else may touch its world meanwhile.
+  /// @throws DeviceError when a port is taken.
   SimulatedServers(SimulatedCell& cell, const RobotModel& robot, const SimulatedServersOptions& options);
   ~SimulatedServers();
 

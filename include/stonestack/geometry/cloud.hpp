@@ -22,7 +22,8 @@ struct Cloud {
 /// Drops points that are not finite; the result is unorganised.
 [[nodiscard]] Cloud without_gaps(const Cloud& cloud);
 
-/// Reads PLY and PCD (ASCII, binary, binary_compressed), organised or not. Throws FileError.
+/// Reads PLY and PCD (ASCII, binary, binary_compressed), organised or not.
+/// @throws FileError
 [[nodiscard]] Cloud read_cloud(const std::string& path);
 /// PLY (binary little-endian) or PCD (binary) by extension; organised clouds keep width and height (PCD, and
 /// PLY by comments "width N" and "height N").

@@ -46,13 +46,14 @@ struct DepthFrame {
 [[nodiscard]] Cloud to_cloud(const DepthImage& image);
 /// Renders a cloud in C (organised or not) into a depth image: nearest point wins.
 [[nodiscard]] DepthImage to_depth_image(const Cloud& cloud_C, const CameraIntrinsics& camera);
-/// 16-bit greyscale PNG, `unit` metres a count (SR300: 0.000125). Throws FileError.
+/// 16-bit greyscale PNG, `unit` metres a count (SR300: 0.000125).
+/// @throws FileError
 void write_depth_png(const std::string& path, const DepthImage& image, double unit);
 [[nodiscard]] DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit);
 
-/// Pinhole intrinsics that explain an organised cloud in C (least squares of u on x/z and of v on y/z). Empty
-/// for a cloud that is not organised, has fewer than 100 points, or does not fit a pinhole within a pixel
-/// (median).
+/// Pinhole intrinsics that explain an organised cloud in C (least squares of u on x/z and of v on y/z).
+/// @return empty for a cloud that is not organised, has fewer than 100 points, or does not fit a pinhole
+/// within a pixel (median).
 [[nodiscard]] std::optional<CameraIntrinsics> fit_camera(const Cloud& organised_C);
 
 /// A pinhole camera for a cloud in C without rows: wide enough for all but a hundredth of the points (up to

@@ -48,10 +48,12 @@ struct SurfaceSample {
 /// finiteness checked, no second file opened). Exactly equal vertices become one (texture seams and STL
 /// repeat them), then faces with a repeated corner and vertices without a face are dropped. Coordinates are
 /// as in the file: no unit is applied. glTF (.glb, .gltf), Collada (.dae, in metres by its own unit), 3DS,
-/// OFF and FBX are read by assimp in a process of its own with limits, which opens no second file
-/// either; their nodes' transformations are applied. Throws FileError, also for other formats.
+/// OFF and FBX are read by assimp in a process of its own with limits, which opens no second file either;
+/// their nodes' transformations are applied.
+/// @throws FileError also for other formats.
 [[nodiscard]] Mesh read_mesh(const std::string& path);
-/// Binary little-endian PLY, or OBJ, by extension; atomic. Throws FileError.
+/// Binary little-endian PLY, or OBJ, by extension; atomic.
+/// @throws FileError
 void write_mesh(const std::string& path, const Mesh& mesh);
 
 /// Mass, centre of mass and inertia of a rigid body, in the frame of its mesh (O).
@@ -61,8 +63,8 @@ struct MassProperties {
   Eigen::Matrix3d I_M = Eigen::Matrix3d::Zero();    ///< about the centre of mass, axes of O, kg m^2
 };
 
-/// Of a closed mesh of uniform `density` (kg/m^3), exact for polyhedra (Mirtich 1996). Throws InvalidArgument
-/// when the volume is not positive.
+/// Of a closed mesh of uniform `density` (kg/m^3), exact for polyhedra (Mirtich 1996).
+/// @throws InvalidArgument when the volume is not positive.
 [[nodiscard]] MassProperties mass_properties(const Mesh& mesh, double density);
 /// Empty if physically possible; else what is wrong: mass not positive, inertia not positive definite or
 /// against the triangle inequality, not finite.

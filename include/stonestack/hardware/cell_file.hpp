@@ -22,7 +22,8 @@ struct CellConfig;
 /// it where none is named. A relative path is sought beside the cell file, ~ is the home folder. Throws
 /// FileError, also for a camera that is not on the gripper.
 void read_hand_eye(CellConfig& config);
-/// The cell's robot within the cell's limits. Throws FileError for either.
+/// The cell's robot within the cell's limits.
+/// @throws FileError for either.
 [[nodiscard]] RobotModel read_cell_robot(const CellConfig& config);
 /// Throws FileError that names the file when it says no `arm.address`.
 void require_arm_address(const CellConfig& config);

@@ -69,8 +69,8 @@ class Gripper {
  public:
   virtual ~Gripper() = default;
   [[nodiscard]] virtual GripperState state() = 0;
-  /// Moves to an opening (m) with a speed (m/s) and force (N a finger); returns when at rest. Throws
-  /// DeviceError on a fault or when it does not come to rest within its deadline.
+  /// Moves to an opening (m) with a speed (m/s) and force (N a finger); returns when at rest.
+  /// @throws DeviceError on a fault or when it does not come to rest within its deadline.
   virtual GripperState move(double opening, double speed, double force) = 0;
   /// Brings the two fingers that stand side by side (B and C) to `spacing` (m) between their pads, with an
   /// empty gripper; returns when at rest. Throws as `move`.

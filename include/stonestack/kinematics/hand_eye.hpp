@@ -48,8 +48,9 @@ struct HandEyeResult {
 
 /// Solves A X = X B over all motions between stations: Tsai and Lenz 1989, Park and Martin 1994, Daniilidis
 /// 1999 (dual quaternions), and a joint refinement of camera and target pose that starts from the best of
-/// them (robust least squares over the stations). Throws InvalidArgument for fewer than three stations, or
-/// when their rotations do not fix the result (all about one axis).
+/// them (robust least squares over the stations).
+/// @throws InvalidArgument for fewer than three stations, or when their rotations do not fix the result (all
+/// about one axis).
 [[nodiscard]] HandEyeResult calibrate_hand_eye(std::span<const HandEyePair> pairs, CameraMount mount);
 
 /// How well a known transform agrees with stations.

@@ -35,7 +35,8 @@ struct JointState {
   Joints q = Joints::Zero();
   Joints qd = Joints::Zero();
 };
-/// State at `t`, clamped to the ends. Throws InvalidArgument for an empty trajectory.
+/// State at `t`, clamped to the ends.
+/// @throws InvalidArgument for an empty trajectory.
 [[nodiscard]] JointState sample(const JointTrajectory& trajectory, double t);
 
 struct RobotModel;
@@ -89,12 +90,14 @@ struct RobotModel {
 
 /// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. A file NAME.yaml beside it may
 /// give `payload` (kg) and `acceleration` (rad/s^2). Refuses what is not a UR-like chain from `base_link` to
-/// `tool0`, and hostile files (loop, two parents, missing limits, depth bomb). Collision shapes are
-/// cylinders and spheres (read as capsules), boxes (covered by one) and meshes (by up to six, reported with
-/// how far they reach beyond it). A mesh is `package://NAME/PATH`, NAME a folder around the URDF or in
-/// ROS_PACKAGE_PATH or AMENT_PREFIX_PATH/share, or a path from the URDF's folder. Throws FileError.
+/// `tool0`, and hostile files (loop, two parents, missing limits, depth bomb). Collision shapes are cylinders
+/// and spheres (read as capsules), boxes (covered by one) and meshes (by up to six, reported with how far
+/// they reach beyond it). A mesh is `package://NAME/PATH`, NAME a folder around the URDF or in
+/// ROS_PACKAGE_PATH or AMENT_PREFIX_PATH/share, or a path from the URDF's folder.
+/// @throws FileError
 [[nodiscard]] RobotModel read_robot(const std::string& name_or_path);
-/// Names in data/robots (see data_path), sorted. Throws FileError if there is no such folder.
+/// Names in data/robots (see data_path), sorted.
+/// @throws FileError if there is no such folder.
 [[nodiscard]] std::vector<std::string> robot_names();
 
 /// T_R_F of the flange.

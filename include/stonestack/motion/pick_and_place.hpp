@@ -49,8 +49,8 @@ struct PlanStep {
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
-/// `min_threshold`, six times `force_noise` and 35 % of its weight. Throws InvalidArgument for
-/// a mass that is none.
+/// `min_threshold`, six times `force_noise` and 35 % of its weight.
+/// @throws InvalidArgument for a mass that is none.
 [[nodiscard]] double contact_threshold(double mass, const MotionOptions& options = {});
 
 /// A plan, or why there is none.

@@ -55,8 +55,8 @@ struct GripperModel {
 
 /// The gripper with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around
 /// camera and bracket moves with it and grows to the box along T's axes that holds it. A mount within 10 mm
-/// and 3 deg of the default, as a calibration finds it, keeps the default's box. Throws InvalidArgument for
-/// what is no rigid transform.
+/// and 3 deg of the default, as a calibration finds it, keeps the default's box.
+/// @throws InvalidArgument for what is no rigid transform.
 [[nodiscard]] GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C);
 
 /// A convex obstacle or one convex piece of a stone, with its own name for messages.
@@ -89,7 +89,8 @@ struct PlanningScene {
 [[nodiscard]] double min_width_at_rest(const Stone& stone);
 
 /// Why no grasp from above picks the stone up, however it lies: "162 mm across, the fingers open 155 mm";
-/// empty if its weight and its width do not stand in the way. Throws InvalidArgument as `rest_poses`.
+/// empty if its weight and its width do not stand in the way.
+/// @throws InvalidArgument as `rest_poses`.
 [[nodiscard]] std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper);
 
 /// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the gripper

@@ -55,8 +55,9 @@ struct EquilibriumOptions {
 /// Contact forces in friction cones that balance gravity: a linear programme (GLPK). `contacts` index into
 /// `bodies` (kTable: the ground). Upper bound of what a stack bears (contacts may shift): ask for a margin,
 /// not for feasibility. Contacts of one pair within 1 mm and 3 deg count once. A programme that the solver
-/// cannot solve counts as a stack that falls. Throws InvalidArgument for indices out of range, masses that
-/// are not positive, points that are not finite, and friction that is negative or not finite.
+/// cannot solve counts as a stack that falls.
+/// @throws InvalidArgument for indices out of range, masses that are not positive, points that are not
+/// finite, and friction that is negative or not finite.
 [[nodiscard]] Equilibrium solve_equilibrium(std::span<const StaticBody> bodies,
                                             std::span<const Contact> contacts,
                                             const EquilibriumOptions& options = {});

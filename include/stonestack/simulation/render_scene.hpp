@@ -32,7 +32,8 @@ struct SimulatedScene {
                                           const CellLayout& layout, const SceneOptions& options = {});
 
 /// Writes depth.png (16 bit), cloud.ply (organised, camera frame) and scene.yaml (intrinsics, T_W_C, stones
-/// with T_W_O and T_C_O) into the folder. Throws FileError.
+/// with T_W_O and T_C_O) into the folder.
+/// @throws FileError
 void write_scene(const std::string& folder, const SimulatedScene& scene, const std::vector<Stone>& stones);
 
 }  // namespace stonestack::simulation

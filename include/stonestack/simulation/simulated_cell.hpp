@@ -49,7 +49,8 @@ struct Truth {
 class SimulatedCell {
  public:
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to
-  /// rest. The arm starts with the camera over the field. Throws InvalidArgument when they do not fit.
+  /// rest. The arm starts with the camera over the field.
+  /// @throws InvalidArgument when they do not fit.
   SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present, const RobotModel& robot,
                 const CellLayout& assumed, const SimulationOptions& options = {});
   ~SimulatedCell();

@@ -32,8 +32,8 @@ namespace stonestack::stacking {
 [[nodiscard]] PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
                                                 const Catalogue& catalogue, const Arrangement& arrangement);
 
-/// The motion task that brings loose stone `stone` from where it is seen to lie to T_W_O. Throws
-/// InvalidArgument when it is not among the loose stones.
+/// The motion task that brings loose stone `stone` from where it is seen to lie to T_W_O.
+/// @throws InvalidArgument when it is not among the loose stones.
 [[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement,
                                          int stone, const Pose& T_W_O, const Joints& q_start);
 
@@ -50,7 +50,8 @@ namespace stonestack::stacking {
 [[nodiscard]] std::optional<JointTrajectory> plan_route_to_view(Cell& cell, const PlanningScene& scene,
                                                                 const std::vector<Pose>& T_W_C_candidates,
                                                                 const MotionOptions& options);
-/// Follows it and takes a frame at its end. Throws DeviceError when the arm does not get there.
+/// Follows it and takes a frame at its end.
+/// @throws DeviceError when the arm does not get there.
 [[nodiscard]] CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory& route);
 
 /// A stone seen in one of several views, in the world.

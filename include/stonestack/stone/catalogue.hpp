@@ -24,7 +24,8 @@ struct Catalogue {
 /// first.
 [[nodiscard]] bool is_stone_name(const std::string& name);
 /// Writes one stone into its folder, whole or not at all, in the place of one of that name. Makes the
-/// catalogue's folder. Throws FileError, InvalidArgument for a name that is none.
+/// catalogue's folder.
+/// @throws FileError InvalidArgument for a name that is none.
 void write_stone(const std::string& catalogue_path, const Stone& stone);
 
 }  // namespace stonestack::stone

@@ -24,8 +24,8 @@ struct LimestoneOptions {
 
 /// A closed mesh like a piece of limestone rubble: bedding planes and cleavage faces, broken edges and
 /// chipped corners, dents, 0.3 to 0.5 mm of roughness. Longest extent along x, shortest along z, metres.
-/// Star-shaped about the origin, so it never cuts itself. Same seed, same stone. Throws InvalidArgument for
-/// options that no stone can meet.
+/// Star-shaped about the origin, so it never cuts itself. Same seed, same stone.
+/// @throws InvalidArgument for options that no stone can meet.
 [[nodiscard]] Mesh make_limestone(std::uint64_t seed, const LimestoneOptions& options = {});
 
 /// How a scan becomes a stone.
@@ -49,8 +49,9 @@ struct ModelResult {
   std::vector<std::string> warnings;
 };
 
-/// From a mesh in file units. Holes are closed by CGAL with a warning. Throws FileError (named `source`) for
-/// a mesh that cannot be a stone: empty, not finite, encloses nothing, size out of 2 cm to 2 m after units.
+/// From a mesh in file units. Holes are closed by CGAL with a warning.
+/// @throws FileError (named `source`) for a mesh that cannot be a stone: empty, not finite, encloses nothing,
+/// size out of 2 cm to 2 m after units.
 [[nodiscard]] ModelResult model_stone(const Mesh& scan, const std::string& name, const std::string& source,
                                       const ModelOptions& options = {});
 /// The generated limestone `number` (from 1) of a seed, named limestone_NUMBER. Units and scale of the

@@ -40,7 +40,8 @@ class GripperSimulator {
   /// PseudoTerminal do.
   explicit GripperSimulator(GripperPlant& plant, const GripperSimulatorOptions& options = {});
   ~GripperSimulator();
-  /// Where it listens. Throws InvalidArgument when that link is off.
+  /// Where it listens.
+  /// @throws InvalidArgument when that link is off.
   [[nodiscard]] Endpoint endpoint() const;
   [[nodiscard]] std::string serial_path() const;
   void set_faults(const GripperFaults& faults);

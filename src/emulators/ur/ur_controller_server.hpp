@@ -74,12 +74,13 @@ struct UrPorts {
 /// URScript's own time, sockets are served between steps.
 class UrControllerServer {
  public:
-  /// `plant` must outlive this and is used from the server's thread only, while it runs. Throws
-  /// InvalidArgument for a version or address that it cannot be.
+  /// `plant` must outlive this and is used from the server's thread only, while it runs.
+  /// @throws InvalidArgument for a version or address that it cannot be.
   UrControllerServer(const UrServerOptions& options, const RobotModel& robot, Plant& plant);
   ~UrControllerServer();
 
-  /// Binds the ports and starts. Throws DeviceError when one is taken.
+  /// Binds the ports and starts.
+  /// @throws DeviceError when one is taken.
   void start();
   /// Closes every link and ends the thread.
   void stop();

@@ -23,7 +23,8 @@ struct CameraSettings {
 [[nodiscard]] FieldList fields(CameraSettings& settings);
 /// Throws InvalidArgument when focal lengths, size or the name of the distortion are missing or wrong.
 [[nodiscard]] CameraIntrinsics to_intrinsics(const CameraSettings& settings);
-/// Metres a count. Throws InvalidArgument, with the usual values, when the scale was not given.
+/// Metres a count.
+/// @throws InvalidArgument with the usual values, when the scale was not given.
 [[nodiscard]] double depth_unit(const CameraSettings& settings);
 
 /// Conditions that a frame must meet.

@@ -22,10 +22,11 @@ struct RealsenseCameraOptions {
 /// SR300 and SR305 left librealsense after 2.50; use V4l2Camera for them.
 class RealsenseCamera final : public DepthCamera {
  public:
-  /// Starts the depth stream. Throws DeviceError: no such camera, no such format, or a build without the
-  /// library.
+  /// Starts the depth stream.
+  /// @throws DeviceError: no such camera, no such format, or a build without the library.
   explicit RealsenseCamera(const RealsenseCameraOptions& options);
-  /// A frame exposed from now on. Throws DeviceError at the deadline, and what FrameCheck refuses.
+  /// A frame exposed from now on.
+  /// @throws DeviceError at the deadline, and what FrameCheck refuses.
   [[nodiscard]] DepthFrame capture() override;
 
  private:

@@ -26,11 +26,13 @@ struct RecordedCameraOptions {
 /// nor the recording states. A missing depth scale is an error, except for clouds.
 class RecordedCamera final : public DepthCamera {
  public:
-  /// Reads lists and calibration. Throws FileError (missing, empty, times that do not rise, files outside the
-  /// folder), InvalidArgument (scale or focal lengths not given).
+  /// Reads lists and calibration.
+  /// @throws FileError (missing, empty, times that do not rise, files outside the folder), InvalidArgument
+  /// (scale or focal lengths not given).
   explicit RecordedCamera(const RecordedCameraOptions& options);
   ~RecordedCamera() override;
-  /// The next frame. Throws FileError for a broken one, DeviceError at the end of the recording.
+  /// The next frame.
+  /// @throws FileError for a broken one, DeviceError at the end of the recording.
   [[nodiscard]] DepthFrame capture() override;
   [[nodiscard]] std::size_t frames() const;
   [[nodiscard]] const CameraIntrinsics& intrinsics() const;

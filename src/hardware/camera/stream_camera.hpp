@@ -22,8 +22,9 @@ class StreamCamera final : public DepthCamera {
   /// Throws DeviceError when nobody listens there.
   explicit StreamCamera(const StreamCameraOptions& options);
   ~StreamCamera() override;
-  /// Asks for a frame exposed from now on. Throws DeviceError that names the address: no frame before the
-  /// deadline, a damaged one (after `attempts`), and what FrameCheck refuses.
+  /// Asks for a frame exposed from now on.
+  /// @throws DeviceError that names the address: no frame before the deadline, a damaged one (after
+  /// `attempts`), and what FrameCheck refuses.
   [[nodiscard]] DepthFrame capture() override;
 
  private:

@@ -19,14 +19,16 @@ struct V4l2CameraOptions {
 /// librealsense, which dropped the SR300 after 2.50.
 class V4l2Camera final : public DepthCamera {
  public:
-  /// Opens and starts streaming. Throws DeviceError when the node is missing, is no capture device or does
-  /// not give Z16 of the size asked for; InvalidArgument when scale or focal lengths are not given;
-  /// FileError when the folder to record to holds a recording already.
+  /// Opens and starts streaming.
+  /// @throws DeviceError when the node is missing, is no capture device or does not give Z16 of the size
+  /// asked for; InvalidArgument when scale or focal lengths are not given; FileError when the folder to
+  /// record to holds a recording already.
   explicit V4l2Camera(const V4l2CameraOptions& options);
   ~V4l2Camera() override;
   /// A frame whose time stamp lies after the call; frames that waited in the queue are dropped. `device_time`
-  /// is the kernel's monotonic time, `number` the driver's sequence. Throws DeviceError when none comes in
-  /// time, when the time stamps are of another clock, and what FrameCheck refuses.
+  /// is the kernel's monotonic time, `number` the driver's sequence.
+  /// @throws DeviceError when none comes in time, when the time stamps are of another clock, and what
+  /// FrameCheck refuses.
   [[nodiscard]] DepthFrame capture() override;
 
  private:

@@ -39,15 +39,17 @@ struct FtStreamHealth {
 class RobotiqFtSensor final : public ForceTorqueSensor {
  public:
   /// Opens the link and starts the stream. A sensor that streams already is taken as it is; one that is
-  /// silent or garbles is silenced, asked who it is, and started. Throws DeviceError with the link and the
-  /// last bytes when no reading comes in `start_timeout`.
+  /// silent or garbles is silenced, asked who it is, and started.
+  /// @throws DeviceError with the link and the last bytes when no reading comes in `start_timeout`.
   explicit RobotiqFtSensor(const FtSensorOptions& options);
   ~RobotiqFtSensor() override;
 
-  /// A reading that was not returned before; waits for it up to `stale`. Throws DeviceError when none comes
-  /// (the stream is started anew meanwhile), when one axis exceeds its range and when the reading is stuck.
+  /// A reading that was not returned before; waits for it up to `stale`.
+  /// @throws DeviceError when none comes (the stream is started anew meanwhile), when one axis exceeds its
+  /// range and when the reading is stuck.
   [[nodiscard]] Wrench read() override;
-  /// Mean of the next `zero_samples` readings. Throws DeviceError when they spread too far.
+  /// Mean of the next `zero_samples` readings.
+  /// @throws DeviceError when they spread too far.
   void zero() override;
   [[nodiscard]] FtStreamHealth health() const;
   /// Firmware as the sensor reported it when it was started here; empty when it streamed already or over the

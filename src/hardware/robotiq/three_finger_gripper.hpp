@@ -19,7 +19,8 @@ struct GripperLayout {
   int status = 0;         ///< first status register
   int read_function = 4;  ///< 3 or 4
 };
-/// "tcp2018", "tcp2014" or "rtu". Throws InvalidArgument for another name.
+/// "tcp2018", "tcp2014" or "rtu".
+/// @throws InvalidArgument for another name.
 [[nodiscard]] GripperLayout gripper_layout(const std::string& preset);
 
 enum class GripperMode { kBasic = 0, kPinch = 1, kWide = 2, kScissor = 3 };
@@ -63,8 +64,8 @@ struct ThreeFingerStatus {
 /// How bad a fault is: nothing, wait and it passes, or activate again.
 enum class GripperFaultKind { kNone, kPriority, kMinor, kMajor };
 [[nodiscard]] GripperFaultKind gripper_fault_kind(int fault);
-/// Fault and remedy: "fault 0x0F: automatic release is complete; activate again". Empty for
-/// 0.
+/// Fault and remedy: "fault 0x0F: automatic release is complete; activate again".
+/// @return empty for 0.
 [[nodiscard]] std::string gripper_fault_text(int fault);
 
 /// Request to one axis in individual control; counts, 0 open to 255 closed.
@@ -85,8 +86,9 @@ class ThreeFingerGripper final : public Gripper {
   /// Throws DeviceError when the gripper does not answer; a fault is a value.
   [[nodiscard]] GripperState state() override;
   /// Closes or opens all fingers alike. `object` needs both: contact reported while closing, and fingers that
-  /// stopped short of the request. Throws DeviceError when not activated, on a fault, and when the request is
-  /// not repeated or the fingers do not come to rest in time.
+  /// stopped short of the request.
+  /// @throws DeviceError when not activated, on a fault, and when the request is not repeated or the fingers
+  /// do not come to rest in time.
   GripperState move(double opening, double speed, double force) override;
   /// By individual control of the scissor axis; it stays so in later moves.
   void spread(double spacing) override;

@@ -17,13 +17,13 @@ struct PrimaryOptions {
 /// connection. The realtime port (30003) reports nothing about programs. Thread-safe.
 class PrimaryClient {
  public:
-  /// Takes the first port that accepts. Throws DeviceError that names all of them.
-  /// Interrupted after Ctrl-C.
+  /// Takes the first port that accepts. Interrupted after Ctrl-C.
+  /// @throws DeviceError that names all of them.
   PrimaryClient(const std::string& address, const PrimaryOptions& options = {});
   ~PrimaryClient();
 
-  /// Sends a program; one that runs is killed by it. Connects again first if the connection was lost. Throws
-  /// DeviceError.
+  /// Sends a program; one that runs is killed by it. Connects again first if the connection was lost.
+  /// @throws DeviceError
   void send(const std::string& script);
   /// Closes and connects again: helps after a switch from local to remote control, when an old connection may
   /// only read.

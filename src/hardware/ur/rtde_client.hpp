@@ -72,8 +72,9 @@ struct RtdeCounts {
 /// state; a lost or silent link is set up anew from the first packet on. Thread-safe.
 class RtdeClient {
  public:
-  /// Connects, sets up and waits until the controller has booted. Throws DeviceError: port closed, no answer,
-  /// a required field missing (named), an input register owned by somebody else (named).
+  /// Connects, sets up and waits until the controller has booted.
+  /// @throws DeviceError: port closed, no answer, a required field missing (named), an input register owned
+  /// by somebody else (named).
   RtdeClient(const Endpoint& controller, RtdeRecipeFor recipe, const RtdeOptions& options = {});
   ~RtdeClient();
 
@@ -81,12 +82,14 @@ class RtdeClient {
   [[nodiscard]] int protocol() const;
   /// Optional outputs that this controller does not have.
   [[nodiscard]] std::vector<std::string> missing() const;
-  /// The newest state. Throws DeviceError if it is stale, with the reason.
+  /// The newest state.
+  /// @throws DeviceError if it is stale, with the reason.
   [[nodiscard]] RtdeSample sample() const;
   /// A state received after the call; empty at the deadline.
   [[nodiscard]] std::optional<RtdeSample> wait_for_next(Deadline deadline) const;
-  /// Writes the values of input recipe `recipe` (its place in RtdeRecipe::inputs). Throws InvalidArgument for
-  /// a wrong number, type or a number that is not finite; DeviceError while the link is down.
+  /// Writes the values of input recipe `recipe` (its place in RtdeRecipe::inputs).
+  /// @throws InvalidArgument for a wrong number, type or a number that is not finite; DeviceError while the
+  /// link is down.
   void send(std::size_t recipe, const std::vector<RtdeValue>& values);
   /// Takes the texts that the controller sent since the last call, at most the newest 64 texts.
   [[nodiscard]] std::vector<RtdeText> take_texts();

@@ -35,9 +35,9 @@ struct UrArmOptions {
 /// Thread-safe: `stop` and `state` may be called while another thread waits in a motion.
 class UrArm : public Arm {
  public:
-  /// `T_W_R` and `T_F_T` as calibrated. `force_torque` feeds guarded motions; without it they are refused.
-  /// It must outlive the arm and is read by the thread that calls `follow_guarded`. Throws DeviceError: see
-  /// RtdeClient and PrimaryClient; PolyScope X (version 10) is refused.
+  /// `T_W_R` and `T_F_T` as calibrated. `force_torque` feeds guarded motions; without it they are refused. It
+  /// must outlive the arm and is read by the thread that calls `follow_guarded`.
+  /// @throws DeviceError: see RtdeClient and PrimaryClient; PolyScope X (version 10) is refused.
   UrArm(const RobotModel& robot, const UrArmOptions& options, const Pose& T_W_R, const Pose& T_F_T,
         ForceTorqueSensor* force_torque = nullptr);
   ~UrArm() override;
@@ -52,8 +52,8 @@ class UrArm : public Arm {
   /// Sets the payload and T_F_T and compares what the controller reads back where it does (3.12, 5.5).
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;
 
-  /// For a person who has looked: motions are allowed again after a stop. Throws DeviceError while the cause
-  /// lasts.
+  /// For a person who has looked: motions are allowed again after a stop.
+  /// @throws DeviceError while the cause lasts.
   void rearm();
   [[nodiscard]] UrVersion version() const;
   /// Outputs that this controller does not have, so that their checks are left out.
