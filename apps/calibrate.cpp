@@ -6,9 +6,9 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 #include "stonestack/kinematics/hand_eye_calibration.hpp"
-#include "stonestack/kinematics/hand_eye_stations.hpp"
 
 namespace stonestack::apps {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/spelling.hpp"
+#include "stonestack/core/options.hpp"
 
 namespace stonestack::apps {
 namespace {

@@ -1,7 +1,7 @@
 #include "common_options.hpp"
 
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 
 namespace stonestack::apps {

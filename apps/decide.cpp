@@ -2,7 +2,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/stacking/state_file.hpp"
 
 namespace stonestack::apps {

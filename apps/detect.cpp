@@ -7,7 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/detection/table_frame.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/detection/trace.hpp"
 #include "stonestack/report/results.hpp"
 

@@ -4,8 +4,8 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/stacking/check_cell.hpp"

@@ -4,7 +4,6 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/report/results.hpp"

@@ -10,8 +10,8 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/geometry/mesh.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/report/results.hpp"
 
 namespace stonestack::apps {

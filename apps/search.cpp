@@ -4,11 +4,10 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "scene_input.hpp"
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/core/time_limit.hpp"
 #include "stonestack/report/results.hpp"
 
 namespace stonestack::apps {

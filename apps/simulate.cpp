@@ -6,11 +6,11 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::apps {
 namespace {

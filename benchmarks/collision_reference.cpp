@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
+#include "motion/collision.hpp"
 #include "rooms.hpp"
-#include "stonestack/motion/collision.hpp"
 
 namespace stonestack::bench {
 

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
 #include "descent_trial.hpp"
 #include "grasp_problems.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "motion/cartesian.hpp"
+#include "motion/collision.hpp"
+#include "motion/room_below.hpp"
+#include "motion/timing.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/collision.hpp"
-#include "stonestack/motion/room_below.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include "detection_tally.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack::bench {

@@ -10,7 +10,7 @@
 #include "pose_error.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -2,12 +2,12 @@
 #include <string>
 #include <vector>
 
+#include "geometry/depth_render.hpp"
+#include "geometry/signed_distance.hpp"
 #include "rooms.hpp"
+#include "simulation/sensor_noise.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/geometry/depth_render.hpp"
-#include "stonestack/geometry/signed_distance.hpp"
-#include "stonestack/simulation/sensor_noise.hpp"
 #include "stonestack/stone/stone.hpp"
 
 /// Seeded scenes with known truth, for `stonestack-bench detection`.

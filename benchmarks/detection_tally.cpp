@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stonestack/core/quantile.hpp"
+#include "core/quantile.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -6,13 +6,14 @@
 #include <memory>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
+#include "physics/settle.hpp"
+#include "physics/shape.hpp"
 #include "settings.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::bench {
 namespace {

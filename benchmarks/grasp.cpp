@@ -12,12 +12,12 @@
 
 #include "bench.hpp"
 #include "common_options.hpp"
+#include "core/quantile.hpp"
 #include "grasp_problems.hpp"
+#include "motion/grasp_check.hpp"
+#include "motion/regrasp.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
-#include "stonestack/motion/grasp_check.hpp"
-#include "stonestack/motion/regrasp.hpp"
 
 namespace stonestack::bench {
 namespace {

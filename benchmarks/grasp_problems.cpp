@@ -6,7 +6,7 @@
 
 #include "stonestack/geometry/convex_pieces.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -7,14 +7,14 @@
 #include <string>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
 #include "look_error.hpp"
 #include "motion/grasp/pad_press.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"

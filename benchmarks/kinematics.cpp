@@ -8,12 +8,12 @@
 
 #include "bench.hpp"
 #include "kinematics/dh.hpp"
+#include "kinematics/inverse.hpp"
+#include "kinematics/jacobian.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/kinematics/jacobian.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::bench {
 namespace {

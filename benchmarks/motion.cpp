@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
+#include "kinematics/inverse.hpp"
+#include "motion/problem_file.hpp"
+#include "motion/transit.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/problem_file.hpp"
-#include "stonestack/motion/transit.hpp"
 
 namespace stonestack::bench {
 namespace {

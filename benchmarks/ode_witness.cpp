@@ -1,4 +1,5 @@
 #include "ode_witness.hpp"
+#include "physics/shape.hpp"
 
 #include <ode/ode.h>
 

@@ -8,16 +8,16 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
+#include "kinematics/inverse.hpp"
+#include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
 #include "motion/path/least_time.hpp"
+#include "motion/timing.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/quantile.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/timing.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "stonestack/physics/settle.hpp"
+#include "physics/settle.hpp"
+#include "physics/shape.hpp"
 
 namespace stonestack::bench {
 namespace {

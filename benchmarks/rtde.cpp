@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/quantile.hpp"
 #include "hardware/ur/ur_status.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/core/quantile.hpp"
 #include "stonestack/emulators/ur/ur_controller_server.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 

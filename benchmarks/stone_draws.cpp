@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "physics/shape.hpp"
 #include "stone/file_units.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/catalogue.hpp"
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::bench {
 namespace {

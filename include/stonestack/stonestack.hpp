@@ -2,12 +2,12 @@
 
 /// Umbrella header: the names that most programs need, in `stonestack`. Everything else keeps its room's
 /// namespace.
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/experiment/judge_tower.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
-#include "stonestack/geometry/fit_camera.hpp"
+#include "stonestack/geometry/cloud.hpp"
+#include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/pick_and_place.hpp"

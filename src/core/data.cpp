@@ -1,4 +1,4 @@
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 
 #include <cstdlib>
 #include <filesystem>

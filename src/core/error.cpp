@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-#include "stonestack/core/time_limit.hpp"
+#include "stonestack/core/clock.hpp"
 
 namespace stonestack::core {
 namespace {

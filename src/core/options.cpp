@@ -9,7 +9,6 @@
 
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/spelling.hpp"
 
 namespace stonestack::core {
 namespace {

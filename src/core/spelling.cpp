@@ -1,4 +1,4 @@
-#include "stonestack/core/spelling.hpp"
+#include "stonestack/core/options.hpp"
 
 #include <algorithm>
 #include <map>

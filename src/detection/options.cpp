@@ -1,5 +1,5 @@
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::detection {
 

@@ -5,8 +5,8 @@
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::detection {
 namespace {

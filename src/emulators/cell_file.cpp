@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/socket.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::experiment {
 namespace {

@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::experiment {
 

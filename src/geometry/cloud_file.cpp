@@ -1,4 +1,4 @@
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 
 #include <array>
 #include <cmath>

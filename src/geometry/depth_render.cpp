@@ -1,4 +1,4 @@
-#include "stonestack/geometry/depth_render.hpp"
+#include "geometry/depth_render.hpp"
 
 #include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>

@@ -1,9 +1,9 @@
-#include "stonestack/geometry/fit_camera.hpp"
+#include "stonestack/geometry/depth_image.hpp"
 
 #include <cmath>
 #include <utility>
 
-#include "stonestack/core/quantile.hpp"
+#include "core/quantile.hpp"
 
 namespace stonestack::geometry {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,7 @@
 #include "geometry/enclosing_shapes.hpp"
 #include "geometry/pose_yaml.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::geometry {
 namespace {

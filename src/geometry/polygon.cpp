@@ -1,4 +1,4 @@
-#include "stonestack/geometry/polygon.hpp"
+#include "geometry/polygon.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "stonestack/geometry/signed_distance.hpp"
+#include "geometry/signed_distance.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/surface_tree.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/surface_tree.hpp"
 
 namespace stonestack::geometry {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/geometry/surface_tree.hpp"
+#include "geometry/surface_tree.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/cell_edit.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,6 @@
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/hardware/cell_file.hpp"
 
 namespace stonestack::hardware {
 namespace {

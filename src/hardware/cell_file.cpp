@@ -7,7 +7,7 @@
 #include "core/yaml.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/kinematics/hand_eye_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::hardware {
 namespace {

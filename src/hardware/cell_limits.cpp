@@ -1,4 +1,4 @@
-#include "stonestack/hardware/cell_limits.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 
 #include <cmath>
 #include <limits>

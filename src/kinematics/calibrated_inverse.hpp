@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/kinematics/inverse.hpp"
+#include "kinematics/inverse.hpp"
 
 /// Private to kinematics: inverse solutions of a robot whose axes are as measured, not as drawn.
 namespace stonestack::kinematics {

@@ -5,7 +5,7 @@
 
 #include "kinematics/dh.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

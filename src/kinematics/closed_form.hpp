@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "stonestack/kinematics/inverse.hpp"
+#include "kinematics/inverse.hpp"
 
 /// Private to kinematics: the parts of the closed form, in DH angles.
 namespace stonestack::kinematics {

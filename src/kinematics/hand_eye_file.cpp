@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/hand_eye_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 #include <algorithm>
 #include <charconv>

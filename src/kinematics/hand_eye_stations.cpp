@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/hand_eye_stations.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/inverse.hpp"
+#include "kinematics/inverse.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "kinematics/closed_form.hpp"
 #include "kinematics/polish.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -1,10 +1,10 @@
-#include "stonestack/kinematics/jacobian.hpp"
+#include "kinematics/jacobian.hpp"
 
 #include <Eigen/LU>
 #include <cmath>
 
 #include "kinematics/jacobian_of.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 
-#include "stonestack/kinematics/jacobian.hpp"
+#include "kinematics/jacobian.hpp"
 
 /// Private to kinematics.
 namespace stonestack::kinematics {

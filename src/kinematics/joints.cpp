@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 #include <algorithm>
 #include <cmath>

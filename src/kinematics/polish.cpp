@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "kinematics/jacobian_of.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

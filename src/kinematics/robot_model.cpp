@@ -6,7 +6,6 @@
 #include "kinematics/calibration.hpp"
 #include "kinematics/dh.hpp"
 #include "kinematics/urdf.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/options.hpp"

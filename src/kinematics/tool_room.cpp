@@ -1,8 +1,6 @@
-#include "stonestack/kinematics/tool_room.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -7,11 +7,11 @@
 #include <filesystem>
 
 #include "geometry/capsule_cover.hpp"
+#include "geometry/surface_tree.hpp"
 #include "kinematics/mesh_uri.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/geometry/surface_tree.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/physics/world.hpp"
+#include "physics/world.hpp"
 
 namespace stonestack::physics {
 

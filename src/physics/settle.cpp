@@ -1,4 +1,4 @@
-#include "stonestack/physics/settle.hpp"
+#include "physics/settle.hpp"
 
 #include "stonestack/core/error.hpp"
 

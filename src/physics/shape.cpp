@@ -1,4 +1,4 @@
-#include "stonestack/physics/shape.hpp"
+#include "physics/shape.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -35,8 +35,11 @@ std::shared_ptr<const ContactShape> make_contact_shape(const Mesh& scan, const M
   return shape_of(scan, mass, name, shape_geometry(scan, options));
 }
 
-std::vector<std::shared_ptr<const ContactShape>> make_contact_shapes(const std::vector<Stone>& stones,
-                                                                     const ShapeOptions& options) {
+ShapeList make_contact_shapes(const std::vector<Stone>& stones) {
+  return make_contact_shapes(stones, ShapeOptions{});
+}
+
+ShapeList make_contact_shapes(const std::vector<Stone>& stones, const ShapeOptions& options) {
   std::vector<std::shared_ptr<const ContactShape>> shapes(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
     throw_if_interrupted();

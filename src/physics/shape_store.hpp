@@ -2,7 +2,7 @@
 #include <memory>
 #include <vector>
 
-#include "stonestack/physics/shape.hpp"
+#include "physics/shape.hpp"
 
 namespace stonestack::physics {
 

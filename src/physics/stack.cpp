@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "physics/touch.hpp"
+#include "physics/world.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::physics {

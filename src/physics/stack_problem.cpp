@@ -1,8 +1,9 @@
-#include "stonestack/physics/stack_problem.hpp"
+#include "stonestack/physics/stack.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::physics {

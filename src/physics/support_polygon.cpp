@@ -1,4 +1,4 @@
-#include "stonestack/physics/support_polygon.hpp"
+#include "stonestack/physics/equilibrium.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_2.h>
@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
+#include "geometry/polygon.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::physics {

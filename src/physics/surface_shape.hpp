@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "physics/bullet.hpp"
+#include "physics/shape.hpp"
 #include "physics/touch.hpp"
-#include "stonestack/physics/shape.hpp"
 
 namespace stonestack::physics {
 

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
+#include "geometry/signed_distance.hpp"
 #include "physics/features.hpp"
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/geometry/signed_distance.hpp"
 
 namespace stonestack::physics {
 

@@ -1,4 +1,4 @@
-#include "stonestack/physics/world.hpp"
+#include "physics/world.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,7 @@
 #include <csetjmp>
 #include <cstring>
 
+#include "geometry/depth_render.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/collision.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/collision.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::report {
 namespace {

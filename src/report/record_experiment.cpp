@@ -11,7 +11,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/experiment/option_sources.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/report/experiment_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 

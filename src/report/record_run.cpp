@@ -2,7 +2,7 @@
 
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/shape.hpp"
 #include "search/orientations.hpp"
 #include "search/parallel.hpp"
 #include "search/proposals.hpp"

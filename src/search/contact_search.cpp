@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "physics/world.hpp"
 #include "search/constants.hpp"
 #include "stonestack/core/error.hpp"
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/shape.hpp"
 #include "search/constants.hpp"
 #include "search/parallel.hpp"
 

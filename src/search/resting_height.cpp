@@ -1,4 +1,5 @@
 #include "search/resting_height.hpp"
+#include "physics/shape.hpp"
 
 #include <cmath>
 

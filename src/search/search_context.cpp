@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/settle.hpp"
+#include "physics/shape.hpp"
 #include "search/orientations.hpp"
 #include "search/resting_height.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/physics/settle.hpp"
-#include "stonestack/physics/stack_problem.hpp"
+#include "stonestack/physics/stack.hpp"
 
 namespace stonestack::search {
 namespace {

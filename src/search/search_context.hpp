@@ -1,8 +1,7 @@
 #pragma once
+#include "core/export.hpp"
 #include "search/proposals.hpp"
 #include "stonestack/core/clock.hpp"
-#include "stonestack/core/export.hpp"
-#include "stonestack/core/time_limit.hpp"
 
 namespace stonestack::search {
 

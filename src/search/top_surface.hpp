@@ -1,8 +1,9 @@
 #pragma once
 #include <span>
 
+#include "geometry/polygon.hpp"
+#include "physics/shape.hpp"
 #include "search/gap_field.hpp"
-#include "stonestack/geometry/polygon.hpp"
 #include "stonestack/physics/stack.hpp"
 
 namespace stonestack::search {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "physics/settle.hpp"
 #include "search/parallel.hpp"
 #include "search/pose_cost.hpp"
 #include "search/resting_height.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::search {
 namespace {

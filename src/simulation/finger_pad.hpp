@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/physics/shape.hpp"
-#include "stonestack/physics/world.hpp"
+#include "physics/shape.hpp"
+#include "physics/world.hpp"
 
 namespace stonestack::simulation {
 

@@ -6,7 +6,7 @@
 #include "simulation/true_shape.hpp"
 #include "simulation/true_view.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
 namespace stonestack::simulation {

@@ -1,4 +1,4 @@
-#include "stonestack/simulation/sensor_noise.hpp"
+#include "simulation/sensor_noise.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,11 +2,11 @@
 #include <cmath>
 #include <deque>
 
+#include "kinematics/jacobian.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/jacobian.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::simulation {
 namespace {

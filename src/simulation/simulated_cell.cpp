@@ -1,11 +1,11 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 
+#include "kinematics/inverse.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "simulation/true_shape.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/inverse.hpp"
 
 namespace stonestack::simulation {
 namespace {

@@ -2,10 +2,10 @@
 #include <optional>
 #include <string>
 
+#include "simulation/sensor_noise.hpp"
 #include "simulation/true_world.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/simulation/sensor_noise.hpp"
 
 namespace stonestack::simulation {
 

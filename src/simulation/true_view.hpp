@@ -1,6 +1,6 @@
 #pragma once
+#include "simulation/sensor_noise.hpp"
 #include "simulation/true_world.hpp"
-#include "stonestack/simulation/sensor_noise.hpp"
 
 namespace stonestack::simulation {
 

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
+#include "physics/world.hpp"
 #include "simulation/finger_drive.hpp"
 #include "simulation/hand.hpp"
 #include "stonestack/physics/stack.hpp"
-#include "stonestack/physics/world.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 namespace stonestack::simulation {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "physics/shape.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/stacking/build_options.hpp"
 #include "stonestack/stacking/observe.hpp"

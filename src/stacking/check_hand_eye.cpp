@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/table_frame.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 #include "stonestack/kinematics/mount_reading.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -1,5 +1,5 @@
 #include "stonestack/core/error.hpp"
-#include "stonestack/physics/stack_problem.hpp"
+#include "stonestack/physics/stack.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
 #include "stonestack/stone/scene_view.hpp"
 

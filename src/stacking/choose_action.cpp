@@ -9,7 +9,7 @@
 #include "stacking/settle_stack.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stonestack/physics/settle.hpp"
+#include "physics/settle.hpp"
+#include "physics/shape.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -2,13 +2,13 @@
 
 #include <cmath>
 
+#include "motion/cartesian.hpp"
+#include "motion/timing.hpp"
 #include "stacking/constants.hpp"
 #include "stacking/record.hpp"
 #include "stacking/way_back.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

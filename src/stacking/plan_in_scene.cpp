@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/scene_problem.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/stacking/observe.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "motion/regrasp.hpp"
+#include "motion/transit.hpp"
 #include "stacking/choose_placement.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/regrasp.hpp"
-#include "stonestack/motion/transit.hpp"
 
 namespace stonestack::stacking {
 namespace {

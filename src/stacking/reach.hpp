@@ -3,9 +3,9 @@
 #include <set>
 #include <vector>
 
-#include "stonestack/core/export.hpp"
-#include "stonestack/motion/grasp_check.hpp"
-#include "stonestack/motion/regrasp.hpp"
+#include "core/export.hpp"
+#include "motion/grasp_check.hpp"
+#include "motion/regrasp.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 /// Private to stacking/ and the commands: what a search may ask of arm and gripper.

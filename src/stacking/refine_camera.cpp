@@ -1,10 +1,11 @@
 #include <algorithm>
 
+#include "kinematics/camera_mount.hpp"
+#include "physics/shape.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/camera_mount.hpp"
 
 namespace stonestack::stacking {
 namespace {

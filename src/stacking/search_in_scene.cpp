@@ -4,10 +4,10 @@
 #include "search/search_context.hpp"
 #include "stacking/reach.hpp"
 #include "stacking/search_scene.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/core/time_limit.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::stacking {
 namespace {

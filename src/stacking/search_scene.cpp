@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/detection/table_frame.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/search/find_stack.hpp"
 

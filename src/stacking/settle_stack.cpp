@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "physics/settle.hpp"
 #include "search/search_context.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/pose_json.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 

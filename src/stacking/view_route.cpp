@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <future>
 
+#include "motion/timing.hpp"
+#include "motion/transit.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 /// Private to stacking/: a motion run backwards, as fast.
 namespace stonestack::stacking {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -6,7 +6,7 @@
 #include "stone/stone_check.hpp"
 #include "stone/stone_yaml.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::stone {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/stone/model_stone.hpp"
 
 #include <algorithm>
 #include <cmath>

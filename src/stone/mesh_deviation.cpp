@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "stonestack/core/quantile.hpp"
-#include "stonestack/geometry/signed_distance.hpp"
-#include "stonestack/geometry/surface_tree.hpp"
+#include "core/quantile.hpp"
+#include "geometry/signed_distance.hpp"
+#include "geometry/surface_tree.hpp"
 
 namespace stonestack::stone {
 namespace {

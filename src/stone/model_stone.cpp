@@ -13,7 +13,6 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/stone/catalogue.hpp"
-#include "stonestack/stone/limestone.hpp"
 
 namespace stonestack::stone {
 namespace {

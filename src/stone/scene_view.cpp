@@ -8,9 +8,9 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
+#include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/depth_sequence.hpp"
-#include "stonestack/geometry/fit_camera.hpp"
 
 namespace stonestack::stone {
 namespace {

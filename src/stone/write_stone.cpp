@@ -9,7 +9,7 @@
 #include "stone/stone_yaml.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::stone {

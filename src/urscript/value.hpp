@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::urscript {
 

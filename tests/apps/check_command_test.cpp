@@ -2,7 +2,7 @@
 
 #include "commands.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack {
 namespace {

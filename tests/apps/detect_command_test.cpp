@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "commands.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 
 namespace stonestack {
 namespace {

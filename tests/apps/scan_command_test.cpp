@@ -1,7 +1,7 @@
 #include "commands.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack {

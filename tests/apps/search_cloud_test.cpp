@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "commands.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
-#include "stonestack/geometry/depth_render.hpp"
-#include "stonestack/simulation/sensor_noise.hpp"
+#include "geometry/depth_render.hpp"
+#include "simulation/sensor_noise.hpp"
+#include "stonestack/geometry/cloud.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/scene_file.hpp"
 

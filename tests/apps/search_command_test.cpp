@@ -1,6 +1,6 @@
 #include "commands.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack {
 namespace {

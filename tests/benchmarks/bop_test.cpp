@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "bench_command.hpp"
-#include "stonestack/geometry/depth_render.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "geometry/depth_render.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/file.hpp"
 
 namespace stonestack::core {
 namespace {

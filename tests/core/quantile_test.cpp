@@ -1,4 +1,4 @@
-#include "stonestack/core/quantile.hpp"
+#include "core/quantile.hpp"
 
 #include <gtest/gtest.h>
 

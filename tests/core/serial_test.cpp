@@ -1,4 +1,4 @@
-#include "stonestack/core/serial.hpp"
+#include "core/serial.hpp"
 
 #include <gmock/gmock.h>
 #include <termios.h>

@@ -1,4 +1,4 @@
-#include "stonestack/core/time_limit.hpp"
+#include "stonestack/core/clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include "detection/features/triangulate.hpp"
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::detection {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/detection/method.hpp"
 #include "stonestack/detection/trace.hpp"
 
 namespace stonestack::detection {

@@ -1,4 +1,4 @@
-#include "stonestack/detection/table_frame.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 #include "test_scene.hpp"
 

@@ -4,10 +4,10 @@
 #include <memory>
 #include <vector>
 
+#include "geometry/depth_render.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/geometry/depth_render.hpp"
 
 /// Stones and depth images for the tests of this room.
 namespace stonestack::test {

@@ -14,7 +14,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/detection/trace.hpp"
 #include "stonestack/detection/track_stones.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 
 namespace stonestack::detection {
 namespace {

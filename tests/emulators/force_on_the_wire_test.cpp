@@ -6,13 +6,13 @@
 #include <chrono>
 #include <thread>
 
+#include "motion/timing.hpp"
 #include "script_bench.hpp"
 #include "stonestack/emulators/robotiq/ft_simulator.hpp"
 #include "stonestack/emulators/ur/ur_controller_server.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 #include "stonestack/hardware/ur/ur_arm.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <thread>
 
+#include "motion/timing.hpp"
 #include "script_bench.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/emulators/ur/ur_controller_server.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 #include "stonestack/hardware/ur/ur_arm.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {

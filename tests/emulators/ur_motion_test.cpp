@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "motion/timing.hpp"
 #include "script_bench.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {

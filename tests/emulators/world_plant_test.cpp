@@ -3,7 +3,7 @@
 #include "simulation/pebble.hpp"
 #include "simulation/shared_world.hpp"
 #include "stonestack/emulators/ur/plant.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {

@@ -3,7 +3,6 @@
 #include "fuzz/checks.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/hardware/cell_edit.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "motion/problem_file.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/problem_file.hpp"
 
 namespace {
 

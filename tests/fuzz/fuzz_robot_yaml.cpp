@@ -2,7 +2,6 @@
 #include "fuzz/checks.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

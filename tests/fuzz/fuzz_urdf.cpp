@@ -5,7 +5,7 @@
 #include "kinematics/urdf.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 /// Links that form a loop hold one another by shared_ptr inside urdfdom 3.0, and stay when it then refuses
 /// the file: LeakSanitizer asks for this.

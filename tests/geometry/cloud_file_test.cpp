@@ -1,4 +1,4 @@
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

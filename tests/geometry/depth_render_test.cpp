@@ -1,4 +1,4 @@
-#include "stonestack/geometry/depth_render.hpp"
+#include "geometry/depth_render.hpp"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "geometry/rough_stone.hpp"
+#include "geometry/surface_tree.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/surface_tree.hpp"
 
 namespace stonestack::geometry {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/geometry/fit_camera.hpp"
+#include "stonestack/geometry/depth_image.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "stonestack/geometry/mass_properties.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 #include <gtest/gtest.h>
 

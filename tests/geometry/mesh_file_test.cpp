@@ -1,4 +1,4 @@
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

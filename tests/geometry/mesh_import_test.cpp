@@ -12,8 +12,7 @@
 #include "geometry/rough_stone.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/mass_properties.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::geometry {
 namespace {

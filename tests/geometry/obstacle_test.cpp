@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::geometry {
 namespace {

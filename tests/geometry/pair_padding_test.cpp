@@ -1,4 +1,4 @@
-#include "stonestack/geometry/pair_padding.hpp"
+#include "stonestack/geometry/obstacle.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

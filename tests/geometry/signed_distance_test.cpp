@@ -1,4 +1,4 @@
-#include "stonestack/geometry/signed_distance.hpp"
+#include "geometry/signed_distance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "geometry/rough_stone.hpp"
+#include "geometry/surface_tree.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/surface_tree.hpp"
 
 namespace stonestack::geometry {
 namespace {

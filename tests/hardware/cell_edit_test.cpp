@@ -1,4 +1,4 @@
-#include "stonestack/hardware/cell_edit.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,11 +7,9 @@
 #include <filesystem>
 #include <sstream>
 
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/hardware/cell_file.hpp"
-#include "stonestack/kinematics/hand_eye_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -5,10 +5,9 @@
 
 #include <filesystem>
 
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/kinematics/hand_eye_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/hardware/cell_limits.hpp"
+#include "stonestack/hardware/cell_file.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,6 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/hardware/cell_file.hpp"
 
 namespace stonestack::hardware {
 namespace {

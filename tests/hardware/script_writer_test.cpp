@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hardware/fake_ur.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::hardware {
 namespace {

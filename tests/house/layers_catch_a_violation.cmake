@@ -1,7 +1,7 @@
 # The layer check must be able to fail: plant violations in a copy of the headers and expect to be refused.
 file(REMOVE_RECURSE "${WORK}")
 file(COPY "${ROOT}/include" "${ROOT}/src" DESTINATION "${WORK}")
-file(APPEND "${WORK}/src/core/clock.cpp" "#include \"stonestack/physics/world.hpp\"\n")
+file(APPEND "${WORK}/src/core/clock.cpp" "#include \"physics/world.hpp\"\n")
 file(APPEND "${WORK}/src/stacking/believe.cpp" "#include \"stonestack/simulation/simulated_cell.hpp\"\n")
 file(APPEND "${WORK}/src/search/descent.cpp" "#include \"simulation/true_world.hpp\"\n")
 file(APPEND "${WORK}/src/urscript/machine.cpp" "#include \"emulators/ur/controller.hpp\"\n")

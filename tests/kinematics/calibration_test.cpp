@@ -6,11 +6,10 @@
 #include <cmath>
 #include <filesystem>
 
+#include "kinematics/inverse.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {

@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/camera_mount.hpp"
+#include "kinematics/camera_mount.hpp"
 
 #include <gtest/gtest.h>
 

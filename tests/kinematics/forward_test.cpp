@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/kinematics/hand_eye_stations.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -12,8 +12,6 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/kinematics/hand_eye_file.hpp"
-#include "stonestack/kinematics/hand_eye_stations.hpp"
 
 namespace stonestack::kinematics {
 namespace {

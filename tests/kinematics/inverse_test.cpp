@@ -1,4 +1,4 @@
-#include "stonestack/kinematics/inverse.hpp"
+#include "kinematics/inverse.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <set>
 
 #include "kinematics/dh.hpp"
+#include "kinematics/jacobian.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/jacobian.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -1,9 +1,9 @@
-#include "stonestack/kinematics/jacobian.hpp"
+#include "kinematics/jacobian.hpp"
 
 #include <gtest/gtest.h>
 
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

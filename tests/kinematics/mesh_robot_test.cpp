@@ -6,7 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 /// URDFs whose collision shapes are meshes, as the vendors' are.

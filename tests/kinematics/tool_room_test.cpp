@@ -1,11 +1,8 @@
-#include "stonestack/kinematics/tool_room.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 #include <gmock/gmock.h>
 
 #include <limits>
-
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {

@@ -1,13 +1,13 @@
-#include "stonestack/motion/cartesian.hpp"
+#include "motion/cartesian.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
+#include "kinematics/inverse.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,16 +1,16 @@
-#include "stonestack/motion/collision.hpp"
+#include "motion/collision.hpp"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/inverse.hpp"
 #include "motion/collision/segment.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

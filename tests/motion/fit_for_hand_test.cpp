@@ -1,4 +1,4 @@
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 #include <gmock/gmock.h>
 

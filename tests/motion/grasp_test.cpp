@@ -1,4 +1,4 @@
-#include "stonestack/motion/grasp.hpp"
+#include "motion/grasp.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 #include <numbers>
 #include <vector>
 
+#include "kinematics/inverse.hpp"
 #include "rooms.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/inverse.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::test {

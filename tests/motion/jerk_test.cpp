@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/inverse.hpp"
 #include "motion/hard_scene.hpp"
+#include "motion/timing.hpp"
+#include "motion/transit.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/timing.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

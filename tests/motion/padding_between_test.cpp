@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
+#include "motion/collision.hpp"
+#include "motion/grasp_check.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/collision.hpp"
-#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

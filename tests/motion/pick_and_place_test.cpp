@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "motion/constants.hpp"
+#include "motion/grasp_check.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/grasp_check.hpp"
+#include "kinematics/inverse.hpp"
+#include "motion/grasp_check.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,14 +1,14 @@
-#include "stonestack/motion/problem_file.hpp"
+#include "motion/problem_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "motion/transit.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/motion/transit.hpp"
 
 namespace stonestack::motion {
 namespace {

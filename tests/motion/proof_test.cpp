@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {

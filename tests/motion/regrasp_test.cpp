@@ -1,12 +1,12 @@
-#include "stonestack/motion/regrasp.hpp"
+#include "motion/regrasp.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "motion/grasp_check.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/grasp_check.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,10 +1,10 @@
-#include "stonestack/motion/room_below.hpp"
+#include "motion/room_below.hpp"
 
 #include <gtest/gtest.h>
 
+#include "kinematics/inverse.hpp"
 #include "motion/constants.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/inverse.hpp"
 
 namespace stonestack::motion {
 namespace {

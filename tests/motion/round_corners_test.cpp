@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+#include "kinematics/inverse.hpp"
 #include "motion/hard_scene.hpp"
+#include "motion/transit.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/transit.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,9 +1,9 @@
-#include "stonestack/motion/scene_problem.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stonestack/motion/grasp_check.hpp"
+#include "motion/grasp_check.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "stonestack/motion/transit.hpp"
+#include "motion/transit.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
+#include "kinematics/inverse.hpp"
+#include "motion/transit.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

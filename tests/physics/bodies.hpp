@@ -1,7 +1,7 @@
 #pragma once
+#include "physics/shape.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/physics/shape.hpp"
 
 /// Test bodies of limestone.
 namespace stonestack::test {

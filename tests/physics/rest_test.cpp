@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "physics/bodies.hpp"
-#include "stonestack/physics/world.hpp"
+#include "physics/world.hpp"
 
 /// Rough concave stones: do they come to rest and stay, and is a run the same every time?
 namespace stonestack::physics {

@@ -6,8 +6,9 @@
 #include <optional>
 
 #include "physics/bodies.hpp"
+#include "physics/settle.hpp"
+#include "physics/world.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/physics/settle.hpp"
 
 namespace stonestack::physics {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/physics/support_polygon.hpp"
+#include "stonestack/physics/equilibrium.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -1,4 +1,5 @@
 #pragma once
+#include "physics/shape.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 
 /// Boxes to stack, and a search that is quick.

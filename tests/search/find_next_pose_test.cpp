@@ -8,6 +8,7 @@
 #include <set>
 
 #include "box_scenes.hpp"
+#include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {

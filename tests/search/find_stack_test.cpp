@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "box_scenes.hpp"
+#include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::search {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "physics/shape.hpp"
 #include "search/box_scenes.hpp"
 #include "search/top_surface.hpp"
 

@@ -4,7 +4,7 @@
 #include <atomic>
 
 #include "box_scenes.hpp"
-#include "stonestack/core/time_limit.hpp"
+#include "stonestack/core/clock.hpp"
 
 namespace stonestack::search {
 namespace {

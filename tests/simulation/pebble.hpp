@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stonestack/geometry/mass_properties.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/stone.hpp"
 
 namespace stonestack::simulation {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "pebble.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/stone/catalogue.hpp"
 

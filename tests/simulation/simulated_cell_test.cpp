@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "kinematics/inverse.hpp"
 #include "pebble.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::simulation {
 namespace {

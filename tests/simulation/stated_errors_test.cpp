@@ -1,12 +1,12 @@
 // The errors of the cell are as large as its options say, measured where the stones are handled.
 #include <gtest/gtest.h>
 
+#include "kinematics/inverse.hpp"
 #include "pebble.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "simulation/true_shape.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::simulation {
 namespace {

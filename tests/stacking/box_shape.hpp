@@ -2,8 +2,8 @@
 #include <memory>
 #include <string>
 
-#include "stonestack/geometry/mass_properties.hpp"
-#include "stonestack/physics/shape.hpp"
+#include "physics/shape.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::stacking {
 

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "stacking/heard.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/stacking/state_file.hpp"

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 
+#include "physics/shape.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/saved_states.hpp"
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "stacking/scripted_cell.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

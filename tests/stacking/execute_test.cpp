@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "kinematics/inverse.hpp"
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -2,8 +2,7 @@
 
 #include <map>
 
-#include "stonestack/core/data.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "stacking/heard.hpp"
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "stonestack/core/data.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/collision.hpp"
+#include "motion/collision.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 namespace stonestack::stacking {

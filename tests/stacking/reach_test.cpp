@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {

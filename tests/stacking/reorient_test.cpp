@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include "motion/regrasp.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/saved_states.hpp"
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
-#include "stonestack/motion/regrasp.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 

@@ -6,9 +6,8 @@
 #include <filesystem>
 
 #include "stonestack/core/clock.hpp"
-#include "stonestack/core/data.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/time_limit.hpp"
+#include "stonestack/core/file.hpp"
 
 namespace stonestack::stacking {
 namespace {

@@ -4,7 +4,7 @@
 #include "stacking/arrangement.hpp"
 #include "stacking/heard.hpp"
 #include "stacking/hiding_camera.hpp"
-#include "stonestack/core/data.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"

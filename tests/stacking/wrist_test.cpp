@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "stacking/scripted_cell.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {

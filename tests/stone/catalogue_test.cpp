@@ -8,8 +8,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::stone {

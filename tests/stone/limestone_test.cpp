@@ -1,4 +1,4 @@
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/stone/model_stone.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
-#include "stonestack/geometry/mesh_file.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 namespace stonestack::stone {
 namespace {

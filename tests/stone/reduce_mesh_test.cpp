@@ -5,7 +5,7 @@
 #include "stone/geodesic.hpp"
 #include "stone/mesh_deviation.hpp"
 #include "stone/repair_mesh.hpp"
-#include "stonestack/stone/limestone.hpp"
+#include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::stone {
 namespace {

@@ -21,6 +21,11 @@ void write_file(const std::string& path, std::string_view content);
 /// above it takes no files. For a check before long work; writes nothing.
 void require_writable(const std::string& path);
 
+/// Path of a file or folder that comes with stonestack, e.g. `data_path("stones")`,
+/// `data_path("robots/ur10.urdf")`. Looked for below STONESTACK_DATA, then beside the program as installed
+/// (share/stonestack), then in the source tree. Throws FileError naming what was tried.
+[[nodiscard]] std::string data_path(const std::string& name);
+
 }  // namespace stonestack::core
 
 #pragma GCC visibility pop

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
+#include <string>
 #include <vector>
 
 #include "stonestack/geometry/pose.hpp"
@@ -20,6 +21,12 @@ struct Cloud {
 [[nodiscard]] Cloud transformed(const Cloud& cloud, const Pose& T_B_A);
 /// Drops points that are not finite; the result is unorganised.
 [[nodiscard]] Cloud without_gaps(const Cloud& cloud);
+
+/// Reads PLY and PCD (ASCII, binary, binary_compressed), organised or not. Throws FileError.
+[[nodiscard]] Cloud read_cloud(const std::string& path);
+/// PLY (binary little-endian) or PCD (binary) by extension; organised clouds keep width and height (PCD, and
+/// PLY by comments "width N" and "height N").
+void write_cloud(const std::string& path, const Cloud& cloud);
 
 }  // namespace stonestack::geometry
 

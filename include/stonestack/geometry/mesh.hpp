@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Geometry>
+#include <string>
 #include <vector>
 
 #include "stonestack/geometry/pose.hpp"
@@ -42,6 +43,30 @@ struct SurfaceSample {
 /// Samples a surface: every vertex, points along edges and inside faces so that neighbours are at most about
 /// `spacing` apart. Deterministic; areas sum to the surface area.
 [[nodiscard]] std::vector<SurfaceSample> sample_surface(const Mesh& mesh, double spacing);
+
+/// Reads PLY, OBJ and STL with strict readers of our own (counts checked before allocation, indices and
+/// finiteness checked, no second file opened). Exactly equal vertices become one (texture seams and STL
+/// repeat them), then faces with a repeated corner and vertices without a face are dropped. Coordinates are
+/// as in the file: no unit is applied. glTF (.glb, .gltf), Collada (.dae, in metres by its own unit), 3DS,
+/// OFF and FBX are read by assimp in a process of its own with limits, which opens no second file
+/// either; their nodes' transformations are applied. Throws FileError, also for other formats.
+[[nodiscard]] Mesh read_mesh(const std::string& path);
+/// Binary little-endian PLY, or OBJ, by extension; atomic. Throws FileError.
+void write_mesh(const std::string& path, const Mesh& mesh);
+
+/// Mass, centre of mass and inertia of a rigid body, in the frame of its mesh (O).
+struct MassProperties {
+  double mass = 0.0;                                ///< [kg]
+  Eigen::Vector3d p_O_M = Eigen::Vector3d::Zero();  ///< centre of mass, m
+  Eigen::Matrix3d I_M = Eigen::Matrix3d::Zero();    ///< about the centre of mass, axes of O, kg m^2
+};
+
+/// Of a closed mesh of uniform `density` (kg/m^3), exact for polyhedra (Mirtich 1996). Throws InvalidArgument
+/// when the volume is not positive.
+[[nodiscard]] MassProperties mass_properties(const Mesh& mesh, double density);
+/// Empty if physically possible; else what is wrong: mass not positive, inertia not positive definite or
+/// against the triangle inequality, not finite.
+[[nodiscard]] std::string check(const MassProperties& properties);
 
 }  // namespace stonestack::geometry
 

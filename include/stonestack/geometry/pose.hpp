@@ -39,6 +39,13 @@ struct PoseDifference {
 /// near-JSON). qw >= 0.
 [[nodiscard]] std::string to_text(const Pose& pose);
 
+/// {p : normal . p = offset}, normal of unit length.
+struct Plane {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  double offset = 0.0;  ///< [m]
+  [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
+};
+
 }  // namespace stonestack::geometry
 
 #pragma GCC visibility pop

@@ -3,11 +3,7 @@
 
 #include "stonestack/core/clock.hpp"
 #include "stonestack/geometry/obstacle.hpp"
-#include "stonestack/geometry/pair_padding.hpp"
-#include "stonestack/hardware/arm.hpp"
-#include "stonestack/hardware/depth_camera.hpp"
-#include "stonestack/hardware/force_torque.hpp"
-#include "stonestack/hardware/gripper.hpp"
+#include "stonestack/hardware/devices.hpp"
 
 #pragma GCC visibility push(default)
 

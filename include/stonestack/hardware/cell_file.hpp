@@ -4,12 +4,13 @@
 #include <optional>
 #include <string>
 
+#include "stonestack/core/options.hpp"
+#include "stonestack/geometry/pose.hpp"
 #include "stonestack/hardware/camera/realsense_camera.hpp"
 #include "stonestack/hardware/camera/recorded_camera.hpp"
 #include "stonestack/hardware/camera/stream_camera.hpp"
 #include "stonestack/hardware/camera/v4l2_camera.hpp"
 #include "stonestack/hardware/cell.hpp"
-#include "stonestack/hardware/cell_limits.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 #include "stonestack/hardware/ur/ur_arm.hpp"
@@ -18,6 +19,23 @@
 #pragma GCC visibility push(default)
 
 namespace stonestack::hardware {
+
+/// Limits of a cell for its arm, within what the robot can: group `limits` of its file. Lists stand as their
+/// text, since they are lists in the file.
+struct CellLimits {
+  std::string joints;        ///< six of [least, most], degrees; empty: the robot's own
+  double joint_speed = 1.0;  ///< share of the robot's own
+  double joint_acceleration = 1.0;
+  std::array<std::string, 3>
+      workspace;  ///< [least, most] of the tool's tip along x, y, z of W, m; empty: no end
+};
+[[nodiscard]] FieldList fields(CellLimits& limits);
+
+/// The robot as the limits leave it: joint ranges, speeds, accelerations, the room of the tool. Whoever plans
+/// with it keeps them, and so does the gate of the arm that it is given to. `path` is named in errors. Throws
+/// FileError for numbers that are not finite, ranges that are empty or wider than the robot's.
+[[nodiscard]] RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T_W_R,
+                                     const Pose& T_F_T, const std::string& path);
 
 /// A pose as a file has it: x, y, z (m), qx, qy, qz, qw.
 using PoseNumbers = std::array<double, 7>;
@@ -89,6 +107,22 @@ class HardwareCell {
   struct Devices;
   std::unique_ptr<Devices> devices_;
 };
+
+/// Writes a hand-eye calibration, camera in the flange, into a cell file and leaves every other character of
+/// it as it is, comments included. `calibration` is the file that holds T_F_C, or empty.
+///
+///   the cell has layout.T_T_C     its numbers are replaced, by T_F_T of the cell
+///   the cell has layout.hand_eye  it names `calibration`; without one T_T_C takes its place
+///   the cell has neither          hand_eye is added, or T_T_C without `calibration`
+///
+/// The file is replaced as a whole, by its new text or not at all.
+/// @return the line that was written: "layout.T_T_C: {x: ...}"
+/// @throws FileError for a file that is no cell, and for one whose text cannot be edited (aliases, several
+/// lines in one value): it says the line to write by hand.
+std::string write_mount(const std::string& path, const Pose& T_F_C, const std::string& calibration = "");
+
+/// A pose as a cell file has it, to 0.1 um: "{x: 0.0, y: 0.11, z: -0.17, qx: 0.0871557, ...}"
+[[nodiscard]] std::string mount_text(const Pose& pose);
 
 }  // namespace stonestack::hardware
 

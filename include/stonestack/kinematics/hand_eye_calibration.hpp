@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "stonestack/kinematics/hand_eye_file.hpp"
+#include "stonestack/kinematics/hand_eye.hpp"
 
 #pragma GCC visibility push(default)
 

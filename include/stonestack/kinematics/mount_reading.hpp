@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "stonestack/geometry/plane.hpp"
 #include "stonestack/geometry/pose.hpp"
 
 #pragma GCC visibility push(default)

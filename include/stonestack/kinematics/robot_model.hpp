@@ -1,16 +1,61 @@
 #pragma once
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/kinematics/joints.hpp"
-#include "stonestack/kinematics/tool_room.hpp"
 
 #pragma GCC visibility push(default)
 
 namespace stonestack::kinematics {
+
+/// Six joint angles, rad, in the order base, shoulder, elbow, wrist 1, wrist 2, wrist 3.
+using Joints = Eigen::Matrix<double, 6, 1>;
+
+/// Way points, joined by straight lines in joint space.
+using JointPath = std::vector<Joints>;
+
+/// Joint angles over time: cubic Hermite pieces between knots, so position and velocity are continuous.
+struct JointTrajectory {
+  std::vector<double> time;  ///< strictly rising, first is 0 [s]
+  std::vector<Joints> q;     ///< [rad]
+  std::vector<Joints> qd;    ///< [rad/s]
+
+  [[nodiscard]] double duration() const { return time.empty() ? 0.0 : time.back(); }
+};
+
+/// Why these numbers are no trajectory: lengths that differ, what is not finite, times that do not start at 0
+/// and rise. Empty: they are one.
+[[nodiscard]] std::string malformed(const JointTrajectory& trajectory);
+
+struct JointState {
+  Joints q = Joints::Zero();
+  Joints qd = Joints::Zero();
+};
+/// State at `t`, clamped to the ends. Throws InvalidArgument for an empty trajectory.
+[[nodiscard]] JointState sample(const JointTrajectory& trajectory, double t);
+
+struct RobotModel;
+
+/// Where the tip of the tool may be: a box along the axes of W.
+struct ToolRoom {
+  Eigen::AlignedBox3d box;        ///< m in W
+  Pose T_W_R = Pose::Identity();  ///< as calibrated
+  Pose T_F_T = Pose::Identity();  ///< as calibrated
+};
+
+/// m that plans stay inside of it, for rounded corners.
+inline constexpr double kRoomMargin = 0.002;
+
+/// m by which the tip at `q` is outside the robot's room, along the axis where it is most; negative inside,
+/// and where the robot has no room.
+[[nodiscard]] double outside_room(const RobotModel& robot, const Joints& q);
+/// "the tool at (0.9, 0, 0.3) m leaves the workspace, ..." where it is further outside than `slack` m, else
+/// empty.
+[[nodiscard]] std::string describe_outside_room(const RobotModel& robot, const Joints& q, double slack);
 
 /// A capsule on a link: all points within `radius` of a segment, in the link's frame.
 struct LinkCapsule {
@@ -51,6 +96,11 @@ struct RobotModel {
 [[nodiscard]] RobotModel read_robot(const std::string& name_or_path);
 /// Names in data/robots (see data_path), sorted. Throws FileError if there is no such folder.
 [[nodiscard]] std::vector<std::string> robot_names();
+
+/// T_R_F of the flange.
+[[nodiscard]] Pose forward(const RobotModel& robot, const Joints& q);
+/// T_R_link for links 0..6 (0: base).
+[[nodiscard]] std::array<Pose, 7> link_poses(const RobotModel& robot, const Joints& q);
 
 }  // namespace stonestack::kinematics
 

@@ -1,17 +1,21 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "stonestack/physics/contact.hpp"
 #include "stonestack/physics/equilibrium.hpp"
-#include "stonestack/physics/support_polygon.hpp"
-#include "stonestack/physics/world.hpp"
+#include "stonestack/stone/stone.hpp"
 
 #pragma GCC visibility push(default)
 
 namespace stonestack::physics {
 
+struct ContactShape;  // private: surface and mass of a stone, arranged for contact
+/// Contact shapes of stones, in the order of a catalogue; each is immutable and shared between threads.
 using ShapeList = std::vector<std::shared_ptr<const ContactShape>>;
+/// Contact shapes of the stones' scans, made in parallel. Throws InvalidArgument for a scan that is not
+/// closed and for a mass that is not possible.
+[[nodiscard]] ShapeList make_contact_shapes(const std::vector<Stone>& stones);
 
 /// Stones stacked from the table up: stones[0] lies on the table, stones[i] on stones[i-1]. Indices into a
 /// ShapeList.
@@ -64,6 +68,14 @@ struct StackStatics {
 /// Equilibrium of a stack from `stack_statics`.
 [[nodiscard]] Equilibrium stack_equilibrium(const ShapeList& shapes, const Stack& stack,
                                             const EquilibriumOptions& options = {});
+
+/// Why a stone cannot be: mass not positive, inertia not possible, centre of mass outside its hull, nothing
+/// finite. Empty if it can.
+[[nodiscard]] std::string impossible(const ContactShape& shape);
+
+/// Names two stones of a stack that cut into each other, or one that reaches through the table, by more than
+/// `allowed` (m; 8 mm: more than any measurement errs). Empty if there are none.
+[[nodiscard]] std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allowed = 0.008);
 
 }  // namespace stonestack::physics
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "stonestack/geometry/depth_render.hpp"
+#include "stonestack/geometry/mesh.hpp"
 
 #pragma GCC visibility push(default)
 

@@ -5,7 +5,6 @@
 
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/obstacle.hpp"
-#include "stonestack/geometry/pair_padding.hpp"
 
 #pragma GCC visibility push(default)
 

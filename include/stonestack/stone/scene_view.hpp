@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "stonestack/geometry/depth_image.hpp"
-#include "stonestack/geometry/plane.hpp"
+#include "stonestack/geometry/pose.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
 #pragma GCC visibility push(default)

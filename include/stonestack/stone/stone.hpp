@@ -2,7 +2,6 @@
 #include <string>
 #include <vector>
 
-#include "stonestack/geometry/mass_properties.hpp"
 #include "stonestack/geometry/mesh.hpp"
 
 #pragma GCC visibility push(default)

@@ -4,8 +4,8 @@
 
 #include "detection/features/surface_field.hpp"
 #include "detection/scene/preprocess.hpp"
+#include "geometry/surface_tree.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/geometry/surface_tree.hpp"
 
 namespace stonestack::detection {
 

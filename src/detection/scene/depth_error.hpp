@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "stonestack/geometry/depth_image.hpp"
-#include "stonestack/geometry/plane.hpp"
+#include "stonestack/geometry/pose.hpp"
 
 namespace stonestack::detection {
 

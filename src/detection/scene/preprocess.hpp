@@ -6,7 +6,7 @@
 #include "detection/scene/depth_error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/depth_image.hpp"
-#include "stonestack/geometry/plane.hpp"
+#include "stonestack/geometry/pose.hpp"
 
 namespace stonestack::detection {
 

@@ -2,9 +2,9 @@
 #include <atomic>
 #include <thread>
 
+#include "core/serial.hpp"
 #include "emulators/robotiq/ft_source.hpp"
 #include "protocol/modbus_frame.hpp"
-#include "stonestack/core/serial.hpp"
 
 namespace stonestack::emulators {
 

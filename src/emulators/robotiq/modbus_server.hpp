@@ -4,9 +4,9 @@
 #include <mutex>
 #include <thread>
 
+#include "core/serial.hpp"
 #include "emulators/tcp_service.hpp"
 #include "protocol/modbus_frame.hpp"
-#include "stonestack/core/serial.hpp"
 #include "stonestack/emulators/robotiq/modbus_faults.hpp"
 
 namespace stonestack::emulators {

@@ -1,8 +1,8 @@
 #include "emulators/ur/arm_geometry.hpp"
 
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/kinematics/jacobian.hpp"
+#include "kinematics/inverse.hpp"
+#include "kinematics/jacobian.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 

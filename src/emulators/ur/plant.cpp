@@ -4,7 +4,7 @@
 
 #include "simulation/shared_world.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {

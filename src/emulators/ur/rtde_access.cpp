@@ -5,7 +5,7 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::emulators {
 namespace {

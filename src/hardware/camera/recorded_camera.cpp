@@ -5,7 +5,7 @@
 #include "hardware/camera/recording.hpp"
 #include "protocol/z16.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 
 namespace stonestack::hardware {
 

@@ -1,9 +1,9 @@
 #include "hardware/robotiq/ft_link.hpp"
 
+#include "core/serial.hpp"
 #include "hardware/constants.hpp"
 #include "protocol/modbus_frame.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/serial.hpp"
 #include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {

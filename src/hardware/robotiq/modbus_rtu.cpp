@@ -1,9 +1,9 @@
 #include <array>
 
+#include "core/serial.hpp"
 #include "hardware/constants.hpp"
 #include "hardware/robotiq/modbus_transport.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/serial.hpp"
 
 namespace stonestack::hardware {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 /// Values as URScript writes them: always with a decimal point, never with an exponent, never NaN.
 namespace stonestack::hardware {

@@ -5,7 +5,7 @@
 #include "hardware/constants.hpp"
 #include "hardware/ur/run_program.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::hardware {
 namespace {

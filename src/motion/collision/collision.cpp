@@ -1,4 +1,4 @@
-#include "stonestack/motion/collision.hpp"
+#include "motion/collision.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include "motion/collision/collision_shapes.hpp"
 #include "motion/collision/proof.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "motion/collision.hpp"
 #include "motion/collision/convex_core.hpp"
-#include "stonestack/motion/collision.hpp"
 
 /// Private to motion: what CollisionChecker compares. All of it in the robot's base frame R.
 namespace stonestack::motion {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "motion/collision/collision_shapes.hpp"
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "motion/collision/segment.hpp"
 #include "stonestack/geometry/pose.hpp"
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 /// Private to motion: the proof behind CollisionChecker::motion_is_free.
 namespace stonestack::motion {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "stonestack/motion/grasp.hpp"
+#include "motion/grasp.hpp"
 
 /// Private to motion: what closing fingers meet of a stone's surface.
 namespace stonestack::motion {

@@ -1,4 +1,4 @@
-#include "stonestack/motion/fit_for_hand.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <numbers>
 #include <numeric>
 
+#include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/motion/regrasp.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/motion/grasp.hpp"
+#include "motion/grasp.hpp"
 
 #include <tbb/parallel_for.h>
 

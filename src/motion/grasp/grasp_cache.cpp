@@ -2,8 +2,8 @@
 
 #include <bit>
 #include "core/recently_used.hpp"
+#include "motion/grasp.hpp"
 #include "motion/grasp/finger_strips.hpp"
-#include "stonestack/motion/grasp.hpp"
 
 namespace stonestack::motion {
 namespace {

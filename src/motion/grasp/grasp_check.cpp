@@ -1,4 +1,4 @@
-#include "stonestack/motion/grasp_check.hpp"
+#include "motion/grasp_check.hpp"
 
 #include <algorithm>
 #include <optional>

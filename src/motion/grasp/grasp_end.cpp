@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "kinematics/inverse.hpp"
 #include "motion/constants.hpp"
 #include "motion/grasp/grasp_wrench.hpp"
-#include "stonestack/kinematics/inverse.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "motion/collision.hpp"
 #include "motion/grasp/hand_check.hpp"
-#include "stonestack/motion/collision.hpp"
-#include "stonestack/motion/grasp_check.hpp"
+#include "motion/grasp_check.hpp"
 
 namespace stonestack::motion {
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <optional>
 
-#include "stonestack/motion/grasp.hpp"
+#include "motion/grasp.hpp"
 
 namespace stonestack::motion {
 

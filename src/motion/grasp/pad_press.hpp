@@ -2,8 +2,8 @@
 #include <array>
 #include <vector>
 
+#include "motion/grasp.hpp"
 #include "stonestack/geometry/mesh.hpp"
-#include "stonestack/motion/grasp.hpp"
 
 namespace stonestack::motion {
 

@@ -1,11 +1,11 @@
-#include "stonestack/motion/cartesian.hpp"
+#include "motion/cartesian.hpp"
 
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/inverse.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "stonestack/motion/timing.hpp"
+#include "motion/timing.hpp"
 
 namespace stonestack::motion {
 

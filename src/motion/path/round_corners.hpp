@@ -1,6 +1,6 @@
 #pragma once
-#include "stonestack/motion/collision.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "motion/collision.hpp"
+#include "motion/timing.hpp"
 
 /// Private to motion.
 namespace stonestack::motion {

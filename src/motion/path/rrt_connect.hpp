@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
 
+#include "motion/collision.hpp"
 #include "stonestack/core/random.hpp"
-#include "stonestack/motion/collision.hpp"
 
 /// Private to motion: OMPL behind one function.
 namespace stonestack::motion {

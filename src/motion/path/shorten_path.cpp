@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "motion/transit.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/transit.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -2,7 +2,7 @@
 #include <functional>
 
 #include "stonestack/core/random.hpp"
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 /// Private to motion: joint paths made shorter.
 namespace stonestack::motion {

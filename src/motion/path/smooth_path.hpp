@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/kinematics/joints.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 

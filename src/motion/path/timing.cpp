@@ -1,4 +1,4 @@
-#include "stonestack/motion/timing.hpp"
+#include "motion/timing.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "stonestack/kinematics/forward.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 

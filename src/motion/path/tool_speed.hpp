@@ -1,6 +1,6 @@
 #pragma once
 #include "motion/path/smooth_path.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "motion/timing.hpp"
 
 /// Private to motion.
 namespace stonestack::motion {

@@ -1,16 +1,16 @@
-#include "stonestack/motion/transit.hpp"
+#include "motion/transit.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "kinematics/inverse.hpp"
 #include "motion/path/round_corners.hpp"
 #include "motion/path/rrt_connect.hpp"
 #include "motion/path/shorten_path.hpp"
 #include "motion/path/tool_speed.hpp"
+#include "motion/timing.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/timing.hpp"
 
 namespace stonestack::motion {
 namespace {

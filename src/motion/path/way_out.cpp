@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "motion/cartesian.hpp"
+#include "motion/transit.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -5,17 +5,16 @@
 #include <cmath>
 #include <map>
 
+#include "kinematics/inverse.hpp"
+#include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
+#include "motion/grasp_check.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "motion/pick_and_place/pick_candidates.hpp"
+#include "motion/timing.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/fit_for_hand.hpp"
-#include "stonestack/motion/grasp_check.hpp"
-#include "stonestack/motion/scene_problem.hpp"
-#include "stonestack/motion/timing.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 
+#include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
 #include "motion/path/round_corners.hpp"
-#include "stonestack/motion/cartesian.hpp"
-#include "stonestack/motion/room_below.hpp"
-#include "stonestack/motion/timing.hpp"
-#include "stonestack/motion/transit.hpp"
+#include "motion/room_below.hpp"
+#include "motion/timing.hpp"
+#include "motion/transit.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "stonestack/motion/collision.hpp"
-#include "stonestack/motion/grasp.hpp"
+#include "motion/collision.hpp"
+#include "motion/grasp.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 
 namespace stonestack::motion {

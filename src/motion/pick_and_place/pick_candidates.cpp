@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "kinematics/inverse.hpp"
+#include "motion/timing.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/inverse.hpp"
-#include "stonestack/motion/timing.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "motion/grasp/pad_press.hpp"
-#include "stonestack/motion/grasp_check.hpp"
+#include "motion/grasp_check.hpp"
 
 namespace stonestack::motion {
 

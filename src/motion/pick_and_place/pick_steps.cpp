@@ -4,8 +4,8 @@
 #include "motion/constants.hpp"
 #include "motion/path/tool_speed.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
+#include "motion/timing.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/timing.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,4 +1,4 @@
-#include "stonestack/motion/problem_file.hpp"
+#include "motion/problem_file.hpp"
 
 #include <cmath>
 #include <limits>

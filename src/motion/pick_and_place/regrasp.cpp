@@ -1,4 +1,4 @@
-#include "stonestack/motion/regrasp.hpp"
+#include "motion/regrasp.hpp"
 
 #include <algorithm>
 #include <memory>

@@ -4,8 +4,8 @@
 
 #include "motion/grasp/grasp_end.hpp"
 #include "motion/pick_and_place/rest_graph.hpp"
+#include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/regrasp.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/motion/grasp.hpp"
-#include "stonestack/motion/regrasp.hpp"
+#include "motion/grasp.hpp"
+#include "motion/regrasp.hpp"
 
 namespace stonestack::motion {
 

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/polygon.hpp"
+#include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/convex_pieces.hpp"
-#include "stonestack/geometry/polygon.hpp"
-#include "stonestack/motion/regrasp.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,12 +1,12 @@
-#include "stonestack/motion/room_below.hpp"
+#include "motion/room_below.hpp"
 
 #include <algorithm>
 
+#include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/forward.hpp"
-#include "stonestack/motion/cartesian.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::motion {
 namespace {

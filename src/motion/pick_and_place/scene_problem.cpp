@@ -1,11 +1,11 @@
-#include "stonestack/motion/scene_problem.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "motion/collision.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/motion/collision.hpp"
 
 namespace stonestack::motion {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/geometry/polygon.hpp"
-#include "stonestack/motion/regrasp.hpp"
+#include "geometry/polygon.hpp"
+#include "motion/regrasp.hpp"
 
 namespace stonestack::motion {
 

@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
+#include "core/serial.hpp"
 #include "stonestack/core/byte_stream.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/serial.hpp"
 #include "stonestack/hardware/robotiq/ft_sensor.hpp"
 
 namespace stonestack::emulators {

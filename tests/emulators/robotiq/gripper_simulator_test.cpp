@@ -10,8 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/serial.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/serial.hpp"
 #include "stonestack/hardware/robotiq/three_finger_gripper.hpp"
 
 namespace stonestack::emulators {

@@ -7,7 +7,7 @@
 #include "hardware/camera/recording.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/geometry/cloud_file.hpp"
+#include "stonestack/geometry/cloud.hpp"
 
 namespace stonestack::hardware {
 namespace {

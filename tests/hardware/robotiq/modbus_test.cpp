@@ -7,8 +7,8 @@
 #include <atomic>
 #include <thread>
 
+#include "core/serial.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/core/serial.hpp"
 #include "stonestack/core/socket.hpp"
 
 namespace stonestack::hardware {

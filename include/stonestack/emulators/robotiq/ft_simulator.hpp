@@ -4,7 +4,7 @@
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/core/socket.hpp"
-#include "stonestack/hardware/force_torque.hpp"
+#include "stonestack/hardware/devices.hpp"
 
 #pragma GCC visibility push(default)
 

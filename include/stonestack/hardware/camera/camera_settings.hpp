@@ -3,7 +3,7 @@
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/depth_image.hpp"
-#include "stonestack/hardware/depth_camera.hpp"
+#include "stonestack/hardware/devices.hpp"
 
 #pragma GCC visibility push(default)
 

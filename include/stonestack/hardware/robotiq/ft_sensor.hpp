@@ -3,7 +3,7 @@
 #include <string>
 
 #include "stonestack/core/options.hpp"
-#include "stonestack/hardware/force_torque.hpp"
+#include "stonestack/hardware/devices.hpp"
 
 #pragma GCC visibility push(default)
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "stonestack/hardware/gripper.hpp"
+#include "stonestack/hardware/devices.hpp"
 #include "stonestack/hardware/robotiq/modbus.hpp"
 
 #pragma GCC visibility push(default)

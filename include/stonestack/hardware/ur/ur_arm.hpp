@@ -2,8 +2,7 @@
 #include <memory>
 
 #include "stonestack/core/options.hpp"
-#include "stonestack/hardware/arm.hpp"
-#include "stonestack/hardware/force_torque.hpp"
+#include "stonestack/hardware/devices.hpp"
 #include "stonestack/hardware/ur/rtde_client.hpp"
 #include "stonestack/hardware/ur/script_writer.hpp"
 #include "stonestack/kinematics/robot_model.hpp"

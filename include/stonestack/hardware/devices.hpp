@@ -1,0 +1,107 @@
+#pragma once
+#include <Eigen/Core>
+#include <string>
+
+#include "stonestack/geometry/depth_image.hpp"
+#include "stonestack/geometry/pose.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+
+#pragma GCC visibility push(default)
+
+namespace stonestack::hardware {
+
+/// State that the arm reports. Times in seconds; `device_time` is the controller's own, `host_time` that of
+/// `host_seconds` (in a simulated cell of its clock).
+struct ArmState {
+  Joints q = Joints::Zero();
+  Joints qd = Joints::Zero();
+  double device_time = 0.0;
+  double host_time = 0.0;
+  double speed_scaling = 1.0;
+  bool can_move = true;     ///< powered, brakes off, no stop of any kind
+  std::string stop_reason;  ///< when it cannot
+};
+
+/// How a motion ended. Everything but kDone and kContact needs somebody to look.
+struct MotionResult {
+  enum class Status { kDone, kContact, kNoContact, kStopped, kRefused, kLost };
+  Status status = Status::kDone;
+  Joints q = Joints::Zero();  ///< where the arm stands
+  double force = 0.0;         ///< along the guard's direction when it ended [N]
+  std::string reason;         ///< for a person
+};
+
+/// A slow motion that ends at contact: the trajectory is followed until the force against it exceeds
+/// `threshold` in two samples running. Reaching its end without contact is kNoContact.
+struct GuardedMotion {
+  JointTrajectory trajectory;
+  Eigen::Vector3d n_W_direction =
+      -Eigen::Vector3d::UnitZ();  ///< direction of motion; resistance points against it
+  double threshold = 5.0;         ///< N above the reading at its start
+};
+
+/// A six-joint arm. Every call has a deadline of its own and throws DeviceError when the device does not
+/// answer.
+class Arm {
+ public:
+  virtual ~Arm() = default;
+  [[nodiscard]] virtual ArmState state() = 0;
+  /// Follows the trajectory to its end. Refuses one that does not start within 0.01 rad of where the arm is.
+  [[nodiscard]] virtual MotionResult follow(const JointTrajectory& trajectory) = 0;
+  [[nodiscard]] virtual MotionResult follow_guarded(const GuardedMotion& motion) = 0;
+  /// Controlled stop; no motion after it without a new command.
+  virtual void stop() = 0;
+  /// Mass and centre of mass (in F) of what hangs on the flange.
+  virtual void set_payload(double mass, const Eigen::Vector3d& p_F_com) = 0;
+};
+
+/// State that the gripper reports. `opening` in metres between the finger pads.
+struct GripperState {
+  double opening = 0.155;
+  bool moving = false;
+  bool object = false;     ///< stopped by an object while closing
+  std::string fault;       ///< empty: none
+  double host_time = 0.0;  ///< s of `host_seconds`, when it was read; in a simulated cell of its clock
+};
+
+/// A gripper whose fingers close on one axis (x of T).
+class Gripper {
+ public:
+  virtual ~Gripper() = default;
+  [[nodiscard]] virtual GripperState state() = 0;
+  /// Moves to an opening (m) with a speed (m/s) and force (N a finger); returns when at rest. Throws
+  /// DeviceError on a fault or when it does not come to rest within its deadline.
+  virtual GripperState move(double opening, double speed, double force) = 0;
+  /// Brings the two fingers that stand side by side (B and C) to `spacing` (m) between their pads, with an
+  /// empty hand; returns when at rest. Throws as `move`.
+  virtual void spread(double spacing) = 0;
+};
+
+/// Force (N) and torque (Nm) at the sensor, axes of the flange F, what the world does to the tool.
+struct Wrench {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
+  double device_time = 0.0;  ///< [s]
+  double host_time = 0.0;    ///< s of `host_seconds`, when it arrived; in a simulated cell of its clock
+};
+
+/// A wrist sensor. A reading older than 50 ms is a DeviceError.
+class ForceTorqueSensor {
+ public:
+  virtual ~ForceTorqueSensor() = default;
+  /// Latest reading, minus the zero.
+  [[nodiscard]] virtual Wrench read() = 0;
+  /// Takes the mean of the next readings at rest as zero.
+  virtual void zero() = 0;
+};
+
+class DepthCamera {
+ public:
+  virtual ~DepthCamera() = default;
+  /// A frame exposed after the call.
+  [[nodiscard]] virtual DepthFrame capture() = 0;
+};
+
+}  // namespace stonestack::hardware
+
+#pragma GCC visibility pop

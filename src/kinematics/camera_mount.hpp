@@ -1,0 +1,38 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "stonestack/geometry/pose.hpp"
+
+namespace stonestack::kinematics {
+
+/// A thing that stands still, seen in one view: the same `mark` in another view is the same thing.
+struct SeenMark {
+  int mark = 0;
+  Eigen::Vector3d p_C = Eigen::Vector3d::Zero();
+};
+
+/// Observation of the camera on the gripper from one arm pose.
+struct MountView {
+  Pose T_W_T = Pose::Identity();  ///< tool, as the arm reports it
+  std::optional<Plane> table_C;   ///< the table, which is z = 0 in W
+  std::vector<SeenMark> marks;
+};
+
+/// The mount that the views agree on.
+struct MountRefinement {
+  Pose T_T_C = Pose::Identity();
+  double shift = 0.0, turn = 0.0;    ///< against the mount that was given: m, rad
+  double before = 0.0, after = 0.0;  ///< root mean square distance of marks between views [m]
+  int shared_marks = 0;              ///< marks that more than one view saw
+};
+
+/// Where the camera really sits on the hand, from views of things that stand still: a mark must come to the
+/// same place from every view, the table must lie at z = 0. The given T_T_C counts as a measurement, too, so
+/// what the views do not tell stays as it was. Two views that differ by half a turn about the optical axis
+/// fix all but the turn about it. Weighted least squares over mount and marks.
+/// Throws InvalidArgument without a view.
+[[nodiscard]] MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose& T_T_C);
+
+}  // namespace stonestack::kinematics
