@@ -20,7 +20,7 @@ struct CalibrateCommand {
   bool on_base = false;
   bool force = false;
   HandEyeCalibrationOptions calibration;
-  std::string out, cell, like, write_pairs;
+  std::string out, cell, example, write_pairs;
 };
 
 /// The mount of a simulated cell's camera, of the cell to be written if there is one; beside the arm any.
@@ -46,14 +46,14 @@ HandEyeFile stations(const CalibrateCommand& command, const std::optional<Pose>&
 
 void write_result(const CalibrateCommand& command, const HandEyeCalibration& done) {
   if (command.out.empty() && command.cell.empty()) return;
-  if (!done.doubt.empty() && !command.force)
+  if (!done.caution.empty() && !command.force)
     throw FileError(
         command.pairs_file.empty() ? "--simulate" : command.pairs_file,
         concat("gives no calibration (", to_text(done.chosen.residual), "), so nothing was written to ",
                command.out, command.out.empty() || command.cell.empty() ? "" : " and ", command.cell),
         "check that each line holds one station's arm and target pose, in metres; --force writes it");
   if (!command.out.empty()) {
-    write_calibration(command.out, done, command.like);
+    write_calibration(command.out, done, command.example);
     log_info("wrote " + command.out);
   }
   if (!command.cell.empty())
@@ -95,7 +95,7 @@ void add_calibrate(CLI::App& app) {
            "layout.hand_eye: the file of --out",
            "CELL");
   sub.add_flag("--force", command.force, "Write a result that looks wrong, too");
-  add_path(sub, "--like", command.like, "Take frame names and the other parameters from this file");
+  add_path(sub, "--like", command.example, "Take frame names and the other parameters from this file");
   add_path(sub, "--write-pairs", command.write_pairs, "Write the stations that were used");
   command.common.register_on(sub);
   sub.footer(

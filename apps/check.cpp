@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "physics/shape.hpp"
 #include "scene_input.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"

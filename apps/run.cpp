@@ -86,9 +86,9 @@ void add_run(CLI::App& app) {
   sub.add_flag("--execute", command.execute, "Yes, move the real robot that --cell names");
   command.per_run.register_on(sub);
   command.common.settings.bind(
-      sub.add_option("--height", build.most_stones, "Stop at this height (0: all stones)")
+      sub.add_option("--height", build.max_stones, "Stop at this height (0: all stones)")
           ->check(CLI::Range(0, 100)),
-      "run.most_stones");
+      "run.max_stones");
   command.common.settings.bind(
       sub.add_option("--method", build.search.method, "Pose search: default or paper")
           ->check(CLI::IsMember({"default", "paper"}))

@@ -66,7 +66,7 @@ StoneSummary scan_one(const Task& task, const ScanCommand& command) {
   ModelResult result = task.number > 0
                            ? model_limestone(command.seed, task.number, command.options)
                            : model_stone(read_mesh(task.file), task.name, task.file, command.options);
-  if (const std::string why = unfit_for_hand(result.stone, make_robotiq_3f()); !why.empty())
+  if (const std::string why = unfit_for_gripper(result.stone, make_robotiq_3f()); !why.empty())
     result.warnings.push_back("the hand will not pick it up: " + why);
   for (const auto& warning : result.warnings) log_warning(concat(task.name, ": ", warning));
   write_stone(command.catalogue, result.stone);

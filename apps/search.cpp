@@ -61,7 +61,7 @@ void search(SearchCommand& command) {
   const std::string& catalogue = command.common.catalogue;
   task.catalogue = catalogue.empty() ? data_path("stones") : catalogue;
   task.search.seed = task.detection.seed = command.common.seed;
-  if (task.robot.empty()) task.search.largest_tilt = kAnyTilt;
+  if (task.robot.empty()) task.search.max_tilt = kAnyTilt;
   command.common.settings.apply(
       join({nest("search", fields(task.search)), nest("detection", fields(task.detection)),
             nest("motion", fields(task.motion))}));
@@ -137,7 +137,7 @@ void add_search(CLI::App& app) {
       "= 0;\n"
       "or as in the world frame (z up, table at z = 0), if most of it lies about z = 0. --robot needs the "
       "camera's pose,\nor --world for a cloud in the cell's frame. A stack in a scene file is built on, from "
-      "its last stone up.\nWithout --robot a stone may be turned any way up, as search.largest_tilt limits "
+      "its last stone up.\nWithout --robot a stone may be turned any way up, as search.max_tilt limits "
       "what one grasp can do.\nCtrl-C ends the search with the best so far (exit code 130).");
 }
 

@@ -19,7 +19,7 @@ constexpr std::size_t kBins = 5;
 
 struct BenchOptions {
   BenchOptions() {
-    search.least_success = 0.0;
+    search.min_success = 0.0;
     search.horizon = 1;
     search.alternatives = 10;
   }

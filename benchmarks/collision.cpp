@@ -40,7 +40,7 @@ void compare(int configurations, std::uint64_t seed, Results& results) {
     throw_if_interrupted();
     Joints q;
     for (double& angle : q) angle = random.uniform(-kPi, kPi);
-    const double gap = reference.least_gap(q, kNear);
+    const double gap = reference.min_gap(q, kNear);
     const bool hit = checker.collides(q);
     collide += hit ? 1 : 0;
     if (std::abs(gap) <= kNear)

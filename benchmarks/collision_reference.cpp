@@ -75,31 +75,31 @@ CollisionReference::CollisionReference(const PlanningScene& scene, const Collisi
       obstacles_R_.push_back(moved(piece.vertices, scene.T_W_R.inverse() * object.T_W_object));
 }
 
-double CollisionReference::least_gap(const Joints& q, double near) const {
+double CollisionReference::min_gap(const Joints& q, double near) const {
   const auto links = link_poses(scene_.robot, q);
   std::vector<Points> placed;
   for (const Shape& m : movers_) placed.push_back(moved(m.points, links[static_cast<std::size_t>(m.link)]));
-  double least = 1.0;
+  double min = 1.0;
   const auto add = [&](const Points& a, const Points& b, double radii, double padding) {
     const double away = radii + padding + near;
     if (sphere_gap(a, b) > away || box_gap(a, b) > away) return;
-    least = std::min(least, hull_gap(a, b) - radii - padding);
+    min = std::min(min, hull_gap(a, b) - radii - padding);
   };
   for (std::size_t i = 0; i < movers_.size(); ++i) {
-    if (!movers_[i].hand && movers_[i].link < 2) continue;
+    if (!movers_[i].gripper && movers_[i].link < 2) continue;
     for (const auto& p : placed[i])
-      least = std::min(least, (scene_.T_W_R * p).z() - scene_.table_z - movers_[i].radius - rules_.padding);
+      min = std::min(min, (scene_.T_W_R * p).z() - scene_.table_z - movers_[i].radius - rules_.padding);
   }
-  for (std::size_t i = 0; i < movers_.size() && least > -near; ++i) {
+  for (std::size_t i = 0; i < movers_.size() && min > -near; ++i) {
     if (movers_[i].link > 0)
       for (const auto& obstacle : obstacles_R_)
-        if (least > -near) add(placed[i], obstacle, movers_[i].radius, rules_.padding);
-    for (std::size_t j = 0; j < movers_.size() && least > -near; ++j)
+        if (min > -near) add(placed[i], obstacle, movers_[i].radius, rules_.padding);
+    for (std::size_t j = 0; j < movers_.size() && min > -near; ++j)
       if (movers_[i].link < movers_[j].link &&
-          !never_checked(movers_[i].link, movers_[j].link, !movers_[i].hand && !movers_[j].hand))
+          !never_checked(movers_[i].link, movers_[j].link, !movers_[i].gripper && !movers_[j].gripper))
         add(placed[i], placed[j], movers_[i].radius + movers_[j].radius, rules_.self_padding);
   }
-  return least;
+  return min;
 }
 
 }  // namespace stonestack::bench

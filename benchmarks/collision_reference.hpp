@@ -14,12 +14,12 @@ class CollisionReference {
   CollisionReference(const PlanningScene& scene, const CollisionRules& rules);
   /// Smallest distance minus padding over all pairs, m; exact where it is below `near`. Stops at the
   /// first pair that is clearly (`near`) too close.
-  [[nodiscard]] double least_gap(const Joints& q, double near) const;
+  [[nodiscard]] double min_gap(const Joints& q, double near) const;
 
  private:
   struct Shape {
     int link = 0;
-    bool hand = false;
+    bool gripper = false;
     std::vector<Eigen::Vector3d> points;  ///< in the link's frame
     double radius = 0.0;
   };

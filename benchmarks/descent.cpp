@@ -14,11 +14,11 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kMostDelay = 0.020;  // s
+constexpr double kMaxDelay = 0.020;  // s
 
 void report(const char* kind, const DescentEnds& ends, Results& results) {
   if (ends.descents == 0) return;
-  results.row({kind, ends.descents, ends.missed, ends.early, ends.no_room, ends.stopped,
+  results.row({kind, ends.descents, ends.missed, ends.early, ends.no_clearance, ends.stopped,
                quantile(ends.peaks, 0.5), quantile(ends.peaks, 0.95), quantile(ends.peaks, 1.0), ends.hard});
 }
 
@@ -42,7 +42,7 @@ void measure(int descents, int each, std::uint64_t seed, std::uint64_t first, bo
         random_stone(static_cast<std::uint64_t>(random.index(1000000000)), "support", 0.12, 0.16)};
     SimulationOptions simulation;
     simulation.seed = static_cast<int>(seed % 10000 * 100000 + n);
-    simulation.force_delay = random.uniform(0.0, kMostDelay);
+    simulation.force_delay = random.uniform(0.0, kMaxDelay);
     DescentTrial trial(stones, simulation, random);
     if (!trial.pick()) {
       ++not_picked;
@@ -64,15 +64,15 @@ void measure(int descents, int each, std::uint64_t seed, std::uint64_t first, bo
                          {"descents"},
                          {"missed_contacts"},
                          {"false_triggers"},
-                         {"hand_blocked"},
+                         {"gripper_blocked"},
                          {"other_ends"},
                          {"peak_n_median", 1},
                          {"peak_n_p95", 1},
                          {"peak_n_max", 1},
                          {"above_mark"}});
-  report("planned", tally.planned, results);        // a plan would choose the place
-  report("stone shoved", tally.shoved, results);    // earlier descents have moved the stone in the hand
-  report("hand first", tally.hand_first, results);  // the hand comes to the support before the stone
+  report("planned", tally.planned, results);           // a plan would choose the place
+  report("stone shoved", tally.shoved, results);       // earlier descents have moved the stone in the hand
+  report("hand first", tally.gripper_first, results);  // the hand comes to the support before the stone
 }
 
 }  // namespace

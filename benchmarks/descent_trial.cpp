@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "motion/cartesian.hpp"
+#include "motion/clearance_below.hpp"
 #include "motion/collision.hpp"
-#include "motion/room_below.hpp"
 #include "motion/timing.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -24,9 +24,9 @@ constexpr double kShoved = 0.005,
                  kShovedTurn = 0.09;  // m, rad: more than a lift does (stonestack-bench hold)
 constexpr double kSeenShift = 0.0007,
                  kSeenTurn = 0.009;  // m, rad; one sigma an axis, as in stonestack-bench hold
-constexpr double kLeastSpeed = 0.003, kMostSpeed = 0.007;  // m/s, the default is 0.005
-constexpr double kLook = 0.05;                             // s, along a descent
-constexpr double kPushed = 0.0001, kPushedTurn = 0.001;    // m, rad: a support that gave way was touched
+constexpr double kMinSpeed = 0.003, kMaxSpeed = 0.007;   // m/s, the default is 0.005
+constexpr double kCheckPeriod = 0.05;                    // s, along a descent
+constexpr double kPushed = 0.0001, kPushedTurn = 0.001;  // m, rad: a support that gave way was touched
 
 double lowest(const Stone& stone, const Pose& T_W_O) {
   double z = 1e9;
@@ -91,7 +91,7 @@ bool DescentTrial::descend(bool on_stone, DescentTally& tally) {
   tally.on_stone += on_stone ? 1 : 0;
   measure(gap + support, tally);
   if (!go_up()) return false;
-  const PoseDifference moved = moved_in_hand();
+  const PoseDifference moved = moved_in_gripper();
   shoved_ = shoved_ || moved.translation > kShoved || moved.angle > kShovedTurn;
   return moved.translation < kSlipped;
 }
@@ -139,61 +139,65 @@ bool DescentTrial::go_down(double by) {
 void DescentTrial::measure(double far, DescentTally& tally) {
   const Pose T_W_T_start = T_W_T();
   const auto down = [&](double by) { return Pose(Eigen::Translation3d(0, 0, -by) * T_W_T_start); };
-  const double whole = std::min(far, 0.060) + options_.descent_past, looked = room(whole);
-  const double speed = random_.uniform(kLeastSpeed, kMostSpeed);
-  const auto all = straight(down(whole), speed), way = straight(down(looked), speed);
-  if (!all || !way) return void(--tally.descents);
-  DescentEnds& ends = shoved_ ? tally.shoved : hand_comes_first(*all) ? tally.hand_first : tally.planned;
+  const double whole = std::min(far, 0.060) + options_.descent_past, allowed = clearance(whole);
+  const double speed = random_.uniform(kMinSpeed, kMaxSpeed);
+  const auto all = straight(down(whole), speed), descent = straight(down(allowed), speed);
+  if (!all || !descent) return void(--tally.descents);
+  DescentEnds& ends = shoved_                     ? tally.shoved
+                      : gripper_comes_first(*all) ? tally.gripper_first
+                                                  : tally.planned;
   ++ends.descents;
   GuardedMotion motion;
-  motion.trajectory = *way;
+  motion.trajectory = *descent;
   motion.threshold = contact_threshold(stones_[0].mass.mass, options_);
   cell_.force_torque.zero();
   const double rest = level_force();
-  const PoseDifference before = moved_in_hand();
+  const PoseDifference before = moved_in_gripper();
   const Pose T_W_support = simulated_.truth().T_W_O[1];
   const MotionResult result = cell_.arm.follow_guarded(motion);
   double peak = result.force;
   for (int i = 0; i < 3; ++i) peak = std::max(peak, level_force() - rest);
   const PoseDifference pushed = difference(T_W_support, simulated_.truth().T_W_O[1]);
   const bool touches = touching() || pushed.translation > kPushed || pushed.angle > kPushedTurn;
-  const bool no_room = result.status == Status::kNoContact && looked < whole && peak < motion.threshold;
-  if (no_room) ++ends.no_room;
-  if (result.status == Status::kNoContact && !no_room) ++(touches ? ends.missed : ends.stopped);
+  const bool no_clearance = result.status == Status::kNoContact && allowed < whole && peak < motion.threshold;
+  if (no_clearance) ++ends.no_clearance;
+  if (result.status == Status::kNoContact && !no_clearance) ++(touches ? ends.missed : ends.stopped);
   if (result.status == Status::kContact && !touches) ++ends.early;
   if (result.status != Status::kContact && result.status != Status::kNoContact) ++ends.stopped;
   if (peak > kForceMark) ++ends.hard;
   ends.peaks.push_back(peak);
   const bool well =
-      no_room || ((result.status == Status::kContact) == touches && result.status <= Status::kNoContact);
+      no_clearance || ((result.status == Status::kContact) == touches && result.status <= Status::kNoContact);
   if (tally.results != nullptr && (!well || peak > kForceMark))
     print(tally, ends,
           concat(result.reason, "; peak ", peak, " N; the stone touches", touches ? "" : " nothing"), before);
 }
 
-double DescentTrial::room(double most) {
-  PlanningScene believed = hand_and_support();
-  Pose& T_W_O = believed.objects.front().T_W_object;
-  for (int i = 0; i < 3; ++i) T_W_O.translation()[i] += belief_.normal(0.0, kSeenShift);
-  const Eigen::Vector3d turn(belief_.normal(0.0, kSeenTurn), belief_.normal(0.0, kSeenTurn),
-                             belief_.normal(0.0, kSeenTurn));
+double DescentTrial::clearance(double max) {
+  PlanningScene estimated = gripper_and_support();
+  Pose& T_W_O = estimated.objects.front().T_W_object;
+  for (int i = 0; i < 3; ++i) T_W_O.translation()[i] += estimate_.normal(0.0, kSeenShift);
+  const Eigen::Vector3d turn(estimate_.normal(0.0, kSeenTurn), estimate_.normal(0.0, kSeenTurn),
+                             estimate_.normal(0.0, kSeenTurn));
   T_W_O.linear() = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * T_W_O.linear();
-  return room_below(believed, cell_.arm.state().q, cell_.gripper.state().opening, -1, most);
+  return clearance_below(estimated, cell_.arm.state().q, cell_.gripper.state().opening, -1, max);
 }
 
 void DescentTrial::print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,
                          const PoseDifference& before) {
-  const char* kind = &ends == &tally.hand_first ? ", hand first" : &ends == &tally.shoved ? ", shoved" : "";
-  const PoseDifference after = moved_in_hand();
+  const char* kind = &ends == &tally.gripper_first ? ", hand first"
+                     : &ends == &tally.shoved      ? ", shoved"
+                                                   : "";
+  const PoseDifference after = moved_in_gripper();
   tally.results->note(
       "  stone %d, descent %d, %.2f kg%s: %s; nearest to the hand: %s; in the hand it had moved %.1f mm, "
       "%.1f deg, and %.1f mm, %.1f deg afterwards",
       static_cast<int>(tally.stone), descent_, stones_[0].mass.mass, kind, end.c_str(),
-      nearest_to_hand(cell_.arm.state().q).c_str(), 1e3 * before.translation, before.angle / kDegree,
+      nearest_to_gripper(cell_.arm.state().q).c_str(), 1e3 * before.translation, before.angle / kDegree,
       1e3 * after.translation, after.angle / kDegree);
 }
 
-PlanningScene DescentTrial::hand_and_support() {
+PlanningScene DescentTrial::gripper_and_support() {
   PlanningScene scene;
   scene.robot = robot_;
   scene.T_F_T = layout_.T_F_T;
@@ -202,33 +206,33 @@ PlanningScene DescentTrial::hand_and_support() {
   return scene;
 }
 
-bool DescentTrial::hand_comes_first(const JointTrajectory& way) {
-  const PlanningScene scene = hand_and_support();
-  CollisionRules hand;
-  hand.padding = options_.approach_padding;
-  hand.opening = cell_.gripper.state().opening;
-  hand.gripper_may_touch = {kTableObject};
-  CollisionRules stone = hand;
+bool DescentTrial::gripper_comes_first(const JointTrajectory& descent) {
+  const PlanningScene scene = gripper_and_support();
+  CollisionRules gripper;
+  gripper.padding = options_.approach_padding;
+  gripper.opening = cell_.gripper.state().opening;
+  gripper.gripper_may_touch = {kTableObject};
+  CollisionRules stone = gripper;
   stone.padding = stone.self_padding = 0.0;
   stone.gripper_may_touch = {kTableObject, 0};
   const HeldObject held{stones_[0].name, stones_[0].pieces, T_W_T().inverse() * simulated_.truth().T_W_O[0]};
-  const CollisionChecker of_hand(scene, hand), of_stone(scene, stone, &held);
-  for (double t = 0.0; t < way.duration(); t += kLook) {
-    const Joints q = sample(way, t).q;
-    if (of_hand.collides(q)) return true;
+  const CollisionChecker of_gripper(scene, gripper), of_stone(scene, stone, &held);
+  for (double t = 0.0; t < descent.duration(); t += kCheckPeriod) {
+    const Joints q = sample(descent, t).q;
+    if (of_gripper.collides(q)) return true;
     if (of_stone.collides(q)) return false;
   }
   return false;
 }
 
-std::string DescentTrial::nearest_to_hand(const Joints& q) {
+std::string DescentTrial::nearest_to_gripper(const Joints& q) {
   CollisionRules rules;
   rules.opening = cell_.gripper.state().opening;
-  const Clearance nearest = CollisionChecker(hand_and_support(), rules).clearance(q);
+  const Clearance nearest = CollisionChecker(gripper_and_support(), rules).clearance(q);
   return concat(nearest.first, " and ", nearest.second, ", ", 1e3 * nearest.distance, " mm");
 }
 
-PoseDifference DescentTrial::moved_in_hand() {
+PoseDifference DescentTrial::moved_in_gripper() {
   return difference(T_T_O_, T_W_T().inverse() * simulated_.truth().T_W_O[0]);
 }
 

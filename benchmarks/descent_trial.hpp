@@ -18,16 +18,17 @@ inline constexpr double kForceMark = 30.0;  ///< contact force that counts as ha
 /// How descents ended.
 struct DescentEnds {
   int descents = 0, missed = 0, early = 0, stopped = 0, hard = 0;
-  int no_room = 0;  ///< ended where the hand would have met the support, before there was anything to feel
+  int no_clearance =
+      0;  ///< ended where the hand would have met the support, before there was anything to feel
   std::vector<double> peaks;  ///< largest force of each descent, N
 };
 struct DescentTally {
   Results* results = nullptr;  ///< gets a note of each descent that went wrong; null: none
   std::uint64_t stone = 0;     ///< number of the stone that is carried
   int descents = 0, on_stone = 0;
-  DescentEnds planned;     ///< as a plan has them
-  DescentEnds hand_first;  ///< at a place that no plan would choose
-  DescentEnds shoved;      ///< earlier descents have moved it in the hand; a program grasps anew for each
+  DescentEnds planned;        ///< as a plan has them
+  DescentEnds gripper_first;  ///< at a place that no plan would choose
+  DescentEnds shoved;         ///< earlier descents have moved it in the hand; a program grasps anew for each
 };
 
 /// One cell with the stone that is carried (0) and the one it is set on (1).
@@ -37,7 +38,7 @@ class DescentTrial {
   DescentTrial(const std::vector<Stone>& stones, const SimulationOptions& simulation, Random random)
       : stones_(stones),
         random_(random),
-        belief_(Random::stream(static_cast<std::uint64_t>(simulation.seed), "believed pose")),
+        estimate_(Random::stream(static_cast<std::uint64_t>(simulation.seed), "believed pose")),
         simulated_(stones, {0, 1}, robot_, layout_, simulation),
         cell_(simulated_.cell()) {}
   /// False if no plan or no grasp comes about.
@@ -55,26 +56,26 @@ class DescentTrial {
   bool go_down(double by);
   /// The descent itself, from `far` (m) above the table.
   void measure(double far, DescentTally& tally);
-  /// How far down (m, at most `most`) a program would go that believes the support where a camera sees it.
-  [[nodiscard]] double room(double most);
+  /// How far down (m, at most `max`) a program would go that believes the support where a camera sees it.
+  [[nodiscard]] double clearance(double max);
   /// Where the last descent ended, for --list.
   void print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,
              const PoseDifference& before);
   /// The hand and the support, without what the hand holds.
-  [[nodiscard]] PlanningScene hand_and_support();
+  [[nodiscard]] PlanningScene gripper_and_support();
   /// True if fingers or palm come to the support before the stone does: a place that no plan would choose.
-  [[nodiscard]] bool hand_comes_first(const JointTrajectory& way);
+  [[nodiscard]] bool gripper_comes_first(const JointTrajectory& descent);
   /// The object that is nearest to the gripper, and its distance.
-  [[nodiscard]] std::string nearest_to_hand(const Joints& q);
+  [[nodiscard]] std::string nearest_to_gripper(const Joints& q);
   /// Of the stone, since the lift.
-  [[nodiscard]] PoseDifference moved_in_hand();
+  [[nodiscard]] PoseDifference moved_in_gripper();
   /// Upward force at the wrist, N.
   [[nodiscard]] double level_force();
   /// True if the carried stone is on something, or nearer than kGap above the table.
   [[nodiscard]] bool touching();
 
   const std::vector<Stone>& stones_;
-  Random random_, belief_;
+  Random random_, estimate_;
   RobotModel robot_ = read_robot("ur10");
   CellLayout layout_;
   MotionOptions options_;

@@ -24,8 +24,8 @@ constexpr double kRightShift = 0.005;  // m
 constexpr double kMssdStep = 0.05;  // of the diameter; ten steps
 constexpr double kMspdStep = 5.0;   // pixels of an image 640 wide; ten steps
 constexpr int kSteps = 10;
-constexpr double kAddShare = 0.1;      // of the diameter (Hinterstoisser et al. 2012)
-constexpr double kLeastVisible = 0.1;  // of a stone's surface: BOP looks for no other
+constexpr double kAddShare = 0.1;    // of the diameter (Hinterstoisser et al. 2012)
+constexpr double kMinVisible = 0.1;  // of a stone's surface: BOP looks for no other
 
 /// The objects of a data set: their numbers, in the order of the models.
 struct BopModels {
@@ -170,21 +170,20 @@ std::vector<BopTruth> wanted(std::vector<BopTruth> truth, const Target& target) 
                    [](const BopTruth& a, const BopTruth& b) { return a.visible > b.visible; });
   std::map<int, std::ptrdiff_t> taken;
   std::erase_if(truth, [&](const BopTruth& t) {
-    if (target.empty()) return t.visible < kLeastVisible;
+    if (target.empty()) return t.visible < kMinVisible;
     return ++taken[t.model] > std::count(target.begin(), target.end(), t.model);
   });
   return truth;
 }
 
-/// How many true poses (columns) are met by estimates (rows, best score first) with an error below `largest`:
+/// How many true poses (columns) are met by estimates (rows, best score first) with an error below `max`:
 /// each estimate takes the nearest that is left, as in the BOP toolkit's pose_matching.py.
-int count_matched(const Eigen::MatrixXd& errors, double largest) {
+int count_matched(const Eigen::MatrixXd& errors, double max) {
   std::set<Eigen::Index> taken;
   for (Eigen::Index e = 0; e < errors.rows(); ++e) {
     Eigen::Index best = -1;
     for (Eigen::Index t = 0; t < errors.cols(); ++t)
-      if (taken.count(t) == 0 && errors(e, t) < largest && (best < 0 || errors(e, t) < errors(e, best)))
-        best = t;
+      if (taken.count(t) == 0 && errors(e, t) < max && (best < 0 || errors(e, t) < errors(e, best))) best = t;
     if (best >= 0) taken.insert(best);
   }
   return static_cast<int>(taken.size());

@@ -157,7 +157,7 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const Cam
   for (const auto& p : placed) world.add(stones_[static_cast<std::size_t>(p.stone)].scan, p.T_W_O);
   world.commit();
   const SensorModel sensor = make_sensor(kind.sensor);
-  const double tilt = random.uniform(kind.least_tilt, kind.most_tilt), azimuth = random.uniform(0, 2 * kPi);
+  const double tilt = random.uniform(kind.min_tilt, kind.max_tilt), azimuth = random.uniform(0, 2 * kPi);
   BenchScene scene;
   for (int v = 0; v < kind.views; ++v) {
     const double aside = v == 0 ? 0.0 : random.uniform(2.0, 2.0 * kPi - 2.0);

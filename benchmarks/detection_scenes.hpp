@@ -23,12 +23,12 @@ struct SceneKind {
   int present = 4;
   std::string arrangement = "apart";  ///< apart, touching, stacked
   std::string sensor = "sr300";
-  int copies = 1;                ///< of the first stone
-  int views = 1;                 ///< camera poses
-  double least_tilt = 0.0;       ///< tilt of the camera off the vertical, rad, at least
-  double most_tilt = 0.78;       ///< tilt at most, rad
-  double least_unhidden = 0.25;  ///< stones of which the first view shows less do not count
-  bool mirrored = false;         ///< the images, left for right
+  int copies = 1;              ///< of the first stone
+  int views = 1;               ///< camera poses
+  double min_tilt = 0.0;       ///< tilt of the camera off the vertical, rad, at least
+  double max_tilt = 0.78;      ///< tilt at most, rad
+  double min_unhidden = 0.25;  ///< stones of which the first view shows less do not count
+  bool mirrored = false;       ///< the images, left for right
 };
 [[nodiscard]] std::vector<SceneKind> scene_kinds();
 

@@ -36,7 +36,7 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
                  DetectionTally& tally) {
   const PoseDifference off = difference(d.T_C_O, truth.T_C_O);
   const bool right = off.angle < kRightAngle && off.translation < kRightShift;
-  if (truth.unhidden >= kind.least_unhidden) tally.right += right ? 1 : 0;
+  if (truth.unhidden >= kind.min_unhidden) tally.right += right ? 1 : 0;
   (right ? tally.right_scores : tally.bad_scores).push_back(d.score);
   if (list != nullptr)
     list->note(
@@ -64,7 +64,7 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
   std::vector<const TrueStone*> left;
   for (const auto& t : scene.truth) {
     left.push_back(&t);
-    tally.present += t.unhidden >= kind.least_unhidden ? 1 : 0;
+    tally.present += t.unhidden >= kind.min_unhidden ? 1 : 0;
   }
   for (int stone = 0; stone < models; ++stone)
     tally.absent += std::none_of(scene.truth.begin(), scene.truth.end(),
@@ -87,7 +87,7 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
   if (list != nullptr && result.depth_scale_sigma > 0)
     list->note("    depth scale %.4f +- %.4f", result.depth_scale, result.depth_scale_sigma);
   for (const auto* t : left)
-    if (list != nullptr && t->unhidden >= kind.least_unhidden)
+    if (list != nullptr && t->unhidden >= kind.min_unhidden)
       list->note("    missed: stone %d unhidden %.2f", t->stone, t->unhidden);
 }
 

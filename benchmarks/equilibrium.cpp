@@ -57,7 +57,7 @@ struct Compared {
 bool add_at_random(const BenchOptions& options, const StonePool& pool, Random& random, Stack* stack) {
   SettleOptions settling;
   settling.world.friction = std::max(options.friction, kSettlingFriction);
-  settling.largest_travel = 0.06;
+  settling.max_travel = 0.06;
   double top = 0.0;
   Eigen::Vector2d p_W_top = Eigen::Vector2d::Zero();
   if (!stack->stones.empty()) {
@@ -101,11 +101,11 @@ Compared compare(const BenchOptions& options, const StonePool& pool, const Stack
   statics.contacts = geometric_contacts(pool.shapes, stack, 0.0002);
   EquilibriumOptions asked;
   asked.friction = options.friction;
-  asked.least_friction = false;
+  asked.min_friction = false;
   const Stopwatch watch;
   out.equilibrium = solve_equilibrium(statics.bodies, statics.contacts, asked);
   out.solve_ms = 1e3 * watch.seconds();
-  asked.least_friction = true;
+  asked.min_friction = true;
   out.equilibrium = solve_equilibrium(statics.bodies, statics.contacts, asked);
   StandOptions stand;
   stand.friction = options.friction;
@@ -144,7 +144,7 @@ void report(const std::string& pool, const std::vector<Stepping>& list, int coun
 /// How far from the edge, in units of the friction: margin of what stands, missing friction of what falls.
 bool outside_band(const BenchOptions& options, const Equilibrium& e) {
   if (e.stands) return e.margin >= options.band;
-  return e.least_friction - options.friction >= options.band;
+  return e.min_friction - options.friction >= options.band;
 }
 
 /// The row of a pool and, with --steps, how its stacks fared with other steps.

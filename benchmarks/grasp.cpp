@@ -22,13 +22,13 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kQuickMs = 300.0;                   // the mark for a plan
-constexpr std::size_t kAngles = 6;                   // ranges of 30 deg
-constexpr double kSmallest = 0.07, kLargest = 0.14;  // m, of generated stones
+constexpr double kQuickMs = 300.0;          // the mark for a plan
+constexpr std::size_t kAngles = 6;          // ranges of 30 deg
+constexpr double kMin = 0.07, kMax = 0.14;  // m, of generated stones
 
 /// How tasks of one range of angles went.
 struct AngleTally {
-  int tasks = 0, hand = 0, planned = 0, once = 0, twice = 0;
+  int tasks = 0, gripper = 0, planned = 0, once = 0, twice = 0;
 };
 
 struct Tally {
@@ -99,7 +99,7 @@ void report_angles(const Tally& t, Results& results) {
       {{"from_deg"}, {"to_deg"}, {"tasks"}, {"gripper_alone"}, {"planned"}, {"once"}, {"twice"}, {"none"}});
   for (std::size_t i = 0; i < kAngles; ++i) {
     const AngleTally& a = t.angles[i];
-    results.row({30 * i, 30 * (i + 1), a.tasks, a.hand, a.planned, a.once, a.twice,
+    results.row({30 * i, 30 * (i + 1), a.tasks, a.gripper, a.planned, a.once, a.twice,
                  a.tasks - a.planned - a.once - a.twice});
   }
 }
@@ -116,7 +116,7 @@ void run_task(const PlanningScene& scene, const PickAndPlaceTask& task, const Mo
       tally.angles[std::min(kAngles - 1, static_cast<std::size_t>(6.0 * between_ups(task) / M_PI))];
   ++tally.tasks;
   ++angle.tasks;
-  angle.hand += hand_can_grasp(scene, task, options) ? 1 : 0;
+  angle.gripper += gripper_can_grasp(scene, task, options) ? 1 : 0;
   const double check = processor_ms();
   const bool graspable = can_grasp(scene, task, options);
   tally.check_ms.push_back(processor_ms() - check);
@@ -228,8 +228,8 @@ void add_grasp(CLI::App& app) {
       return measure(command->common.read().stones, command->tasks, seed, command->motion, results);
     std::vector<Stone> stones;
     for (int k = 0; k < command->generated; ++k)
-      stones.push_back(random_stone(100 * seed + static_cast<std::uint64_t>(k), concat("limestone ", k),
-                                    kSmallest, kLargest));
+      stones.push_back(
+          random_stone(100 * seed + static_cast<std::uint64_t>(k), concat("limestone ", k), kMin, kMax));
     measure(stones, command->tasks, seed, command->motion, results);
   });
 }

@@ -39,10 +39,10 @@ bool lie_apart(const SceneObject& a, const SceneObject& b, double gap) {
 
 }  // namespace
 
-Stone random_stone(std::uint64_t seed, const std::string& name, double smallest, double largest) {
+Stone random_stone(std::uint64_t seed, const std::string& name, double min_extent, double max_extent) {
   LimestoneOptions shape;
-  shape.smallest = smallest;
-  shape.largest = largest;
+  shape.min_extent = min_extent;
+  shape.max_extent = max_extent;
   shape.faces = 1000;
   Stone stone;
   stone.name = name;

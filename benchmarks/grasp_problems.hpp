@@ -10,9 +10,9 @@
 /// Seeded tasks for `stonestack-bench grasp` and `descent`.
 namespace stonestack::bench {
 
-/// A generated limestone whose longest side is between `smallest` and `largest` (m).
-[[nodiscard]] Stone random_stone(std::uint64_t seed, const std::string& name, double smallest,
-                                 double largest);
+/// A generated limestone whose longest side is between `min_extent` and `max_extent` (m).
+[[nodiscard]] Stone random_stone(std::uint64_t seed, const std::string& name, double min_extent,
+                                 double max_extent);
 
 /// A random orientation rolled downhill until the centre of mass is at a local low.
 [[nodiscard]] Eigen::Quaterniond rest(const Stone& stone, Random& random);

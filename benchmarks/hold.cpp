@@ -8,7 +8,6 @@
 
 #include "bench.hpp"
 #include "core/quantile.hpp"
-#include "look_error.hpp"
 #include "motion/grasp/pad_press.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -18,6 +17,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"
+#include "view_error.hpp"
 
 namespace stonestack::bench {
 namespace {
@@ -32,7 +32,7 @@ constexpr double kSpacing = 0.003;       // m, between samples that pads press o
 struct Settings {
   std::string catalogue = data_path("stones");
   int picks = 10;
-  LookError look;
+  ViewError view;
   bool every = false;
   bool locked = false;
   int seed = 1;
@@ -94,7 +94,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   PickAndPlaceTask task;
   task.stone = &stone;
   task.object = 0;
-  task.T_W_O_pick = settings.look.believed(simulated.truth().T_W_O[0], random);
+  task.T_W_O_pick = settings.view.estimated(simulated.truth().T_W_O[0], random);
   task.T_W_O_place = task.T_W_O_pick;
   task.T_W_O_place.prerotate(
       Eigen::AngleAxisd(random.uniform(-std::numbers::pi, std::numbers::pi), Eigen::Vector3d::UnitZ()));
@@ -182,8 +182,8 @@ void measure(const Settings& settings, Results& results) {
   const Catalogue catalogue = read_catalogue(settings.catalogue);
   results.settings({{"picks", settings.picks},
                     {"catalogue", settings.catalogue},
-                    {"shift_mm", 1e3 * settings.look.shift},
-                    {"turn_deg", settings.look.turn / kDegree},
+                    {"shift_mm", 1e3 * settings.view.shift},
+                    {"turn_deg", settings.view.turn / kDegree},
                     {"fingers_locked", settings.locked},
                     {"moved_beyond_mm", 1e3 * kSlid},
                     {"moved_beyond_deg", kTurned / kDegree},
@@ -202,7 +202,7 @@ void add_hold(CLI::App& app) {
   sub->add_option("--picks", settings->picks, "Lifts of each stone")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
-  settings->look.add_options(*sub);
+  settings->view.add_options(*sub);
   sub->add_flag("--locked", settings->locked, "Fingers stay where they stopped (simulation.regrip=false)");
   sub->add_flag("--every", settings->every, "Print every lift with its grasp");
   sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();

@@ -143,10 +143,10 @@ RobotModel calibrated(RobotModel robot, const CalibrationDraw& draw, Random& ran
 
 /// Largest difference of two joint vectors, whole turns not counted.
 double apart(const Joints& a, const Joints& b) {
-  double most = 0.0;
+  double max = 0.0;
   for (Eigen::Index i = 0; i < 6; ++i)
-    most = std::max(most, std::abs(std::remainder(a[i] - b[i], 2.0 * 3.14159265358979323846)));
-  return most;
+    max = std::max(max, std::abs(std::remainder(a[i] - b[i], 2.0 * 3.14159265358979323846)));
+  return max;
 }
 
 /// Random poses of calibrated robots. The seed knows nothing of the answer.
@@ -178,9 +178,9 @@ void measure_calibrated(const std::string& name, const CalibrationDraw& draw, st
     }
     throw_if_interrupted();
   }
-  const TableValue most_missed = recovered < poses ? TableValue(missed) : TableValue();
+  const TableValue max_missed = recovered < poses ? TableValue(missed) : TableValue();
   results.row({name, poses, recovered, static_cast<double>(solutions) / static_cast<double>(poses), worst,
-               1e6 * seconds / static_cast<double>(poses), most_missed});
+               1e6 * seconds / static_cast<double>(poses), max_missed});
 }
 
 }  // namespace

@@ -162,12 +162,12 @@ void plan_file(const std::string& path, Results& results) {
   const MotionProblems file = read_motion_problems(path);
   CollisionRules rules;
   rules.padding = file.padding;
-  rules.opening = file.scene.gripper.largest_opening;
+  rules.opening = file.scene.gripper.max_opening;
   const CollisionChecker checker(file.scene, rules);
   std::size_t solved = 0;
   results.settings({{"file", path}, {"padding_mm", 1e3 * file.padding}});
   results.table("problems",
-                {{"problem"}, {"solved"}, {"way_points"}, {"length_rad"}, {"ms", 1}, {"blocked_ends"}});
+                {{"problem"}, {"solved"}, {"waypoints"}, {"length_rad"}, {"ms", 1}, {"blocked_ends"}});
   std::vector<double> milliseconds;
   for (std::size_t i = 0; i < file.problems.size(); ++i) {
     const MotionProblem& problem = file.problems[i];

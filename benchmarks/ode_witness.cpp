@@ -153,7 +153,7 @@ OdeVerdict stand_in_ode(const ShapeList& shapes, const Stack& stack, const OdeOp
       const double turn = difference(placed.T_W_O, now).angle;
       verdict.shift = std::max(verdict.shift, shift);
       verdict.turn = std::max(verdict.turn, turn);
-      if (shift > options.largest_shift || turn > options.largest_turn)
+      if (shift > options.max_shift || turn > options.max_turn)
         verdict.standing = std::min(verdict.standing, k);
     }
     if (verdict.standing == 0) break;

@@ -7,10 +7,10 @@ namespace stonestack::bench {
 /// How the Open Dynamics Engine judges: an engine that shares nothing with ours but the scans.
 struct OdeOptions {
   double friction = 0.1;
-  double seconds = 5.0;            ///< simulated
-  double step = 0.0005;            ///< time step, s
-  double largest_shift = 0.002;    ///< of a centre of mass, m
-  double largest_turn = 0.034907;  ///< of a stone, rad (2 deg)
+  double seconds = 5.0;        ///< simulated
+  double step = 0.0005;        ///< time step, s
+  double max_shift = 0.002;    ///< of a centre of mass, m
+  double max_turn = 0.034907;  ///< of a stone, rad (2 deg)
 };
 struct OdeVerdict {
   int standing = 0;    ///< stones from the bottom that stayed

@@ -12,7 +12,7 @@
 #include "kinematics/inverse.hpp"
 #include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
-#include "motion/path/least_time.hpp"
+#include "motion/path/min_time.hpp"
 #include "motion/timing.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -82,7 +82,7 @@ void measure_cartesian(const std::string& name, int poses, std::uint64_t seed, R
 /// Largest velocity, acceleration and jerk over their limits, by differences of what is sampled at 1 kHz.
 struct Excess {
   double velocity = 0.0, acceleration = 0.0, jerk = 0.0;
-  void look(const JointTrajectory& t, const TimingLimits& limits, double largest_jerk) {
+  void record(const JointTrajectory& t, const TimingLimits& limits, double max_jerk) {
     JointState last = sample(t, 0.0);
     Joints last_acceleration = Joints::Zero();
     for (long k = 1; static_cast<double>(k) * kResample <= t.duration(); ++k) {
@@ -90,8 +90,8 @@ struct Excess {
       const Joints a = (now.qd - last.qd) / kResample;
       velocity = std::max(velocity, now.qd.cwiseAbs().cwiseQuotient(limits.velocity).maxCoeff());
       acceleration = std::max(acceleration, a.cwiseAbs().cwiseQuotient(limits.acceleration).maxCoeff());
-      if (largest_jerk > 0 && k > 1)
-        jerk = std::max(jerk, (a - last_acceleration).cwiseAbs().maxCoeff() / kResample / largest_jerk);
+      if (max_jerk > 0 && k > 1)
+        jerk = std::max(jerk, (a - last_acceleration).cwiseAbs().maxCoeff() / kResample / max_jerk);
       last = now;
       last_acceleration = a;
     }
@@ -113,18 +113,18 @@ void measure_timing(int paths, std::uint64_t seed, Results& results) {
     const double start = processor_seconds();
     const JointTrajectory trajectory = time_path(path, limits);
     milliseconds.push_back(1e3 * (processor_seconds() - start));
-    ratios.push_back(trajectory.duration() / least_time(path, limits));
-    plain.look(trajectory, limits, 0.0);
+    ratios.push_back(trajectory.duration() / min_time(path, limits));
+    plain.record(trajectory, limits, 0.0);
     limits.jerk = kJerk;
     const JointTrajectory limited = time_path(path, limits);
     slower.push_back(limited.duration() / trajectory.duration());
-    smooth.look(limited, limits, kJerk);
+    smooth.record(limited, limits, kJerk);
   }
   results.figures("timing", {{"ms_median", quantile(milliseconds, 0.5), 3},
                              {"ms_p95", quantile(milliseconds, 0.95), 3},
                              {"ms_max", quantile(milliseconds, 1.0), 3},
-                             {"duration_over_least_median", quantile(ratios, 0.5), 4},
-                             {"duration_over_least_max", quantile(ratios, 1.0), 4}});
+                             {"duration_over_min_median", quantile(ratios, 0.5), 4},
+                             {"duration_over_min_max", quantile(ratios, 1.0), 4}});
   results.table(
       "largest at 1 kHz over its limit",
       {{"jerk"}, {"velocity", 6}, {"acceleration", 6}, {"jerk_over_limit", 6}, {"times_as_long_median", 3}});
@@ -170,7 +170,7 @@ void add_timing(CLI::App& app) {
   sub->footer("Example:\n  stonestack-bench timing --paths 1000");
   measure_by(*sub, [command](Results& results) {
     results.settings({{"paths", command->paths},
-                      {"way_points", 10},
+                      {"waypoints", 10},
                       {"jerk_limit_rad_s3", kJerk},
                       {"seed", command->seed}});
     measure_timing(command->paths, static_cast<std::uint64_t>(command->seed), results);

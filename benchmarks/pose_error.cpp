@@ -15,11 +15,11 @@ constexpr double kSymmetryStep = 0.01;  // of the diameter: the toolkit's max_sy
 constexpr std::size_t kNearestPoints =
     2000;  // of the estimate, for which the nearest true point is looked up
 
-double largest_distance(const std::vector<Eigen::Vector3d>& points) {
-  double most = 0.0;
+double max_distance(const std::vector<Eigen::Vector3d>& points) {
+  double max = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) most = std::max(most, (points[i] - points[j]).squaredNorm());
-  return std::sqrt(most);
+    for (std::size_t j = 0; j < i; ++j) max = std::max(max, (points[i] - points[j]).squaredNorm());
+  return std::sqrt(max);
 }
 
 /// The turns about one axis, the identity first.
@@ -38,18 +38,18 @@ std::vector<Pose> turns(const AxisOfSymmetry& axis) {
 /// The smallest over the symmetries of the largest over the points of `distance(p_C, p_C_true)`. A symmetry
 /// is left as soon as it is worse than the best.
 template <class Distance>
-double smallest_largest(const std::vector<Eigen::Vector3d>& points, const ScoredObject& object,
-                        const Pose& T_C_O, const Pose& T_C_O_true, const Distance& distance) {
+double min_of_max_distances(const std::vector<Eigen::Vector3d>& points, const ScoredObject& object,
+                            const Pose& T_C_O, const Pose& T_C_O_true, const Distance& distance) {
   require(!object.symmetries.empty(), "the symmetries of the object are unknown");
   double best = std::numeric_limits<double>::infinity();
   for (const Pose& symmetry : object.symmetries) {
     const Pose T_C_O_same = T_C_O_true * symmetry;
-    double most = 0.0;
+    double max = 0.0;
     for (const Eigen::Vector3d& p_O : points) {
-      most = std::max(most, distance(T_C_O * p_O, T_C_O_same * p_O));
-      if (most >= best) break;
+      max = std::max(max, distance(T_C_O * p_O, T_C_O_same * p_O));
+      if (max >= best) break;
     }
-    best = std::min(best, most);
+    best = std::min(best, max);
   }
   return best;
 }
@@ -72,24 +72,26 @@ ScoredObject make_scored_object(const Mesh& mesh, std::optional<std::vector<Pose
   ScoredObject object;
   object.mesh = mesh;
   object.hull = convex_hull(mesh).vertices;
-  object.diameter = diameter ? *diameter : largest_distance(object.hull);
+  object.diameter = diameter ? *diameter : max_distance(object.hull);
   if (symmetries) object.symmetries = std::move(*symmetries);
   return object;
 }
 
 double mssd(const ScoredObject& object, const Pose& T_C_O, const Pose& T_C_O_true) {
   // The distance is a convex function of the point: it is largest at a vertex of the hull.
-  return smallest_largest(object.hull, object, T_C_O, T_C_O_true,
-                          [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm(); });
+  return min_of_max_distances(
+      object.hull, object, T_C_O, T_C_O_true,
+      [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return (a - b).norm(); });
 }
 
 double mspd(const ScoredObject& object, const Pose& T_C_O, const Pose& T_C_O_true,
             const CameraIntrinsics& camera) {
-  return smallest_largest(object.mesh.vertices, object, T_C_O, T_C_O_true,
-                          [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-                            if (a.z() <= 0.0 || b.z() <= 0.0) return std::numeric_limits<double>::infinity();
-                            return (project(camera, a) - project(camera, b)).norm();
-                          });
+  return min_of_max_distances(object.mesh.vertices, object, T_C_O, T_C_O_true,
+                              [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+                                if (a.z() <= 0.0 || b.z() <= 0.0)
+                                  return std::numeric_limits<double>::infinity();
+                                return (project(camera, a) - project(camera, b)).norm();
+                              });
 }
 
 double add_s(const ScoredObject& object, const Pose& T_C_O, const Pose& T_C_O_true) {

@@ -9,8 +9,8 @@ namespace stonestack::bench {
 namespace {
 
 constexpr double kDrop = 0.001, kRaise = 0.0005;  // m
-constexpr int kMostRaises = 40;
-constexpr int kMostDraws = 50;  // of centres of mass, until the stack below stands with them
+constexpr int kMaxRaises = 40;
+constexpr int kMaxDraws = 50;  // of centres of mass, until the stack below stands with them
 
 Pose displaced(const Pose& T_W_O, const Eigen::Vector3d& p_O_M, const PlacementNoise& noise, Random& random) {
   Eigen::Vector3d shift, turn;
@@ -51,7 +51,7 @@ StandOptions stand_options(const PlacementNoise& noise) {
 std::vector<Eigen::Vector3d> com_errors(const ShapeList& shapes, const Stack& below,
                                         const PlacementNoise& noise, Random& random) {
   StandOptions stand = stand_options(noise);
-  for (int k = 0; k < kMostDraws; ++k) {
+  for (int k = 0; k < kMaxDraws; ++k) {
     stand.com_error_O.clear();
     for (std::size_t i = 0; i < below.stones.size(); ++i)
       stand.com_error_O.push_back(com_error(noise, random));
@@ -70,7 +70,7 @@ std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const
   PlacedStone& top = higher.stones.back();
   // It is let go just above where it would touch.
   top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kDrop));
-  for (int k = 0; k < kMostRaises && top_penetrates(shapes, higher); ++k)
+  for (int k = 0; k < kMaxRaises && top_penetrates(shapes, higher); ++k)
     top.T_W_O.pretranslate(Eigen::Vector3d(0, 0, kRaise));
   SettleOptions settling;
   settling.world.friction = noise.friction;

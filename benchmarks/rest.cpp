@@ -9,7 +9,6 @@
 
 #include "bench.hpp"
 #include "grasp_problems.hpp"
-#include "look_error.hpp"
 #include "motion/pick_and_place/set_down.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -18,6 +17,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/execute.hpp"
 #include "stonestack/stone/catalogue.hpp"
+#include "view_error.hpp"
 
 namespace stonestack::bench {
 namespace {
@@ -31,7 +31,7 @@ constexpr int kStarts = 6;                                   // ways it may lie 
 struct Settings {
   std::string catalogue = data_path("stones");
   int generated = 0, each = 4, seed = 1;
-  LookError look;
+  ViewError view;
   bool every = false;
 };
 
@@ -67,7 +67,7 @@ class Trial {
       PickAndPlaceTask task;
       task.stone = stones_.data();
       task.object = 0;
-      task.T_W_O_pick = settings_.look.believed(simulated_.truth().T_W_O[0], random_);
+      task.T_W_O_pick = settings_.view.estimated(simulated_.truth().T_W_O[0], random_);
       const Eigen::Quaterniond yaw(
           Eigen::AngleAxisd(random_.uniform(-std::numbers::pi, std::numbers::pi), Eigen::Vector3d::UnitZ()));
       T_W_O_down_ = standing(stones_[0], yaw * rest_.R_W_O, layout_.site, 0.0);
@@ -148,13 +148,13 @@ void measure(const Settings& settings, Results& results) {
   if (stones.empty()) stones = read_catalogue(settings.catalogue).stones;
   const double start = processor_seconds();
   RegraspOptions shaky;
-  shaky.rest_margin = shaky.least_margin;
+  shaky.rest_margin = shaky.min_margin;
   shaky.rest_tilt = 0.0;
   results.settings({{"stones", stones.size()},
                     {"margin_mm", 1e3 * shaky.rest_margin},
                     {"each", settings.each},
-                    {"shift_mm", 1e3 * settings.look.shift},
-                    {"turn_deg", settings.look.turn / kDegree},
+                    {"shift_mm", 1e3 * settings.view.shift},
+                    {"turn_deg", settings.view.turn / kDegree},
                     {"seed", settings.seed}});
   std::array<Tally, kTilts.size()> tallies;
   for (const Stone& stone : stones)
@@ -188,7 +188,7 @@ void add_rest(CLI::App& app) {
   sub->add_option("--each", settings->each, "Times that each pose is tried")
       ->check(CLI::Range(1, 999))
       ->capture_default_str();
-  settings->look.add_options(*sub);
+  settings->view.add_options(*sub);
   sub->add_flag("--every", settings->every, "Print every trial");
   sub->add_option("--seed", settings->seed)->check(CLI::Range(0, 2000000))->capture_default_str();
   sub->footer("Example:\n  stonestack-bench rest --each 10 --seed 2");

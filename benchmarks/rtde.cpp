@@ -73,11 +73,11 @@ class ServerProcess {
     const double begin = processor_seconds();
     const int port = server.ports().rtde;
     char end = 0;
-    bool told = ::write(up_[1], &port, sizeof port) == sizeof port;
-    while (told && ::read(down_[0], &end, 1) > 0) continue;  // until the parent closes it
+    bool sent = ::write(up_[1], &port, sizeof port) == sizeof port;
+    while (sent && ::read(down_[0], &end, 1) > 0) continue;  // until the parent closes it
     const double cpu = processor_seconds() - begin;
-    told = ::write(up_[1], &cpu, sizeof cpu) == sizeof cpu;
-    ::_exit(told ? 0 : 1);
+    sent = ::write(up_[1], &cpu, sizeof cpu) == sizeof cpu;
+    ::_exit(sent ? 0 : 1);
   }
 
   int up_[2] = {-1, -1}, down_[2] = {-1, -1};

@@ -163,12 +163,12 @@ PoolOutcomes measure_pool(const BenchOptions& options, const StonePool& pool, co
     const SearchOutcome found = run_default(options, pool, k);
     if (interrupt_noted()) break;  // what was found till then is no draw
     outcomes.of_default.push_back(found);
-    tell_draw(of_search, k, found);
+    report_draw(of_search, k, found);
     if (!options.paper) continue;
     const SearchOutcome found_by_paper = run_paper(options, pool, k, found.cpu);
     if (interrupt_noted()) break;
     outcomes.of_paper.push_back(found_by_paper);
-    tell_draw(paper, k, found_by_paper);
+    report_draw(paper, k, found_by_paper);
   }
   return outcomes;
 }
@@ -190,8 +190,8 @@ std::vector<Figure> settings_of(const BenchOptions& options) {
   if (!options.ode) return settings;
   const OdeOptions& o = options.in_ode;
   settings.insert(settings.end(), {{"ode_s", o.seconds},
-                                   {"ode_shift_max_mm", 1e3 * o.largest_shift},
-                                   {"ode_turn_max_deg", o.largest_turn * 180 / M_PI},
+                                   {"ode_shift_max_mm", 1e3 * o.max_shift},
+                                   {"ode_turn_max_deg", o.max_turn * 180 / M_PI},
                                    {"ode_step_ms", 1e3 * o.step}});
   return settings;
 }
@@ -203,9 +203,9 @@ void measure(const BenchOptions& options, Results& results) {
   const std::vector<StonePool> pools = read_pools(options.pools);
   std::vector<std::pair<std::string, std::vector<SearchOutcome>>> of_paper;
   for (const StonePool& pool : pools) {
-    const SearchRow of_search{pool.name,      "default",   options.stones,
-                              s.least_margin, options.ode, options.in_ode};
-    const SearchRow paper{pool.name, "paper", options.stones, s.least_margin, options.ode, options.in_ode};
+    const SearchRow of_search{pool.name,    "default",   options.stones,
+                              s.min_margin, options.ode, options.in_ode};
+    const SearchRow paper{pool.name, "paper", options.stones, s.min_margin, options.ode, options.in_ode};
     PoolOutcomes outcomes = measure_pool(options, pool, of_search, paper);
     if (!outcomes.of_default.empty()) results.row(search_cells(of_search, outcomes.of_default));
     if (outcomes.of_paper.empty()) continue;

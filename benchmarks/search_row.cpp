@@ -29,7 +29,7 @@ std::vector<TableValue> search_cells(const SearchRow& row, const std::vector<Sea
     wall += outcome.wall;
     if (outcome.clean != row.stones) continue;
     ++whole;
-    firm += outcome.margin >= row.least_margin ? 1 : 0;
+    firm += outcome.margin >= row.min_margin ? 1 : 0;
     in_ode += outcome.ode.standing == row.stones ? 1 : 0;
   }
   const auto n = static_cast<double>(outcomes.size());
@@ -56,7 +56,7 @@ void report_paper_time(const std::string& pool, const std::vector<SearchOutcome>
                kPaperRun / kPaperStones});
 }
 
-void tell_draw(const SearchRow& row, int draw, const SearchOutcome& outcome) {
+void report_draw(const SearchRow& row, int draw, const SearchOutcome& outcome) {
   std::string ode;
   if (row.ode)
     ode = concat(", ODE ", outcome.ode.standing, " (", 1e3 * outcome.ode.shift, " mm, ",

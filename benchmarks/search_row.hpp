@@ -23,11 +23,11 @@ struct SearchOutcome {
 
 /// A row of the table: which stones, which method, and how towers were asked for and judged.
 struct SearchRow {
-  std::string pool;            // name of the stones
-  std::string method;          // default or paper
-  int stones = 4;              // asked for
-  double least_margin = 0.02;  // g
-  bool ode = false;            // judged in the other engine, too
+  std::string pool;          // name of the stones
+  std::string method;        // default or paper
+  int stones = 4;            // asked for
+  double min_margin = 0.02;  // g
+  bool ode = false;          // judged in the other engine, too
   OdeOptions in_ode;
 };
 
@@ -40,6 +40,6 @@ struct SearchRow {
 void report_paper_time(const std::string& pool, const std::vector<SearchOutcome>& outcomes, Results& results);
 
 /// One draw, as a line of stderr.
-void tell_draw(const SearchRow& row, int draw, const SearchOutcome& outcome);
+void report_draw(const SearchRow& row, int draw, const SearchOutcome& outcome);
 
 }  // namespace stonestack::bench

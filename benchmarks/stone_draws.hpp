@@ -15,7 +15,7 @@ namespace stonestack::bench {
 /// placements within 1 mm and 0.5 deg.
 [[nodiscard]] inline SearchOptions search_without_robot() {
   SearchOptions options;
-  options.largest_tilt = M_PI;
+  options.max_tilt = M_PI;
   options.com_sigma = 0.0;
   options.placement_sigma_translation = 0.001;
   options.placement_sigma_rotation = 0.0087266;

@@ -13,7 +13,7 @@ int main() try {
   for (const int stone : {0, 1, 2}) problem.available.push_back({stone, stonestack::Pose::Identity()});
 
   stonestack::SearchOptions options;
-  options.largest_tilt = 3.14;  // no arm is asked: a stone may be turned any way up
+  options.max_tilt = 3.14;  // no arm is asked: a stone may be turned any way up
   const stonestack::SearchResult first = stonestack::find_next_pose(problem, options);
   if (first.best.empty()) {
     std::printf("no stable pose: %s\n", first.reason.c_str());

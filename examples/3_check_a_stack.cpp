@@ -12,7 +12,7 @@ int main() try {
   problem.shapes = &shapes;
   for (const int stone : {0, 1}) problem.available.push_back({stone, stonestack::Pose::Identity()});
   stonestack::SearchOptions options;
-  options.largest_tilt = 3.14;
+  options.max_tilt = 3.14;
   std::string reason;
   stonestack::Stack stack;
   for (const auto& placement : stonestack::plan_tower(problem, 2, options, &reason))
@@ -21,7 +21,7 @@ int main() try {
   const auto verdict = stonestack::judge_stack(shapes, stack);
   const auto statics = stonestack::physics::stack_equilibrium(shapes, stack);
   std::printf("%zu stones: %s; margin %.3f g, smallest friction %.2f\n", stack.stones.size(),
-              verdict.stands ? "stands" : verdict.reason.c_str(), statics.margin, statics.least_friction);
+              verdict.stands ? "stands" : verdict.reason.c_str(), statics.margin, statics.min_friction);
   return verdict.stands ? 0 : 5;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -19,9 +19,9 @@
 namespace stonestack::core {
 namespace {
 
-constexpr double kLongest = 1e9;                  // s, what a deadline may be away: 30 years
-constexpr double kTurn = 0.1;                     // s between looks at Ctrl-C
-constexpr std::size_t kMostDropped = 16U << 20U;  // bytes: a peer that never stops sending must not hold us
+constexpr double kLongest = 1e9;                 // s, what a deadline may be away: 30 years
+constexpr double kTurn = 0.1;                    // s between looks at Ctrl-C
+constexpr std::size_t kMaxDropped = 16U << 20U;  // bytes: a peer that never stops sending must not hold us
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -188,7 +188,7 @@ std::size_t ByteStream::discard_input() {
   std::size_t dropped = kept_.size();
   kept_.clear();
   std::array<std::uint8_t, 4096> bytes;
-  while (dropped < kMostDropped) {
+  while (dropped < kMaxDropped) {
     const IoResult part = receive(bytes, Deadline::in(0));
     if (!part) break;
     dropped += part.bytes;

@@ -46,15 +46,15 @@ bool put_all(int fd, std::string_view content) {
 
 }  // namespace
 
-std::string read_file(const std::string& path, std::size_t largest) {
+std::string read_file(const std::string& path, std::size_t max_bytes) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.fd < 0) throw FileError(path, std::strerror(errno), "check the path");
   struct stat about {};
   if (::fstat(file.fd, &about) != 0) throw FileError(path, std::strerror(errno), "check the path");
   if (!S_ISREG(about.st_mode)) throw FileError(path, "is not a regular file", "give a file");
   const auto size = static_cast<std::size_t>(about.st_size);
-  if (size > largest)
-    throw FileError(path, concat("has ", size, " bytes"), concat("at most ", largest, " are read"));
+  if (size > max_bytes)
+    throw FileError(path, concat("has ", size, " bytes"), concat("at most ", max_bytes, " are read"));
   std::string content(size, '\0');
   for (std::size_t done = 0; done < size;) {
     const ssize_t got = ::read(file.fd, content.data() + done, size - done);

@@ -10,11 +10,11 @@
 namespace stonestack::core {
 
 /// Cache (least recently used) of values that are costly to make, by a key of all that decides them. Keeps
-/// the last `most` that were used, and finds those that somebody still holds. For any thread.
+/// the last `max` that were used, and finds those that somebody still holds. For any thread.
 template <typename T>
 class RecentlyUsed {
  public:
-  explicit RecentlyUsed(std::size_t most) : most_(most) {}
+  explicit RecentlyUsed(std::size_t max) : max_(max) {}
 
   /// Null when it has to be made.
   [[nodiscard]] std::shared_ptr<const T> find(std::uint64_t key) {
@@ -27,7 +27,7 @@ class RecentlyUsed {
     if (auto known = find_locked(key)) return known;
     std::erase_if(released_, [](const Released& r) { return r.value.expired(); });
     kept_.push_front({key, made});
-    if (kept_.size() > most_) {
+    if (kept_.size() > max_) {
       released_.push_front({kept_.back().key, kept_.back().value});
       kept_.pop_back();
     }
@@ -55,7 +55,7 @@ class RecentlyUsed {
     return nullptr;
   }
 
-  std::size_t most_;
+  std::size_t max_;
   std::mutex mutex_;
   std::list<Kept> kept_;  ///< last used first
   std::list<Released> released_;

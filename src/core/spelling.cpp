@@ -6,7 +6,7 @@
 namespace stonestack::core {
 namespace {
 
-constexpr std::size_t kMostMeant = 3;
+constexpr std::size_t kMaxMeant = 3;
 
 /// Names by their edit distance; the order of equal ones is kept.
 std::multimap<std::size_t, std::string> ranked(const std::vector<std::string>& names, std::string_view name) {
@@ -35,7 +35,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 std::vector<std::string> likely_meant(const std::vector<std::string>& names, std::string_view name) {
   std::vector<std::string> list;
   const auto add = [&](const std::string& known) {
-    if (list.size() < kMostMeant && std::find(list.begin(), list.end(), known) == list.end())
+    if (list.size() < kMaxMeant && std::find(list.begin(), list.end(), known) == list.end())
       list.push_back(known);
   };
   for (const std::string& known : names)

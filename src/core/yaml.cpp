@@ -9,16 +9,16 @@
 namespace stonestack::core::yaml {
 namespace {
 
-constexpr std::size_t kLargestFile = 1 << 20;
-constexpr int kMostVisits = 100000;
-constexpr int kMostLevels = 64;
+constexpr std::size_t kMaxFile = 1 << 20;
+constexpr int kMaxVisits = 100000;
+constexpr int kMaxLevels = 64;
 
 struct Walk {
   const std::function<void(const std::string&, const std::string&)>& visit;
   int visits = 0;
 
   void down(const YAML::Node& node, const std::string& name, int level) {
-    require(++visits <= kMostVisits && level <= kMostLevels, "nested too deeply at '", name, "'");
+    require(++visits <= kMaxVisits && level <= kMaxLevels, "nested too deeply at '", name, "'");
     if (node.IsScalar()) return visit(name, node.Scalar());
     if (node.IsSequence()) return visit(name, YAML::Dump(node));
     require(node.IsMap() || node.IsNull(), "'", name, "' must be a value or a map of values");
@@ -33,7 +33,7 @@ struct Walk {
 /// that is a list, a map or nothing has no name. Stops early in what is too deep or too large, which `Walk`
 /// refuses.
 void check_keys(const YAML::Node& node, const std::string& path, int& visits, int level) {
-  if (++visits > kMostVisits || level > kMostLevels) return;
+  if (++visits > kMaxVisits || level > kMaxLevels) return;
   if (node.IsSequence())
     for (const auto& entry : node) check_keys(entry, path, visits, level + 1);
   if (!node.IsMap()) return;
@@ -65,7 +65,7 @@ YAML::Node parse(const std::string& text, const std::string& path) {
 }
 
 YAML::Node read_file(const std::string& path) {
-  return parse(core::read_file(path, kLargestFile), path);
+  return parse(core::read_file(path, kMaxFile), path);
 }
 
 void for_each_scalar(const YAML::Node& node,

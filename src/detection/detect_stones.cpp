@@ -9,8 +9,8 @@
 #include "detection/hypotheses/joint_refine.hpp"
 #include "detection/hypotheses/search_in_turns.hpp"
 #include "detection/judge/accept.hpp"
+#include "detection/judge/alternatives.hpp"
 #include "detection/judge/identity.hpp"
-#include "detection/judge/likeness.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/trace.hpp"
 
@@ -81,10 +81,10 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   for (const auto& t : taken) result.detections.push_back(t.detection);
   if (options.method != "paper")
     result.detections =
-        without_doubles(among_its_likes(std::move(result.detections), data, scene, options, known.stones),
+        without_doubles(among_alternatives(std::move(result.detections), data, scene, options, known.stones),
                         data, scene, options);
   result.detections = refined_together(std::move(result.detections), data, scene);
-  for (auto& d : result.detections) widen_by_likes(d);
+  for (auto& d : result.detections) widen_by_alternatives(d);
   std::stable_sort(result.detections.begin(), result.detections.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   if (result.detections.empty()) {

@@ -66,8 +66,8 @@ struct SimulatedServers::Parts {
   // A hand that the installation does not know of would look like a force to whoever asks the controller.
   [[nodiscard]] UrServerOptions installed() const {
     UrServerOptions o = options.arm;
-    o.payload = carried_mass(world->lock().world.hand_model().gripper);
-    o.payload_cog = world->mounting().T_F_T * hand_centre();
+    o.payload = carried_mass(world->lock().world.gripper_body().gripper);
+    o.payload_cog = world->mounting().T_F_T * gripper_centre();
     return o;
   }
 

@@ -11,8 +11,8 @@ namespace {
 constexpr double kTurn = 0.5;  // s between looks at threads that ended
 }
 
-TcpService::TcpService(const ListenOptions& options, Serve serve, int most_clients)
-    : listener_(options), serve_(std::move(serve)), most_clients_(most_clients) {
+TcpService::TcpService(const ListenOptions& options, Serve serve, int max_clients)
+    : listener_(options), serve_(std::move(serve)), max_clients_(max_clients) {
   acceptor_ = std::thread([this] { accept_clients(); });
 }
 
@@ -47,7 +47,7 @@ void TcpService::accept_clients() {
     try {
       auto stream = listener_.accept(Deadline::in(kTurn));
       sweep();
-      if (!stream || clients() >= most_clients_) continue;
+      if (!stream || clients() >= max_clients_) continue;
       const std::lock_guard lock(mutex_);
       Client& client = clients_.emplace_back(std::move(*stream));
       client.thread = std::thread([this, &client] { run(client); });

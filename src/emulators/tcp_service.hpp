@@ -16,8 +16,8 @@ namespace stonestack::emulators {
 class TcpService {
  public:
   using Serve = std::function<void(TcpStream&)>;
-  /// Listens at once; more than `most_clients` at a time are sent away. Throws as TcpListener does.
-  TcpService(const ListenOptions& options, Serve serve, int most_clients = 16);
+  /// Listens at once; more than `max_clients` at a time are sent away. Throws as TcpListener does.
+  TcpService(const ListenOptions& options, Serve serve, int max_clients = 16);
   ~TcpService();
   TcpService(const TcpService&) = delete;
   TcpService& operator=(const TcpService&) = delete;
@@ -41,7 +41,7 @@ class TcpService {
 
   TcpListener listener_;
   Serve serve_;
-  int most_clients_;
+  int max_clients_;
   std::mutex mutex_;  // of the list and the `done` marks
   std::list<Client> clients_;
   std::thread acceptor_;

@@ -16,11 +16,11 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-void let_stand(World& judge, double seconds) {
-  constexpr double kLook = 0.5;  // s between two looks for an interrupt
-  for (double t = 0; t < seconds; t += kLook) {
+void run_at_rest(World& judge, double seconds) {
+  constexpr double kCheckPeriod = 0.5;  // s between two looks for an interrupt
+  for (double t = 0; t < seconds; t += kCheckPeriod) {
     throw_if_interrupted();
-    judge.run(std::min(kLook, seconds - t));
+    judge.run(std::min(kCheckPeriod, seconds - t));
   }
 }
 
@@ -43,7 +43,7 @@ int count_still(const std::vector<Pose>& before, const std::vector<Pose>& after,
   int count = 0;
   for (const int stone : chain) {
     const auto moved = difference(after[at(stone)], before[at(stone)]);
-    if (moved.translation > bounds.largest_shift || moved.angle > bounds.largest_turn) return count;
+    if (moved.translation > bounds.max_shift || moved.angle > bounds.max_turn) return count;
     ++count;
   }
   return count;
@@ -52,7 +52,7 @@ int count_still(const std::vector<Pose>& before, const std::vector<Pose>& after,
 }  // namespace
 
 StandOptions tower_bounds() {
-  return {.seconds = 60.0, .largest_shift = 0.005, .largest_turn = 0.0523599};  // 3 deg
+  return {.seconds = 60.0, .max_shift = 0.005, .max_turn = 0.0523599};  // 3 deg
 }
 
 TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options) {
@@ -64,7 +64,7 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options)
   verdict.stones = find_chain(world, before, touching, cell.site(), &stand.reason);
   stand.clean = stand.reason.empty();
   World judge = world.judge_world(options.step, options.iterations);
-  let_stand(judge, options.seconds);
+  run_at_rest(judge, options.seconds);
   const auto after = judged_poses(world, judge);
   const Neighbours touching_after(world, after, options.touch_gap);
   const int clean = still_clean(world, touching, touching_after, verdict.stones, &stand.reason);
@@ -75,7 +75,7 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options)
     const auto moved = difference(after[at(stone)], before[at(stone)]);
     stand.shift = std::max(stand.shift, moved.translation);
     stand.turn = std::max(stand.turn, moved.angle);
-    const bool stays = moved.translation <= options.largest_shift && moved.angle <= options.largest_turn;
+    const bool stays = moved.translation <= options.max_shift && moved.angle <= options.max_turn;
     if (intact && !stays)
       stand.reason = concat("stone ", world.shapes()[at(stone)]->name, " moved by ", 1e3 * moved.translation,
                             " mm and ", moved.angle, " rad in ", options.seconds, " s");
@@ -97,7 +97,7 @@ Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, co
   World judge = world.judge_world(bounds.step, bounds.iterations);
   double t = 0.0;
   for (const double seconds : options.seconds) {
-    let_stand(judge, seconds - t);
+    run_at_rest(judge, seconds - t);
     t = seconds;
     survival.standing.push_back(count_still(before, judged_poses(world, judge), chain, bounds));
   }

@@ -87,16 +87,16 @@ Capsule along(const Eigen::Vector3d& n_axis, const Points& points) {
   const Eigen::ArrayXd off2 = (flat.colwise() - centre).colwise().squaredNorm().transpose();
   const Eigen::Vector3d origin = across.transpose() * centre;
   Capsule best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (const double wider : {1.0, 1.02, 1.05, 1.1, 1.2, 1.35}) {
     const double radius = wider * std::sqrt(off2.maxCoeff()) + kSkin;
     const Eigen::ArrayXd half_chord = (radius * radius - off2).max(0.0).sqrt();
     double low = (height + half_chord).minCoeff(), high = (height - half_chord).maxCoeff();
     if (low > high) low = high = 0.5 * (low + high);  // a sphere: any place between holds them all
     const Capsule capsule{origin + low * n_axis, origin + high * n_axis, radius};
-    if (volume(capsule) >= least) continue;
+    if (volume(capsule) >= min) continue;
     best = capsule;
-    least = volume(capsule);
+    min = volume(capsule);
   }
   return best;
 }
@@ -109,10 +109,10 @@ double volume(const Capsule& capsule) {
 }
 
 double distance(const Capsule& capsule, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d way = capsule.b - capsule.a;
-  const double length2 = way.squaredNorm();
-  const double t = length2 > 0.0 ? std::clamp((p - capsule.a).dot(way) / length2, 0.0, 1.0) : 0.0;
-  return (p - capsule.a - t * way).norm() - capsule.radius;
+  const Eigen::Vector3d segment = capsule.b - capsule.a;
+  const double length2 = segment.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - capsule.a).dot(segment) / length2, 0.0, 1.0) : 0.0;
+  return (p - capsule.a - t * segment).norm() - capsule.radius;
 }
 
 std::vector<Eigen::Vector3d> axes_of(const Points& points) {
@@ -131,13 +131,13 @@ Capsule fit_capsule(const Points& all, bool carefully) {
   const Points points = extremes(all);
   Capsule best;
   Eigen::Vector3d n_best;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   const auto consider = [&](const Eigen::Vector3d& n) {
     const Capsule capsule = along(n, points);
-    if (volume(capsule) >= least) return;
+    if (volume(capsule) >= min) return;
     best = capsule;
     n_best = n;
-    least = volume(capsule);
+    min = volume(capsule);
   };
   for (const auto& axis : axes_of(points)) consider(axis);
   for (double tilt = 0.2; carefully && tilt > 0.005; tilt *= 0.5) {

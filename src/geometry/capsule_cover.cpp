@@ -18,9 +18,9 @@ using Points = Eigen::Matrix3Xd;
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
 constexpr double kShare = 1.0 / 24.0;  // of the mesh's size: longer edges are cut, so that parts can be
-constexpr std::size_t kMostTriangles = 200'000;  // after that
-constexpr double kWorth = 0.05;                  // of a part's volume: what a cut has to save
-constexpr double kSmaller = 0.99;                // of its volume: what handing triangles over has to bring
+constexpr std::size_t kMaxTriangles = 200'000;  // after that
+constexpr double kWorth = 0.05;                 // of a part's volume: what a cut has to save
+constexpr double kSmaller = 0.99;               // of its volume: what handing triangles over has to bring
 constexpr int kRounds = 8;
 constexpr int kCuts = 7;  // places along each axis where a cut is tried
 
@@ -34,7 +34,7 @@ void cut_small(const Triangle& whole, double longest, std::vector<Triangle>& par
     double length = 0.0;
     for (std::size_t k = 0; k < 3; ++k)
       if (const double l = (t[(k + 1) % 3] - t[k]).norm(); l > length) length = l, edge = k;
-    if (length <= longest || parts.size() + todo.size() >= kMostTriangles) {
+    if (length <= longest || parts.size() + todo.size() >= kMaxTriangles) {
       parts.push_back(t);
       continue;
     }
@@ -140,7 +140,7 @@ std::optional<Cut> best_cut(const Surface& surface, const Part& part) {
 }
 
 /// Hands over what lies in another part's capsule, too, where this makes the own one smaller.
-bool hand_over(const Surface& surface, std::vector<Part>& parts, std::size_t from) {
+bool reassign_triangles(const Surface& surface, std::vector<Part>& parts, std::size_t from) {
   std::vector<Eigen::Index> kept;
   std::vector<std::pair<std::size_t, Eigen::Index>> given;
   for (const Eigen::Index t : parts[from].triangles) {
@@ -161,9 +161,9 @@ bool hand_over(const Surface& surface, std::vector<Part>& parts, std::size_t fro
 
 }  // namespace
 
-std::vector<Capsule> cover_by_capsules(const Mesh& mesh, std::size_t most) {
+std::vector<Capsule> cover_by_capsules(const Mesh& mesh, std::size_t max) {
   require(!mesh.faces.empty(), "a mesh without faces cannot be covered");
-  require(most > 0, "no capsule covers a mesh");
+  require(max > 0, "no capsule covers a mesh");
   const double size = bounds(mesh).diagonal().norm();
   require(std::isfinite(size) && size > 0.0, "the mesh is ", size, " m across");
   const Surface surface = cut_up(mesh, kShare * size);
@@ -172,7 +172,7 @@ std::vector<Capsule> cover_by_capsules(const Mesh& mesh, std::size_t most) {
 
   std::vector<Part> parts{make_part(surface, std::move(all), true)};
   std::vector<std::optional<Cut>> cuts{best_cut(surface, parts.front())};
-  while (parts.size() < most) {
+  while (parts.size() < max) {
     const auto less = [](const auto& x, const auto& y) {
       return (x ? x->saved : 0.0) < (y ? y->saved : 0.0);
     };
@@ -188,7 +188,7 @@ std::vector<Capsule> cover_by_capsules(const Mesh& mesh, std::size_t most) {
   bool better = parts.size() > 1;
   for (int round = 0; better && round < kRounds; ++round) {
     better = false;
-    for (std::size_t k = 0; k < parts.size(); ++k) better = hand_over(surface, parts, k) || better;
+    for (std::size_t k = 0; k < parts.size(); ++k) better = reassign_triangles(surface, parts, k) || better;
   }
   std::vector<Capsule> capsules;
   for (const Part& part : parts) capsules.push_back(part.capsule);

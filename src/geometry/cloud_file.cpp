@@ -15,8 +15,8 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kLargestFile = 256U << 20U;
-constexpr float kLargestCoordinate = 1e5F;
+constexpr std::size_t kMaxFile = 256U << 20U;
+constexpr float kMaxCoordinate = 1e5F;
 
 Cloud from_ply(const PlyContent& ply) {
   Cloud cloud;
@@ -38,9 +38,9 @@ void settle_gaps(const std::string& path, Cloud& cloud) {
       p.setConstant(std::numeric_limits<float>::quiet_NaN());
       continue;
     }
-    if (!(p.cwiseAbs().maxCoeff() <= kLargestCoordinate))
+    if (!(p.cwiseAbs().maxCoeff() <= kMaxCoordinate))
       throw FileError(path, concat("has a point at (", p.transpose(), ")"),
-                      concat("coordinates must be within ", kLargestCoordinate));
+                      concat("coordinates must be within ", kMaxCoordinate));
     has_point = true;
   }
   if (!has_point) throw FileError(path, "has no point with coordinates", "take the picture again");
@@ -89,7 +89,7 @@ Cloud parse_cloud(const std::string& path, const std::string& extension, std::st
 }
 
 Cloud read_cloud(const std::string& path) {
-  const std::string content = read_file(path, kLargestFile);
+  const std::string content = read_file(path, kMaxFile);
   if (content.empty()) throw FileError(path, "is empty", "make it again");
   return parse_cloud(path, lower_case_extension(path), content);
 }

@@ -12,8 +12,8 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kLargestFile = 256U << 20U;
-constexpr double kMostCounts = 65535.0;
+constexpr std::size_t kMaxFile = 256U << 20U;
+constexpr double kMaxCounts = 65535.0;
 
 /// libpng reports errors by a long jump; nothing with a destructor may live in the functions that it leaves.
 struct Message {
@@ -113,7 +113,7 @@ void write_depth_png(const std::string& path, const DepthImage& image, double un
   bytes.reserve(2 * image.z.size());
   for (const float z : image.z) {
     const double rounded = std::round(static_cast<double>(z) / unit);
-    const bool fits = rounded >= 0.0 && rounded <= kMostCounts;  // false for NaN
+    const bool fits = rounded >= 0.0 && rounded <= kMaxCounts;  // false for NaN
     const auto count = static_cast<unsigned>(fits ? rounded : 0.0);
     bytes.push_back(static_cast<unsigned char>(count >> 8U));
     bytes.push_back(static_cast<unsigned char>(count & 255U));
@@ -129,7 +129,7 @@ void write_depth_png(const std::string& path, const DepthImage& image, double un
 DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit) {
   require_unit(unit);
   DepthImage image = make_empty_image(camera);
-  const std::string file = read_file(path, kLargestFile);
+  const std::string file = read_file(path, kMaxFile);
   std::vector<unsigned char> bytes(2 * image.z.size());
   Message message;
   if (!decode({file.data(), file.size()}, camera, bytes.data(), message))

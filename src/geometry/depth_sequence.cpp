@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestText = 64U << 20U;
+constexpr std::size_t kMaxText = 64U << 20U;
 constexpr double kFinest = 1e-6, kCoarsest = 0.1;  // m a count
 constexpr double kSameTime = 0.020;                // s, between a depth image and a pose (TUM's tool)
 
@@ -101,13 +101,13 @@ void check_columns(const std::vector<double>& K, const std::string& path) {
 /// `width` and `height` of the intrinsics, where they are given, are those of the pictures.
 void check_size(const nlohmann::json& content, const DepthRecord& record, const std::string& path) {
   if (!content.contains("width") || !content.contains("height")) return;
-  const Eigen::Vector2d said(number_of(content, "width", 1, 1e5, path),
-                             number_of(content, "height", 1, 1e5, path));
+  const Eigen::Vector2d stated(number_of(content, "width", 1, 1e5, path),
+                               number_of(content, "height", 1, 1e5, path));
   const Eigen::Vector2i size = png_size(record.path);
-  if (said == size.cast<double>()) return;
+  if (stated == size.cast<double>()) return;
   throw FileError(path,
-                  concat("is of images of ", said.x(), " x ", said.y(), " pixels, but ", record.path, " has ",
-                         size.x(), " x ", size.y()),
+                  concat("is of images of ", stated.x(), " x ", stated.y(), " pixels, but ", record.path,
+                         " has ", size.x(), " x ", size.y()),
                   "give the intrinsics of this stream, or --camera fx,fy,cx,cy");
 }
 
@@ -133,7 +133,7 @@ DepthSequence read_open3d(const std::string& folder, const DepthSequenceInput& i
 
 /// Lines of numbers and words; comments start with '#'.
 std::vector<std::vector<std::string>> table(const std::string& path, std::size_t columns) {
-  std::istringstream lines(read_file(path, kLargestText));
+  std::istringstream lines(read_file(path, kMaxText));
   std::vector<std::vector<std::string>> rows;
   int number = 0;
   for (std::string line; std::getline(lines, line);) {

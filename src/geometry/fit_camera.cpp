@@ -9,9 +9,9 @@ namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kFewest = 100;
-constexpr double kLargestResidual = 1.0;  // pixels, median
-constexpr double kWidest = 1.5;           // tangent of half a field of view
-constexpr double kFilled = 0.8;           // of the pixels around one with a point: a surface, not a sieve
+constexpr double kMaxResidual = 1.0;  // pixels, median
+constexpr double kWidest = 1.5;       // tangent of half a field of view
+constexpr double kFilled = 0.8;       // of the pixels around one with a point: a surface, not a sieve
 
 /// u = f * t + c by least squares, and the median of |residual|.
 struct Line {
@@ -56,8 +56,7 @@ std::optional<std::pair<Line, Line>> fit_lines(const Cloud& cloud) {
     }
   if (tx.size() < kFewest) return std::nullopt;
   const std::pair<Line, Line> lines{fit_line(tx, u), fit_line(ty, v)};
-  if (lines.first.residual > kLargestResidual || lines.second.residual > kLargestResidual)
-    return std::nullopt;
+  if (lines.first.residual > kMaxResidual || lines.second.residual > kMaxResidual) return std::nullopt;
   return lines;
 }
 

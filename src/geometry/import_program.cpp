@@ -31,10 +31,10 @@
 
 namespace {
 
-constexpr std::size_t kLargestFile = 64U << 20U;
+constexpr std::size_t kMaxFile = 64U << 20U;
 constexpr rlim_t kMemory = 1U << 30U;     // bytes
 constexpr rlim_t kProcessorSeconds = 10;  // assimp needs 0.1 s to start, hostile files never end
-constexpr rlim_t kLargestResult = 256U << 20U;
+constexpr rlim_t kMaxResult = 256U << 20U;
 constexpr rlim_t kOpenFiles = 3;  // stdin, stdout, stderr: nothing else can be opened
 
 /// Serves the one file that was given, whatever it says of others.
@@ -84,13 +84,13 @@ bool restrict_this_process() {
     return ::setrlimit(static_cast<__rlimit_resource>(what), &both) == 0;
   };
   return limit(RLIMIT_CORE, 0) && limit(RLIMIT_AS, kMemory) && limit(RLIMIT_CPU, kProcessorSeconds) &&
-         limit(RLIMIT_FSIZE, kLargestResult) && limit(RLIMIT_NOFILE, kOpenFiles) &&
+         limit(RLIMIT_FSIZE, kMaxResult) && limit(RLIMIT_NOFILE, kOpenFiles) &&
          ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
 }
 
 bool read_all(std::vector<std::uint8_t>& content) {
   std::array<std::uint8_t, 65536> block{};
-  while (content.size() <= kLargestFile) {
+  while (content.size() <= kMaxFile) {
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
     if (got == 0) return true;
     if (got < 0 && errno == EINTR) continue;
@@ -149,9 +149,9 @@ std::string as_ply(const aiScene& scene) {
 int import(const std::string& extension, const std::vector<std::uint8_t>& content) {
   const std::string name = "mesh." + extension;
   auto* file = new OneFile(name, content);  // the importer deletes it
-  std::string mended;
+  std::string repaired;
   Assimp::DefaultLogger::create("", Assimp::Logger::NORMAL, 0)
-      ->attachStream(new FirstError(&mended), Assimp::Logger::Err);
+      ->attachStream(new FirstError(&repaired), Assimp::Logger::Err);
   Assimp::Importer importer;
   importer.SetIOHandler(file);
   // Coordinates are as in the file: a Collada file's z stays z (its unit is applied by assimp).
@@ -161,7 +161,7 @@ int import(const std::string& extension, const std::vector<std::uint8_t>& conten
   if (!file->asked_for().empty()) return refuse("names another file, '" + file->asked_for() + "'");
   if (scene == nullptr) return refuse(std::string("cannot be read: ") + importer.GetErrorString());
   if ((scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0) return refuse("holds no complete scene");
-  if (!mended.empty()) std::fprintf(stderr, "%s\n", mended.substr(0, 300).c_str());
+  if (!repaired.empty()) std::fprintf(stderr, "%s\n", repaired.substr(0, 300).c_str());
   return write_all(as_ply(*scene)) ? 0 : refuse("its mesh could not be handed on");
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kFormats = {"glb", "gltf", "dae", "3ds", "off", "fbx"};
 constexpr const char* kRemedy = "convert it to PLY, OBJ or STL";
-constexpr std::size_t kLargestResult = 256U << 20U;
+constexpr std::size_t kMaxResult = 256U << 20U;
 constexpr std::size_t kLongestReason = 300;
 constexpr auto kPause = std::chrono::milliseconds(2);
 
@@ -46,10 +46,10 @@ class MemoryFile {
     }
     return ::lseek(fd_, 0, SEEK_SET) == 0;
   }
-  [[nodiscard]] std::string get(std::size_t largest) const {
+  [[nodiscard]] std::string get(std::size_t max) const {
     struct stat now {};
     if (::fstat(fd_, &now) != 0 || now.st_size <= 0) return {};
-    std::string bytes(std::min(largest, static_cast<std::size_t>(now.st_size)), '\0');
+    std::string bytes(std::min(max, static_cast<std::size_t>(now.st_size)), '\0');
     std::size_t have = 0;
     while (have < bytes.size()) {
       const ssize_t got = ::pread(fd_, &bytes[have], bytes.size() - have, static_cast<off_t>(have));
@@ -156,9 +156,9 @@ std::string import_as_ply(const std::string& path, const std::string& extension,
     const std::string why = first_line(words.get(kLongestReason));
     throw FileError(path, why.empty() ? concat("cannot be read (", program, " failed)") : why, kRemedy);
   }
-  if (const std::string mended = first_line(words.get(kLongestReason)); !mended.empty())
-    log_warning(concat(path, ": assimp says: ", mended));
-  return out.get(kLargestResult);
+  if (const std::string warning = first_line(words.get(kLongestReason)); !warning.empty())
+    log_warning(concat(path, ": assimp says: ", warning));
+  return out.get(kMaxResult);
 }
 
 }  // namespace stonestack::geometry

@@ -6,7 +6,7 @@ namespace stonestack::geometry {
 namespace {
 
 constexpr const char* kRemedy = "write the OBJ file again with another program";
-constexpr int kMostCorners = 1000;
+constexpr int kMaxCorners = 1000;
 
 /// "v x y z", then nothing, a weight or a colour.
 void parse_vertex(const FileCursor& cursor, std::string_view rest, Mesh& mesh) {
@@ -44,8 +44,8 @@ void parse_face(const FileCursor& cursor, std::string_view rest, Mesh& mesh) {
     if (corners == 0) first = index;
     if (corners >= 2) mesh.faces.emplace_back(first, before, index);
     before = index;
-    if (++corners > kMostCorners)
-      cursor.fail(concat("a face has more than ", kMostCorners, " corners"), kRemedy);
+    if (++corners > kMaxCorners)
+      cursor.fail(concat("a face has more than ", kMaxCorners, " corners"), kRemedy);
   }
   if (corners < 3) cursor.fail(concat("a face has ", corners, " corners"), kRemedy);
 }
@@ -64,10 +64,9 @@ Mesh parse_obj(const std::string& path, std::string_view content) {
   }
   cursor.leave_text();
   for (const Eigen::Vector3i& face : mesh.faces) {
-    const int largest = face.maxCoeff();
-    if (static_cast<std::size_t>(largest) >= mesh.vertices.size())
-      cursor.fail(concat("a face has vertex ", largest + 1.0, ", but there are ", mesh.vertices.size()),
-                  kRemedy);
+    const int max = face.maxCoeff();
+    if (static_cast<std::size_t>(max) >= mesh.vertices.size())
+      cursor.fail(concat("a face has vertex ", max + 1.0, ", but there are ", mesh.vertices.size()), kRemedy);
   }
   return mesh;
 }

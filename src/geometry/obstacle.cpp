@@ -12,9 +12,9 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMost = 200;                    // obstacles
-constexpr double kSmallest = 0.001, kLargest = 20.0;  // m
-constexpr std::size_t kMostFaces = 4000;              // that convex_pieces takes
+constexpr std::size_t kMaxObstacles = 200;           // obstacles
+constexpr double kMinSize = 0.001, kMaxSize = 20.0;  // m
+constexpr std::size_t kMaxFaces = 4000;              // that convex_pieces takes
 constexpr const char* kShapes[] = {"box", "sphere", "cylinder", "mesh"};
 
 std::vector<Mesh> read_pieces(yaml::Map& entry) {
@@ -23,13 +23,13 @@ std::vector<Mesh> read_pieces(yaml::Map& entry) {
   const Mesh mesh = read_mesh(file.string());
   if (mesh.vertices.empty()) entry.fail("mesh", "is '" + name + "', which is empty", "give a mesh");
   const double size = bounds(mesh).diagonal().norm();
-  if (!(size >= kSmallest && size <= kLargest))
+  if (!(size >= kMinSize && size <= kMaxSize))
     entry.fail("mesh", concat("is '", name, "', ", size, " m across"),
-               concat("it must be in metres, ", kSmallest, " to ", kLargest, " m across"));
+               concat("it must be in metres, ", kMinSize, " to ", kMaxSize, " m across"));
   try {
     ConvexPiecesOptions options;
-    options.most = 16;
-    if (is_closed(mesh) && mesh.faces.size() <= kMostFaces) return convex_pieces(mesh, options);
+    options.max_pieces = 16;
+    if (is_closed(mesh) && mesh.faces.size() <= kMaxFaces) return convex_pieces(mesh, options);
     return {convex_hull(mesh)};
   } catch (const InvalidArgument& problem) {
     entry.fail("mesh", concat("is '", name, "': ", problem.what()), "give a body with a volume");
@@ -40,7 +40,7 @@ std::vector<Mesh> read_shape(yaml::Map& entry) {
   std::string given;
   for (const char* shape : kShapes)
     if (entry.has(shape)) given += (given.empty() ? "" : " and ") + std::string(shape);
-  const auto size = [](yaml::Map& map, const char* key) { return map.number(key, kSmallest, kLargest); };
+  const auto size = [](yaml::Map& map, const char* key) { return map.number(key, kMinSize, kMaxSize); };
   if (given == "mesh") return read_pieces(entry);
   if (given != "box" && given != "sphere" && given != "cylinder")
     entry.fail("box", given.empty() ? "is missing, as is any other shape" : "is not the only shape: " + given,
@@ -67,9 +67,9 @@ std::vector<Obstacle> parse_obstacles(const std::string& text, const std::string
   if (!list.IsDefined() || list.IsNull()) return obstacles;
   if (!list.IsSequence())
     throw FileError(path, where + " is not a list", "write '- {name: wall, box: {x, y, z}, T_W_O: {...}}'");
-  if (list.size() > kMost)
+  if (list.size() > kMaxObstacles)
     throw FileError(path, concat(where, " has ", list.size(), " entries"),
-                    concat("at most ", kMost, " are read; join small ones"));
+                    concat("at most ", kMaxObstacles, " are read; join small ones"));
   for (std::size_t i = 0; i < list.size(); ++i) {
     yaml::Map entry(list[i], path, concat(where, "[", i, "]"));
     Obstacle obstacle;

@@ -7,8 +7,8 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMost = 200;  // entries
-constexpr double kWidest = 1.0;     // m
+constexpr std::size_t kMax = 200;  // entries
+constexpr double kWidest = 1.0;    // m
 constexpr const char* kMoves[] = {"arm",     "hand",    "held",    "shoulder", "upper arm",
                                   "forearm", "wrist 1", "wrist 2", "wrist 3"};
 
@@ -36,9 +36,9 @@ std::vector<PairPadding> parse_pair_paddings(const std::string& text, const std:
   if (!list.IsDefined() || list.IsNull()) return paddings;
   if (!list.IsSequence())
     throw FileError(path, where + " is not a list", "write '- {a: hand, b: table, m: 0.004}'");
-  if (list.size() > kMost)
+  if (list.size() > kMax)
     throw FileError(path, concat(where, " has ", list.size(), " entries"),
-                    concat("at most ", kMost, " are read"));
+                    concat("at most ", kMax, " are read"));
   const std::vector<std::string> moves(std::begin(kMoves), std::end(kMoves));
   std::vector<std::string> stands{"table"};
   stands.insert(stands.end(), obstacles.begin(), obstacles.end());

@@ -9,11 +9,11 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMostFields = 32;
-constexpr std::size_t kMostValues = 64;  // of a point
-constexpr std::uint64_t kMostPoints = 20'000'000;
-constexpr std::size_t kLargestHeader = 64U << 10U;
-constexpr std::size_t kMostExpansion = 100;  // LZF packs at most 264 bytes into 3
+constexpr std::size_t kMaxFields = 32;
+constexpr std::size_t kMaxValues = 64;  // of a point
+constexpr std::uint64_t kMaxPoints = 20'000'000;
+constexpr std::size_t kMaxHeader = 64U << 10U;
+constexpr std::size_t kMaxExpansion = 100;  // LZF packs at most 264 bytes into 3
 constexpr const char* kRemedy = "write the PCD file again with another program";
 constexpr const char* kCut = "the file is truncated; make it again";
 
@@ -55,7 +55,7 @@ void parse_columns(const FileCursor& cursor, std::string_view key, std::string_v
   std::size_t i = 0;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++i) {
     if (key == "FIELDS") {
-      if (i == kMostFields) cursor.fail(concat("a point has more than ", kMostFields, " fields"), kRemedy);
+      if (i == kMaxFields) cursor.fail(concat("a point has more than ", kMaxFields, " fields"), kRemedy);
       header.fields.push_back({std::string(word)});
       continue;
     }
@@ -66,7 +66,7 @@ void parse_columns(const FileCursor& cursor, std::string_view key, std::string_v
       if ((field.size & (field.size - 1)) != 0)
         cursor.fail(concat("a value of ", field.size, " bytes"), kRemedy);
     } else if (key == "COUNT") {
-      field.count = parse_whole(cursor, word, 1, kMostValues);
+      field.count = parse_whole(cursor, word, 1, kMaxValues);
     } else {
       field.type = word.front();
       if (word != "F" && word != "I" && word != "U")
@@ -89,9 +89,9 @@ void check(const FileCursor& cursor, const Header& header) {
           concat("field ", FileCursor::printable(field.name), " is a float of ", field.size, " bytes"),
           kRemedy);
   }
-  if (values > kMostValues) cursor.fail(concat("a point has more than ", kMostValues, " values"), kRemedy);
-  if (header.width * header.height > kMostPoints)  // each is at most kMostPoints: no overflow
-    cursor.fail(concat("has ", header.width * header.height, " points, more than ", kMostPoints),
+  if (values > kMaxValues) cursor.fail(concat("a point has more than ", kMaxValues, " values"), kRemedy);
+  if (header.width * header.height > kMaxPoints)  // each is at most kMaxPoints: no overflow
+    cursor.fail(concat("has ", header.width * header.height, " points, more than ", kMaxPoints),
                 "thin it out");
   if (header.has_points && header.points != header.width * header.height)
     cursor.fail(
@@ -105,18 +105,18 @@ Header parse_header(FileCursor& cursor) {
   while (header.data.empty()) {
     if (cursor.bytes_left() == 0) cursor.fail("the header has no DATA line", "give a whole PCD file");
     std::string_view rest = cursor.next_line();
-    if (whole - cursor.bytes_left() > kLargestHeader)
-      cursor.fail(concat("the header is longer than ", kLargestHeader, " bytes"), kRemedy);
+    if (whole - cursor.bytes_left() > kMaxHeader)
+      cursor.fail(concat("the header is longer than ", kMaxHeader, " bytes"), kRemedy);
     const std::string_view key = take_word(rest);
     if (key.empty() || key.front() == '#' || key == "VERSION" || key == "VIEWPOINT") continue;
     if (key == "FIELDS" || key == "SIZE" || key == "TYPE" || key == "COUNT") {
       parse_columns(cursor, key, rest, header);
     } else if (key == "WIDTH") {
-      header.width = parse_whole(cursor, take_word(rest), 0, kMostPoints);
+      header.width = parse_whole(cursor, take_word(rest), 0, kMaxPoints);
     } else if (key == "HEIGHT") {
-      header.height = parse_whole(cursor, take_word(rest), 0, kMostPoints);
+      header.height = parse_whole(cursor, take_word(rest), 0, kMaxPoints);
     } else if (key == "POINTS") {
-      header.points = parse_whole(cursor, take_word(rest), 0, kMostPoints);
+      header.points = parse_whole(cursor, take_word(rest), 0, kMaxPoints);
       header.has_points = true;
     } else if (key == "DATA") {
       header.data = take_word(rest);
@@ -168,7 +168,7 @@ class Body {
       const std::size_t packed = decoded<std::uint32_t>(cursor.next_bytes(4));
       const std::size_t unpacked = decoded<std::uint32_t>(cursor.next_bytes(4));
       const std::string_view bytes = cursor.next_bytes(packed);
-      if (unpacked != expected || unpacked / kMostExpansion > packed)
+      if (unpacked != expected || unpacked / kMaxExpansion > packed)
         cursor.fail(concat("announces ", unpacked, " bytes from ", packed, ", the header ", expected),
                     kRemedy);
       if (expected > 0) expanded_ = expand_lzf(bytes, expected);

@@ -8,8 +8,8 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMostVertices = 20'000'000;
-constexpr double kMostCorners = 1000;
+constexpr std::size_t kMaxVertices = 20'000'000;
+constexpr double kMaxCorners = 1000;
 constexpr const char* kRemedy = "write the PLY file again with another program";
 
 /// Values one after the other, whatever the format.
@@ -63,16 +63,17 @@ class PlyBody {
   }
 
   /// Throws unless the rest of the file can hold the element: at least a byte and a blank a value in ASCII.
-  void require_room(const PlyElement& element) const {
+  void require_bytes(const PlyElement& element) const {
     if (element.count == 0) return;
-    std::size_t least = 0;
+    std::size_t min = 0;
     for (const PlyProperty& property : element.properties)
-      least += is_ascii_ ? 2 : size_of(property.is_list ? property.count_type : property.type);
-    if (least == 0) cursor_.fail(concat("element ", element.name, " has no properties"), kRemedy);
-    const std::size_t room = cursor_.bytes_left() + (is_ascii_ ? 1 : 0);  // the last line may lack its end
-    if (element.count > room / least)
+      min += is_ascii_ ? 2 : size_of(property.is_list ? property.count_type : property.type);
+    if (min == 0) cursor_.fail(concat("element ", element.name, " has no properties"), kRemedy);
+    const std::size_t capacity =
+        cursor_.bytes_left() + (is_ascii_ ? 1 : 0);  // the last line may lack its end
+    if (element.count > capacity / min)
       cursor_.fail(concat("ends too early: ", element.count, " of element ", element.name, " need at least ",
-                          least, " bytes each, ", cursor_.bytes_left(), " are left"),
+                          min, " bytes each, ", cursor_.bytes_left(), " are left"),
                    "the file is truncated; make it again");
   }
 
@@ -106,8 +107,8 @@ std::vector<std::size_t> vertex_slots(const FileCursor& cursor, const PlyElement
 }
 
 void read_vertices(const FileCursor& cursor, const PlyElement& element, PlyBody& body, PlyContent& content) {
-  if (element.count > kMostVertices)
-    cursor.fail(concat("has ", element.count, " vertices, more than ", kMostVertices), "reduce it first");
+  if (element.count > kMaxVertices)
+    cursor.fail(concat("has ", element.count, " vertices, more than ", kMaxVertices), "reduce it first");
   bool has_normals = false;
   const std::vector<std::size_t> slots = vertex_slots(cursor, element, has_normals);
   content.points.reserve(element.count);
@@ -135,7 +136,7 @@ void read_faces(const FileCursor& cursor, const PlyElement& element, PlyBody& bo
         body.skip(property);
         continue;
       }
-      const int corners = body.next_whole(property.count_type, 3, kMostCorners, "the corners of a face");
+      const int corners = body.next_whole(property.count_type, 3, kMaxCorners, "the corners of a face");
       const int first = body.next_whole(property.type, 0, last, "a vertex index");
       int before = body.next_whole(property.type, 0, last, "a vertex index");
       for (int k = 2; k < corners; ++k) {
@@ -157,7 +158,7 @@ PlyContent parse_ply(const std::string& path, std::string_view file) {
   content.width = header.width;
   content.height = header.height;
   for (const PlyElement& element : header.elements) {
-    body.require_room(element);
+    body.require_bytes(element);
     if (element.name == "vertex") {
       read_vertices(cursor, element, body, content);
     } else if (element.name == "face") {

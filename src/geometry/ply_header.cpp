@@ -6,9 +6,9 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kLargestHeader = 64U << 10U;
-constexpr std::size_t kMostElements = 16;
-constexpr std::size_t kMostProperties = 32;
+constexpr std::size_t kMaxHeader = 64U << 10U;
+constexpr std::size_t kMaxElements = 16;
+constexpr std::size_t kMaxProperties = 32;
 constexpr const char* kRemedy = "write the PLY file again with another program";
 
 PlyType parse_type(const FileCursor& cursor, std::string_view word) {
@@ -71,8 +71,8 @@ void parse_property(const FileCursor& cursor, std::string_view rest, PlyHeader& 
     if (other.name == property.name)
       cursor.fail(concat("property ", property.name, " stands twice"), kRemedy);
   element.properties.push_back(property);
-  if (element.properties.size() > kMostProperties)
-    cursor.fail(concat("an element has more than ", kMostProperties, " properties"), kRemedy);
+  if (element.properties.size() > kMaxProperties)
+    cursor.fail(concat("an element has more than ", kMaxProperties, " properties"), kRemedy);
 }
 
 void parse_element(const FileCursor& cursor, std::string_view rest, PlyHeader& header) {
@@ -82,8 +82,8 @@ void parse_element(const FileCursor& cursor, std::string_view rest, PlyHeader& h
   for (const PlyElement& other : header.elements)
     if (other.name == element.name) cursor.fail(concat("element ", element.name, " stands twice"), kRemedy);
   header.elements.push_back(element);
-  if (header.elements.size() > kMostElements)
-    cursor.fail(concat("there are more than ", kMostElements, " elements"), kRemedy);
+  if (header.elements.size() > kMaxElements)
+    cursor.fail(concat("there are more than ", kMaxElements, " elements"), kRemedy);
 }
 
 /// Width and height of an organised cloud; anything else in a comment is a comment.
@@ -113,8 +113,8 @@ PlyHeader parse_ply_header(FileCursor& cursor) {
     if (cursor.bytes_left() == 0)
       cursor.fail("the header has no end", "the file is truncated; make it again");
     std::string_view rest = cursor.next_line();
-    if (whole - cursor.bytes_left() > kLargestHeader)
-      cursor.fail(concat("the header is longer than ", kLargestHeader, " bytes"), kRemedy);
+    if (whole - cursor.bytes_left() > kMaxHeader)
+      cursor.fail(concat("the header is longer than ", kMaxHeader, " bytes"), kRemedy);
     const std::string_view key = take_word(rest);
     if (key == "end_header") break;
     if (key == "format") {

@@ -18,7 +18,7 @@ constexpr int kLayer = kBrickNodes * kBrickNodes;
 constexpr int kBrickValues = kBrickNodes * kLayer;
 constexpr std::int32_t kFarOutside = -1;
 constexpr std::int32_t kFarInside = -2;
-constexpr double kMostNodes = 64e6;
+constexpr double kMaxNodes = 64e6;
 
 constexpr int node_index(int x, int y, int z) {
   return (z * kBrickNodes + y) * kBrickNodes + x;
@@ -139,8 +139,8 @@ SignedDistance::SignedDistance(const Mesh& mesh, double cell, double band) {
   const Eigen::Array3d bricks =
       ((around.sizes().array() + 2.0 * (band + cell)) / (kBrickCells * cell)).ceil();
   const double nodes = bricks.prod() * kBrickCells * kBrickCells * kBrickCells;
-  require(nodes <= kMostNodes, "a cell of ", cell, " m and a mesh of ", around.sizes().transpose(),
-          " m make ", nodes, " nodes, more than ", kMostNodes);
+  require(nodes <= kMaxNodes, "a cell of ", cell, " m and a mesh of ", around.sizes().transpose(), " m make ",
+          nodes, " nodes, more than ", kMaxNodes);
   const auto grid = std::make_shared<Grid>();
   grid->cell = cell;
   grid->cells_per_metre = 1.0 / cell;

@@ -8,9 +8,9 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr double kMostSamples = 50e6;
+constexpr double kMaxSamples = 50e6;
 
-/// Throws InvalidArgument when a lattice on every face would exceed kMostSamples.
+/// Throws InvalidArgument when a lattice on every face would exceed kMaxSamples.
 void require_few_samples(const Mesh& mesh, double spacing) {
   double count = static_cast<double>(mesh.vertices.size());
   for (const Eigen::Vector3i& face : mesh.faces) {
@@ -19,8 +19,8 @@ void require_few_samples(const Mesh& mesh, double spacing) {
     const double parts = box.diagonal().norm() / spacing;
     count += 0.5 * parts * parts;
   }
-  require(count < kMostSamples, "a spacing of ", spacing, " m needs about ", count, " samples, more than ",
-          kMostSamples, "; take a wider one");
+  require(count < kMaxSamples, "a spacing of ", spacing, " m needs about ", count, " samples, more than ",
+          kMaxSamples, "; take a wider one");
 }
 
 /// Where the samples of one edge's inside lie in the result, and how many parts the edge has.

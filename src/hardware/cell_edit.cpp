@@ -18,7 +18,7 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr std::size_t kLargestFile = 1 << 20;
+constexpr std::size_t kMaxFile = 1 << 20;
 constexpr double kRounding = 2e-6;  // of numbers as `number_text` writes them
 const std::array<std::string, 7> kKeys{"x", "y", "z", "qx", "qy", "qz", "qw"};
 
@@ -188,8 +188,8 @@ std::optional<std::string> CellText::with_entry_added(const std::string& line) c
 }
 
 /// True if everything but the mount reads as before, and the mount as it should.
-bool says(const std::string& text, const std::string& path, const Scalars& before, const std::string& file,
-          const Numbers& numbers) {
+bool reads_as_intended(const std::string& text, const std::string& path, const Scalars& before,
+                       const std::string& file, const Numbers& numbers) {
   Scalars after;
   try {
     after = scalars_of(yaml::parse(text, path));
@@ -246,7 +246,7 @@ std::string write_mount(const std::string& path, const Pose& T_F_C, const std::s
   std::error_code missing;
   const std::string target = std::filesystem::canonical(path, missing);  // not a link to it
   if (missing) throw FileError(path, missing.message(), "name a cell file that is there");
-  const CellText cell(read_file(target, kLargestFile), target);
+  const CellText cell(read_file(target, kMaxFile), target);
   const Scalars before = cell.scalars();
   const auto has = [&](const std::string& name) {
     return before.count(name) > 0 && !before.at(name).empty();
@@ -271,7 +271,7 @@ std::string write_mount(const std::string& path, const Pose& T_F_C, const std::s
   const auto text = has_pose                 ? cell.with_numbers(numbers)
                     : has("layout.hand_eye") ? cell.with_entry_replaced(*old, line)
                                              : cell.with_entry_added(line);
-  if (!text || !says(*text, target, before, file, numbers))
+  if (!text || !reads_as_intended(*text, target, before, file, numbers))
     throw FileError(path, "is written in a manner that cannot be edited without changing more",
                     "write below `layout`: " + line);
   replace_file(target, *text);

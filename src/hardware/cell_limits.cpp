@@ -15,7 +15,7 @@ constexpr double kFarthest = 10.0;  // m, more than any of these robots reaches
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 struct Range {
-  double least, most;
+  double min, max;
 };
 
 /// [least, most] as a file has it.
@@ -24,12 +24,12 @@ Range read_range(const YAML::Node& node, const std::string& path, const std::str
     throw FileError(path, where + " is not a pair of numbers", "write it as [least, most]");
   Range range{};
   for (std::size_t i = 0; i < 2; ++i) {
-    double& value = i == 0 ? range.least : range.most;
+    double& value = i == 0 ? range.min : range.max;
     if (!node[i].IsScalar() || !YAML::convert<double>::decode(node[i], value) || !std::isfinite(value))
       throw FileError(path, concat(where, "[", i, "] is not a finite number"), "write it as [least, most]");
   }
-  if (!(range.least < range.most))
-    throw FileError(path, concat(where, " is [", range.least, ", ", range.most, "], which leaves nothing"),
+  if (!(range.min < range.max))
+    throw FileError(path, concat(where, " is [", range.min, ", ", range.max, "], which leaves nothing"),
                     "write the smaller number first");
   return range;
 }
@@ -41,14 +41,14 @@ void limit_joints(RobotModel& robot, const std::string& text, const std::string&
   for (Eigen::Index j = 0; j < 6; ++j) {
     const std::string where = concat("limits.joints[", j, "]");
     const Range range = read_range(list[static_cast<std::size_t>(j)], path, where);
-    const double least = robot.lower[j] / kDegree, most = robot.upper[j] / kDegree;
-    if (range.least < least - kRounding || range.most > most + kRounding)
+    const double min = robot.lower[j] / kDegree, max = robot.upper[j] / kDegree;
+    if (range.min < min - kRounding || range.max > max + kRounding)
       throw FileError(path,
-                      concat(where, " is [", range.least, ", ", range.most,
-                             "] deg, wider than the robot's own, ", least, " to ", most, " deg"),
+                      concat(where, " is [", range.min, ", ", range.max,
+                             "] deg, wider than the robot's own, ", min, " to ", max, " deg"),
                       "write what lies within, or leave limits.joints out");
-    robot.lower[j] = std::max(robot.lower[j], range.least * kDegree);
-    robot.upper[j] = std::min(robot.upper[j], range.most * kDegree);
+    robot.lower[j] = std::max(robot.lower[j], range.min * kDegree);
+    robot.upper[j] = std::min(robot.upper[j], range.max * kDegree);
   }
 }
 
@@ -61,11 +61,11 @@ std::optional<Eigen::AlignedBox3d> read_workspace(const CellLimits& limits, cons
     any = true;
     const std::string where = concat("limits.workspace.", kAxes[i]);
     const Range range = read_range(yaml::parse(text, path), path, where);
-    if (range.least < -kFarthest || range.most > kFarthest)
-      throw FileError(path, concat(where, " is [", range.least, ", ", range.most, "] m"),
+    if (range.min < -kFarthest || range.max > kFarthest)
+      throw FileError(path, concat(where, " is [", range.min, ", ", range.max, "] m"),
                       concat("metres within ", kFarthest, " of the origin are meant"));
-    box.min()[i] = range.least;
-    box.max()[i] = range.most;
+    box.min()[i] = range.min;
+    box.max()[i] = range.max;
   }
   return any ? std::optional(box) : std::nullopt;
 }
@@ -91,7 +91,7 @@ RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T
   if (!limits.joints.empty()) limit_joints(robot, limits.joints, path);
   robot.velocity *= limits.joint_speed;
   robot.acceleration *= limits.joint_acceleration;
-  if (const auto box = read_workspace(limits, path)) robot.room = ToolRoom{*box, T_W_R, T_F_T};
+  if (const auto box = read_workspace(limits, path)) robot.workspace = ToolWorkspace{*box, T_W_R, T_F_T};
   return robot;
 }
 

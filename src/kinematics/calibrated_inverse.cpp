@@ -25,9 +25,9 @@ constexpr std::size_t kBranches = 8;
 
 /// Largest difference of two joint vectors, whole turns not counted.
 double apart(const Joints& a, const Joints& b) {
-  double most = 0.0;
-  for (Eigen::Index i = 0; i < 6; ++i) most = std::max(most, std::abs(nearest_turn(a[i] - b[i], 0.0)));
-  return most;
+  double max = 0.0;
+  for (Eigen::Index i = 0; i < 6; ++i) max = std::max(max, std::abs(nearest_turn(a[i] - b[i], 0.0)));
+  return max;
 }
 
 class CalibratedSearch {
@@ -42,19 +42,20 @@ class CalibratedSearch {
   /// Every solution under its start's branch, or where there was doubt under the branch it looks like.
   [[nodiscard]] IkBranches all() {
     if (!(shoulder_.miss <= kCalibration)) return {};
-    bool any_doubt = false;
+    bool any_uncertain = false;
     for (const int right : {0, 1}) {
-      bool doubt = shoulder_.miss > 0.0;
+      bool uncertain = shoulder_.miss > 0.0;
       double sine = 1.0;
       for (const int flipped : {0, 2}) {
         const Wrist wrist = start_wrist(right | flipped);
-        for (const int down : {0, 4}) doubt = !begin(wrist, right | flipped | down, 0.0, kBeside) || doubt;
+        for (const int down : {0, 4})
+          uncertain = !begin(wrist, right | flipped | down, 0.0, kBeside) || uncertain;
         sine = wrist.sine;
       }
-      if (doubt) search_about(right, sine);
-      any_doubt = any_doubt || doubt;
+      if (uncertain) search_about(right, sine);
+      any_uncertain = any_uncertain || uncertain;
     }
-    if (any_doubt) name_by_looks();
+    if (any_uncertain) name_by_signs();
     sort_by_branch(found_);
     return found_;
   }
@@ -74,13 +75,13 @@ class CalibratedSearch {
   }
 
   /// Looks for the solution of `branch`, wrist 2 bent by `bent` more than `wrist` has it, the elbow at least
-  /// by `least`. False where what it finds may not be that branch's own, or where another turn of wrist 3
+  /// by `min`. False where what it finds may not be that branch's own, or where another turn of wrist 3
   /// could bring into reach what is not.
-  bool begin(const Wrist& wrist, int branch, double bent, double least) {
+  bool begin(const Wrist& wrist, int branch, double bent, double min) {
     Elbow elbow = solve_elbow(robot_, wrist);
     if (!(elbow.miss <= kCalibration)) return wrist.sine >= kWristInLine;
     const bool sure = elbow.miss == 0.0 && std::abs(elbow.q3.s) > std::sin(kBeside);
-    elbow.q3 = turn_by(std::clamp(elbow.q3.angle, least, kPi - least));
+    elbow.q3 = turn_by(std::clamp(elbow.q3.angle, min, kPi - min));
     IkSolution found = solution(robot_, wrist, bend_of(robot_, wrist, elbow.q3), branch, seed_);
     found.q[4] += bent;
     const Joints start = found.q;
@@ -107,10 +108,10 @@ class CalibratedSearch {
         Wrist wrist = solve_wrist(robot_, target_, q1, flipped != 0, seed_[5] + robot_.dh_offset[5]);
         const double first = wrist.q6;
         for (int k = 0; k < turns; ++k) {
-          if (k > 0) set_hand(robot_, target_, turn_by(first + 2.0 * kPi * k / turns), wrist);
-          for (const double least : {kBeside, kBentElbow})
+          if (k > 0) set_tool(robot_, target_, turn_by(first + 2.0 * kPi * k / turns), wrist);
+          for (const double min : {kBeside, kBentElbow})
             for (const int down : {0, 4})
-              begin(wrist, right | flipped | down, turns == 1 ? 0.0 : flipped == 0 ? kBent : -kBent, least);
+              begin(wrist, right | flipped | down, turns == 1 ? 0.0 : flipped == 0 ? kBent : -kBent, min);
         }
       }
     }
@@ -118,7 +119,7 @@ class CalibratedSearch {
 
   /// Gives each solution the branch whose signs it has; of two with the same signs the second the free branch
   /// that differs least. Next to a singularity the axes' departures decide on which side a solution lies.
-  void name_by_looks() {
+  void name_by_signs() {
     std::array<bool, kBranches> taken{}, named{};
     const auto count = static_cast<std::size_t>(found_.count);
     const auto name = [&](std::size_t i, int branch) {
@@ -126,15 +127,15 @@ class CalibratedSearch {
       found_.solutions[i].branch = branch;
       named[i] = taken[static_cast<std::size_t>(branch)] = true;
     };
-    std::array<int, kBranches> looks{};
-    for (std::size_t i = 0; i < count; ++i) looks[i] = branch_of(robot_, found_.solutions[i].q);
+    std::array<int, kBranches> signs{};
+    for (std::size_t i = 0; i < count; ++i) signs[i] = branch_of(robot_, found_.solutions[i].q);
     for (std::size_t i = 0; i < count; ++i)
-      if (looks[i] == found_.solutions[i].branch) name(i, looks[i]);
-    for (std::size_t i = 0; i < count; ++i) name(i, looks[i]);
+      if (signs[i] == found_.solutions[i].branch) name(i, signs[i]);
+    for (std::size_t i = 0; i < count; ++i) name(i, signs[i]);
     for (int bits = 1; bits <= 3; ++bits)
       for (std::size_t i = 0; i < count; ++i)
         for (int other = 0; other < static_cast<int>(kBranches); ++other)
-          if (std::popcount(static_cast<unsigned>(other ^ looks[i])) == bits) name(i, other);
+          if (std::popcount(static_cast<unsigned>(other ^ signs[i])) == bits) name(i, other);
   }
 
   const RobotModel& robot_;

@@ -40,7 +40,7 @@ Shoulder solve_shoulder(const RobotModel& robot, const Target& t, double apart) 
   return shoulder;
 }
 
-void set_hand(const RobotModel& robot, const Target& t, const Turn& q6, Wrist& wrist) {
+void set_tool(const RobotModel& robot, const Target& t, const Turn& q6, Wrist& wrist) {
   wrist.q6 = q6.angle;
   const Eigen::Vector3d z4 = -(q6.s * t.x + q6.c * t.y);
   const Eigen::Vector3d x5 = q6.c * t.x - q6.s * t.y;
@@ -65,10 +65,10 @@ Wrist solve_wrist(const RobotModel& robot, const Target& t, const Turn& q1, bool
   const double length = std::sqrt(s5 * s5 + nz * nz);
   wrist.q5 = {std::atan2(s5, nz), nz / length, s5 / length};
   if (wrist.sine < kFreeWrist) {
-    set_hand(robot, t, turn_by(q6_when_free), wrist);
+    set_tool(robot, t, turn_by(q6_when_free), wrist);
   } else {
     const double c6 = nx / s5, s6 = -ny / s5;
-    set_hand(robot, t, {std::atan2(s6, c6), c6, s6}, wrist);
+    set_tool(robot, t, {std::atan2(s6, c6), c6, s6}, wrist);
   }
   return wrist;
 }
@@ -100,7 +100,7 @@ void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist) {
   const double other = std::remainder(heading - half - now, kTurn);
   const double turn = std::abs(one) <= std::abs(other) ? one : other;
   if (wrist.sine * std::abs(turn) > kGuess) return;
-  set_hand(robot, t, turn_by(wrist.q6 + (wrist.q5.c > 0.0 ? -turn : turn)), wrist);
+  set_tool(robot, t, turn_by(wrist.q6 + (wrist.q5.c > 0.0 ? -turn : turn)), wrist);
 }
 
 double nearest_turn(double angle, double seed) {

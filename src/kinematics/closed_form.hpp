@@ -44,7 +44,7 @@ struct Wrist {
 [[nodiscard]] Wrist solve_wrist(const RobotModel& robot, const Target& t, const Turn& q1, bool flipped,
                                 double q6_when_free);
 /// The arm's plane when the flange is turned by `q6` on wrist 3.
-void set_hand(const RobotModel& robot, const Target& t, const Turn& q6, Wrist& wrist);
+void set_tool(const RobotModel& robot, const Target& t, const Turn& q6, Wrist& wrist);
 /// With wrist 2 in line, wrist 3 is free or nearly so, and its value (the seed's, or what rounding left of
 /// it) may put wrist 1 out of reach although another one does not. Turns it to the nearest that reaches, if
 /// that moves the flange by less than kGuess.

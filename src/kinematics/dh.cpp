@@ -49,7 +49,7 @@ double turn(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vec
   return std::atan2(a.cross(b).dot(n), a.dot(b));
 }
 
-std::string not_ur_like(const std::array<Axis, 6>& axes) {
+std::string ur_mismatch(const std::array<Axis, 6>& axes) {
   const auto angle = [&](std::size_t i, std::size_t j) {
     return std::acos(std::clamp(axes[i].n.dot(axes[j].n), -1.0, 1.0));
   };
@@ -106,7 +106,7 @@ Pose forward_dh(const RobotModel& robot, const Joints& q) {
 
 std::string derive_dh(RobotModel& robot) {
   const auto axes = axes_at_zero(robot);
-  if (const auto reason = not_ur_like(axes); !reason.empty()) return reason;
+  if (const auto reason = ur_mismatch(axes); !reason.empty()) return reason;
 
   // The arm's plane: through the shoulder's centre, across the three parallel axes.
   const Eigen::Vector3d n = axes[1].n;

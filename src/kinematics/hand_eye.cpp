@@ -17,9 +17,9 @@ using Stations = std::vector<HandEyePair>;
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-constexpr double kMostTurn = 3.0;  // rad, of a motion: near 180 deg the axis' sign is a matter of noise
-constexpr int kRounds = 40;        // of the joint refinement; it ends after 5 to 10
-constexpr double kStep = 1e-6;     // of the difference quotients
+constexpr double kMaxTurn = 3.0;  // rad, of a motion: near 180 deg the axis' sign is a matter of noise
+constexpr int kRounds = 40;       // of the joint refinement; it ends after 5 to 10
+constexpr double kStep = 1e-6;    // of the difference quotients
 
 /// Stations as if the camera were on the hand: with kOnBase, the base moves about in the flange's frame.
 Stations on_hand(std::span<const HandEyePair> pairs, CameraMount mount) {
@@ -40,9 +40,9 @@ std::vector<HandEyeMotion> motions_of(const Stations& stations) {
     for (std::size_t j = i + 1; j < stations.size(); ++j) {
       const HandEyeMotion m{stations[j].T_R_F.inverse() * stations[i].T_R_F,
                             stations[j].T_C_B * stations[i].T_C_B.inverse()};
-      const double least = std::min(logarithm(m.A.linear()).norm(), logarithm(m.B.linear()).norm());
-      const double most = std::max(logarithm(m.A.linear()).norm(), logarithm(m.B.linear()).norm());
-      if (least >= kMinTurn && most <= kMostTurn) motions.push_back(m);
+      const double min = std::min(logarithm(m.A.linear()).norm(), logarithm(m.B.linear()).norm());
+      const double max = std::max(logarithm(m.A.linear()).norm(), logarithm(m.B.linear()).norm());
+      if (min >= kMinTurn && max <= kMaxTurn) motions.push_back(m);
     }
   return motions;
 }

@@ -71,8 +71,8 @@ HandEyeCalibration calibrate_stations(const HandEyeFile& stations, const HandEye
   require(chosen != solutions.end(), "method ", options.method, " has no result for these pairs");
   done.chosen = *chosen;
   if (!options.check.empty()) done.check = check_file(options.check, stations, done.chosen.T_A_C);
-  done.doubt = doubt_of(done.result, done.chosen);
-  if (!done.doubt.empty()) done.warnings.push_back(done.doubt);
+  done.uncertainty = doubt_of(done.result, done.chosen);
+  if (!done.uncertainty.empty()) done.warnings.push_back(done.uncertainty);
   if (done.check && done.check->inverted)
     done.warnings.push_back(options.check +
                             ": the transformation is inverted: its inverse agrees with the pairs");
@@ -123,10 +123,10 @@ std::string calibration_json(const HandEyeCalibration& calibration) {
 }
 
 void write_calibration(const std::string& path, const HandEyeCalibration& calibration,
-                       const std::string& like) {
+                       const std::string& alternative) {
   EasyHandEye out;
-  if (!like.empty()) {
-    out = read_easy_handeye(like);
+  if (!alternative.empty()) {
+    out = read_easy_handeye(alternative);
   } else {
     out.parameters = {{"move_group", "manipulator"},
                       {"move_group_namespace", "/"},

@@ -38,10 +38,10 @@ Equivalents equivalents(double angle, double lower, double upper) {
 
 /// A solution's distance from the seed, and where it stands among the others.
 struct Rank {
-  double largest = 0, sum = 0;
+  double max_turn = 0, sum = 0;
   std::size_t index = 0;
   bool operator<(const Rank& other) const {
-    if (largest != other.largest) return largest < other.largest;
+    if (max_turn != other.max_turn) return max_turn < other.max_turn;
     return sum < other.sum;
   }
 };

@@ -28,19 +28,19 @@ Eigen::Vector3d turn_of(const Eigen::Matrix3d& R) {
 bool polish(const RobotModel& robot, const Pose& T_R_F, double tolerance, Joints& q) {
   // Beside a singularity a step may lead away again: the best angles are kept, not the last.
   Joints best = q;
-  double least = std::numeric_limits<double>::infinity();
+  double min = std::numeric_limits<double>::infinity();
   for (int step = 0, gained = 0; step < kSteps && step - gained <= kPatience; ++step) {
     const std::array<Pose, 7> links = link_poses(robot, q);
     const Pose T = links[6] * robot.T_6_F;
     Vector6 error;
     error << T_R_F.translation() - T.translation(), turn_of(T_R_F.linear() * T.linear().transpose());
     const double rest = error.norm();
-    if (rest < 0.9 * least) gained = step;
-    if (rest < least) {
-      least = rest;
+    if (rest < 0.9 * min) gained = step;
+    if (rest < min) {
+      min = rest;
       best = q;
     }
-    if (rest < 1e-12 || (step >= kEarly && least > kFarEarly)) break;
+    if (rest < 1e-12 || (step >= kEarly && min > kFarEarly)) break;
     const Jacobian J = jacobian_of(links, T.translation());
     const Eigen::Matrix<double, 6, 6> normal =
         J * J.transpose() + rest * rest * Eigen::Matrix<double, 6, 6>::Identity();
@@ -50,7 +50,7 @@ bool polish(const RobotModel& robot, const Pose& T_R_F, double tolerance, Joints
     q += move;
   }
   q = best;
-  return least <= tolerance;
+  return min <= tolerance;
 }
 
 }  // namespace stonestack::kinematics

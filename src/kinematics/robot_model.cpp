@@ -14,7 +14,7 @@ namespace stonestack::kinematics {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::size_t kLargestUrdf = std::size_t{1} << 20;
+constexpr std::size_t kMaxUrdf = std::size_t{1} << 20;
 
 bool is_path(const std::string& text) {
   return text.find('/') != std::string::npos || fs::path(text).extension() == ".urdf";
@@ -78,7 +78,7 @@ RobotModel read_own_robot(const std::string& path) {
 RobotModel read_robot(const std::string& name_or_path) {
   if (is_yaml(name_or_path)) return read_own_robot(name_or_path);
   const fs::path path = urdf_path(name_or_path);
-  RobotModel robot = parse_urdf(read_file(path.string(), kLargestUrdf), path.string());
+  RobotModel robot = parse_urdf(read_file(path.string(), kMaxUrdf), path.string());
   if (const auto reason = derive_dh(robot); !reason.empty())
     throw FileError(path.string(), "is not a robot with UR kinematics: " + reason,
                     "use a UR or a chain like it");

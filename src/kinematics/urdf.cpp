@@ -60,8 +60,8 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, const std::string& 
   return model;
 }
 
-bool sane(double value, double largest) {
-  return std::isfinite(value) && std::abs(value) <= largest;
+bool sane(double value, double max) {
+  return std::isfinite(value) && std::abs(value) <= max;
 }
 
 /// A URDF that was parsed, with the checks that the parser leaves out.

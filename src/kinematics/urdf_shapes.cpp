@@ -16,10 +16,10 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kLongest = 10.0;        // m
-constexpr double kSmallestMesh = 0.005;  // m
-constexpr std::size_t kMostOfAMesh = 6;
-constexpr std::size_t kMostCapsules = 48;  // 64 movers of a collision check, less hand and held stone
+constexpr double kLongest = 10.0;   // m
+constexpr double kMinMesh = 0.005;  // m
+constexpr std::size_t kMaxCapsulesPerMesh = 6;
+constexpr std::size_t kMaxCapsules = 48;  // 64 movers of a collision check, less hand and held stone
 
 void check_size(double size, const std::string& link, const std::string& path) {
   if (!std::isfinite(size) || size < 0 || size > kLongest)
@@ -35,16 +35,16 @@ LinkCapsule on_link(const Capsule& capsule) {
 double reach_beyond(const std::vector<Capsule>& capsules, const Mesh& mesh) {
   const SurfaceTree surface(mesh);
   const Mesh ball = make_sphere(1.0, 2);
-  double most = 0.0;
+  double max = 0.0;
   for (const Capsule& capsule : capsules)
     for (const auto& n : ball.vertices)
       for (const double along : {0.0, 0.25, 0.5, 0.75, 1.0}) {
         const Eigen::Vector3d p = capsule.a + along * (capsule.b - capsule.a) + capsule.radius * n;
         const auto within = [&](const Capsule& other) { return distance(other, p) < -1e-9; };
         if (std::none_of(capsules.begin(), capsules.end(), within))
-          most = std::max(most, std::abs(surface.nearest(p).distance));
+          max = std::max(max, std::abs(surface.nearest(p).distance));
       }
-  return most;
+  return max;
 }
 
 std::vector<LinkCapsule> around_mesh(const urdf::Mesh& shape, const std::string& link,
@@ -57,11 +57,11 @@ std::vector<LinkCapsule> around_mesh(const urdf::Mesh& shape, const std::string&
                     "give three numbers that are not zero");
   for (auto& v : mesh.vertices) v = scale.cwiseProduct(v);
   const double size = mesh.faces.empty() ? 0.0 : bounds(mesh).diagonal().norm();
-  if (!(size >= kSmallestMesh && size <= kLongest))
+  if (!(size >= kMinMesh && size <= kLongest))
     throw FileError(file, concat("is a collision mesh ", size, " m across, of link '", link, "' in ", path),
-                    concat("it must be ", kSmallestMesh, " to ", kLongest,
+                    concat("it must be ", kMinMesh, " to ", kLongest,
                            " m across; scale=\"0.001 0.001 0.001\" where it is in millimetres"));
-  const std::vector<Capsule> capsules = cover_by_capsules(mesh, kMostOfAMesh);
+  const std::vector<Capsule> capsules = cover_by_capsules(mesh, kMaxCapsulesPerMesh);
   log_info(concat(link, ": ", std::filesystem::path(file).filename().string(), " is covered by ",
                   capsules.size(), " capsules, at most ", std::lround(1000 * reach_beyond(capsules, mesh)),
                   " mm beyond it"));
@@ -132,9 +132,9 @@ void tidy_shapes(std::vector<LinkCapsule>& capsules, const std::vector<std::stri
     throw FileError(path, "has no collision shape on " + bare,
                     "give each moving link <collision> shapes, as in data/robots/ur10.urdf: "
                     "what has none may run into anything");
-  if (capsules.size() > kMostCapsules)
+  if (capsules.size() > kMaxCapsules)
     throw FileError(path, concat("has ", capsules.size(), " collision shapes"),
-                    concat("at most ", kMostCapsules, " are checked; cover several by one cylinder"));
+                    concat("at most ", kMaxCapsules, " are checked; cover several by one cylinder"));
 }
 
 }  // namespace stonestack::kinematics

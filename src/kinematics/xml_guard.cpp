@@ -6,7 +6,7 @@ namespace stonestack::kinematics {
 namespace {
 
 constexpr int kDeepest = 64;
-constexpr int kMostTags = 20000;
+constexpr int kMaxTags = 20000;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& problem) {
   throw FileError(path, problem, "give a well-formed URDF");
@@ -46,7 +46,7 @@ void guard_xml(const std::string& text, const std::string& path) {
   std::size_t at = text.find('<');
   if (at == std::string::npos) refuse(path, "has no XML tag");
   for (; at != std::string::npos; at = text.find('<', at)) {
-    if (++tags > kMostTags) refuse(path, concat("has more than ", kMostTags, " XML tags"));
+    if (++tags > kMaxTags) refuse(path, concat("has more than ", kMaxTags, " XML tags"));
     if (text.compare(at, 4, "<!--") == 0) {
       at = past(text, "-->", at + 4, path);
     } else if (text.compare(at, 2, "<?") == 0) {

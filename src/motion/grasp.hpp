@@ -56,12 +56,12 @@ struct Grasp {
 struct GraspSet {
   std::vector<Grasp> grasps;
   int tried = 0;
-  int too_wide = 0;        ///< stone between the pads wider than the hand opens, or narrower than it closes
-  int no_contact = 0;      ///< a pad meets nothing, or B and C not together
-  int hand_in_stone = 0;   ///< palm or upper finger would touch the stone first
-  int slips = 0;           ///< a squeeze is not in the friction cones
-  int too_heavy = 0;       ///< needs more force than the hand has, whatever the orientation
-  double narrowest = 0.0;  ///< least width that was met between pads [m]; 0: none met
+  int too_wide = 0;          ///< stone between the pads wider than the hand opens, or narrower than it closes
+  int no_contact = 0;        ///< a pad meets nothing, or B and C not together
+  int gripper_in_stone = 0;  ///< palm or upper finger would touch the stone first
+  int slips = 0;             ///< a squeeze is not in the friction cones
+  int too_heavy = 0;         ///< needs more force than the hand has, whatever the orientation
+  double narrowest = 0.0;    ///< least width that was met between pads [m]; 0: none met
 };
 /// Samples grasps over the whole stone. Deterministic. Contacts come from the scan.
 ///

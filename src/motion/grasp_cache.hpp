@@ -5,6 +5,6 @@ namespace stonestack::motion {
 
 /// Sets that `cached_grasps` keeps: four for each of eight stones (as it lies, denser, and from above in two
 /// poses).
-inline constexpr std::size_t kMostGraspSets = 32;
+inline constexpr std::size_t kMaxGraspSets = 32;
 
 }  // namespace stonestack::motion

@@ -76,7 +76,7 @@ class GraspFinder {
                                       const MotionOptions& options = {});
 /// True if some grasp is clear of table and objects, and strong enough, at both ends: what the hand alone
 /// could do, carried by any arm. Where it is false no planner finds a way in one go.
-[[nodiscard]] bool hand_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task,
-                                  const MotionOptions& options = {});
+[[nodiscard]] bool gripper_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task,
+                                     const MotionOptions& options = {});
 
 }  // namespace stonestack::motion

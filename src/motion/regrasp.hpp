@@ -10,17 +10,17 @@ namespace stonestack::motion {
 
 /// How a stone is turned over. Numbers without a source are ours.
 struct RegraspOptions {
-  double rest_margin = 0.004;   ///< centre of mass inside the support polygon of a pose of rest, least [m]
-  double rest_tilt = 0.17;      ///< by which a pose of rest may be turned before it topples, least [rad]
-  double least_margin = 0.002;  ///< the same where no way leads over firmer poses of rest [m]
-  double least_tilt = 0.07;     ///< the same [rad]; in poses below it every stone fell
-  double flat = 0.0015;         ///< scan points that near the table carry the stone [m]
-  int turns = 8;                ///< about the vertical, each pose of rest
-  double around = 0.30;   ///< from where it lies to the farthest place to set it down, along x and y [m]
-  double spacing = 0.06;  ///< between these places [m]
-  double apart = 0.01;    ///< between the stone where it is set down and everything else [m]
-  int most = 2;           ///< times that the stone is set down on the way
-  int attempts = 8;       ///< times that plans are made, most
+  double rest_margin = 0.004;  ///< centre of mass inside the support polygon of a pose of rest, least [m]
+  double rest_tilt = 0.17;     ///< by which a pose of rest may be turned before it topples, least [rad]
+  double min_margin = 0.002;   ///< the same where no way leads over firmer poses of rest [m]
+  double min_tilt = 0.07;      ///< the same [rad]; in poses below it every stone fell
+  double flat = 0.0015;        ///< scan points that near the table carry the stone [m]
+  int turns = 8;               ///< about the vertical, each pose of rest
+  double around = 0.30;        ///< from where it lies to the farthest place to set it down, along x and y [m]
+  double spacing = 0.06;       ///< between these places [m]
+  double apart = 0.01;         ///< between the stone where it is set down and everything else [m]
+  int max_set_downs = 2;       ///< times that the stone is set down on the way
+  int attempts = 8;            ///< times that plans are made, most
   /// Directions of the stone, frame O, that were up in poses of rest which did not hold: these are left out.
   std::vector<Eigen::Vector3d> n_O_not_up = {};
 };

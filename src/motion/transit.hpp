@@ -23,8 +23,8 @@ namespace stonestack::motion {
 /// the hand's direction or up, at most 12 cm, on which it comes away from what it is near until it is clear
 /// of everything by options.approach_padding. The start alone if it is clear already; empty if there is no
 /// such way. The hand is empty and as wide open as the scene tells.
-[[nodiscard]] std::optional<JointPath> way_out(const PlanningScene& scene, const Joints& start,
-                                               const MotionOptions& options = {});
+[[nodiscard]] std::optional<JointPath> escape_path(const PlanningScene& scene, const Joints& start,
+                                                   const MotionOptions& options = {});
 
 /// Sum of the lengths (rad, of the joint vector) of its pieces.
 [[nodiscard]] double length(const JointPath& path);

@@ -14,9 +14,9 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double kMostFriction = 2.0;   // `least_friction` is looked for up to here
-constexpr double kMostMargin = 5.0;     // g
-constexpr double kFrictionStep = 1e-3;  // of `least_friction`
+constexpr double kMaxFriction = 2.0;    // `min_friction` is looked for up to here
+constexpr double kMaxMargin = 5.0;      // g
+constexpr double kFrictionStep = 1e-3;  // of `min_friction`
 
 void check_input(std::span<const StaticBody> bodies, std::span<const Contact> contacts,
                  const EquilibriumOptions& o) {
@@ -83,7 +83,7 @@ class Balance {
       for (int i = 0; i < 2; ++i) entries.push_back({6 * b + i, share(b) * direction[i]});
     programme_->set_basis(at_rest_);
     programme_->set_column(column, entries);
-    programme_->set_upper(column, kMostMargin);
+    programme_->set_upper(column, kMaxMargin);
     programme_->set_gain(column, 1.0);
     const bool solved = programme_->solve(options_.tolerance);
     return {solved ? std::max(programme_->value(column), 0.0) : 0.0, weakest(friction)};
@@ -160,9 +160,9 @@ class Balance {
 };
 
 /// Smallest friction that balances, by bisection; `stands` is the answer at `friction`.
-double least_friction(Balance& balance, double friction, bool stands) {
+double min_friction(Balance& balance, double friction, bool stands) {
   double low = stands ? 0.0 : friction;
-  double high = stands ? friction : kMostFriction;
+  double high = stands ? friction : kMaxFriction;
   if (!stands && (friction >= high || !balance.feasible(high)))
     return std::numeric_limits<double>::infinity();
   if (stands && balance.feasible(0.0)) return 0.0;
@@ -181,13 +181,13 @@ Equilibrium solve_equilibrium(std::span<const StaticBody> bodies, std::span<cons
   Equilibrium result;
   if (bodies.empty()) {
     result.stands = true;
-    result.margin = kMostMargin;
+    result.margin = kMaxMargin;
     return result;
   }
   Balance balance(bodies, contacts, distinct(contacts), options);
   result.stands = balance.feasible(options.friction);
   if (result.stands) {
-    result.margin = kMostMargin;
+    result.margin = kMaxMargin;
     for (int k = 0; k < options.directions; ++k) {
       const double angle = 2 * M_PI * k / options.directions;
       const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
@@ -198,8 +198,7 @@ Equilibrium solve_equilibrium(std::span<const StaticBody> bodies, std::span<cons
       result.weakest_contact = push.weakest;
     }
   }
-  if (options.least_friction)
-    result.least_friction = least_friction(balance, options.friction, result.stands);
+  if (options.min_friction) result.min_friction = min_friction(balance, options.friction, result.stands);
   return result;
 }
 

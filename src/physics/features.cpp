@@ -15,7 +15,7 @@ namespace {
 constexpr double kFlat = 0.005;  // rad: an edge bent less than this cannot be felt (0.02 mm over 13 mm)
 constexpr double kBall = 0.007;  // m
 constexpr int kBallsAcross = 4;  // balls along a group's side
-constexpr int kLargestGrid = 160;
+constexpr int kMaxGrid = 160;
 
 using Vector = Eigen::Vector3d;
 
@@ -162,7 +162,7 @@ void fill_grid(const SurfaceFeatures& out, const std::vector<Eigen::AlignedBox3d
 void build_grid(const Mesh& mesh, SurfaceFeatures& out) {
   const double margin = kLookup + 1e-4;
   const Vector extent = out.box.sizes().array() + 2 * margin;
-  out.cell = std::max(0.005, extent.maxCoeff() / kLargestGrid);
+  out.cell = std::max(0.005, extent.maxCoeff() / kMaxGrid);
   out.origin = out.box.min().array() - margin;
   out.size = (extent / out.cell).array().ceil().cast<int>().max(1);
   const double reach = kLookup + 0.5 * std::sqrt(3.0) * out.cell;

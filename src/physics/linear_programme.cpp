@@ -7,7 +7,7 @@
 namespace stonestack::physics {
 namespace {
 
-constexpr int kMostIterations = 20000;  // a programme here takes a few hundred
+constexpr int kMaxIterations = 20000;  // a programme here takes a few hundred
 
 extern "C" int discard(void*, const char*) {
   return 1;
@@ -74,7 +74,7 @@ bool run_simplex(glp_prob* problem, double tolerance) {
   settings.msg_lev = GLP_MSG_OFF;
   settings.meth = GLP_PRIMAL;
   settings.tol_bnd = tolerance;
-  settings.it_lim = kMostIterations;
+  settings.it_lim = kMaxIterations;
   return glp_simplex(problem, &settings) == 0;
 }
 

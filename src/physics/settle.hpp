@@ -7,12 +7,12 @@ namespace stonestack::physics {
 /// Letting one stone come to rest on a stack.
 struct SettleOptions {
   WorldOptions world;
-  double seconds = 1.0;          ///< at most
-  double damping = 0.4;          ///< linear and angular, while dropping
-  double largest_travel = 0.03;  ///< further is a fall, the trial ends early [m]
-  double calm_speed = 0.001;     ///< of the centre of mass plus radius times turning [m/s]
-  int calm_samples = 8;          ///< samples in a row (4 steps apart) below the calm speed end the trial
-  bool fixed_stack = true;       ///< the stack does not move while the new stone settles
+  double seconds = 1.0;       ///< at most
+  double damping = 0.4;       ///< linear and angular, while dropping
+  double max_travel = 0.03;   ///< further is a fall, the trial ends early [m]
+  double calm_speed = 0.001;  ///< of the centre of mass plus radius times turning [m/s]
+  int calm_samples = 8;       ///< samples in a row (4 steps apart) below the calm speed end the trial
+  bool fixed_stack = true;    ///< the stack does not move while the new stone settles
   Eigen::Vector3d com_error_O = Eigen::Vector3d::Zero();  ///< of the new stone [m]: see StandOptions
 };
 struct SettleResult {

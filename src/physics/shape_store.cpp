@@ -36,7 +36,7 @@ std::shared_ptr<const ShapeGeometry> make_geometry(const Mesh& scan, const Shape
 }
 
 std::shared_ptr<const ShapeGeometry> shape_geometry(const Mesh& scan, const ShapeOptions& options) {
-  static RecentlyUsed<ShapeGeometry> made(kMostKept);
+  static RecentlyUsed<ShapeGeometry> made(kMaxKept);
   const std::uint64_t key = key_of(scan, options);
   if (auto known = made.find(key)) return known;
   return made.keep(key, make_geometry(scan, options));

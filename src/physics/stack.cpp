@@ -10,16 +10,16 @@
 namespace stonestack::physics {
 namespace {
 
-constexpr double kSample = 0.05;           // s, between looks at a stack that is judged
-constexpr double kStillSeconds = 0.1;      // s, in which less motion than StandOptions::still is none
-constexpr int kStill = 3;                  // samples without motion that end a verdict
-constexpr double kFineStep = 0.001;        // s, while contacts for an equilibrium are found
-constexpr double kSettle = 0.1;            // s, before they are collected, at most;
-constexpr double kSettleLook = 0.01;       // s, between looks whether
-constexpr double kCalm = 0.0005;           // m/s, of any surface: less, twice running, is settled
-constexpr int kCollect = 8;                // steps over which they are collected
-constexpr double kCarries = 0.0003;        // m: contacts further apart carry nothing
-constexpr std::size_t kMostContacts = 16;  // of a pair
+constexpr double kSample = 0.05;          // s, between looks at a stack that is judged
+constexpr double kStillSeconds = 0.1;     // s, in which less motion than StandOptions::still is none
+constexpr int kStill = 3;                 // samples without motion that end a verdict
+constexpr double kFineStep = 0.001;       // s, while contacts for an equilibrium are found
+constexpr double kSettle = 0.1;           // s, before they are collected, at most;
+constexpr double kSettleCheck = 0.01;     // s, between looks whether
+constexpr double kCalm = 0.0005;          // m/s, of any surface: less, twice running, is settled
+constexpr int kCollect = 8;               // steps over which they are collected
+constexpr double kCarries = 0.0003;       // m: contacts further apart carry nothing
+constexpr std::size_t kMaxContacts = 16;  // of a pair
 
 std::string named(const ShapeList& shapes, const Stack& stack, int level) {
   return concat("stone ", level, " (",
@@ -101,25 +101,25 @@ PoseDifference moved_by(const ContactShape& shape, const Pose& before, const Pos
 
 /// Speed of the fastest surface of any stone, at most, m/s.
 double speed(const ShapeList& shapes, const Stack& stack, const World& world) {
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t i = 0; i < stack.stones.size(); ++i) {
     const Twist twist = world.twist(static_cast<int>(i));
-    most = std::max(most, twist.v.norm() + shape_of(shapes, stack.stones[i]).radius * twist.w.norm());
+    max = std::max(max, twist.v.norm() + shape_of(shapes, stack.stones[i]).radius * twist.w.norm());
   }
-  return most;
+  return max;
 }
 
 /// How far the surface of any stone went since the last look, m; the poses are kept for the next.
 double motion(const ShapeList& shapes, const Stack& stack, const World& world, std::vector<Pose>& last) {
-  double most = 0.0;
+  double max = 0.0;
   for (std::size_t i = 0; i < last.size(); ++i) {
     const ContactShape& shape = shape_of(shapes, stack.stones[i]);
     const Pose now = world.pose(static_cast<int>(i));
     const auto d = moved_by(shape, last[i], now);
-    most = std::max(most, d.translation + shape.radius * d.angle);
+    max = std::max(max, d.translation + shape.radius * d.angle);
     last[i] = now;
   }
-  return most;
+  return max;
 }
 
 }  // namespace
@@ -156,7 +156,7 @@ StandVerdict judge_stack(const ShapeList& shapes, const Stack& stack, const Stan
       const auto d = moved_by(shape_of(shapes, placed), placed.T_W_O, world.pose(i));
       verdict.shift = std::max(verdict.shift, d.translation);
       verdict.turn = std::max(verdict.turn, d.angle);
-      const double share = std::max(d.translation / options.largest_shift, d.angle / options.largest_turn);
+      const double share = std::max(d.translation / options.max_shift, d.angle / options.max_turn);
       if (share > 1.0) stayed = std::min(stayed, i);
       if (share > excess) excess = share, worst = i;
     }
@@ -180,7 +180,7 @@ std::vector<Contact> geometric_contacts(const ShapeList& shapes, const Stack& st
   std::vector<Contact> out;
   const auto add = [&](int below, int above, std::vector<Touch> touches) {
     std::erase_if(touches, [&](const Touch& t) { return t.gap > gap; });
-    reduce(touches, {}, kMostContacts);
+    reduce(touches, {}, kMaxContacts);
     for (const Touch& t : touches) out.push_back({below, above, t.p_W, t.n_W, t.gap, 0.0});
   };
   for (std::size_t i = 0; i < stack.stones.size(); ++i) {
@@ -204,7 +204,7 @@ StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double f
   settings.step = kFineStep;
   World world = world_of(shapes, stack, settings);
   for (int calm = 0; calm < 2 && world.time() < kSettle - 1e-9;) {
-    world.run(kSettleLook);
+    world.run(kSettleCheck);
     calm = speed(shapes, stack, world) < kCalm ? calm + 1 : 0;
   }
   StackStatics statics;

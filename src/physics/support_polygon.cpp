@@ -22,10 +22,10 @@ using Polygon = CGAL::Polygon_2<Kernel>;
 constexpr double kMerge = 0.001;       // m: nearer points count once
 constexpr double kSimplify = 0.00025;  // m: corners nearer than this to their neighbours' line are left out
 
-std::vector<Contact> distinct(std::span<const Contact> contacts, double largest_gap) {
+std::vector<Contact> distinct(std::span<const Contact> contacts, double max_gap) {
   std::vector<Contact> kept;
   for (const Contact& c : contacts) {
-    if (!(c.gap <= largest_gap)) continue;
+    if (!(c.gap <= max_gap)) continue;
     const bool known = std::any_of(kept.begin(), kept.end(),
                                    [&](const Contact& o) { return (o.p_W - c.p_W).norm() < kMerge; });
     if (!known) kept.push_back(c);
@@ -51,9 +51,9 @@ Polygon2 simplified_hull(const Polygon2& points) {
 }  // namespace
 
 SupportPolygon support_polygon(std::span<const Contact> contacts, const Eigen::Vector3d& p_W_com,
-                               double largest_gap) {
+                               double max_gap) {
   SupportPolygon out;
-  const std::vector<Contact> points = distinct(contacts, largest_gap);
+  const std::vector<Contact> points = distinct(contacts, max_gap);
   out.contacts = static_cast<int>(points.size());
   if (points.empty()) {
     out.margin = -1.0;

@@ -7,8 +7,8 @@
 namespace stonestack::physics {
 namespace {
 
-constexpr std::size_t kMostTouches = 16;  // a pair
-constexpr double kTable = 1e3;            // m: half width of the table's bounding box
+constexpr std::size_t kMaxTouches = 16;  // a pair
+constexpr double kTable = 1e3;           // m: half width of the table's bounding box
 
 const SurfaceShape& shape_of(const btCollisionObject& object) {
   return static_cast<const SurfaceShape&>(*object.getCollisionShape());
@@ -63,7 +63,7 @@ void TouchAlgorithm::processCollision(const btCollisionObjectWrapper*, const btC
                                    ? state_->table.touches(shape_of(*a_).surface(), pose_of(*a_))
                                    : state_->pairs.touches(shape_of(*a_).surface(), shape_of(*b_).surface(),
                                                            pose_of(*a_), pose_of(*b_));
-  reduce(touches, state_->touches, kMostTouches);
+  reduce(touches, state_->touches, kMaxTouches);
   carry_over(touches, state_->touches);
   state_->touches = std::move(touches);
 }

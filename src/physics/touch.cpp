@@ -15,7 +15,7 @@ constexpr double kNearSlack = 2e-4;   // m: motion after which those that may to
 constexpr double kNearTurn = 0.002;   // rad: the same
 constexpr double kSecondOrder = 1.5;  // what crossing edges may move and turn more than the bodies
 constexpr double kParallel = 0.02;    // sine between edges: below it their ends touch, not they
-constexpr std::size_t kMostDeep = 8;  // deep touches a body
+constexpr std::size_t kMaxDeep = 8;   // deep touches a body
 
 void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose& T_Y_X, const Pose& T_W_Y,
               const std::vector<int>& deep, bool swapped, std::vector<Touch>& out) {
@@ -37,7 +37,7 @@ void add_deep(const Surface& X, const Surface& Y, const Pose& T_W_X, const Pose&
     found.push_back(t);
   }
   std::stable_sort(found.begin(), found.end(), [](const Touch& a, const Touch& b) { return a.gap < b.gap; });
-  if (found.size() > kMostDeep) found.resize(kMostDeep);
+  if (found.size() > kMaxDeep) found.resize(kMaxDeep);
   out.insert(out.end(), found.begin(), found.end());
 }
 

@@ -84,8 +84,8 @@ class TablePairs {
   std::vector<int> vertices_;
 };
 
-/// Keeps at most `most` touches: all that were kept before if possible, the deepest, then the most spread.
-void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::size_t most);
+/// Keeps at most `max` touches: all that were kept before if possible, the deepest, then the most spread.
+void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::size_t max);
 /// Takes the impulses over from the last step's touches: the same features, else the nearest within 1 mm with
 /// the same normal.
 void carry_over(std::vector<Touch>& touches, const std::vector<Touch>& before);

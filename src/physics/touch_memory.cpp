@@ -20,8 +20,8 @@ bool same(const Touch& a, const Touch& b) {
 }
 }  // namespace
 
-void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::size_t most) {
-  if (touches.size() <= most) return;
+void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::size_t max) {
+  if (touches.size() <= max) return;
   const std::size_t count = touches.size();
   std::vector<double> bonus(count, 0.0), nearest(count, 1e9);
   for (std::size_t i = 0; i < count; ++i) {
@@ -34,7 +34,7 @@ void reduce(std::vector<Touch>& touches, const std::vector<Touch>& before, std::
   for (std::size_t i = 1; i < count; ++i)
     if (touches[i].gap < touches[next].gap) next = i;
   std::vector<std::size_t> chosen;
-  while (chosen.size() < most) {
+  while (chosen.size() < max) {
     chosen.push_back(next);
     taken[next] = 1;
     double best = -1e9;

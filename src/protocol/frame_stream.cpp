@@ -54,7 +54,7 @@ std::optional<FrameHeader> parse_frame_header(std::span<const std::uint8_t> byte
   const auto f64 = [&](std::size_t at) { return decoded<double>(text.substr(at, 8)); };
   if (text.substr(0, 4) != kMagic || u32(4) != kFrameHeader) return refuse("no frame of this protocol");
   const std::uint64_t width = u32(8), height = u32(12);
-  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width * height > kMostFramePixels)
+  if (width < 1 || height < 1 || width > 16384 || height > 16384 || width * height > kMaxFramePixels)
     return refuse(concat("a frame of ", width, " x ", height, " pixels"));
   if (u32(16) > 2) return refuse(concat("distortion ", u32(16)));
   FrameHeader header;

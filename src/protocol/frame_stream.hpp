@@ -22,7 +22,7 @@
 namespace stonestack::protocol {
 
 inline constexpr std::size_t kFrameHeader = 128;
-inline constexpr std::size_t kMostFramePixels = 4096U * 4096U;
+inline constexpr std::size_t kMaxFramePixels = 4096U * 4096U;
 
 struct FrameHeader {
   CameraIntrinsics camera;

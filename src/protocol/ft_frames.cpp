@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint8_t kFirst = 0x20, kSecond = 0x4E;
 constexpr std::array<double, 6> kCounts{100, 100, 100, 1000, 1000, 1000};  // per N, per Nm
 constexpr std::size_t kLongestText = 160;                                  // bytes between brackets
-constexpr std::size_t kMostKept = 4096;
+constexpr std::size_t kMaxKept = 4096;
 constexpr double kMostPlausible = 1e4;  // N, Nm: more is no reading of any sensor
 
 std::optional<FtReading> decode_frame(std::span<const std::uint8_t> bytes) {
@@ -68,9 +68,9 @@ std::string encode_ft_text(const FtReading& reading) {
 
 void FtParser::feed(std::span<const std::uint8_t> bytes) {
   kept_.insert(kept_.end(), bytes.begin(), bytes.end());
-  if (kept_.size() > kMostKept) {
-    bad_ += static_cast<long>(kept_.size() - kMostKept);
-    drop(kept_.size() - kMostKept);
+  if (kept_.size() > kMaxKept) {
+    bad_ += static_cast<long>(kept_.size() - kMaxKept);
+    drop(kept_.size() - kMaxKept);
   }
 }
 

@@ -95,8 +95,8 @@ std::variant<Request, Exception> parse_request(View pdu) {
     return request;
   }
   request.count = word(pdu, 3);
-  const int most = request.function == kWriteMany ? kMostWritten : kMostRead;
-  if (request.count < 1 || request.count > most) return Exception::kIllegalValue;
+  const int max = request.function == kWriteMany ? kMaxWritten : kMaxRead;
+  if (request.count < 1 || request.count > max) return Exception::kIllegalValue;
   if (request.address + request.count > 0x10000) return Exception::kIllegalAddress;
   if (request.function != kWriteMany) return request;
   if (pdu[5] != 2 * request.count) return Exception::kIllegalValue;
@@ -196,10 +196,10 @@ std::optional<RtuFrame> whole_rtu_frame(View bytes) {
   return bytes.size() < 4 ? std::nullopt : frame_at(bytes, 0, bytes.size() - 3);
 }
 
-std::string hex_text(View bytes, std::size_t most) {
+std::string hex_text(View bytes, std::size_t max) {
   constexpr std::array<char, 17> kDigits{"0123456789ABCDEF"};
-  std::string text = bytes.size() > most ? ".. " : "";
-  for (const auto byte : bytes.last(std::min(most, bytes.size()))) {
+  std::string text = bytes.size() > max ? ".. " : "";
+  for (const auto byte : bytes.last(std::min(max, bytes.size()))) {
     text += kDigits[byte >> 4U];
     text += kDigits[byte & 15U];
     text += ' ';

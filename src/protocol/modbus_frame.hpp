@@ -18,7 +18,7 @@ using View = std::span<const std::uint8_t>;
 
 inline constexpr std::uint8_t kReadHolding = 3, kReadInput = 4, kWriteOne = 6, kWriteMany = 16;
 inline constexpr std::uint8_t kExceptionBit = 0x80;
-inline constexpr int kMostRead = 125, kMostWritten = 123;  ///< registers in one request
+inline constexpr int kMaxRead = 125, kMaxWritten = 123;  ///< registers in one request
 inline constexpr std::size_t kTcpHeader = 7, kLongestPdu = 253;
 
 enum class Exception : std::uint8_t {
@@ -84,7 +84,7 @@ struct RtuFrame {
 /// know.
 [[nodiscard]] std::optional<RtuFrame> whole_rtu_frame(View bytes);
 
-/// "09 03 02 31 00": bytes for a message, at most the last `most`.
-[[nodiscard]] std::string hex_text(View bytes, std::size_t most = 24);
+/// "09 03 02 31 00": bytes for a message, at most the last `max`.
+[[nodiscard]] std::string hex_text(View bytes, std::size_t max = 24);
 
 }  // namespace stonestack::protocol::modbus

@@ -151,8 +151,8 @@ std::optional<PrimaryMessage> PrimaryStream::next() {
     BigEndianReader in(std::string_view(bytes_).substr(begin_));
     const auto size = in.get<std::uint32_t>();
     const auto type = in.get<std::uint8_t>();
-    if (size < kHeader || size > largest_) {
-      problem_ = concat("package of ", size, " bytes (", kHeader, " to ", largest_, " expected)");
+    if (size < kHeader || size > max_) {
+      problem_ = concat("package of ", size, " bytes (", kHeader, " to ", max_, " expected)");
       break;
     }
     if (bytes_.size() - begin_ < size) break;

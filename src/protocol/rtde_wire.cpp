@@ -9,7 +9,7 @@ namespace stonestack::protocol {
 namespace {
 
 constexpr std::size_t kHeader = 3;
-constexpr std::size_t kLargestPacket = 65535;
+constexpr std::size_t kMaxPacket = 65535;
 constexpr std::size_t kLongestText = 255;
 constexpr std::size_t kKeptBytes = 1 << 16;  // consumed bytes are dropped beyond this
 
@@ -39,7 +39,7 @@ bool has_recipe(int protocol, bool from_controller) {
 
 std::string encode(const RtdePacket& packet) {
   const std::size_t size = packet.payload.size() + kHeader;
-  require(size <= kLargestPacket, "an RTDE packet holds ", kLargestPacket, " bytes at most, not ", size);
+  require(size <= kMaxPacket, "an RTDE packet holds ", kMaxPacket, " bytes at most, not ", size);
   std::string bytes;
   put(bytes, static_cast<std::uint16_t>(size));
   put(bytes, static_cast<std::uint8_t>(packet.kind));
@@ -60,8 +60,8 @@ std::optional<RtdePacket> RtdeStream::next() {
   BigEndianReader in(std::string_view(bytes_).substr(begin_));
   const auto size = in.get<std::uint16_t>();
   const auto type = in.get<std::uint8_t>();
-  if (size < kHeader || size > largest_)
-    problem_ = concat("RTDE packet of ", size, " bytes (", kHeader, " to ", largest_, " expected)");
+  if (size < kHeader || size > max_)
+    problem_ = concat("RTDE packet of ", size, " bytes (", kHeader, " to ", max_, " expected)");
   else if (!is_known(type))
     problem_ = concat("RTDE packet of unknown type ", int{type});
   if (!problem_.empty() || bytes_.size() - begin_ < size) return std::nullopt;

@@ -7,7 +7,7 @@
 
 namespace stonestack::protocol {
 namespace {
-constexpr double kMostCounts = 65535.0;
+constexpr double kMaxCounts = 65535.0;
 }
 
 std::size_t z16_bytes(const CameraIntrinsics& camera, std::size_t bytes_per_line) {
@@ -40,7 +40,7 @@ std::vector<std::uint8_t> encode_z16(const DepthImage& image, double unit) {
   bytes.reserve(2 * image.z.size());
   for (const float z : image.z) {
     const double rounded = std::round(static_cast<double>(z) / unit);
-    const auto count = static_cast<unsigned>(rounded >= 0.0 && rounded <= kMostCounts ? rounded : 0.0);
+    const auto count = static_cast<unsigned>(rounded >= 0.0 && rounded <= kMaxCounts ? rounded : 0.0);
     bytes.push_back(static_cast<std::uint8_t>(count & 0xFFU));
     bytes.push_back(static_cast<std::uint8_t>(count >> 8U));
   }

@@ -30,10 +30,10 @@ json entry_of(const Catalogue& catalogue, const Detection& found, const std::opt
                 {"visible", found.visible},
                 {"covariance_C", covariance_json(found.covariance)},
                 {"certainty", found.certainty}};
-  for (const auto& like : found.likes)
-    entry["likes"].push_back({{"stone", name_of(catalogue, like.stone)},
-                              {"T_C_O", pose_json(like.T_C_O)},
-                              {"weight", like.weight}});
+  for (const auto& alternative : found.alternatives)
+    entry["likes"].push_back({{"stone", name_of(catalogue, alternative.stone)},
+                              {"T_C_O", pose_json(alternative.T_C_O)},
+                              {"weight", alternative.weight}});
   if (T_W_C) entry["T_W_O"] = pose_json(*T_W_C * found.T_C_O);
   return entry;
 }
@@ -53,9 +53,9 @@ json entry_of(const Catalogue& catalogue, const TrackedStone& tracked, const Pos
 std::string in_words(const Detection& found, const Catalogue& catalogue) {
   std::string others;
   int turned = 0;
-  for (const auto& like : found.likes) {
-    const std::string& name = name_of(catalogue, like.stone);
-    if (like.stone == found.stone)
+  for (const auto& alternative : found.alternatives) {
+    const std::string& name = name_of(catalogue, alternative.stone);
+    if (alternative.stone == found.stone)
       ++turned;
     else if (others.find("'" + name + "'") == std::string::npos)
       others += concat(others.empty() ? "" : ", ", "'", name, "'");

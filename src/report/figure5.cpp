@@ -95,12 +95,12 @@ std::string draw_run(const Scale& scale, const ExperimentRun& run, std::size_t n
 }
 
 std::string legend(const Experiment& experiment) {
-  constexpr std::size_t kMost = 22;
+  constexpr std::size_t kMax = 22;
   std::string text = mark(kWidth - kRight + 22, kTop + 4, true, "#444") +
                      format("<text x='%.0f' y='%.0f'>held</text>", kWidth - kRight + 34, kTop + 8) +
                      mark(kWidth - kRight + 82, kTop + 4, false, "#444") +
                      format("<text x='%.0f' y='%.0f'>failed</text>\n", kWidth - kRight + 94, kTop + 8);
-  for (std::size_t i = 0; i < std::min(kMost, experiment.runs.size()); ++i)
+  for (std::size_t i = 0; i < std::min(kMax, experiment.runs.size()); ++i)
     text += format("<text x='%.0f' y='%.0f' fill='%s'>run %zu: %d</text>\n", kWidth - kRight + 18,
                    kTop + 30 + 15.5 * static_cast<double>(i), colour(i).c_str(), i + 1,
                    judged_height(experiment.runs[i]));

@@ -9,7 +9,7 @@
 namespace stonestack::report {
 namespace {
 
-constexpr double kWidth = 900, kLeft = 70, kRight = 130, kTop = 84, kPanel = 190, kGap = 34, kFoot = 50;
+constexpr double kWidth = 900, kLeft = 70, kRight = 130, kTop = 84, kPanel = 190, kGap = 34, kFooter = 50;
 constexpr double kDegrees = 180.0 / 3.14159265358979323846, kMillimetres = 1000.0;
 
 /// One curve of a panel.
@@ -145,7 +145,7 @@ std::string plan_plot(const PickAndPlacePlan& plan, const std::vector<PlanMoment
   std::string text = format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' "
       "font-size='12'>\n<rect width='100%%' height='100%%' fill='white'/>\n",
-      kWidth, bottom + kFoot);
+      kWidth, bottom + kFooter);
   double top = kTop;
   for (const auto& panel : all) {
     const Frame frame = frame_of(panel, moments, top);

@@ -12,7 +12,7 @@ namespace {
 
 using Kind = PlanStep::Kind;
 
-const Eigen::Vector3d kArmColour(0.42, 0.52, 0.62), kHandColour(0.24, 0.25, 0.28);
+const Eigen::Vector3d kArmColour(0.42, 0.52, 0.62), kGripperColour(0.24, 0.25, 0.28);
 const Eigen::Vector3d kMovedColour(0.80, 0.52, 0.25), kOtherColour(0.75, 0.72, 0.66);
 
 /// Gripper motion during a step.
@@ -41,7 +41,7 @@ PlanningScene scene_at(PlanningScene scene, const PickAndPlaceTask& task, const 
 }
 
 /// The hand with its fingers as the plan wants them.
-GripperModel hand_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
+GripperModel gripper_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
   return plan.spacing > 0 ? with_spacing(scene.gripper, plan.spacing) : scene.gripper;
 }
 
@@ -49,7 +49,7 @@ CollisionChecker checker_of(PlanningScene scene, const PickAndPlaceTask& task, c
                             std::size_t step) {
   const Stage stage = stage_of(plan, step);
   const Kind kind = plan.steps[step].kind;
-  scene.gripper = hand_of(scene, plan);
+  scene.gripper = gripper_of(scene, plan);
   CollisionRules rules;
   rules.opening = stage.opening;
   if (stage.held) {
@@ -128,10 +128,10 @@ std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPla
     meshes.push_back(
         {capsule_mesh(capsule), scene.T_W_R * links[static_cast<std::size_t>(capsule.link)], kArmColour});
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, moment.q) * scene.T_F_T;
-  for (const auto& box : hand_of(scene, plan).boxes) {
+  for (const auto& box : gripper_of(scene, plan).boxes) {
     const Eigen::Vector3d centre =
         box.p_T_centre + 0.5 * stage.opening * box.finger_side * Eigen::Vector3d::UnitX();
-    meshes.push_back({make_box(box.size), T_W_T * Pose(Eigen::Translation3d(centre)), kHandColour});
+    meshes.push_back({make_box(box.size), T_W_T * Pose(Eigen::Translation3d(centre)), kGripperColour});
   }
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (static_cast<int>(i) == task.object) continue;

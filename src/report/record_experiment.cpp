@@ -21,7 +21,7 @@ namespace {
 constexpr const char* kRepeat = "repeat the command that began it";
 
 std::vector<int> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
-  return draw_stones(catalogue, count, seed, hand_of(CellLayout{}), robot);
+  return draw_stones(catalogue, count, seed, gripper_of(CellLayout{}), robot);
 }
 
 /// The stones of the experiment, drawn by its seed, in the order of the catalogue.
@@ -34,9 +34,9 @@ Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
 
 /// Refuses what could end the experiment hours later.
 void check_order(const ExperimentOrder& order, const Catalogue& catalogue) {
-  constexpr int kLargest = std::numeric_limits<int>::max();
-  require(order.seed <= (kLargest - order.runs) / 1000, "run k of seed S has the seed 1000 S + k, ",
-          "which is too large for --seed ", order.seed, "; at most ", (kLargest - order.runs) / 1000);
+  constexpr int kMax = std::numeric_limits<int>::max();
+  require(order.seed <= (kMax - order.runs) / 1000, "run k of seed S has the seed 1000 S + k, ",
+          "which is too large for --seed ", order.seed, "; at most ", (kMax - order.runs) / 1000);
   const auto count = static_cast<int>(catalogue.stones.size());
   require(order.per_run <= count, "--per-run ", order.per_run, " of ", count,
           " stones: ask for more with --stones, of a catalogue that has them");

@@ -14,7 +14,7 @@ RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
     return perform_real(order.run, catalogue, *file, folder, order.version);
   const RobotModel robot = file == nullptr ? order.robot : read_cell_robot(file->cell);
   const CellLayout layout = file == nullptr ? CellLayout{} : to_layout(file->cell);
-  const auto present = draw_stones(catalogue, order.per_run, order.run.seed, hand_of(layout), robot);
+  const auto present = draw_stones(catalogue, order.per_run, order.run.seed, gripper_of(layout), robot);
   return perform(order.run, catalogue, robot, present, folder, order.version, nullptr, file);
 }
 

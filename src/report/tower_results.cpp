@@ -37,7 +37,7 @@ std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
       {"reason", check.verdict.reason}, {"in_equilibrium", e.stands},
       {"margin_g", e.margin},           {"margin_direction", {e.direction.x(), e.direction.y()}},
       {"least_friction", nullptr},      {"weakest_contact", nullptr}};
-  if (std::isfinite(e.least_friction)) out["least_friction"] = e.least_friction;
+  if (std::isfinite(e.min_friction)) out["least_friction"] = e.min_friction;
   if (const Contact* c = weakest_contact(check))
     out["weakest_contact"] = {{"above", level_name(check, catalogue, c->above)},
                               {"below", level_name(check, catalogue, c->below)},
@@ -58,8 +58,8 @@ std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
                          "is 0, y is 90)\n",
                          e.margin, degrees(e.direction))
                    : "equilibrium  no contact forces hold it\n";
-  text += std::isfinite(e.least_friction) ? format("friction     holds down to %.3f\n", e.least_friction)
-                                          : "friction     none up to 2 holds it\n";
+  text += std::isfinite(e.min_friction) ? format("friction     holds down to %.3f\n", e.min_friction)
+                                        : "friction     none up to 2 holds it\n";
   if (const Contact* c = weakest_contact(check))
     text += format("weakest      %s on %s at (%.3f, %.3f, %.3f) m\n",
                    level_name(check, catalogue, c->above).c_str(),

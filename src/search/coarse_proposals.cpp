@@ -69,11 +69,11 @@ const Best* nearest_surveyed(const Task& task, int yaw, int yaws, int survey_yaw
 
 /// Part of a grid of offsets, about a node but inside of the whole.
 OffsetGrid around(const Best& middle, OffsetGrid whole) {
-  const int room = std::max(0, (whole.n - kWindow) * whole.step);
+  const int span = std::max(0, (whole.n - kWindow) * whole.step);
   OffsetGrid window = whole;
   window.n = std::min(kWindow, whole.n);
-  window.i = std::clamp(middle.i, -room, room);
-  window.j = std::clamp(middle.j, -room, room);
+  window.i = std::clamp(middle.i, -span, span);
+  window.j = std::clamp(middle.j, -span, span);
   return window;
 }
 

@@ -47,14 +47,14 @@ void know_firsts(const SearchContext& context, TowerSearch& search, int levels, 
 /// Looks closer at the first placement that is best, and at the way on from it, until it stays the best.
 void know_best(const SearchContext& context, TowerSearch& search, int levels) {
   const TowerTree& tree = search.tree();
-  for (int looked_at = -1; !context.out_of_time() && !interrupt_noted();) {
+  for (int last_best = -1; !context.out_of_time() && !interrupt_noted();) {
     const std::vector<int> firsts = ranked_firsts(tree, levels, context.options->friction);
     if (firsts.empty() || !tree.node(firsts.front()).predicted) return;
     const int best = firsts.front();
-    const std::vector<int> way = tree.best_way_from(best);
-    if (!search.predict_way(way.empty() ? best : way.back()) && best == looked_at) return;
-    looked_at = best;
-    search.predict(std::span<const int>(&looked_at, 1), true);
+    const std::vector<int> path = tree.best_path_from(best);
+    if (!search.predict_path(path.empty() ? best : path.back()) && best == last_best) return;
+    last_best = best;
+    search.predict(std::span<const int>(&last_best, 1), true);
   }
 }
 
@@ -70,7 +70,7 @@ void collect(const SearchContext& context, TowerSearch& search, int levels, Sear
     placement.terms["plan_levels"] = search.tree().reach(k);
     placement.terms["plan_chance"] = search.tree().chance(k, levels, friction);
     placement.expected_height = search.tree().expected_height(k);
-    for (const int above : search.tree().best_way_from(k)) {
+    for (const int above : search.tree().best_path_from(k)) {
       const TowerNode& next = search.tree().node(above);
       placement.then.push_back({next.trial.stone, next.trial.placement.T_W_O});
     }
@@ -155,19 +155,20 @@ void default_search(const SearchContext& context, SearchResult* result) {
   if (!o.verify) {
     propose_only(search, result);
   } else {
-    const auto look_for = [&](TowerSearch::Ways ways) {
+    const auto look_for = [&](TowerSearch::Routes routes) {
       try {
-        search.run(ways);
+        search.run(routes);
       } catch (const Interrupted&) {
-        context.say("interrupted; keeping what was found");
+        context.log("interrupted; keeping what was found");
       }
       collect(context, search, levels, result);
     };
-    look_for(context.problem->way_up_only ? TowerSearch::Ways::kFoundBefore : TowerSearch::Ways::kAll);
+    look_for(context.problem->known_route_only ? TowerSearch::Routes::kFoundBefore
+                                               : TowerSearch::Routes::kAll);
     // The way found before led to the top, but did not bear a closer look.
-    if (result->best.empty() && !context.problem->way_up.empty() && !context.problem->way_up_only &&
+    if (result->best.empty() && !context.problem->known_route.empty() && !context.problem->known_route_only &&
         !context.out_of_time() && !interrupt_noted())
-      look_for(TowerSearch::Ways::kNew);
+      look_for(TowerSearch::Routes::kNew);
     add_turned(context, result);
   }
   result->candidates = search.candidates();

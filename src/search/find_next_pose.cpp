@@ -24,12 +24,12 @@ void search(const SearchContext& context, SearchResult* result) {
 }
 
 /// The problem on a stack that is known to stand; empty, with the reason, if it does not.
-std::optional<SearchProblem> let_stand(const SearchProblem& problem, const SearchOptions& options,
-                                       SearchResult* result) {
+std::optional<SearchProblem> settled_problem(const SearchProblem& problem, const SearchOptions& options,
+                                             SearchResult* result) {
   check_problem(problem, options);
   if (problem.stack_is_at_rest) return problem;
   try {
-    const auto stack = standing_stack(*problem.shapes, problem.stack, options, &result->reason);
+    const auto stack = settled_stack(*problem.shapes, problem.stack, options, &result->reason);
     if (!stack) return std::nullopt;
     SearchProblem standing = problem;
     standing.stack = *stack;
@@ -57,14 +57,14 @@ SearchResult search_on_stack(const SearchProblem& problem, const SearchOptions& 
 SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options,
                             const std::function<void(const std::string&)>& report) {
   SearchResult result;
-  const auto standing = let_stand(problem, options, &result);
+  const auto standing = settled_problem(problem, options, &result);
   return standing ? search_on_stack(*standing, options, report) : result;
 }
 
 SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                          const SearchOptions& options) {
   SearchResult result;
-  const auto standing = let_stand(problem, options, &result);
+  const auto standing = settled_problem(problem, options, &result);
   if (!standing) return result;
   try {
     follow_plan(make_context(*standing, options, {}), plan, &result);
@@ -77,7 +77,7 @@ SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedS
 double expected_height(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                        const SearchOptions& options) {
   SearchResult unused;
-  const auto standing = let_stand(problem, options, &unused);
+  const auto standing = settled_problem(problem, options, &unused);
   return standing ? expected_of_plan(make_context(*standing, options, {}), plan) : 0.0;
 }
 

@@ -169,8 +169,8 @@ SortedStones find_stack(const ShapeList& shapes, const std::vector<PlacedStone>&
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const Body& body = bodies[i];
     if (std::find(tower.begin(), tower.end(), static_cast<int>(i)) != tower.end()) continue;
-    const bool hangs = body.lowest >= kOnTable && body.carriers.empty();
-    auto& list = hangs ? sorted.unsupported : body.loads.empty() ? sorted.available : sorted.carrying;
+    const bool unsupported = body.lowest >= kOnTable && body.carriers.empty();
+    auto& list = unsupported ? sorted.unsupported : body.loads.empty() ? sorted.available : sorted.carrying;
     list.push_back(body.placed);
   }
   return sorted;

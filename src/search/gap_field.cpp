@@ -14,7 +14,7 @@ constexpr float kOffLine = 0.0137F;
 constexpr double kViolation = 1e-5;      ///< [m]
 constexpr double kArtificialRim = 0.12;  ///< radius of the three artificial cells [m]
 constexpr double kDeepestStart = 0.1;    ///< m below the largest gap: what lies deeper says nothing
-constexpr int kMostPivots = 60;
+constexpr int kMaxPivots = 60;
 
 using Run = Eigen::Array<float, kRun, 1>;
 Eigen::Map<const Run> run_of(const std::vector<float>& values, std::size_t run) {
@@ -92,12 +92,12 @@ struct Basis {
     std::array<double, 3> at_centre{}, at_q{};
     if (!weights(0, 0, &at_centre) || !weights(q.x(), q.y(), &at_q)) return false;
     std::size_t leaving = 3;
-    double least = 1e300;
+    double min = 1e300;
     for (std::size_t k = 0; k < 3; ++k) {
       if (at_q[k] <= 1e-9) continue;
       const double ratio = at_centre[k] / at_q[k];
-      if (ratio < least) {
-        least = ratio;
+      if (ratio < min) {
+        min = ratio;
         leaving = k;
       }
     }
@@ -107,12 +107,12 @@ struct Basis {
   }
 };
 
-Basis artificial_basis(double highest, double largest_slope) {
+Basis artificial_basis(double highest, double max_slope) {
   Basis basis;
   for (std::size_t k = 0; k < 3; ++k) {
     const double angle = 2.0943951 * static_cast<double>(k) + 0.1;
     basis.p[k] = {kArtificialRim * std::cos(angle), kArtificialRim * std::sin(angle),
-                  highest - largest_slope * kArtificialRim};
+                  highest - max_slope * kArtificialRim};
   }
   return basis;
 }
@@ -186,10 +186,10 @@ void lay(const TopSurface& top, const Underside& underside, int i, int j, double
     field->highest_d[run] = gap.maxCoeff();
     field->highest = std::max(field->highest, field->highest_d[run]);
   }
-  const float least = field->highest - static_cast<float>(active);
+  const float min = field->highest - static_cast<float>(active);
   field->runs.clear();
   for (std::size_t run = 0; run < runs; ++run)
-    if (field->highest_d[run] >= least) field->runs.push_back(static_cast<int>(run));
+    if (field->highest_d[run] >= min) field->runs.push_back(static_cast<int>(run));
   while (field->runs.size() % kRun != 0) field->runs.push_back(field->runs.back());
   const std::size_t kept = field->runs.size();
   field->active_d.resize(kept);
@@ -203,17 +203,17 @@ void lay(const TopSurface& top, const Underside& underside, int i, int j, double
   }
 }
 
-GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope,
+GapRest solve_rest(const GapField& field, const TopSurface& top, double max_slope,
                    const std::array<int, 3>& start) {
   GapRest rest;
   if (field.runs.empty()) return rest;
-  const Basis rim = artificial_basis(field.highest, largest_slope);
+  const Basis rim = artificial_basis(field.highest, max_slope);
   Basis basis = rim;
   for (std::size_t k = 0; k < 3; ++k)
     if (start[k] >= 0) basis.set(k, field.point(start[k]), start[k]);
   const double lowest = static_cast<double>(field.highest) - kDeepestStart;
   if (std::any_of(basis.p.begin(), basis.p.end(), [&](const auto& p) { return p.z() < lowest; })) basis = rim;
-  for (int pivot = 0; pivot < kMostPivots; ++pivot) {
+  for (int pivot = 0; pivot < kMaxPivots; ++pivot) {
     if (!basis.fit_plane()) return rest;
     auto over = static_cast<float>(basis.c + kViolation);
     int entering = most_violated(field, static_cast<float>(basis.a), static_cast<float>(basis.b), &over);

@@ -78,10 +78,10 @@ struct GapRest {
 };
 /// min c subject to c + a x + b y >= D everywhere: a linear programme in three variables, by the dual simplex
 /// method. Its basis is the upper hull facet of D above the centre of mass, so the contacts enclose it. Tilts
-/// up to about `largest_slope`: three artificial cells far out bear what would tilt further. `start`: the
+/// up to about `max_slope`: three artificial cells far out bear what would tilt further. `start`: the
 /// cells of a rest of the same underside, say on the node beside, where the search for these begins; they
 /// enclose the centre of mass whatever lies below them. The result does not depend on it, but for ties.
-[[nodiscard]] GapRest solve_rest(const GapField& field, const TopSurface& top, double largest_slope,
+[[nodiscard]] GapRest solve_rest(const GapField& field, const TopSurface& top, double max_slope,
                                  const std::array<int, 3>& start = {-1, -1, -1});
 
 /// How well a resting pose is carried.

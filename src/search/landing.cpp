@@ -7,7 +7,7 @@ namespace stonestack::search {
 namespace {
 
 constexpr double kActive = 0.022;       ///< cells further from touching are left out (measured) [m]
-constexpr double kLargestSlope = 0.2;   ///< about 11 deg of tilt (measured)
+constexpr double kMaxSlope = 0.2;       ///< about 11 deg of tilt (measured)
 constexpr double kTouch = 0.0006;       ///< cells nearer than this to the resting plane carry (measured) [m]
 constexpr double kDoesNotHold = -0.25;  ///< [g]
 
@@ -15,7 +15,7 @@ constexpr double kDoesNotHold = -0.25;  ///< [g]
 Landing set_down(const StackField& stack, const Underside& underside, int i, int j, GapField* buffer,
                  std::array<int, 3>* cells) {
   lay(stack.surface, underside, i, j, kActive, buffer);
-  const GapRest rest = solve_rest(*buffer, stack.surface, kLargestSlope, *cells);
+  const GapRest rest = solve_rest(*buffer, stack.surface, kMaxSlope, *cells);
   *cells = rest.cells;
   Landing landing;
   landing.holds = rest.clean;

@@ -15,7 +15,7 @@ constexpr std::size_t kYaws = 4;  ///< measured: fewer make all answers alike
 constexpr OffsetGrid kFullOffsets{0, 0, 3, 3};
 constexpr OffsetGrid kQuickOffsets{0, 0, 2, 4};
 constexpr std::size_t kBestCounted = 3;  ///< measured: 3 rather than 8
-constexpr double kLeast = -0.25;         ///< [g]
+constexpr double kMin = -0.25;           ///< [g]
 
 }  // namespace
 
@@ -54,16 +54,16 @@ double LookAhead::estimate(const StackBodies& stack, std::span<const int> used, 
   for (const Side& side : sides_) {
     const LooseStone& stone = stones_[side.stone];
     if (std::find(used.begin(), used.end(), stone.stone) != used.end()) continue;
-    double most = kLeast;
+    double max = kMin;
     for (std::size_t yaw = 0; yaw < yaws; ++yaw) {
       const LandingGrid grid = land(field, side.yaws[yaw], stone.geometry->mass, offsets, &buffer);
       *evaluated += static_cast<long>(grid.landings.size());
       for (int v = 1 - offsets.n; v < offsets.n; ++v)
-        for (int u = 1 - offsets.n; u < offsets.n; ++u) most = std::max(most, grid.at(u, v).estimate);
+        for (int u = 1 - offsets.n; u < offsets.n; ++u) max = std::max(max, grid.at(u, v).estimate);
     }
-    best.push_back(std::clamp(most, kLeast, options_.friction + 0.05));
+    best.push_back(std::clamp(max, kMin, options_.friction + 0.05));
   }
-  if (best.empty()) return stones_.size() > used.size() ? kLeast : 0.0;
+  if (best.empty()) return stones_.size() > used.size() ? kMin : 0.0;
   std::sort(best.rbegin(), best.rend());
   const std::size_t counted = std::min(kBestCounted, best.size());
   double sum = 0.0;

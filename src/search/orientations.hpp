@@ -9,7 +9,7 @@ namespace stonestack::search {
 /// Which sides of a stone may point down.
 struct OrientationOptions {
   int directions = 160;                             ///< over the whole sphere, or the cone if that is smaller
-  double largest_tilt = 3.14159266;                 ///< of the stone's up axis from `up_O` [rad]
+  double max_tilt = 3.14159266;                     ///< of the stone's up axis from `up_O` [rad]
   Eigen::Vector3d up_O = Eigen::Vector3d::UnitZ();  ///< the world's up axis in O as the stone lies now
 };
 /// Rotations R_W_O, one for each direction on an even (Fibonacci) lattice that the tilt limit allows. The

@@ -66,7 +66,7 @@ Placement placement_of(int stone, const ContactSearch& contact) {
 bool within_tilt(const SearchContext& context, const LocalSolution& local) {
   const Eigen::Vector3d up_now = context.available[local.available].T_W_O.linear().row(2).transpose();
   const Eigen::Vector3d up_then = local.found.T_W_O.linear().row(2).transpose();
-  return std::acos(std::clamp(up_now.dot(up_then), -1.0, 1.0)) <= context.options->largest_tilt;
+  return std::acos(std::clamp(up_now.dot(up_then), -1.0, 1.0)) <= context.options->max_tilt;
 }
 
 /// Local solutions by cost that the arm can bring about.
@@ -108,7 +108,7 @@ void paper_search(const SearchContext& context, SearchResult* result) {
     if (local.found.valid) result->trace.push_back(trace_of(local.stone, local.found));
   }
   const auto ranked = by_cost(context, all, result);
-  context.say(concat(ranked.size(), " local solutions from ", result->candidates, " contact searches"));
+  context.log(concat(ranked.size(), " local solutions from ", result->candidates, " contact searches"));
   if (ranked.empty()) {
     result->reason = "no initial orientation led to three contacts around the centre of mass";
     return;

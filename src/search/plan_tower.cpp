@@ -44,7 +44,7 @@ std::vector<Placement> plan_whole(const SearchProblem& problem, int levels, cons
   }
   std::vector<Placement> tower;
   const int top = search.best() > 0 ? search.best() : search.highest();
-  for (const int k : search.tree().way_to(top)) {
+  for (const int k : search.tree().path_to(top)) {
     if (!search.tree().node(k).predicted) break;  // interrupted before that
     tower.push_back(search.tree().node(k).trial.placement);
   }
@@ -63,7 +63,7 @@ std::vector<Placement> plan_tower(SearchProblem problem, int levels, const Searc
   std::string why;
   std::vector<Placement> tower;
   try {
-    if (const auto stack = standing_stack(*problem.shapes, problem.stack, options, &why)) {
+    if (const auto stack = settled_stack(*problem.shapes, problem.stack, options, &why)) {
       problem.stack = *stack;
       const bool greedy = options.method == "paper" || options.horizon == 1;
       why.clear();

@@ -8,8 +8,8 @@
 namespace stonestack::search {
 
 PoseCost pose_cost(const ContactPose& pose, const SearchOptions& o) {
-  constexpr double kLeastArea = 1e-8;  // m^2: a line of contacts costs much, not infinitely
-  const double area = std::max(pose.support.area, kLeastArea);
+  constexpr double kMinArea = 1e-8;  // m^2: a line of contacts costs much, not infinitely
+  const double area = std::max(pose.support.area, kMinArea);
   const double distance = (pose.p_W_com - pose.p_W_previous_com).norm();
   const double aligned = std::min(1.0, std::abs(pose.support.n_W.dot(pose.v_W)));
   PoseCost cost;

@@ -42,7 +42,7 @@ std::vector<Proposal> best_distinct(std::vector<Proposal> list, std::size_t keep
   return kept;
 }
 
-std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones, double largest_slope,
+std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones, double max_slope,
                                          const SearchOptions& options) {
   const StackField table = stack_field({}, stones, {0, 0}, kSideCell, options);
   std::vector<LooseStone> kept(stones.begin(), stones.end());
@@ -52,7 +52,7 @@ std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones, dou
     std::erase_if(kept[s].orientations, [&](const Eigen::Matrix3d& R_W_O) {
       const Underside side = make_underside(stone.vertices_M, stone.faces, R_W_O, underside_options(table));
       lay(table.surface, side, 0, 0, underside_options(table).cut, &buffer);
-      return !solve_rest(buffer, table.surface, largest_slope).rests;
+      return !solve_rest(buffer, table.surface, max_slope).rests;
     });
   });
   return kept;

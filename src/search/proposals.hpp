@@ -41,9 +41,9 @@ inline constexpr double kOffsetReach = 0.04;  ///< offsets from the middle of th
 [[nodiscard]] UndersideOptions underside_options(const StackField& stack);
 
 /// The stones with those of their orientations alone in which they would come to lie on a table by a tilt of
-/// at most `largest_slope` (rise over run): most of what fits a top is among them.
-[[nodiscard]] std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones,
-                                                       double largest_slope, const SearchOptions& options);
+/// at most `max_slope` (rise over run): most of what fits a top is among them.
+[[nodiscard]] std::vector<LooseStone> on_resting_sides(std::span<const LooseStone> stones, double max_slope,
+                                                       const SearchOptions& options);
 
 /// Turns a body by the tilt that its landing still asks for.
 [[nodiscard]] Eigen::Matrix3d levelled(const Eigen::Matrix3d& R_W_O, const Landing& landing);

@@ -44,11 +44,11 @@ Round set_down(const Proposal& proposal, const Eigen::Matrix3d& R_W_O, const Sta
   const LandingGrid grid = land(stack, underside, stone.mass, offsets, &buffer);
   round.landing = grid.at(0, 0);
   round.robust = robust_estimate(grid, stack.surface.heights.cell, sigma);
-  double most = round.landing.estimate + 1e-4;
+  double max = round.landing.estimate + 1e-4;
   for (int v = 1 - offsets.n; v < offsets.n; ++v)
     for (int u = 1 - offsets.n; u < offsets.n; ++u)
-      if (grid.at(u, v).estimate > most) {
-        most = grid.at(u, v).estimate;
+      if (grid.at(u, v).estimate > max) {
+        max = grid.at(u, v).estimate;
         round.u = u;
         round.v = v;
       }

@@ -72,7 +72,7 @@ std::vector<LooseStone> loose_stones(const SearchContext& context) {
   for (const PlacedStone& placed : context.available) {
     OrientationOptions which;
     which.directions = context.options->directions;
-    which.largest_tilt = context.options->largest_tilt;
+    which.max_tilt = context.options->max_tilt;
     which.up_O = placed.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ();
     LooseStone stone;
     stone.stone = placed.stone;
@@ -102,7 +102,7 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
   require(problem.site.allFinite(), "site must be finite, got ", problem.site.transpose());
   check_placed(problem.stack.stones, problem.shapes->size(), "stack");
   check_placed(problem.available, problem.shapes->size(), "available stones");
-  check_placed(problem.way_up, problem.shapes->size(), "way up");
+  check_placed(problem.known_route, problem.shapes->size(), "way up");
   for (const auto* list : {&problem.stack.stones, &problem.available})
     for (const PlacedStone& placed : *list) {
       const auto& shape = (*problem.shapes)[static_cast<std::size_t>(placed.stone)];
@@ -112,8 +112,8 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
     }
 }
 
-std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack, const SearchOptions& options,
-                                    std::string* reason) {
+std::optional<Stack> settled_stack(const ShapeList& shapes, const Stack& stack, const SearchOptions& options,
+                                   std::string* reason) {
   if (stack.stones.empty()) return stack;
   *reason = overlap_of(shapes, stack);
   if (!reason->empty()) return std::nullopt;
@@ -128,12 +128,12 @@ std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
       for (std::size_t i = 0; i < at_rest.stones.size(); ++i) at_rest.stones[i].T_W_O = verdict.T_W_O[i];
     return at_rest;
   }
-  Stack let_down;
+  Stack lowered;
   for (const PlacedStone& placed : stack.stones) {
     SettleOptions settling;
     settling.world.friction = options.friction;
     const SettleResult at_rest =
-        settle(shapes, let_down, placed.stone, lifted_clear(shapes, let_down, placed), settling);
+        settle(shapes, lowered, placed.stone, lifted_clear(shapes, lowered, placed), settling);
     PoseDifference moved = difference(at_rest.T_W_O, placed.T_W_O);
     const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(placed.stone)]->mass.p_O_M;
     moved.translation =
@@ -146,10 +146,10 @@ std::optional<Stack> standing_stack(const ShapeList& shapes, const Stack& stack,
           ")");
       return std::nullopt;
     }
-    let_down.stones.push_back({placed.stone, at_rest.T_W_O});
+    lowered.stones.push_back({placed.stone, at_rest.T_W_O});
   }
-  const StandVerdict verdict = judge_stack(shapes, let_down, stand);
-  if (verdict.stands && verdict.clean) return let_down;
+  const StandVerdict verdict = judge_stack(shapes, lowered, stand);
+  if (verdict.stands && verdict.clean) return lowered;
   *reason = concat("the given stack does not stand: ", verdict.reason);
   return std::nullopt;
 }

@@ -19,7 +19,7 @@ struct SearchContext {
   [[nodiscard]] bool out_of_time() const {
     return time_is_over() || (options->budget > 0.0 && watch.seconds() >= options->budget);
   }
-  void say(const std::string& line) const {
+  void log(const std::string& line) const {
     if (report) report(line);
   }
 };
@@ -50,9 +50,9 @@ STONESTACK_EXPORT void check_problem(const SearchProblem& problem, const SearchO
 /// 2 mrad); else the stack that results when each stone in turn is let down from just above its given pose,
 /// provided that it ends near there (5 mm, 5 deg) and stands; else empty with the reason. Measured poses are
 /// off by a millimetre: a tower measured so may not stand to the letter, or hover above its contacts.
-[[nodiscard]] STONESTACK_EXPORT std::optional<Stack> standing_stack(const ShapeList& shapes,
-                                                                    const Stack& stack,
-                                                                    const SearchOptions& options,
-                                                                    std::string* reason);
+[[nodiscard]] STONESTACK_EXPORT std::optional<Stack> settled_stack(const ShapeList& shapes,
+                                                                   const Stack& stack,
+                                                                   const SearchOptions& options,
+                                                                   std::string* reason);
 
 }  // namespace stonestack::search

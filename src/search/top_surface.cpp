@@ -132,13 +132,13 @@ std::vector<Interface> interfaces(const StackBodies& stack) {
 }
 
 double tipping_limit(std::span<const Interface> interfaces, double mass, const Eigen::Vector3d& p_W_M) {
-  double least = 1e300;
+  double min = 1e300;
   for (const Interface& at : interfaces) {
     const Eigen::Vector3d p_W_com = (at.moment_above + mass * p_W_M) / (at.mass_above + mass);
     const double height = std::max(p_W_com.z() - at.rest.z, 1e-3);
-    least = std::min(least, margin(at.rest.polygon_W, p_W_com.head<2>()) / height);
+    min = std::min(min, margin(at.rest.polygon_W, p_W_com.head<2>()) / height);
   }
-  return least;
+  return min;
 }
 
 }  // namespace stonestack::search

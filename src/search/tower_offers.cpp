@@ -64,7 +64,7 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
 /// Of what was proposed for a tower the best that the arm reaches and that were not tried yet; no stone gets
 /// more than twice its share.
 std::vector<Trial> TowerSearch::next_turn(TowerNode* node, int count) {
-  const int most = std::max(2, 2 * count / std::max(1, static_cast<int>(node->left.size())));
+  const int max = std::max(2, 2 * count / std::max(1, static_cast<int>(node->left.size())));
   std::map<int, int> of_stone;
   std::vector<Trial> turn;
   std::vector<Proposal> rest;
@@ -72,7 +72,7 @@ std::vector<Trial> TowerSearch::next_turn(TowerNode* node, int count) {
   for (Proposal& proposal : node->spare) {
     throw_if_interrupted();
     if (static_cast<int>(turn.size()) == count || asked == kAskedPerSettled * count ||
-        of_stone[proposal.stone] == most) {
+        of_stone[proposal.stone] == max) {
       rest.push_back(std::move(proposal));
       continue;
     }

@@ -27,10 +27,10 @@ void TowerSearch::survey() {
   store_survey(&loose_, *context_.options);
 }
 
-void TowerSearch::run(Ways ways) {
+void TowerSearch::run(Routes routes) {
   survey();
   const SearchOptions& o = *context_.options;
-  if (ways != Ways::kNew && (finish_way_up() || ways == Ways::kFoundBefore)) return;
+  if (routes != Routes::kNew && (finish_known_route() || routes == Routes::kFoundBefore)) return;
   const int root[] = {0};
   tree_.set_grown(0);
   grow(root);
@@ -38,7 +38,7 @@ void TowerSearch::run(Ways ways) {
   for (int k = 0; k < o.rounds && !context_.out_of_time(); ++k) {
     const std::size_t before = static_cast<std::size_t>(tree_.size()) + dropped_.size();
     round(static_cast<std::size_t>(o.beam));
-    context_.say(concat("round ", k + 1, ": ", tree_.size() - 1, " towers grown, the highest of ",
+    context_.log(concat("round ", k + 1, ": ", tree_.size() - 1, " towers grown, the highest of ",
                         tree_.node(best_).level, " of ", levels_, " stones"));
     bool exhausted = static_cast<std::size_t>(tree_.size()) + dropped_.size() == before;
     if (exhausted && !tree_.node(0).spare.empty()) {  // nothing that was begun leads on
@@ -83,10 +83,10 @@ bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason)
     higher = climb(top, *next, reason);
     if (higher >= 0) top = higher;
   }
-  predict(tree_.way_to(top));
+  predict(tree_.path_to(top));
   if (top == 0 || higher < 0) return false;
   best_ = top;
-  for (const int k : tree_.way_to(top)) {
+  for (const int k : tree_.path_to(top)) {
     *reason = tree_.node(k).trial.outcome;
     if (!tree_.node(k).trial.alive) return false;
   }
@@ -94,10 +94,10 @@ bool TowerSearch::follow(std::span<const PlacedStone> plan, std::string* reason)
   return true;
 }
 
-bool TowerSearch::finish_way_up() {
+bool TowerSearch::finish_known_route() {
   std::string reason;
   int top = 0;
-  for (const PlacedStone& next : context_.problem->way_up) {
+  for (const PlacedStone& next : context_.problem->known_route) {
     const int higher = climb(top, next, &reason);
     if (higher < 0) break;
     top = higher;
@@ -110,7 +110,7 @@ bool TowerSearch::finish_way_up() {
   }
   find_best();
   if (best_ == 0 || level == levels_) return best_ > 0;
-  context_.say(concat("from the way found before: the highest of ", tree_.node(best_).level, " of ", levels_,
+  context_.log(concat("from the way found before: the highest of ", tree_.node(best_).level, " of ", levels_,
                       " stones"));
   return tree_.node(best_).level == levels_;
 }
@@ -165,9 +165,9 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
   drop_fallen(tried);
 }
 
-bool TowerSearch::predict_way(int node) {
+bool TowerSearch::predict_path(int node) {
   std::vector<int> unknown;
-  for (const int k : tree_.way_to(node))
+  for (const int k : tree_.path_to(node))
     if (!tree_.node(k).predicted) unknown.push_back(k);
   predict(unknown);
   return !unknown.empty();
@@ -189,7 +189,7 @@ void TowerSearch::drop_fallen(std::span<const int> nodes) {
 int TowerSearch::highest() const {
   const auto worth = [&](int k) {
     double chance = 1.0;
-    for (const int at : tree_.way_to(k)) chance *= tree_.success(at);
+    for (const int at : tree_.path_to(k)) chance *= tree_.success(at);
     const double reserve = std::min(tree_.node(k).trial.margin / context_.options->friction, 1.0);
     return std::pair(tree_.node(k).level, chance * (0.5 + 0.5 * reserve));
   };
@@ -204,7 +204,7 @@ int TowerSearch::highest() const {
 void TowerSearch::find_best() {
   do {
     best_ = highest();
-  } while (predict_way(best_) && (tree_.node(best_).level == levels_ || !tree_.node(best_).trial.alive));
+  } while (predict_path(best_) && (tree_.node(best_).level == levels_ || !tree_.node(best_).trial.alive));
 }
 
 void TowerSearch::grow(std::span<const int> nodes) {
@@ -249,10 +249,10 @@ std::string TowerSearch::reason() const {
     ++count[dropped.trial.outcome];
     ++all;
   }
-  const auto most = std::max_element(count.begin(), count.end(),
-                                     [](const auto& p, const auto& q) { return p.second < q.second; });
-  if (most != count.end())
-    return concat("none of ", all, " poses was good enough; most often (", most->second, "): ", most->first);
+  const auto max = std::max_element(count.begin(), count.end(),
+                                    [](const auto& p, const auto& q) { return p.second < q.second; });
+  if (max != count.end())
+    return concat("none of ", all, " poses was good enough; most often (", max->second, "): ", max->first);
   if (unreachable_ > 0) return concat("the arm reaches none of ", unreachable_, " proposed poses");
   return "no side of any stone fits the top of the stack with its centre of mass over the contacts";
 }

@@ -18,8 +18,8 @@ class TowerSearch {
 
   /// Which ways are looked for: on from the problem's way up, from the bottom, or, where the first does not
   /// lead to the top, both.
-  enum class Ways { kFoundBefore, kNew, kAll };
-  void run(Ways ways = Ways::kAll);
+  enum class Routes { kFoundBefore, kNew, kAll };
+  void run(Routes routes = Routes::kAll);
   /// True if all of a plan is reachable, comes to rest in balance and stands its judgement; else `reason` is
   /// told why not.
   [[nodiscard]] bool follow(std::span<const PlacedStone> plan, std::string* reason);
@@ -37,7 +37,7 @@ class TowerSearch {
   /// calibration: what they believe to stand in a quarter of the cases stands in half of them).
   void predict(std::span<const int> nodes, bool closely = false);
   /// Predicts a node and all below it; false if that was done before.
-  bool predict_way(int node);
+  bool predict_path(int node);
 
   [[nodiscard]] long candidates() const { return candidates_; }
   [[nodiscard]] int unreachable() const { return unreachable_; }
@@ -67,7 +67,7 @@ class TowerSearch {
   /// Settles and judges a placement on a node's tower; the new node, or -1 with the reason.
   [[nodiscard]] int climb(int node, const PlacedStone& next, std::string* reason);
   /// The problem's way up as far as it holds, and on from its top. True if that finished a tower.
-  [[nodiscard]] bool finish_way_up();
+  [[nodiscard]] bool finish_known_route();
   /// Judges and grows the best towers of each level from `first` on.
   void round(std::size_t width, int first = 1);
   /// Sets best(): predicts what leads until nothing that is not tried may be better.

@@ -55,7 +55,7 @@ void TowerTree::set_grown(int k) {
 }
 
 std::vector<int> TowerTree::choose(int level, std::size_t count, double step) const {
-  const auto ends = [&](int k) { return Ends{way_to(k).front(), node(k).trial.stone}; };
+  const auto ends = [&](int k) { return Ends{path_to(k).front(), node(k).trial.stone}; };
   std::vector<int> open, chosen;
   std::vector<Ends> grown;
   for (int k = 1; k < size(); ++k) {
@@ -73,10 +73,10 @@ std::vector<int> TowerTree::choose(int level, std::size_t count, double step) co
   };
   while (chosen.size() < count && !open.empty()) {
     auto best = open.begin();
-    double most = value(*best);
+    double max = value(*best);
     for (auto at = open.begin() + 1; at != open.end(); ++at)
-      if (const double v = value(*at); v > most) {
-        most = v;
+      if (const double v = value(*at); v > max) {
+        max = v;
         best = at;
       }
     chosen.push_back(*best);
@@ -109,11 +109,11 @@ double TowerTree::success(int k) const {
   return node(k).predicted ? node(k).trial.placement.predicted_success : kUntried;
 }
 
-std::vector<int> TowerTree::way_to(int k) const {
-  std::vector<int> way;
-  for (; k > 0; k = node(k).parent) way.push_back(k);
-  std::reverse(way.begin(), way.end());
-  return way;
+std::vector<int> TowerTree::path_to(int k) const {
+  std::vector<int> path;
+  for (; k > 0; k = node(k).parent) path.push_back(k);
+  std::reverse(path.begin(), path.end());
+  return path;
 }
 
 double TowerTree::chance(int k, int levels, double friction) const {
@@ -137,33 +137,33 @@ double TowerTree::chance(int k, int levels, double friction) const {
 double TowerTree::expected_height(int k) const {
   const TowerNode& at = node(k);
   if (!at.trial.alive || !at.judged) return 0.0;
-  double most = 0.0;
-  for (const int c : children(k)) most = std::max(most, expected_height(c));
-  return k == 0 ? most : success(k) * (1.0 + most);
+  double max = 0.0;
+  for (const int c : children(k)) max = std::max(max, expected_height(c));
+  return k == 0 ? max : success(k) * (1.0 + max);
 }
 
-std::vector<int> TowerTree::best_way_from(int k) const {
+std::vector<int> TowerTree::best_path_from(int k) const {
   std::vector<int> best;
-  double most = 0.0;
+  double max = 0.0;
   for (const int c : children(k)) {
     if (expected_height(c) <= 0.0) continue;
-    std::vector<int> way = best_way_from(c);
-    way.insert(way.begin(), c);
+    std::vector<int> path = best_path_from(c);
+    path.insert(path.begin(), c);
     // Among ways of the same height the reserve of the finished tower decides.
-    const double value = expected_height(c) + std::min(node(way.back()).trial.margin, kReserve);
-    if (value > most) {
-      most = value;
-      best = std::move(way);
+    const double value = expected_height(c) + std::min(node(path.back()).trial.margin, kReserve);
+    if (value > max) {
+      max = value;
+      best = std::move(path);
     }
   }
   return best;
 }
 
 int TowerTree::reach(int k) const {
-  int most = node(k).trial.alive ? node(k).level : 0;
+  int max = node(k).trial.alive ? node(k).level : 0;
   for (const int c : children(k))
-    if (node(c).trial.alive) most = std::max(most, reach(c));
-  return most;
+    if (node(c).trial.alive) max = std::max(max, reach(c));
+  return max;
 }
 
 }  // namespace stonestack::search

@@ -43,7 +43,7 @@ class TowerTree {
   /// Predicted success of a node's last stone, or what is usual where it was not tried in displaced worlds.
   [[nodiscard]] double success(int k) const;
   /// From the first stone put to this node's.
-  [[nodiscard]] std::vector<int> way_to(int k) const;
+  [[nodiscard]] std::vector<int> path_to(int k) const;
   /// Chance that a node's tower can be finished at `levels`, as far as the tree tells: its own success times
   /// the chance that one of its children can. `friction` is what a reserve is measured against.
   [[nodiscard]] double chance(int k, int levels, double friction) const;
@@ -51,7 +51,7 @@ class TowerTree {
   /// likely as all below it and itself are to succeed. What was not judged counts nothing.
   [[nodiscard]] double expected_height(int k) const;
   /// The nodes above k on that way, from the lowest.
-  [[nodiscard]] std::vector<int> best_way_from(int k) const;
+  [[nodiscard]] std::vector<int> best_path_from(int k) const;
   /// Levels that the highest tower through a node reaches.
   [[nodiscard]] int reach(int k) const;
 

@@ -18,7 +18,7 @@ constexpr double kNearlyStill = 1e-6;  ///< m in 0.1 s: 2 % of what a stone may 
 constexpr int kFewer = 50;             ///< iterations, in displaced worlds
 
 /// How a placement fares where it is displaced and centres of mass are not where they seem.
-enum class Fate { kStands, kFalls, kTellsNothing };
+enum class Fate { kStands, kFalls, kUndecidable };
 
 Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
   Stack higher = stack;
@@ -33,8 +33,8 @@ Pose lifted(const SearchContext& context, const Stack& below, int stone, const P
   return stone_pose(body);
 }
 
-SettleResult let_down(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O,
-                      const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
+SettleResult lowered(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O,
+                     const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
   SettleOptions options;
   options.world.friction = context.options->friction;
   options.com_error_O = com_error_O;
@@ -109,11 +109,11 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
 /// stands already, or whether it will was counted against the stone before.
 Fate try_world(const SearchContext& context, const Stack& below, const Trial& trial, int k) {
   const SettleResult at_rest =
-      let_down(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
-               com_error(context, trial.stone, k));
+      lowered(context, below, trial.stone, displaced(context, trial.stone, trial.placement.T_W_O, k),
+              com_error(context, trial.stone, k));
   if (at_rest.rests && stands(context, with(below, trial.stone, at_rest.T_W_O), k)) return Fate::kStands;
   const bool com_may_err = context.options->com_sigma > 0.0 && !below.stones.empty();
-  return com_may_err && !stands(context, below, k) ? Fate::kTellsNothing : Fate::kFalls;
+  return com_may_err && !stands(context, below, k) ? Fate::kUndecidable : Fate::kFalls;
 }
 
 void drop(Trial* trial, const std::string& why) {
@@ -124,19 +124,19 @@ void drop(Trial* trial, const std::string& why) {
 }  // namespace
 
 void settle_trial(const SearchContext& context, const Stack& below, Trial* trial) {
-  const SettleResult at_rest = let_down(context, below, trial->stone, trial->T_W_O);
+  const SettleResult at_rest = lowered(context, below, trial->stone, trial->T_W_O);
   trial->placement.T_W_O = at_rest.T_W_O;
   if (!at_rest.rests) return drop(trial, concat("does not come to rest: ", at_rest.reason));
   EquilibriumOptions statics;
   statics.friction = context.options->friction;
-  statics.least_friction = false;
+  statics.min_friction = false;
   const Equilibrium balance =
       stack_equilibrium(context.shapes(), with(below, trial->stone, at_rest.T_W_O), statics);
   trial->margin = balance.stands ? balance.margin : 0.0;
   fill_cost(context, below, at_rest, trial);
   if (!balance.stands) return drop(trial, "no contact forces hold the stack");
-  if (balance.margin < context.options->least_margin)
-    return drop(trial, concat("bears less than ", context.options->least_margin, " g sideways"));
+  if (balance.margin < context.options->min_margin)
+    return drop(trial, concat("bears less than ", context.options->min_margin, " g sideways"));
   trial->score = std::min(trial->margin, context.options->friction) + trial->look_ahead;
 }
 
@@ -169,7 +169,7 @@ void predict(const SearchContext& context, std::span<const Candidate> candidates
   });
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     Trial& trial = *candidates[tasks[t].candidate].trial;
-    trial.tried += outcomes[t] != Fate::kTellsNothing ? 1 : 0;
+    trial.tried += outcomes[t] != Fate::kUndecidable ? 1 : 0;
     trial.survived += outcomes[t] == Fate::kStands ? 1 : 0;
   }
   for (const Candidate& candidate : candidates) {
@@ -179,7 +179,7 @@ void predict(const SearchContext& context, std::span<const Candidate> candidates
     placement.predicted_success =
         trial.tried > 0 ? static_cast<double>(trial.survived) / trial.tried : (worlds > 0 ? 0.0 : 1.0);
     placement.expected_height = placement.predicted_success;
-    if (placement.predicted_success < context.options->least_success)
+    if (placement.predicted_success < context.options->min_success)
       drop(&trial, "falls too often when placed with the expected error");
   }
 }

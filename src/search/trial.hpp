@@ -24,7 +24,7 @@ struct Trial {
 
 /// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole: fills the
 /// pose at rest, its polygon, cost and margin, or says why not. The stack must be left at least
-/// `least_margin`.
+/// `min_margin`.
 void settle_trial(const SearchContext& context, const Stack& below, Trial* trial);
 
 /// Judges the whole stack with every stone dynamic; drops the trial if it does not stand.

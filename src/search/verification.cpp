@@ -26,11 +26,11 @@ std::string summary(const std::vector<Trial>& trials) {
   std::map<std::string, int> count;
   for (const Trial& trial : trials)
     if (!trial.alive) ++count[trial.outcome];
-  const auto most = std::max_element(count.begin(), count.end(),
-                                     [](const auto& p, const auto& q) { return p.second < q.second; });
-  if (most == count.end()) return "no pose was tried";
-  return concat("none of ", trials.size(), " poses was good enough; most often (", most->second,
-                "): ", most->first);
+  const auto max = std::max_element(count.begin(), count.end(),
+                                    [](const auto& p, const auto& q) { return p.second < q.second; });
+  if (max == count.end()) return "no pose was tried";
+  return concat("none of ", trials.size(), " poses was good enough; most often (", max->second,
+                "): ", max->first);
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void verify(const SearchContext& context, std::vector<Trial> trials, SearchResul
     if (trials[k].alive) order.push_back(k);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t p, std::size_t q) { return trials[p].score > trials[q].score; });
-  context.say(concat(order.size(), " of ", trials.size(), " proposals come to rest in balance"));
+  context.log(concat(order.size(), " of ", trials.size(), " proposals come to rest in balance"));
   std::vector<std::size_t> good;
   const auto collect = [&] {
     std::stable_sort(good.begin(), good.end(), [&](std::size_t p, std::size_t q) {
@@ -71,7 +71,7 @@ void verify(const SearchContext& context, std::vector<Trial> trials, SearchResul
       if (trials[order[k]].alive) good.push_back(order[k]);
     next += count;
     collect();
-    context.say(concat(good.size(), " good of ", next, " judged"));
+    context.log(concat(good.size(), " good of ", next, " judged"));
   }
   if (result->best.size() > static_cast<std::size_t>(o.alternatives))
     result->best.resize(static_cast<std::size_t>(o.alternatives));

@@ -6,11 +6,11 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kLeastFacing = 0.2;  // cosine: steeper surface lies beside the pad, not on it
-constexpr double kEdge = 0.001;       // m past the rectangle until a bristle lets go
+constexpr double kMinFacing = 0.2;  // cosine: steeper surface lies beside the pad, not on it
+constexpr double kEdge = 0.001;     // m past the rectangle until a bristle lets go
 
 // How far a point of the stone may have moved in P since then.
-double largest_move(const Pose& now, const Pose& then, const ContactShape& shape) {
+double max_move(const Pose& now, const Pose& then, const ContactShape& shape) {
   const Eigen::Vector3d& p = shape.mass.p_O_M;
   const double turn = Eigen::AngleAxisd(now.rotation() * then.rotation().transpose()).angle();
   return (now * p - then * p).norm() + std::abs(turn) * shape.radius;
@@ -44,7 +44,7 @@ bool PadContact::near(const Pose& T_W_P, const Pose& T_W_O) {
     collected_ = touching_ = false;
     return false;
   }
-  if (!collected_ || largest_move(T_P_O, T_P_O_collected_, *shape_) > 0.5 * kReach) collect(T_P_O);
+  if (!collected_ || max_move(T_P_O, T_P_O_collected_, *shape_) > 0.5 * kReach) collect(T_P_O);
   return !bristles_.empty();
 }
 
@@ -57,7 +57,7 @@ PadLoad PadContact::press(const MovingFrame& pad, const MovingFrame& stone) {
     const double depth = -p_P.z(), facing = -(T_P_O.linear() * sample.normal).z();
     const double slack = bristle.active ? kEdge : 0.0;
     const bool inside = depth > 0 && std::abs(p_P.x()) < 0.5 * options_.length + slack &&
-                        std::abs(p_P.y()) < 0.5 * options_.width + slack && facing > kLeastFacing;
+                        std::abs(p_P.y()) < 0.5 * options_.width + slack && facing > kMinFacing;
     if (!inside || (!bristle.active && depth > options_.thickness)) {
       bristle.active = false;
       continue;

@@ -38,9 +38,9 @@ SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<
   const auto seed = static_cast<std::uint64_t>(options.simulation.seed);
   const std::vector<Stone> real = as_they_are(stones, options.simulation);
   TrueWorld world(real, present, make_robotiq_3f(), options.simulation);
-  HandPose away;
+  GripperPose away;
   away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
-  world.set_hand(away);
+  world.set_gripper_pose(away);
   scatter_stones(world, {layout.field_centre, layout.field_size, options.simulation.clearance}, seed);
   SensorModel sensor = choose_sensor(options.simulation);
   sensor.bias_seed = Random::stream(seed, "camera bias").bits();

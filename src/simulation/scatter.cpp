@@ -89,9 +89,9 @@ class Scatter {
   }
 
   [[nodiscard]] bool comes_to_rest(int stone) {
-    constexpr double kLook = 0.1;
-    for (double t = 0; t < kLongestFall && !world_->rests(stone); t += kLook) {
-      (void)world_->wait(kLook);
+    constexpr double kCheckPeriod = 0.1;
+    for (double t = 0; t < kLongestFall && !world_->rests(stone); t += kCheckPeriod) {
+      (void)world_->wait(kCheckPeriod);
       if (!inside(field_, world_->centre_of_mass(stone))) return false;
     }
     const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
@@ -116,8 +116,8 @@ void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t see
   });
   int homeless = -1;
   // The first stones may lie so that the last finds no room, though there is enough in all.
-  constexpr int kMost = kFields * static_cast<int>(kTighter.size());
-  for (int k = 0; k < kMost; ++k) {
+  constexpr int kMax = kFields * static_cast<int>(kTighter.size());
+  for (int k = 0; k < kMax; ++k) {
     const double clearance = kTighter[static_cast<std::size_t>(k / kFields)] * field.clearance;
     scatter.clear(clearance);
     const std::string stream = k == 0 ? "scatter " : concat("scatter anew ", k, " ");
@@ -134,7 +134,7 @@ void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t see
   }
   throw InvalidArgument(concat("no room for stone ", name(homeless), " in a field of ", field.size.x(), " x ",
                                field.size.y(), " m with ", kTighter.back() * field.clearance,
-                               " m between stones, scattered ", kMost,
+                               " m between stones, scattered ", kMax,
                                " times; use fewer stones or a larger field"));
 }
 

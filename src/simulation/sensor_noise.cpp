@@ -191,7 +191,7 @@ SensorModel make_sr300() {
   model.sigma = 0.0004;
   model.sigma_square = 0.001;
   model.grazing = 0.25;
-  model.least_cosine = 0.17;
+  model.min_cosine = 0.17;
   model.bias = 0.0005;
   model.edge_jitter = 0.45;
   model.edge_flying = 0.30;
@@ -214,7 +214,7 @@ SensorModel make_d435() {
   model.stereo_baseline = 0.05;
   model.shadow_baseline = 0.05;
   model.correlation = 1.5;
-  model.least_cosine = 0.10;
+  model.min_cosine = 0.10;
   model.edge_jitter = 1.0;
   return model;
 }
@@ -234,7 +234,7 @@ DepthImage add_noise(const RenderedView& view, const Pose& T_W_C, const SensorMo
   const PixelField cosine = cosines(view, T_W_C);
   DepthImage image = view.depth;
   for (std::size_t i = 0; i < image.z.size(); ++i)
-    if (cosine[i] < model.least_cosine) image.z[i] = 0;
+    if (cosine[i] < model.min_cosine) image.z[i] = 0;
   if (model.shadow_baseline > 0) cast_shadow(image, model.shadow_baseline);
   if (model.edge_jitter > 0 || model.edge_flying > 0 || model.edge_holes > 0)
     image = blur_edges(image, model, random);
@@ -246,7 +246,7 @@ DepthImage add_noise(const RenderedView& view, const Pose& T_W_C, const SensorMo
       float& z = image.z[i];
       if (z <= 0) continue;
       // A pixel that came from its neighbour's surface has no angle of its own.
-      const double angle = std::max<double>(cosine[i], model.least_cosine);
+      const double angle = std::max<double>(cosine[i], model.min_cosine);
       z += static_cast<float>(model.bias * bias.at(u, v) + depth_sigma(model, camera, z, angle) * noise[i]);
     }
   punch_holes(image, model, random);

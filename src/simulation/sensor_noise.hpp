@@ -21,7 +21,7 @@ struct SensorModel {
   double stereo_baseline = 0.05;  ///< [m]
   double correlation = 0.0;       ///< standard deviation of the Gaussian that correlates neighbours [px]
   double grazing = 0.0;           ///< factor 1 + grazing * theta^2 / (pi/2 - theta)^2 (Nguyen et al. 2012)
-  double least_cosine = 0.0;      ///< no return from a surface seen at a smaller cosine
+  double min_cosine = 0.0;        ///< no return from a surface seen at a smaller cosine
   double bias = 0.0;              ///< standard deviation of a smooth error that stays from frame to frame [m]
   double bias_pixels = 32.0;      ///< its wave length [px]
   std::uint64_t bias_seed = 1;    ///< one device, one bias

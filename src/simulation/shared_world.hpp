@@ -10,7 +10,7 @@
 
 namespace stonestack::simulation {
 
-/// Where fingers are (HandPose).
+/// Where fingers are (GripperPose).
 struct FingerPlaces {
   std::array<double, kFingers> finger{};
   double narrowed = 0.0;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kTick = 0.010;           // s, control and force samples
 constexpr double kStartTolerance = 0.01;  // rad, hardware/arm.hpp
 constexpr int kFirstLink = 2;             // links below the upper arm stand on the table
-constexpr int kTicksPerLook = 5;          // links are compared with table and stones every 50 ms
+constexpr int kTicksPerCheck = 5;         // links are compared with table and stones every 50 ms
 constexpr int kStartSamples = 10;         // whose mean is a guarded motion's start value
 
 double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -41,17 +41,17 @@ double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
   return tip_error / std::sqrt(squares);
 }
 
-TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options,
+TrueMounting draw_mounting(const CellLayout& assumed, const SimulationOptions& options,
                            const RobotModel& robot, const Joints& q) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
   Random hand_eye = Random::stream(seed, "hand-eye error");
-  TrueMounting mounting{believed.T_W_R, believed.T_F_T, believed.T_T_C, Joints::Zero()};
+  TrueMounting mounting{assumed.T_W_R, assumed.T_F_T, assumed.T_T_C, Joints::Zero()};
   Pose error = Pose::Identity();
   error.translation() = options.hand_eye_translation * hand_eye.unit_vector();
   error.linear() = Eigen::AngleAxisd(options.hand_eye_rotation, hand_eye.unit_vector()).toRotationMatrix();
-  mounting.T_T_C = believed.T_T_C * error;
+  mounting.T_T_C = assumed.T_T_C * error;
   Random arm = Random::stream(seed, "arm residual");
-  const double sigma = joint_sigma(options.arm_residual, robot, believed.T_F_T, q);
+  const double sigma = joint_sigma(options.arm_residual, robot, assumed.T_F_T, q);
   for (auto& joint : mounting.joint_error) joint = arm.normal(0.0, sigma);
   return mounting;
 }
@@ -125,10 +125,11 @@ std::string SimulatedArm::refusal(const JointTrajectory& trajectory) const {
     if (((trajectory.q[k] - robot_.upper).array() > 1e-6).any() ||
         ((robot_.lower - trajectory.q[k]).array() > 1e-6).any())
       return concat("knot ", k, " lies outside the joint limits: ", trajectory.q[k].transpose());
-  constexpr double kRoomSlack = 1e-4, kLook = 0.008;  // m, s
-  const double duration = robot_.room ? trajectory.duration() : 0.0;
-  for (double t = 0.0; t < duration + kLook; t += kLook)
-    if (auto outside = describe_outside_room(robot_, sample(trajectory, t).q, kRoomSlack); !outside.empty())
+  constexpr double kWorkspaceSlack = 1e-4, kCheckPeriod = 0.008;  // m, s
+  const double duration = robot_.workspace ? trajectory.duration() : 0.0;
+  for (double t = 0.0; t < duration + kCheckPeriod; t += kCheckPeriod)
+    if (auto outside = describe_outside_workspace(robot_, sample(trajectory, t).q, kWorkspaceSlack);
+        !outside.empty())
       return concat(outside, ", at ", t, " s");
   const double gap = (trajectory.q.front() - q_).cwiseAbs().maxCoeff();
   if (gap > kStartTolerance)
@@ -173,16 +174,16 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     const double chunk = std::min(kTick, duration - t);
     const auto path = [&](double s) {
       jitter_ = old_jitter + smooth((t + s) / duration) * (new_jitter - old_jitter);
-      HandPose hand = world_->hand();
-      hand.T_W_T = true_T_W_T(reported(t + s) + jitter_);
-      return hand;
+      GripperPose gripper_pose = world_->gripper_pose();
+      gripper_pose.T_W_T = true_T_W_T(reported(t + s) + jitter_);
+      return gripper_pose;
     };
     const Progress progress = world_->advance(chunk, path);
     t += progress.seconds;
     q_ = reported(t);
     stop_reason_ = progress.stopped;
     if (stop_reason_.empty()) stop_reason_ = overspeed(sample(trajectory, t).qd, t);
-    if (stop_reason_.empty() && tick++ % kTicksPerLook == 0)
+    if (stop_reason_.empty() && tick++ % kTicksPerCheck == 0)
       stop_reason_ = find_link_hit(*world_, robot_, mounting_, q_).value_or("");
     if (guard) {
       felt.push_back(resistance(*guard) - start_force);

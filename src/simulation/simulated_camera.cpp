@@ -23,7 +23,7 @@ DepthFrame SimulatedCamera::capture() {
   const Progress progress = world_->wait(kFramePeriod);
   if (!progress.stopped.empty())
     throw DeviceError("simulated camera", progress.stopped, "move the arm away and look at the cell");
-  const Pose T_W_C = world_->hand().T_W_T * mounting_.T_T_C;
+  const Pose T_W_C = world_->gripper_pose().T_W_T * mounting_.T_T_C;
   DepthFrame frame;
   frame.image = true_view(what_is_seen(*world_), *stones_, T_W_C, sensor_, random_);
   frame.number = ++number_;

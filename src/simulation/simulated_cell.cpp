@@ -63,7 +63,7 @@ FieldList fields(SimulationOptions& o) {
 
 struct SimulatedCell::Parts {
   std::vector<Stone> stones;
-  CellLayout believed;
+  CellLayout assumed;
   TrueMounting mounting;
   TrueWorld world;
   SimulatedClock clock;
@@ -76,7 +76,7 @@ struct SimulatedCell::Parts {
   Parts(const std::vector<Stone>& all, const std::vector<int>& present, const RobotModel& robot,
         const CellLayout& layout, const SimulationOptions& options)
       : stones(as_they_are(all, options)),
-        believed(layout),
+        assumed(layout),
         mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
         world(stones, present, with_camera_at(make_robotiq_3f(), layout.T_T_C), options),
         clock(world),
@@ -88,23 +88,22 @@ struct SimulatedCell::Parts {
 };
 
 SimulatedCell::SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present,
-                             const RobotModel& robot, const CellLayout& believed,
+                             const RobotModel& robot, const CellLayout& assumed,
                              const SimulationOptions& options) {
-  parts_ = std::make_unique<Parts>(stones, present, robot, believed, options);
+  parts_ = std::make_unique<Parts>(stones, present, robot, assumed, options);
   auto& world = parts_->world;
-  HandPose hand;
-  hand.T_W_T = parts_->arm.true_T_W_T(parts_->arm.state().q);
-  hand.finger.fill(0.5 * world.hand_model().gripper.largest_opening);
-  world.set_hand(hand);
-  scatter_stones(world, {believed.field_centre, believed.field_size, options.clearance},
+  GripperPose gripper_pose;
+  gripper_pose.T_W_T = parts_->arm.true_T_W_T(parts_->arm.state().q);
+  gripper_pose.finger.fill(0.5 * world.gripper_body().gripper.max_opening);
+  world.set_gripper_pose(gripper_pose);
+  scatter_stones(world, {assumed.field_centre, assumed.field_size, options.clearance},
                  static_cast<std::uint64_t>(options.seed));
 }
 
 SimulatedCell::~SimulatedCell() = default;
 
 Cell SimulatedCell::cell() {
-  return {parts_->arm,    parts_->gripper, parts_->force_torque,
-          parts_->camera, parts_->clock,   parts_->believed};
+  return {parts_->arm, parts_->gripper, parts_->force_torque, parts_->camera, parts_->clock, parts_->assumed};
 }
 
 Truth SimulatedCell::truth() const {
@@ -141,7 +140,7 @@ const TrueWorld& SimulatedCell::world() const {
 }
 
 const Eigen::Vector2d& SimulatedCell::site() const {
-  return parts_->believed.site;
+  return parts_->assumed.site;
 }
 
 }  // namespace stonestack::simulation

@@ -17,14 +17,14 @@ struct TrueMounting {
   Joints joint_error = Joints::Zero();  ///< what calibration left over [rad]: true q = reported q + this
 };
 /// Draws the errors that the options ask for; the arm's as large as they ask where it stands at `q`.
-[[nodiscard]] TrueMounting draw_mounting(const CellLayout& believed, const SimulationOptions& options,
+[[nodiscard]] TrueMounting draw_mounting(const CellLayout& assumed, const SimulationOptions& options,
                                          const RobotModel& robot, const Joints& q);
 /// of each joint, that moves the tool's tip by `tip_error` (m, root of the mean square) at `q` [rad].
 [[nodiscard]] double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
                                  const Joints& q);
 
 /// Where the hand's own mass hangs, m in T.
-[[nodiscard]] Eigen::Vector3d hand_centre();
+[[nodiscard]] Eigen::Vector3d gripper_centre();
 /// Names what a link of the arm overlaps, with the reported joints `q`.
 [[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
                                                        const TrueMounting& mounting, const Joints& q);

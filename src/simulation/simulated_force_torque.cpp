@@ -23,7 +23,7 @@ Eigen::Vector3d counted(const Eigen::Vector3d& value, double count) {
 
 }  // namespace
 
-Eigen::Vector3d hand_centre() {
+Eigen::Vector3d gripper_centre() {
   return {0, 0, -0.12};
 }
 
@@ -45,10 +45,10 @@ Wrench SimulatedForceTorque::sample() {
 
 Wrench SimulatedForceTorque::measure() {
   last_time_ = world_->time();
-  const Pose T_W_F = world_->hand().T_W_T * mounting_.T_F_T.inverse();
-  HandLoad load = world_->load();
-  load.add(world_->hand().T_W_T * hand_centre(),
-           {0, 0, -kGravity * sensed_mass(world_->hand_model().gripper)});
+  const Pose T_W_F = world_->gripper_pose().T_W_T * mounting_.T_F_T.inverse();
+  GripperLoad load = world_->load();
+  load.add(world_->gripper_pose().T_W_T * gripper_centre(),
+           {0, 0, -kGravity * sensed_mass(world_->gripper_body().gripper)});
   const Eigen::Matrix3d R_F_W = T_W_F.rotation().transpose();
   Wrench wrench;
   wrench.force = R_F_W * load.force + offset_.force;

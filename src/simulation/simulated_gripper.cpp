@@ -8,11 +8,11 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kLeastForce = 15.0, kMostForce = 60.0;    // N a finger (data sheet)
-constexpr double kLeastSpeed = 0.022, kMostSpeed = 0.110;  // m/s, of the opening
-constexpr double kTick = 0.002;                            // s
-constexpr double kStalled = 0.15;                          // s without motion until the drives report rest
-constexpr double kDeadline = 20.0;                         // s
+constexpr double kMinForce = 15.0, kMaxForce = 60.0;    // N a finger (data sheet)
+constexpr double kMinSpeed = 0.022, kMaxSpeed = 0.110;  // m/s, of the opening
+constexpr double kTick = 0.002;                         // s
+constexpr double kStalled = 0.15;                       // s without motion until the drives report rest
+constexpr double kDeadline = 20.0;                      // s
 constexpr double kSpread = 1.0;       // s, for fingers B and C to draw together or apart; ours
 constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep towards the force is faster
 
@@ -21,7 +21,7 @@ constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep tow
 GripperState SimulatedGripper::state() {
   GripperState state;
   state.host_time = world_->time();
-  state.opening = opening(world_->hand());
+  state.opening = opening(world_->gripper_pose());
   // A stone that was lost lets the fingers close to the end.
   const auto& drives = world_->finger_drives();
   state.object = object_ && drives &&
@@ -30,12 +30,12 @@ GripperState SimulatedGripper::state() {
 }
 
 GripperState SimulatedGripper::move(double target, double speed, double force) {
-  const double largest = world_->hand_model().gripper.largest_opening;
+  const double max = world_->gripper_body().gripper.max_opening;
   require(std::isfinite(target) && std::isfinite(speed) && std::isfinite(force) && target >= 0 &&
-              target <= largest + 1e-9,
-          "the gripper opens from 0 to ", largest, " m, asked for ", target, " m");
-  force = std::clamp(force, kLeastForce, kMostForce);
-  speed = std::clamp(speed, kLeastSpeed, kMostSpeed);
+              target <= max + 1e-9,
+          "the gripper opens from 0 to ", max, " m, asked for ", target, " m");
+  force = std::clamp(force, kMinForce, kMaxForce);
+  speed = std::clamp(speed, kMinSpeed, kMaxSpeed);
   std::array<FingerDriveState, kFingers> drives;
   for (std::size_t f = 0; f < drives.size(); ++f)
     drives[f] = {0.5 * target, 0.5 * speed, f == 0 ? force : 0.5 * force, world_->options().regrip};
@@ -47,29 +47,29 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
     if (t > kDeadline)
       throw DeviceError("simulated gripper", concat("still moving after ", kDeadline, " s"),
                         "look what hinders the fingers");
-    const HandPose from = world_->hand();
+    const GripperPose from = world_->gripper_pose();
     const Progress progress = world_->wait(kTick);
     if (!progress.stopped.empty())
       throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
-    double largest_move = 0.0;
+    double max_move = 0.0;
     for (std::size_t f = 0; f < drives.size(); ++f)
-      largest_move = std::max(largest_move, std::abs(world_->hand().finger[f] - from.finger[f]));
-    still = largest_move < kPositioned ? still + kTick : 0.0;
+      max_move = std::max(max_move, std::abs(world_->gripper_pose().finger[f] - from.finger[f]));
+    still = max_move < kPositioned ? still + kTick : 0.0;
   }
   for (const auto& drive : *world_->finger_drives()) object_ = object_ || drive.holding;
   return state();
 }
 
 void SimulatedGripper::spread(double spacing) {
-  const GripperModel& gripper = world_->hand_model().gripper;
+  const GripperModel& gripper = world_->gripper_body().gripper;
   (void)with_spacing(gripper, spacing);  // throws for what cannot be
-  const HandPose from = world_->hand();
+  const GripperPose from = world_->gripper_pose();
   const double narrowed = gripper.finger_spacing - spacing;
   if (narrowed == from.narrowed) return;
   const auto path = [&](double s) {
-    HandPose hand = from;
-    hand.narrowed += (narrowed - from.narrowed) * std::clamp(s / kSpread, 0.0, 1.0);
-    return hand;
+    GripperPose gripper_pose = from;
+    gripper_pose.narrowed += (narrowed - from.narrowed) * std::clamp(s / kSpread, 0.0, 1.0);
+    return gripper_pose;
   };
   const Progress progress = world_->advance(kSpread, path);
   if (!progress.stopped.empty())

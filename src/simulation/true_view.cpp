@@ -31,8 +31,8 @@ SensorModel choose_sensor(const SimulationOptions& options) {
 SeenWorld what_is_seen(const TrueWorld& world) {
   SeenWorld seen;
   for (const int i : world.present()) seen.stones.emplace_back(i, world.pose(i));
-  for (const auto& box : world.hand_model().boxes)  // the camera does not see itself
-    if (!box.camera) seen.boxes.emplace_back(box.size, box_pose(box, world.hand()));
+  for (const auto& box : world.gripper_body().boxes)  // the camera does not see itself
+    if (!box.camera) seen.boxes.emplace_back(box.size, box_pose(box, world.gripper_pose()));
   return seen;
 }
 

@@ -23,8 +23,8 @@ std::size_t at(int i) {
 }
 
 // The stone as it really is: a little heavier or lighter, its centre of mass a little off.
-MassProperties true_mass(const MassProperties& believed, const SimulationOptions& options, Random random) {
-  MassProperties mass = believed;
+MassProperties true_mass(const MassProperties& assumed, const SimulationOptions& options, Random random) {
+  MassProperties mass = assumed;
   const double factor = 1.0 + options.mass_error * std::clamp(random.normal(), -2.5, 2.5);
   mass.mass *= factor;
   mass.I_M *= factor;
@@ -51,7 +51,7 @@ Pose away_pose(int k) {
 
 TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present,
                      const GripperModel& gripper, const SimulationOptions& options)
-    : options_(options), model_(make_hand(gripper)), present_(present) {
+    : options_(options), model_(make_gripper_body(gripper)), present_(present) {
   std::sort(present_.begin(), present_.end());
   present_.erase(std::unique(present_.begin(), present_.end()), present_.end());
   const auto count = stones.size();
@@ -106,8 +106,8 @@ bool TrueWorld::rests(int stone) const {
   return state(stone).rest >= kRestSeconds;
 }
 
-void TrueWorld::set_hand(const HandPose& hand) {
-  hand_ = hand;
+void TrueWorld::set_gripper_pose(const GripperPose& gripper_pose) {
+  gripper_pose_ = gripper_pose;
   engine_.reset();
 }
 

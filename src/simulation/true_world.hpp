@@ -5,21 +5,21 @@
 
 #include "physics/world.hpp"
 #include "simulation/finger_drive.hpp"
-#include "simulation/hand.hpp"
+#include "simulation/gripper_body.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
 namespace stonestack::simulation {
 
 /// Load of the world on the gripper, gravity on the hand itself left out; world axes.
-struct HandLoad {
+struct GripperLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< about the world's origin [Nm]
   void add(const Eigen::Vector3d& p_W, const Eigen::Vector3d& f) {
     force += f;
     moment += p_W.cross(f);
   }
-  void add(const HandLoad& other, double share = 1.0) {
+  void add(const GripperLoad& other, double share = 1.0) {
     force += share * other.force;
     moment += share * other.moment;
   }
@@ -45,22 +45,22 @@ class TrueWorld {
 
   [[nodiscard]] const SimulationOptions& options() const { return options_; }
   [[nodiscard]] double time() const { return time_; }
-  [[nodiscard]] const HandModel& hand_model() const { return model_; }
-  [[nodiscard]] const HandPose& hand() const { return hand_; }
+  [[nodiscard]] const GripperBody& gripper_body() const { return model_; }
+  [[nodiscard]] const GripperPose& gripper_pose() const { return gripper_pose_; }
   /// Puts the hand somewhere at once. For setting up.
-  void set_hand(const HandPose& hand);
+  void set_gripper_pose(const GripperPose& gripper_pose);
   /// From now on the fingers go where these drives bring them, whatever a path says of them.
   void drive_fingers(const std::array<FingerDriveState, kFingers>& drives) { drives_ = drives; }
   [[nodiscard]] const std::optional<std::array<FingerDriveState, kFingers>>& finger_drives() const {
     return drives_;
   }
   /// Lets `seconds` pass while the hand follows `path`. Ends early when the hand hits something hard.
-  Progress advance(double seconds, const HandPath& path);
+  Progress advance(double seconds, const GripperPath& path);
   /// Waits with the gripper where it is.
   Progress wait(double seconds);
 
   /// Mean over the last 10 ms, or the last `advance` if that was shorter.
-  [[nodiscard]] const HandLoad& load() const { return load_; }
+  [[nodiscard]] const GripperLoad& load() const { return load_; }
   /// Force that presses each finger outwards, now: elastic force of its pad and contacts behind it, N.
   [[nodiscard]] const std::array<double, kFingers>& finger_force() const { return finger_force_; }
 
@@ -99,30 +99,30 @@ class TrueWorld {
 
   [[nodiscard]] const StoneState& state(int stone) const;
   [[nodiscard]] StoneState& state(int stone);
-  [[nodiscard]] std::vector<bool> stones_in_play(const HandPose& next) const;
+  [[nodiscard]] std::vector<bool> stones_in_play(const GripperPose& next) const;
   [[nodiscard]] bool pads_near();
   [[nodiscard]] World make_world(double step, int iterations, double damping,
                                  const std::vector<bool>& in_play) const;
   void prepare_engine(const std::vector<bool>& in_play, double step);
-  void step_engine(const HandPose& wanted);
-  [[nodiscard]] HandPose driven(HandPose next, double seconds);
-  void press_pads(const HandPose& next, double step);
+  void step_engine(const GripperPose& wanted);
+  [[nodiscard]] GripperPose driven(GripperPose next, double seconds);
+  void press_pads(const GripperPose& next, double step);
   void read_stones(double step);
-  [[nodiscard]] HandLoad read_contacts(double step);
-  [[nodiscard]] HandLoad table_load() const;
+  [[nodiscard]] GripperLoad read_contacts(double step);
+  [[nodiscard]] GripperLoad table_load() const;
   [[nodiscard]] std::string hard_contact() const;
 
   SimulationOptions options_;
-  HandModel model_;
+  GripperBody model_;
   std::vector<int> present_;
   ShapeList shapes_;                // by catalogue index, true masses
   std::vector<StoneState> states_;  // by catalogue index
   std::vector<double> friction_;    // by pair of catalogue indices, row by row; last column: the table
-  HandPose hand_;
+  GripperPose gripper_pose_;
   std::optional<std::array<FingerDriveState, kFingers>> drives_;
-  HandLoad load_;
+  GripperLoad load_;
   Eigen::Vector3d felt_ = Eigen::Vector3d::Zero();  // N, load_ over 10 ms: a knock is no jam
-  HandLoad pad_load_;
+  GripperLoad pad_load_;
   std::array<double, kFingers> finger_force_{};
   double time_ = 0.0;
   double debt_ = 0.0;             // s asked for and not yet stepped

@@ -12,14 +12,14 @@ namespace {
 constexpr double kChunk = 0.010;          // s between two looks at what is near what
 constexpr double kGripStep = 1.0 / 2000;  // s while a pad is at a stone: pads are stiff springs
 constexpr double kRolling = 0.3;          // 1/s, angular damping: a rounded stone does not rock for ever
-constexpr double kHandReach = 0.020;      // m: a stone this near the hand is in play
+constexpr double kGripperReach = 0.020;   // m: a stone this near the hand is in play
 constexpr double kStoneReach = 0.005;
-constexpr double kRestShift = 0.00002;   // m
-constexpr double kRestTurn = 0.0002;     // rad
-constexpr double kHandFriction = 0.0;    // rigid parts slide; only pads grip, and what they feel is complete
-constexpr double kTableStiffness = 1e5;  // N/m, hand on table
-constexpr double kDeepestPress = 0.003;  // m into the table
-constexpr double kLargestForce = 150.0;  // N on the hand: where a UR's protective stop is by default
+constexpr double kRestShift = 0.00002;    // m
+constexpr double kRestTurn = 0.0002;      // rad
+constexpr double kGripperFriction = 0.0;  // rigid parts slide; only pads grip, and what they feel is complete
+constexpr double kTableStiffness = 1e5;   // N/m, hand on table
+constexpr double kDeepestPress = 0.003;   // m into the table
+constexpr double kMaxForce = 150.0;       // N on the hand: where a UR's protective stop is by default
 
 std::size_t at(int i) {
   return static_cast<std::size_t>(i);
@@ -40,13 +40,13 @@ void TrueWorld::prepare_engine(const std::vector<bool>& in_play, double step) {
   engine_.emplace(Engine{make_world(step, kIterations, kRolling, in_play), step, in_play,
                          static_cast<int>(present_.size())});
   for (const auto& box : model_.boxes) {
-    const int body = engine_->world.add_box(box.size, box_pose(box, hand_));
-    for (int k = 0; k < engine_->first_box; ++k) engine_->world.set_pair_friction(k, body, kHandFriction);
+    const int body = engine_->world.add_box(box.size, box_pose(box, gripper_pose_));
+    for (int k = 0; k < engine_->first_box; ++k) engine_->world.set_pair_friction(k, body, kGripperFriction);
   }
 }
 
 // A stone is in play if it moves, if the hand is near it, or if such a stone is near it.
-std::vector<bool> TrueWorld::stones_in_play(const HandPose& next) const {
+std::vector<bool> TrueWorld::stones_in_play(const GripperPose& next) const {
   std::vector<bool> in_play(present_.size(), false);
   std::vector<std::size_t> open;
   const auto enter = [&](std::size_t k) {
@@ -56,9 +56,10 @@ std::vector<bool> TrueWorld::stones_in_play(const HandPose& next) const {
   };
   for (std::size_t k = 0; k < present_.size(); ++k) {
     const int i = present_[k];
-    const double reach = shapes_[at(i)]->radius + kHandReach;
+    const double reach = shapes_[at(i)]->radius + kGripperReach;
     const Eigen::Vector3d p = centre_of_mass(i);
-    if (!rests(i) || distance_to_hand(model_, hand_, p) < reach || distance_to_hand(model_, next, p) < reach)
+    if (!rests(i) || distance_to_gripper(model_, gripper_pose_, p) < reach ||
+        distance_to_gripper(model_, next, p) < reach)
       enter(k);
   }
   while (!open.empty()) {
@@ -78,11 +79,11 @@ bool TrueWorld::pads_near() {
   bool any = false;
   for (const int i : present_)
     for (int f = 0; f < kFingers; ++f)
-      if (state(i).pads[at(f)].near(pad_pose(model_, f, hand_), state(i).T_W_O)) any = true;
+      if (state(i).pads[at(f)].near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O)) any = true;
   return any;
 }
 
-void TrueWorld::press_pads(const HandPose& next, double step) {
+void TrueWorld::press_pads(const GripperPose& next, double step) {
   pad_load_ = {};
   finger_force_ = {};
   for (std::size_t k = 0; k < present_.size(); ++k) {
@@ -90,7 +91,7 @@ void TrueWorld::press_pads(const HandPose& next, double step) {
     auto& it = state(present_[k]);
     const Eigen::Vector3d p_W_M = centre_of_mass(present_[k]);
     for (int f = 0; f < kFingers; ++f) {
-      const Pose T_W_P = pad_pose(model_, f, hand_);
+      const Pose T_W_P = pad_pose(model_, f, gripper_pose_);
       if (!it.pads[at(f)].near(T_W_P, it.T_W_O)) continue;
       const MovingFrame pad{T_W_P, T_W_P.translation(),
                             twist_between(T_W_P, pad_pose(model_, f, next), step)};
@@ -118,9 +119,9 @@ void TrueWorld::read_stones(double step) {
 }
 
 // Rigid parts of the hand; what presses a finger outwards counts for its drive as the pad's force does.
-HandLoad TrueWorld::read_contacts(double step) {
-  HandLoad load;
-  const Eigen::Vector3d x_W = hand_.T_W_T.linear().col(0);
+GripperLoad TrueWorld::read_contacts(double step) {
+  GripperLoad load;
+  const Eigen::Vector3d x_W = gripper_pose_.T_W_T.linear().col(0);
   const auto add = [&](int body, const Eigen::Vector3d& p_W, const Eigen::Vector3d& force) {
     if (body < engine_->first_box) return;
     load.add(p_W, force);
@@ -135,58 +136,58 @@ HandLoad TrueWorld::read_contacts(double step) {
   return load;
 }
 
-HandLoad TrueWorld::table_load() const {
-  HandLoad load;
-  const Eigen::Vector3d corner = lowest_corner(model_, hand_);
+GripperLoad TrueWorld::table_load() const {
+  GripperLoad load;
+  const Eigen::Vector3d corner = lowest_corner(model_, gripper_pose_);
   if (corner.z() < 0) load.add(corner, {0, 0, -kTableStiffness * corner.z()});
   return load;
 }
 
 // The hand's next pose with the fingers where their drives bring them.
-HandPose TrueWorld::driven(HandPose next, double seconds) {
+GripperPose TrueWorld::driven(GripperPose next, double seconds) {
   for (std::size_t f = 0; drives_ && f < drives_->size(); ++f)
-    next.finger[f] = next_finger_place((*drives_)[f], hand_.finger[f], finger_force_[f], seconds);
+    next.finger[f] = next_finger_place((*drives_)[f], gripper_pose_.finger[f], finger_force_[f], seconds);
   return next;
 }
 
-void TrueWorld::step_engine(const HandPose& wanted) {
+void TrueWorld::step_engine(const GripperPose& wanted) {
   const double step = engine_->step;
-  const HandPose next = driven(wanted, step);
+  const GripperPose next = driven(wanted, step);
   press_pads(next, step);
   for (std::size_t b = 0; b < model_.boxes.size(); ++b)
     engine_->world.move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
   engine_->world.step(step);
-  hand_ = next;
+  gripper_pose_ = next;
   time_ += step;
   read_stones(step);
 }
 
 std::string TrueWorld::hard_contact() const {
-  const Eigen::Vector3d corner = lowest_corner(model_, hand_);
+  const Eigen::Vector3d corner = lowest_corner(model_, gripper_pose_);
   if (corner.z() < -kDeepestPress)
     return concat("the gripper is pressed ", -1e3 * corner.z(), " mm into the table at x ", corner.x(), " y ",
                   corner.y());
-  if (felt_.norm() > kLargestForce)
-    return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kLargestForce,
+  if (felt_.norm() > kMaxForce)
+    return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kMaxForce,
                   " N): ", pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
                   " N by the table, the rest by its rigid parts");
   return {};
 }
 
-Progress TrueWorld::advance(double seconds, const HandPath& path) {
+Progress TrueWorld::advance(double seconds, const GripperPath& path) {
   require(seconds >= 0 && std::isfinite(seconds), "time only passes forwards, asked for ", seconds, " s");
   Progress progress;
   while (progress.seconds < seconds) {
-    HandLoad sum;
+    GripperLoad sum;
     double weight = 0.0;
     const double chunk = std::min(kChunk, seconds - progress.seconds);
     const double end = progress.seconds + chunk;
-    const HandPose next = path(end);
+    const GripperPose next = path(end);
     const auto in_play = stones_in_play(next);
     if (std::find(in_play.begin(), in_play.end(), true) == in_play.end()) {
       engine_.reset();
       finger_force_ = {};
-      hand_ = driven(next, chunk);
+      gripper_pose_ = driven(next, chunk);
       time_ += chunk;
       sum.add(table_load(), chunk);
       weight += chunk;
@@ -212,8 +213,8 @@ Progress TrueWorld::advance(double seconds, const HandPath& path) {
 }
 
 Progress TrueWorld::wait(double seconds) {
-  const HandPose hand = hand_;
-  return advance(seconds, [&](double) { return hand; });
+  const GripperPose gripper_pose = gripper_pose_;
+  return advance(seconds, [&](double) { return gripper_pose; });
 }
 
 }  // namespace stonestack::simulation

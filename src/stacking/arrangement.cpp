@@ -112,7 +112,7 @@ StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout
                      options.placed_turn))
         measured[i] = {{expected[i].stone, measured[i].estimate.T_W_O_seen, expected[i].T_W_O_at_rest},
                        false};
-  StoneEstimates estimates{settle_stack(shapes, measured, options.most_friction), {}};
+  StoneEstimates estimates{settle_stack(shapes, measured, options.max_friction), {}};
   std::vector<PlacedStone> stack;
   for (const StoneEstimate& stone : estimates.stack) stack.push_back({stone.stone, stone.T_W_O_at_rest});
   for (const auto& sighting : left)

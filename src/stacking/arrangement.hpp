@@ -14,7 +14,7 @@ namespace stonestack::stacking {
 /// Stack and loose stones, from what was seen and what was expected. A stone belongs to the stack if it was
 /// expected there and rests over the stone below by geometry; a stone of the stack that did not move keeps
 /// its estimate (no random walk of the base, no doubt about what is half hidden). The stack is settled
-/// (settle_stack.hpp) at `options.most_friction`.
+/// (settle_stack.hpp) at `options.max_friction`.
 struct StoneEstimates {
   std::vector<StoneEstimate> stack, loose;
 };

@@ -9,13 +9,13 @@ FieldList fields(BuildOptions& o) {
       {nest("detection", fields(o.detection)), nest("search", fields(o.search)),
        nest("motion", fields(o.motion)),
        nest("run",
-            {user(field("most_stones", o.most_stones, {0, 100}, "",
+            {user(field("max_stones", o.max_stones, {0, 100}, "",
                         "height at which the run ends; 0: all stones that are seen")),
-             user(field("look_distance", o.look_distance, {0.3, 1.2}, "m",
+             user(field("view_distance", o.view_distance, {0.3, 1.2}, "m",
                         "from the camera to what it looks at; SR300: 0.2 to 1.5 m")),
-             field("most_friction", o.most_friction, {0, 2}, "",
+             field("max_friction", o.max_friction, {0, 2}, "",
                    "the search starts at search.friction and climbs to this while it finds no sure pose"),
-             user(field("most_failures", o.most_failures, {1, 100}, "",
+             user(field("max_failures", o.max_failures, {1, 100}, "",
                         "placements that may fail before the run ends; the paper: 1")),
              field("refine_camera", o.refine_camera,
                    "true: the camera's mount is refined from two first views"),
@@ -23,9 +23,9 @@ FieldList fields(BuildOptions& o) {
                    "false: placed stones are taken to lie as planned, if they are seen near there"),
              field("correct_aim", o.correct_aim,
                    "true: placements are corrected by the mean error of earlier ones"),
-             user(field("most_turned_over", o.most_turned_over, {0, 100}, "",
+             user(field("max_reoriented", o.max_reoriented, {0, 100}, "",
                         "stones that may be reoriented because no grasp serves both ends; the paper: 0")),
-             user(field("most_taken_off", o.most_taken_off, {0, 100}, "",
+             user(field("max_unstacked", o.max_unstacked, {0, 100}, "",
                         "stones that may be unstacked to try another tower; the paper: 0")),
              user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
                         "tries to pick a stone that the gripper misses or drops")),
@@ -35,8 +35,8 @@ FieldList fields(BuildOptions& o) {
 
 std::vector<double> assumed_frictions(const BuildOptions& options) {
   std::vector<double> list{options.search.friction};
-  while (list.back() < options.most_friction)
-    list.push_back(std::min(options.most_friction, list.back() + options.friction_step));
+  while (list.back() < options.max_friction)
+    list.push_back(std::min(options.max_friction, list.back() + options.friction_step));
   return list;
 }
 

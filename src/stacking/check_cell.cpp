@@ -124,13 +124,13 @@ class Examination {
  public:
   explicit Examination(const CellCheckOptions& options) : options_(options) {}
 
-  /// `look` returns what it found, or throws with what is wrong.
-  template <class Look>
-  void check(const std::string& device, const std::string& step, const Look& look) {
+  /// `view` returns what it found, or throws with what is wrong.
+  template <class SearchView>
+  void check(const std::string& device, const std::string& step, const SearchView& view) {
     throw_if_interrupted();
     CellCheck done{device, step, CellCheck::Verdict::kPassed, ""};
     try {
-      const Found found{look()};
+      const Found found{view()};
       done.text = found.text;
       if (found.to_do) done.verdict = CellCheck::Verdict::kNote;
     } catch (const Interrupted&) {

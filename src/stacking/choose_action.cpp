@@ -94,7 +94,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
                                      com_of(s.models.shapes, s.arrangement.stack[stray->level]))};
   }
   const std::size_t count = s.arrangement.stack.size() - stray->level;
-  const int allowed = s.options.most_taken_off - memory.unstacked;
+  const int allowed = s.options.max_unstacked - memory.unstacked;
   if (memory.stack_stays || static_cast<int>(count) > allowed) return std::nullopt;
   if (count == 1 && height_is_reached(s.arrangement, s.options)) return std::nullopt;  // all of it counts
   memory.unstacking = Unstacking{allowed, 0, stray->level, stray->stone};
@@ -110,7 +110,7 @@ std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) 
   }
   if (height_is_reached(s.arrangement, s.options))
     return Stop{RunEnd::kHeightReached,
-                concat("the tower has the ", s.options.most_stones, " stones that were asked for")};
+                concat("the tower has the ", s.options.max_stones, " stones that were asked for")};
   return std::nullopt;
 }
 
@@ -167,8 +167,9 @@ const Stone& Models::stone(int stone) const {
 
 Models make_models(const Catalogue& catalogue, const RobotModel& robot, const CellLayout& layout) {
   Models models{&catalogue, &robot, make_contact_shapes(catalogue.stones), {}};
-  const GripperModel gripper = hand_of(layout);
-  for (const Stone& stone : catalogue.stones) models.unfit.push_back(unfit_for_hand(stone, gripper, robot));
+  const GripperModel gripper = gripper_of(layout);
+  for (const Stone& stone : catalogue.stones)
+    models.unfit.push_back(unfit_for_gripper(stone, gripper, robot));
   return models;
 }
 

@@ -129,7 +129,7 @@ SearchOptions options_at(const BuildOptions& options, const FrictionEstimate& fr
                          Route route) {
   SearchOptions search = options.search;
   search.friction = friction.frictions[level];
-  if (route == Route::kReorienting) search.largest_tilt = M_PI;
+  if (route == Route::kReorienting) search.max_tilt = M_PI;
   if (level + 1 < friction.frictions.size()) search.rounds = std::min(search.rounds, options.first_rounds);
   return search;
 }
@@ -225,12 +225,13 @@ struct FrictionSearch {
     SearchOutcome best;
     double best_expected = 0.0;
     const auto sure = [&] { return best_expected >= s.options.sure_success * levels; };
-    const auto search = [&](std::size_t level, bool way_up_only) {
+    const auto search = [&](std::size_t level, bool known_route_only) {
       SearchProblem here = current;
-      here.way_up_only = way_up_only;
-      if (!best.found.best.empty()) here.way_up = plan_of(best.found.best.front());
-      if (static_cast<double>(here.way_up.size()) >= levels) here.way_up.clear();  // whole, but doubtful
-      if (way_up_only && here.way_up.empty()) return;
+      here.known_route_only = known_route_only;
+      if (!best.found.best.empty()) here.known_route = plan_of(best.found.best.front());
+      if (static_cast<double>(here.known_route.size()) >= levels)
+        here.known_route.clear();  // whole, but doubtful
+      if (known_route_only && here.known_route.empty()) return;
       const SearchOptions options = options_at(s.options, memory.friction, level, route);
       SearchResult found;
       if (const auto resting = at_friction(here, s.world.resting[level]))
@@ -238,7 +239,8 @@ struct FrictionSearch {
             find_next_pose(*resting, options, [&](const std::string& line) { s.emit(SearchProgress{line}); });
       else
         found.reason = s.world.resting[level].reason;
-      if (way_up_only && (found.best.empty() || plan_of(found.best.front()).size() <= here.way_up.size()))
+      if (known_route_only &&
+          (found.best.empty() || plan_of(found.best.front()).size() <= here.known_route.size()))
         return;
       const bool any = !found.best.empty();
       const double expected = any ? expected_over_frictions(current, found.best.front(), level) : 0.0;
@@ -264,11 +266,11 @@ struct FrictionSearch {
       current = problem(route);
       climb(level);
     }
-    if (!best.found.best.empty() && s.options.search.verify && best_expected < s.options.least_expected) {
+    if (!best.found.best.empty() && s.options.search.verify && best_expected < s.options.min_expected) {
       best.found.best.clear();
       best.found.reason =
           concat("by the best tower found only ", std::round(100 * best_expected) / 100,
-                 " more stones are expected to stand (minimum: ", s.options.least_expected, ")");
+                 " more stones are expected to stand (minimum: ", s.options.min_expected, ")");
     }
     return best;
   }
@@ -347,15 +349,17 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
     std::string reason;
     const auto tower =
         plan_tower(problem, levels, options_at(s.options, memory.friction, level, route), &reason);
-    problem.way_up.clear();
-    for (const Placement& placement : tower) problem.way_up.push_back({placement.stone, placement.T_W_O});
+    problem.known_route.clear();
+    for (const Placement& placement : tower)
+      problem.known_route.push_back({placement.stone, placement.T_W_O});
     if (lower.stack.size() + tower.size() <= s.arrangement.stack.size()) continue;
     higher = true;
-    best_expected = std::max(
-        best_expected, weighted_mean(expected_by_friction(problem, problem.way_up, memory.friction.frictions,
-                                                          possible, nullptr, s.options.search),
-                                     possible, memory.friction));
-    if (tower.size() == problem.available.size()) problem.way_up.clear();  // whole, but doubtful
+    best_expected =
+        std::max(best_expected,
+                 weighted_mean(expected_by_friction(problem, problem.known_route, memory.friction.frictions,
+                                                    possible, nullptr, s.options.search),
+                               possible, memory.friction));
+    if (tower.size() == problem.available.size()) problem.known_route.clear();  // whole, but doubtful
   }
   return higher ? static_cast<double>(lower.stack.size()) + best_expected : 0.0;
 }
@@ -379,18 +383,18 @@ std::vector<int> graspable_stones(const Situation& s) {
 
 RegraspOptions regrasp_options(const RunMemory& memory, int stone) {
   RegraspOptions regrasp;
-  regrasp.most = 1;
+  regrasp.max_set_downs = 1;
   if (const auto fell = memory.toppled.find(stone); fell != memory.toppled.end())
     regrasp.n_O_not_up = fell->second;
   return regrasp;
 }
 
 bool may_reorient(const RunMemory& memory, const BuildOptions& options) {
-  return memory.reoriented < options.most_turned_over;
+  return memory.reoriented < options.max_reoriented;
 }
 
 bool height_is_reached(const Arrangement& arrangement, const BuildOptions& options) {
-  return options.most_stones > 0 && static_cast<int>(arrangement.stack.size()) >= options.most_stones;
+  return options.max_stones > 0 && static_cast<int>(arrangement.stack.size()) >= options.max_stones;
 }
 
 std::vector<double> expected_by_friction(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
@@ -438,7 +442,7 @@ std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
 }
 
 std::vector<double> expected_unstacked(const Situation& s, const RunMemory& memory) {
-  const auto allowed = static_cast<std::size_t>(std::max(0, s.options.most_taken_off - memory.unstacked));
+  const auto allowed = static_cast<std::size_t>(std::max(0, s.options.max_unstacked - memory.unstacked));
   const std::size_t stack = s.arrangement.stack.size();
   const auto all = static_cast<double>(stack + s.arrangement.loose.size());
   std::vector<double> expected;

@@ -14,7 +14,7 @@ constexpr double kSeen = 0.6;        // of the field, about its middle: what the
 constexpr double kClearance = 0.03;  // m between stones that lie side by side, for the fingers
 constexpr double kExtent = 0.75;     // of the bounding radius: stones are longer than wide
 constexpr double kGap = 0.002;       // m, that it falls
-constexpr std::size_t kMostPlaces = 8;
+constexpr std::size_t kMaxPlaces = 8;
 
 const ContactShape& shape_of(const ShapeList& shapes, int stone) {
   return *shapes[static_cast<std::size_t>(stone)];
@@ -27,8 +27,8 @@ double radius(const ShapeList& shapes, int stone) {
 /// How the stone would come to rest on the table from how it is held: rotation, and height of O.
 Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
   SettleOptions options;
-  options.world.friction = 0.5;   // it shall roll to rest, not slide about
-  options.largest_travel = 0.20;  // m
+  options.world.friction = 0.5;  // it shall roll to rest, not slide about
+  options.max_travel = 0.20;     // m
   options.seconds = 2.0;
   const double low = lowest(shape_of(shapes, held.stone), held.T_W_O);
   const Pose lifted = Eigen::Translation3d(0, 0, kGap - low) * held.T_W_O;
@@ -59,7 +59,7 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
     }
   std::stable_sort(places.begin(), places.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  places.resize(std::min(kMostPlaces, places.size()));
+  places.resize(std::min(kMaxPlaces, places.size()));
   std::vector<Pose> poses;
   for (int quarter = 0; quarter < 4; ++quarter)
     for (const auto& [clearance, T_W_O] : places) {

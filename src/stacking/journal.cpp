@@ -16,7 +16,7 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr std::size_t kLargestJournal = std::size_t{1} << 28;
+constexpr std::size_t kMaxJournal = std::size_t{1} << 28;
 
 [[noreturn]] void fail(const std::string& path) {
   throw FileError(path, concat("cannot be written: ", std::strerror(errno)),
@@ -32,7 +32,7 @@ Journal::Journal(const std::string& path) : path_(path) {
   std::size_t whole = 0;
   bool torn = false;
   if (std::filesystem::is_regular_file(target)) {
-    const std::string content = read_file(path, kLargestJournal);
+    const std::string content = read_file(path, kMaxJournal);
     whole = content.rfind('\n') == std::string::npos ? 0 : content.rfind('\n') + 1;
     torn = whole < content.size();
     next_ = std::count(content.begin(), content.begin() + static_cast<std::ptrdiff_t>(whole), '\n');

@@ -76,18 +76,18 @@ Joints home_joints() {
   return (Joints() << 0.0, -1.75, 1.85, -1.67, -1.5708, 0.0).finished();
 }
 
-GripperModel hand_of(const CellLayout& layout) {
-  GripperModel hand = with_camera_at(make_robotiq_3f(), layout.T_T_C);
-  hand.sensor_mass = layout.sensor_mass;
-  hand.camera_mass = layout.camera_mass;
-  return hand;
+GripperModel gripper_of(const CellLayout& layout) {
+  GripperModel gripper = with_camera_at(make_robotiq_3f(), layout.T_T_C);
+  gripper.sensor_mass = layout.sensor_mass;
+  gripper.camera_mass = layout.camera_mass;
+  return gripper;
 }
 
 PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
                                   const Catalogue& catalogue, const Arrangement& arrangement) {
   PlanningScene scene;
   scene.robot = robot;
-  scene.gripper = hand_of(layout);
+  scene.gripper = gripper_of(layout);
   scene.T_W_R = layout.T_W_R;
   scene.T_F_T = layout.T_F_T;
   for (const auto* group : {&arrangement.stack, &arrangement.loose})

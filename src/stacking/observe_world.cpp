@@ -38,7 +38,7 @@ SiteStatus view_site(Workcell& w, Views& views) {
   const Eigen::Vector2d& site = w.cell.layout.site;
   if (site_in(views, site) == SiteStatus::kFree) return SiteStatus::kFree;
   std::vector<Pose> poses =
-      view_poses(w.cell.layout, {site.x(), site.y(), kSiteHeight}, w.options.look_distance);
+      view_poses(w.cell.layout, {site.x(), site.y(), kSiteHeight}, w.options.view_distance);
   std::erase_if(poses, [](const Pose& T_W_C) { return -T_W_C.linear()(2, 2) > kLow; });
   Views of_site{view_along(w, route_to(w, {{}, true}, poses))};
   const SiteStatus status = site_in(of_site, site);
@@ -130,7 +130,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
   }
   const ViewScene scene{seen.before, expected.first};
   const auto poses = [&](const Eigen::Vector2d& p_W, double height) {
-    return view_poses(w.cell.layout, {p_W.x(), p_W.y(), height}, w.options.look_distance);
+    return view_poses(w.cell.layout, {p_W.x(), p_W.y(), height}, w.options.view_distance);
   };
   const std::vector<Pose> above_field = poses(w.cell.layout.field_centre, kFieldHeight);
   if (expected.stack.empty()) {

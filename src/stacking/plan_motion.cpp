@@ -132,7 +132,7 @@ struct Planner {
   void operator()(const LookAgain& action) {
     const PlanningScene scene = scene_of_view(w, arrangement);
     const Pose T_C_F = (w.cell.layout.T_F_T * w.cell.layout.T_T_C).inverse();
-    for (const Pose& T_W_C : view_poses(w.cell.layout, action.p_W_target, w.options.look_distance))
+    for (const Pose& T_W_C : view_poses(w.cell.layout, action.p_W_target, w.options.view_distance))
       if (auto route = plan_transit(scene, q, Pose(T_W_C * T_C_F), w.options.motion)) {
         plan.route = *std::move(route);
         plan.found = true;

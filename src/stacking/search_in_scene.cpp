@@ -17,7 +17,7 @@ namespace {
 void let_come_to_rest(const SearchOptions& options, SearchProblem& problem) {
   check_problem(problem, options);
   std::string unused;
-  const auto stack = standing_stack(*problem.shapes, problem.stack, options, &unused);
+  const auto stack = settled_stack(*problem.shapes, problem.stack, options, &unused);
   if (!stack) return;
   double moved = 0.0;
   for (std::size_t i = 0; i < stack->stones.size(); ++i)

@@ -28,7 +28,7 @@ Pose displaced(const Pose& T_W_O, Random& random) {
 /// The measured pose, let down on the stack below. The stone was seen to rest, so when it slides off from the
 /// measured pose, poses as near as the camera may err are tried; the resting pose nearest to the measurement
 /// is taken, if it is near at all.
-Pose let_down(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
+Pose lowered(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
   SettleOptions options;
   options.world.friction = kLetDownFriction;
   Random random = Random::stream(static_cast<std::uint64_t>(measured.stone), "seated");
@@ -57,7 +57,7 @@ Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double fr
   double nearest = kMaxMeasured;
   for (int k = 0; k < kStackTries && nearest > kConsistent / 2; ++k) {
     std::string reason;
-    const auto standing = standing_stack(shapes, tried, options, &reason);
+    const auto standing = settled_stack(shapes, tried, options, &reason);
     double off = 0.0;
     for (std::size_t i = 0; standing && i < given.stones.size(); ++i)
       off = std::max(off, off_measured(standing->stones[i].T_W_O, given.stones[i].T_W_O));
@@ -86,7 +86,7 @@ std::vector<StoneEstimate> settle_stack(const ShapeList& shapes, const std::vect
     estimates.push_back(estimate);
     const int stone = estimate.stone;
     standing.stones.push_back(
-        {stone, moved ? let_down(shapes, standing, {stone, estimate.T_W_O_seen}) : estimate.T_W_O_at_rest});
+        {stone, moved ? lowered(shapes, standing, {stone, estimate.T_W_O_seen}) : estimate.T_W_O_at_rest});
   }
   standing = nearest_that_stands(shapes, standing, friction);
   for (std::size_t i = 0; i < estimates.size(); ++i) estimates[i].T_W_O_at_rest = standing.stones[i].T_W_O;
@@ -100,7 +100,7 @@ std::vector<RestingStack> resting_stacks(const ShapeList& shapes, const Stack& s
     SearchOptions judged = options;
     judged.friction = friction;
     RestingStack at{friction, std::nullopt, ""};
-    at.stack = standing_stack(shapes, stack, judged, &at.reason);
+    at.stack = settled_stack(shapes, stack, judged, &at.reason);
     resting.push_back(std::move(at));
   }
   return resting;

@@ -17,7 +17,7 @@ struct MeasuredStone {
 
 /// The only settling of a measured stack. First each stone that was measured anew is let down on those below
 /// it from 2 mm above. Then the whole stack is judged at `friction`: if it stands as it is, it is returned;
-/// else `standing_stack` (search/) is asked for one near the given poses, then near poses displaced by what
+/// else `settled_stack` (search/) is asked for one near the given poses, then near poses displaced by what
 /// the camera may err. Of those that stand the nearest to the measured one is taken, at most 12 mm off at any
 /// stone; the measured one if none stands. `T_W_O_seen` is kept. Deterministic.
 [[nodiscard]] std::vector<StoneEstimate> settle_stack(const ShapeList& shapes,

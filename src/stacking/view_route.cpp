@@ -27,7 +27,7 @@ Eigen::Vector3d direction_of_tool(const PlanningScene& scene, const JointPath& p
 /// Where the gripper stands too near to something to go anywhere: backs away from it, until it touches.
 /// Throws DeviceError when it does, or when the arm stops.
 void back_away(Workcell& w, const PlanningScene& scene) {
-  const auto out = way_out(scene, w.cell.arm.state().q, w.options.motion);
+  const auto out = escape_path(scene, w.cell.arm.state().q, w.options.motion);
   if (!out || out->size() < 2) return;  // without a path out no route is found, which is reported
   w.emit(BackedAway{});
   w.emit(StepBegun{"back away"});

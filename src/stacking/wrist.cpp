@@ -10,7 +10,7 @@ namespace {
 constexpr int kReadings = 10;
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kDrift = 2.0;     // N, that the sensor may err by after a carry; ours
-constexpr double kHandCentre =
+constexpr double kGripperCentre =
     0.03;                        // m, that its centre of mass is taken to lie elsewhere than it does; ours
 constexpr double kSettle = 1.0;  // s, at most, for fingers that close on
 
@@ -30,9 +30,9 @@ Eigen::Vector3d Wrist::down() const {
   return -(cell_.layout.T_W_R * forward(robot_, cell_.arm.state().q)).linear().row(2).transpose();
 }
 
-void Wrist::zero(double hangs) {
+void Wrist::zero(double carried_weight) {
   cell_.force_torque.zero();
-  hung_at_zero_ = hangs;
+  carried_at_zero_ = carried_weight;
   n_F_down_at_zero_ = down();
 }
 
@@ -45,12 +45,12 @@ WristLoad Wrist::feel() const {
   }
   WristLoad load;
   load.n_F_down = down();
-  const Eigen::Vector3d f_F_tilt = kGravity * hand_.mass * (load.n_F_down - n_F_down_at_zero_);
+  const Eigen::Vector3d f_F_tilt = kGravity * gripper_.mass * (load.n_F_down - n_F_down_at_zero_);
   const Eigen::Vector3d force = mean.force - f_F_tilt;
-  const Eigen::Vector3d torque = mean.torque - hand_.p_F_hand.cross(f_F_tilt);
-  load.weight = hung_at_zero_ + force.dot(load.n_F_down);
+  const Eigen::Vector3d torque = mean.torque - gripper_.p_F_gripper.cross(f_F_tilt);
+  load.weight = carried_at_zero_ + force.dot(load.n_F_down);
   load.p_F_pull = force.cross(torque) / std::max(1e-6, force.squaredNorm());
-  load.doubt = kHandCentre * f_F_tilt.norm() / std::max(1e-3, force.norm());
+  load.uncertainty = kGripperCentre * f_F_tilt.norm() / std::max(1e-3, force.norm());
   return load;
 }
 
@@ -59,15 +59,15 @@ double beside(const WristLoad& load, const Eigen::Vector3d& p_F) {
   return (off - off.dot(load.n_F_down) * load.n_F_down).norm();
 }
 
-double most_in_empty_hand(double weight) {
-  return std::max(kDrift, kEmptyHand * weight);
+double max_in_empty_gripper(double weight) {
+  return std::max(kDrift, kEmptyGripper * weight);
 }
 
-CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double least_held) {
+CarriedLoad feel_carried(const Wrist& wrist, Cell& cell, double expected, double min_held_share) {
   CarriedLoad carried{wrist.feel(), true};
   const double weight = carried.load.weight;
-  if (weight < least_held * expected)
-    carried.held = weight >= kEmptyHand * expected && state_at_rest(cell).object;
+  if (weight < min_held_share * expected)
+    carried.held = weight >= kEmptyGripper * expected && state_at_rest(cell).object;
   return carried;
 }
 

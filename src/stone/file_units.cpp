@@ -14,9 +14,9 @@ struct Unit {
 };
 constexpr std::array<Unit, 3> kUnits = {{{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}}};
 
-constexpr double kSmallest = 0.02, kLargest = 2.0;     // m, outside it is no stone
-constexpr double kHandSmall = 0.05, kHandLarge = 0.5;  // m, outside no gripper holds it
-constexpr double kHandSize = 0.15;                     // m, what `auto` aims at
+constexpr double kMin = 0.02, kMax = 2.0;                    // m, outside it is no stone
+constexpr double kGraspableMin = 0.05, kGraspableMax = 0.5;  // m, outside no gripper holds it
+constexpr double kGraspableSize = 0.15;                      // m, what `auto` aims at
 
 const Unit* named(const std::string& name) {
   for (const Unit& unit : kUnits)
@@ -27,14 +27,14 @@ const Unit* named(const std::string& name) {
 /// The unit that makes `size` file units nearest to hand size, by ratio.
 const Unit& nearest_unit(double size) {
   const Unit* best = &kUnits[0];
-  const auto off = [&](const Unit& unit) { return std::abs(std::log(size * unit.metres / kHandSize)); };
+  const auto off = [&](const Unit& unit) { return std::abs(std::log(size * unit.metres / kGraspableSize)); };
   for (const Unit& unit : kUnits)
     if (off(unit) < off(*best)) best = &unit;
   return *best;
 }
 
 bool is_stone_size(double metres) {
-  return metres >= kSmallest && metres <= kLargest;
+  return metres >= kMin && metres <= kMax;
 }
 
 /// Suggests what would make the size right: another unit if one does, else a scale.
@@ -59,7 +59,7 @@ FileScale file_scale(double longest, const std::string& units, double scale, con
     throw FileError(source,
                     concat("is ", size, " m long in ", unit.name, ", a stone is between 2 cm and 2 m"),
                     remedy(longest, scale, units));
-  if (size < kHandSmall || size > kHandLarge)
+  if (size < kGraspableMin || size > kGraspableMax)
     result.warnings.push_back(
         concat("is ", size, " m long in ", unit.name, ", no gripper holds that; check --units and --scale"));
   return result;

@@ -20,18 +20,18 @@ constexpr std::uint64_t kAttempts = 64;  // forms drawn
 constexpr double kDepths[] = {2.2, 4.4};
 
 void check(const LimestoneOptions& o) {
-  require(o.smallest >= 0.02 && o.smallest <= o.largest && o.largest <= 2.0,
-          "longest extent must be in [0.02, 2] m, got [", o.smallest, ", ", o.largest, "]");
-  require(o.widest >= 0.6 * o.smallest, "widest must be at least 0.6 * smallest, got ", o.widest, " m");
-  require(o.least_full >= 0.7 && o.most_full <= 0.95 && o.least_full + 0.02 <= o.most_full,
-          "volume over hull must be in [0.7, 0.95] and 0.02 wide, got [", o.least_full, ", ", o.most_full,
-          "]");
+  require(o.min_extent >= 0.02 && o.min_extent <= o.max_extent && o.max_extent <= 2.0,
+          "longest extent must be in [0.02, 2] m, got [", o.min_extent, ", ", o.max_extent, "]");
+  require(o.widest >= 0.6 * o.min_extent, "widest must be at least 0.6 * smallest, got ", o.widest, " m");
+  require(o.min_fullness >= 0.7 && o.max_fullness <= 0.95 && o.min_fullness + 0.02 <= o.max_fullness,
+          "volume over hull must be in [0.7, 0.95] and 0.02 wide, got [", o.min_fullness, ", ",
+          o.max_fullness, "]");
   require(o.faces >= 320 && o.faces <= 200000, "faces must be in [320, 200000], got ", o.faces);
 }
 
 /// Longest, second and shortest extent: near 1 : 0.8 : 0.55, as rubble is.
 Eigen::Vector3d draw_extents(Random& random, const LimestoneOptions& options) {
-  const double longest = random.uniform(options.smallest, options.largest);
+  const double longest = random.uniform(options.min_extent, options.max_extent);
   const double second = std::min(longest * random.uniform(0.68, 0.90),
                                  options.widest - 0.002);  // the grain adds up to a millimetre a side
   return {longest, second, second * random.uniform(0.58, 0.82)};
@@ -64,8 +64,8 @@ std::optional<Mesh> draw_limestone(std::uint64_t seed, const LimestoneOptions& o
     Random random = Random::stream(seed, attempt);
     const Eigen::Vector3d extents = draw_extents(random, options);
     const Rubble rubble = draw_rubble(random, extents);
-    const double middle = (options.least_full + options.most_full) / 2.0;
-    const double spread = (options.most_full - options.least_full) / 2.0 - 0.006;
+    const double middle = (options.min_fullness + options.max_fullness) / 2.0;
+    const double spread = (options.max_fullness - options.min_fullness) / 2.0 - 0.006;
     const double target = middle + spread * random.uniform(-0.6, 1.0);
     if (auto mesh = with_fullness(rubble, sphere, target, deep)) return mesh;
   }
@@ -80,7 +80,7 @@ Mesh make_limestone(std::uint64_t seed, const LimestoneOptions& options) {
   for (const double deep : kDepths)
     if (const auto mesh = draw_limestone(seed, options, sphere, deep)) return *mesh;
   throw InvalidArgument(concat("no stone of ", options.faces, " faces with volume over hull in [",
-                               options.least_full, ", ", options.most_full, "] after ", kAttempts,
+                               options.min_fullness, ", ", options.max_fullness, "] after ", kAttempts,
                                " forms; widen the range or allow more faces"));
 }
 

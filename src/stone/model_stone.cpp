@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kSampleSpacing = 0.002;  // m, of the points that deviations are measured at
 constexpr double kBand = 0.012;           // m, as physics has it
-constexpr double kMostGridNodes = 3e7;
+constexpr double kMaxGridNodes = 3e7;
 
 void check(const Mesh& scan, const std::string& source) {
   if (scan.faces.empty())
@@ -89,8 +89,8 @@ Mesh ordered(const Mesh& piece) {
 }
 
 /// Convex pieces in an order of their own too, by their first vertex.
-std::vector<Mesh> ordered_pieces(const Mesh& mesh, int most) {
-  std::vector<Mesh> pieces = convex_pieces(mesh, {.most = most});
+std::vector<Mesh> ordered_pieces(const Mesh& mesh, int max_pieces) {
+  std::vector<Mesh> pieces = convex_pieces(mesh, {.max_pieces = max_pieces});
   for (Mesh& piece : pieces) piece = ordered(piece);
   std::sort(pieces.begin(), pieces.end(),
             [](const Mesh& a, const Mesh& b) { return a.vertices[0].x() < b.vertices[0].x(); });
@@ -100,11 +100,11 @@ std::vector<Mesh> ordered_pieces(const Mesh& mesh, int most) {
 /// Grid cell for a stone: that of physics, wider for boulders that would not fit into memory.
 double cell_for(const Mesh& scan, double cell, std::vector<std::string>& warnings) {
   const double volume_of_grid = (bounds(scan).sizes().array() + 2.0 * kBand).prod();
-  const double least = std::cbrt(volume_of_grid / kMostGridNodes);
-  if (least <= cell) return cell;
+  const double min = std::cbrt(volume_of_grid / kMaxGridNodes);
+  if (min <= cell) return cell;
   warnings.push_back(concat("is so large that its contact surface was measured on a grid of ",
-                            std::round(least * 1e5) / 100.0, " mm"));
-  return least;
+                            std::round(min * 1e5) / 100.0, " mm"));
+  return min;
 }
 
 MassProperties weigh(const Mesh& scan, const ModelOptions& options) {

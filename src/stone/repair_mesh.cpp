@@ -15,9 +15,9 @@ namespace {
 constexpr double kWrapAlpha = 1.0 / 50.0;
 constexpr double kWrapOffset = 1.0 / 500.0;
 /// Share of faces that may cut others before the surface is taken for a heap of triangles.
-constexpr double kMostCrossing = 0.02;
+constexpr double kMaxCrossing = 0.02;
 /// Least volume over that of the bounding box: less is a sheet, not a stone.
-constexpr double kLeastFullness = 0.01;
+constexpr double kMinFullness = 0.01;
 
 void append(std::vector<std::string>& list, const std::vector<std::string>& more) {
   list.insert(list.end(), more.begin(), more.end());
@@ -56,7 +56,7 @@ RepairedMesh wrapped(const Mesh& mesh, const std::string& why) {
 }
 
 bool is_stone(const Mesh& mesh) {
-  return is_closed(mesh) && std::abs(volume(mesh)) > kLeastFullness * bounds(mesh).volume();
+  return is_closed(mesh) && std::abs(volume(mesh)) > kMinFullness * bounds(mesh).volume();
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ RepairedMesh repair_mesh(const Mesh& mesh, const std::string& source) {
     append(result.warnings, filled.warnings);
   }
   const int crossing = is_stone(result.mesh) ? count_self_intersections(result.mesh) : 0;
-  const bool heap = crossing > kMostCrossing * static_cast<double>(result.mesh.faces.size());
+  const bool heap = crossing > kMaxCrossing * static_cast<double>(result.mesh.faces.size());
   if (crossing > 0 && !heap)
     result.warnings.push_back(concat(crossing, " pairs of faces cut through each other; left as they are"));
   if (!is_stone(result.mesh) || heap)

@@ -13,10 +13,10 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// Minimum with corners rounded over a width of `k` (log-sum-exp).
 double smooth_minimum(const std::vector<double>& values, double k) {
-  const double least = *std::min_element(values.begin(), values.end());
+  const double min = *std::min_element(values.begin(), values.end());
   double sum = 0.0;
-  for (const double value : values) sum += std::exp((least - value) / k);
-  return least - k * std::log(sum);
+  for (const double value : values) sum += std::exp((min - value) / k);
+  return min - k * std::log(sum);
 }
 
 /// Where the ray from the origin along the unit vector `u` meets the plane.

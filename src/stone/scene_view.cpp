@@ -18,7 +18,7 @@ namespace {
 constexpr float kAboutTable = 0.10F;   // m from z = 0: where most of a world-frame cloud lies
 constexpr double kBehind = 0.01;       // share of points behind the camera that noise may explain
 constexpr double kCameraHeight = 0.8;  // m above the middle of a world-frame cloud
-constexpr double kMostTilt = 0.35;     // rad, of the table in W: more is another frame
+constexpr double kMaxTilt = 0.35;      // rad, of the table in W: more is another frame
 
 /// A camera that looks straight down on a cloud in W.
 Pose camera_above(const Cloud& cloud_W) {
@@ -241,7 +241,7 @@ void check_level(const SceneView& view, const std::optional<Plane>& table_C, con
   if (!view.world || !table_C) return;
   const Eigen::Vector3d n_W = view.T_W_C->linear() * table_C->normal;
   const double tilt = std::acos(std::clamp(n_W.z(), -1.0, 1.0));
-  if (tilt > kMostTilt)
+  if (tilt > kMaxTilt)
     throw FileError(
         path,
         concat("was taken as in the world frame, but its table leans ", std::lround(tilt * 57.3), " deg"),

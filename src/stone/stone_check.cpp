@@ -9,15 +9,15 @@ namespace stonestack::stone {
 namespace {
 
 constexpr const char* kScanAgain = "scan the stone again with `stonestack scan`";
-constexpr std::size_t kMostFaces = 500;              // paper §4.1
-constexpr double kSmallest = 0.001, kLargest = 2.0;  // m
+constexpr std::size_t kMaxFaces = 500;      // paper §4.1
+constexpr double kMin = 0.001, kMax = 2.0;  // m
 
 void check_surface(const Mesh& mesh, const std::string& path) {
   if (!is_closed(mesh)) throw FileError(path, "is not a closed surface", kScanAgain);
   if (volume(mesh) <= 0.0)
     throw FileError(path, concat("encloses ", volume(mesh), " m^3, so its faces look inwards"), kScanAgain);
   const double size = bounds(mesh).sizes().maxCoeff();
-  if (size < kSmallest || size > kLargest)
+  if (size < kMin || size > kMax)
     throw FileError(path, concat("is ", size, " m long, it must be 1 mm to 2 m"), "the unit is metres");
 }
 
@@ -65,7 +65,7 @@ void check_agreement(const Stone& stone, const std::string& path) {
 void check_stone(const Stone& stone, const std::string& folder) {
   check_surface(stone.scan, folder + "/scan.ply");
   check_surface(stone.mesh, folder + "/mesh.ply");
-  if (stone.mesh.faces.size() > kMostFaces)
+  if (stone.mesh.faces.size() > kMaxFaces)
     throw FileError(folder + "/mesh.ply",
                     concat("has ", stone.mesh.faces.size(),
                            " faces, at most 500 are"

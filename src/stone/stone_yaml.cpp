@@ -64,10 +64,10 @@ int read_count(yaml::Map& map, const std::string& key, int low, int high) {
   return count;
 }
 
-double read_positive(yaml::Map& map, const std::string& key, double most, const std::string& unit) {
+double read_positive(yaml::Map& map, const std::string& key, double max, const std::string& unit) {
   const double value = map.number(key);
-  if (value <= 0.0 || value > most)
-    map.fail(key, concat("is ", value), concat("it must be above 0 and at most ", most, unit));
+  if (value <= 0.0 || value > max)
+    map.fail(key, concat("is ", value), concat("it must be above 0 and at most ", max, unit));
   return value;
 }
 

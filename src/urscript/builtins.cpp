@@ -114,9 +114,9 @@ double finite_or(const BuiltinCall& call, std::size_t i, double preset) {
   return call.has(i) ? finite(arg(call, i)) : preset;
 }
 
-double within(double value, double least, double most, const char* what) {
-  if (value >= least && value <= most) return value;
-  throw ScriptError{concat("Value error: ", what, " goes from ", least, " to ", most, ", got ", value)};
+double within(double value, double min, double max, const char* what) {
+  if (value >= min && value <= max) return value;
+  throw ScriptError{concat("Value error: ", what, " goes from ", min, " to ", max, ", got ", value)};
 }
 
 std::vector<Builtin> language_functions() {

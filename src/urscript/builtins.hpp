@@ -25,6 +25,6 @@ inline Pose pose(const BuiltinCall& call, std::size_t i) {
 double finite(const Value& value);
 double finite_or(const BuiltinCall& call, std::size_t i, double preset);
 /// The number within a range, both ends included; else a ScriptError that names the argument.
-double within(double value, double least, double most, const char* what);
+double within(double value, double min, double max, const char* what);
 
 }  // namespace stonestack::urscript

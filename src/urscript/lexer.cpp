@@ -82,9 +82,9 @@ class Cutter {
   [[nodiscard]] int column() const { return static_cast<int>(at_ - line_start_) + 1; }
 
   void push(TokenKind kind, std::string text, double number = 0.0) {
-    if (tokens_.size() >= kMostTokens)
+    if (tokens_.size() >= kMaxTokens)
       throw CompileError{line_, column(),
-                         "script too long: more than " + std::to_string(kMostTokens) +
+                         "script too long: more than " + std::to_string(kMaxTokens) +
                              " words, numbers and signs; make it shorter"};
     tokens_.push_back({kind, std::move(text), number, line_, column()});
   }

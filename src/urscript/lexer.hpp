@@ -9,7 +9,7 @@ namespace stonestack::urscript {
 
 /// Tokens of one script. Compiling holds up the controller's next step, so its length is bounded: a
 /// trajectory of ten minutes at 125 Hz, written out, has a tenth.
-inline constexpr std::size_t kMostTokens = 500'000;
+inline constexpr std::size_t kMaxTokens = 500'000;
 
 enum class TokenKind {
   kName,
@@ -41,7 +41,7 @@ struct CompileError {
 [[nodiscard]] CompileError syntax_error(std::string_view source, int line, int column);
 
 /// Cuts a script into tokens. Comments (#) and PolyScope's node marks (lines starting with $) are left out.
-/// Throws CompileError, also for more than kMostTokens.
+/// Throws CompileError, also for more than kMaxTokens.
 [[nodiscard]] std::vector<Token> cut(std::string_view source);
 
 /// How much deeper nested the blocks are after this line than before (def, sec, thread, if, while: +1; end:

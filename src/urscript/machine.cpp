@@ -12,7 +12,7 @@ namespace {
 
 // Against an instruction's effort: elements that are copied, those that are reckoned with, variables that are
 // looked at until the right one is found.
-constexpr int kCopied = 4, kReckoned = 2, kLookedAt = 64;
+constexpr int kCopied = 4, kReckoned = 2, kCompared = 64;
 
 Value make_pose_value(const std::vector<Value>& six_numbers) {
   PoseVector pose;
@@ -132,7 +132,7 @@ Value Machine::pop(Thread& thread) {
 Value* Machine::find_in(std::vector<std::pair<int, Value>>& variables, int name) {
   const auto it = std::find_if(variables.begin(), variables.end(),
                                [name](const auto& variable) { return variable.first == name; });
-  charge(static_cast<int>(it - variables.begin()) / kLookedAt);
+  charge(static_cast<int>(it - variables.begin()) / kCompared);
   return it == variables.end() ? nullptr : &it->second;
 }
 

@@ -42,7 +42,7 @@ TEST_F(CalibrateCommand, DoesNotWriteWhatDoesNotAgreeWithItsStations) {
   EXPECT_EQ(run("calibrate pairs.yaml --out fine.yaml --json").data()["warnings"].size(), 0U);
 }
 
-TEST_F(CalibrateCommand, DoesNotWriteWhatLooksInverted) {
+TEST_F(CalibrateCommand, DoesNotWriteAnInvertedResult) {
   std::string text = head_;
   for (const auto& station : stations_) {
     double v[7];
@@ -88,7 +88,7 @@ TEST_F(CalibrateCommand, NamesTheFileThatHasTooFewStations) {
   expect_refusal("calibrate same.yaml", 3, {"same.yaml", "no three differ"});
 }
 
-TEST_F(CalibrateCommand, SaysInJsonWhatTheCheckFound) {
+TEST_F(CalibrateCommand, ReportsTheChecksFindingInJson) {
   const json check = run("calibrate pairs.yaml --check good.yaml --json").data()["check"];
   EXPECT_FALSE(check["inverted"].get<bool>());
   EXPECT_LT(check["residual"]["translation_m"].get<double>(), 0.002);

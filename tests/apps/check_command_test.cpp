@@ -38,7 +38,7 @@ TEST_F(CheckCommand, TheMarginOfACubeOnACubeIsTipOrSlideWhicheverIsLess) {
   }
 }
 
-TEST_F(CheckCommand, TellsWhatFallsFromWhatIsNotClean) {
+TEST_F(CheckCommand, DistinguishesAFallFromAnUncleanContact) {
   const Outcome beside = check({{0, 0.025}, {0.06, 0.025}}, "");
   EXPECT_EQ(beside.code, 5);
   EXPECT_THAT(beside.err, HasSubstr("the stack stands, but not cleanly: stone 1 (cube) touches the table"));

@@ -30,7 +30,7 @@ TEST_F(Commands, RenderedStonesAreDetectedWhereTheyLie) {
   EXPECT_EQ(found, 3);
 }
 
-TEST_F(Commands, TrackSaysWhatStandsMovedAndIsHeld) {
+TEST_F(Commands, TrackReportsStonesAtRestMovedAndHeld) {
   const std::string stones = "limestone_1,limestone_4,limestone_6";
   ASSERT_EQ(run("render --out scene --seed 3 --stones " + stones).code, 0);
   const Outcome detected = run("detect scene/scene.yaml --json");
@@ -102,7 +102,7 @@ void expect_smooth_samples(const std::string& csv) {
   std::istringstream lines(csv);
   std::string line;
   std::getline(lines, line);
-  double largest = 0.0, before[2][8] = {};
+  double max = 0.0, before[2][8] = {};
   int step_of[2] = {-1, -1};
   while (std::getline(lines, line)) {
     int step = 0;
@@ -114,13 +114,13 @@ void expect_smooth_samples(const std::string& csv) {
     const bool even = std::abs(now[0] - 2 * before[1][0] + before[0][0]) < 1e-9;  // not the last sample
     if (step_of[0] == step && step_of[1] == step && even)
       for (int j = 1; j <= 6; ++j)
-        largest = std::max(largest, std::abs(now[j] - 2 * before[1][j] + before[0][j]) / (0.008 * 0.008));
+        max = std::max(max, std::abs(now[j] - 2 * before[1][j] + before[0][j]) / (0.008 * 0.008));
     std::copy(before[1], before[1] + 8, before[0]);
     std::copy(now, now + 8, before[1]);
     step_of[0] = std::exchange(step_of[1], step);
   }
-  EXPECT_GT(largest, 1.0);
-  EXPECT_LE(largest, 1.4 * 1.0001);
+  EXPECT_GT(max, 1.0);
+  EXPECT_LE(max, 1.4 * 1.0001);
 }
 
 TEST_F(Commands, PlanDrawsWhatItWillDo) {
@@ -141,7 +141,7 @@ TEST_F(Commands, PlanDrawsWhatItWillDo) {
   expect_smooth_samples(csv);
 }
 
-TEST_F(Commands, AnArmThatTheHandIsTooHeavyForIsRefusedAtOnce) {
+TEST_F(Commands, AGripperTooHeavyForTheArmIsRefusedAtOnce) {
   write("lying.yaml", kLying);
   expect_refusal("search lying.yaml --robot ur3", 6,
                  {"no stone of the scene can be carried", "ur3 carries 3 kg"});
@@ -195,7 +195,7 @@ TEST_F(Commands, PlanTakesRobotAndLayoutOfACell) {
       {"no_such.yaml", "loopback-ur10"});
 }
 
-TEST_F(Commands, PlanStartsWhereItIsTold) {
+TEST_F(Commands, PlanStartsAtTheGivenJoints) {
   write("lying.yaml", kLying);
   const auto from = [&](const std::string& start) {
     return concat("plan lying.yaml --stone limestone_3 --target 0.7,0.28,0.043,", kTurned, " --json --start ",
@@ -223,7 +223,7 @@ TEST_F(Commands, PlanNamesTheFolderThatCannotTakePictures) {
   EXPECT_THAT(refused.err, HasSubstr("taken/frames/00_start.png: cannot be written"));
 }
 
-TEST_F(Commands, PlanSaysWhatCannotBe) {
+TEST_F(Commands, PlanReportsImpossibleRequests) {
   write("lying.yaml", kLying);
   const auto plan = [&](const std::string& target, const std::string& more = "") {
     return concat("plan lying.yaml --stone limestone_3 --target ", target, ',', kTurned, ' ', more);
@@ -269,7 +269,7 @@ TEST_F(Commands, RunBuildsWhatItsTrueWorldHolds) {
   EXPECT_EQ(result, again) << "same seed, other tower";
 }
 
-TEST_F(Commands, StonesThatTheHandCannotCarryAreNotDrawnAndNamed) {
+TEST_F(Commands, StonesThatTheGripperCannotCarryAreNotDrawnAndNamed) {
   const std::string rocks = " --catalogue " + folder_ + "/rocks ";
   ASSERT_EQ(run("scan --generate 2" + rocks).code, 0);
   const Outcome heavy =
@@ -296,7 +296,7 @@ TEST_F(Commands, BuildsThroughTheRealBackends) {
   EXPECT_THAT(done.err, HasSubstr("RTDE"));
 }
 
-TEST_F(Commands, RunMovesNoRealArmUnlessToldTo) {
+TEST_F(Commands, RunMovesNoRealArmUnlessRequested) {
   write("lab.yaml", "arm: {address: 192.0.2.1}\n");
   expect_refusal("run --cell lab.yaml", 2, {"192.0.2.1", "--execute"});
 }
@@ -371,7 +371,7 @@ TEST_F(Commands, TheFileThatConfigShowWritesServesEveryCommand) {
                  {"other.yaml", "search.friction", "got 9"});
 }
 
-TEST_F(Commands, CheckTellsHowFirmlyAPlannedStoneStands) {
+TEST_F(Commands, CheckReportsHowFirmlyAPlannedStoneRests) {
   const Outcome planned = run("search --stones limestone_1 --out tower.yaml --trace trace --json");
   ASSERT_EQ(planned.code, 0) << planned.err;
   EXPECT_THAT(read_file(folder_ + "/trace/candidates.json", 1 << 26), HasSubstr("stonestack.trace/1"));
@@ -389,7 +389,7 @@ TEST_F(Commands, CheckTellsHowFirmlyAPlannedStoneStands) {
   EXPECT_TRUE(fs::exists(folder_ + "/tower.png"));
 }
 
-TEST_F(Commands, CheckRefusesWhatCannotBeAndTellsWhatFalls) {
+TEST_F(Commands, CheckRefusesImpossibleStacksAndReportsFalls) {
   const auto stack = [&](double z) {
     const std::string pose = "{x: 0.7, y: 0.28, z: ";
     write("stack.yaml", concat("schema: stonestack.scene/1\nstack:\n  - {stone: limestone_1, T_W_O: ", pose,

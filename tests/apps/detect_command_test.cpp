@@ -68,7 +68,7 @@ TEST_F(DetectCommand, TakesAThinnedCloud) {
   EXPECT_EQ(found.data()["detections"].size(), 2u) << found.err;
 }
 
-TEST_F(DetectCommand, SaysThatPointsMakeNoSurface) {
+TEST_F(DetectCommand, ReportsThatPointsMakeNoSurface) {
   std::vector<Eigen::Vector3f> dust;
   for (int i = 0; i < 3000; ++i)
     dust.emplace_back(0.1F * std::sin(1.7F * i), 0.1F * std::cos(2.3F * i), 0.7F + 0.2F * std::sin(3.1F * i));
@@ -200,7 +200,7 @@ TEST_F(DetectCommand, RefusesAnEmptyDepthRange) {
                  {"nearest", "farthest"});
 }
 
-TEST_F(DetectCommand, DoubtsWhatOnlyThePapersInlierRatioTook) {
+TEST_F(DetectCommand, WarnsOfPosesThatOnlyThePapersInlierRatioAccepted) {
   write_changed("mirrored.ply", heap_,
                 [](const Eigen::Vector3f& p) { return Eigen::Vector3f(-p.x(), p.y(), p.z()); });
   const Outcome found =

@@ -133,7 +133,7 @@ TEST_F(DoctorHandEye, NamesTheFrameThatTheNumbersAreIn) {
               ContainsRegex("^FAIL  cell file, hand-eye: .*no other reading.*calibrate"));
 }
 
-TEST_F(DoctorHandEye, SaysWhatItCannotTell) {
+TEST_F(DoctorHandEye, ReportsWhatCannotBeChecked) {
   // Straight down from half way between flange and finger tips: T_C_F puts the camera as high.
   const std::string halfway = "x: 0.0, y: 0.11, z: -0.132, qx: 0.0, qy: 0.0, qz: 0.0, qw: 1.0";
   EXPECT_THAT(finding("T_T_C: {" + halfway + "}", ", T_T_C: {" + halfway + "}"),
@@ -156,7 +156,7 @@ TEST_F(DoctorHandEye, ATiltedCameraIsNoInverse) {
               AllOf(HasSubstr("ok    cell file, hand-eye"), Not(HasSubstr("inverse"))));
 }
 
-TEST_F(DoctorHandEye, SettingsBeatTheFileAndOnlyOneHolds) {
+TEST_F(DoctorHandEye, SettingsOverrideTheFile) {
   ASSERT_EQ(run("calibrate --simulate 15 --seed 1 --out eye.yaml").code, 0);
   write("cell.yaml",
         concat("simulate: true\nlayout: {T_T_C: {x: 0.0, y: 0.11, z: 0.094, qx: 0, qw: 1}}\n", kFreePorts));
@@ -212,7 +212,7 @@ TEST_F(DoctorCommand, CtrlCEndsItAtOnce) {
   EXPECT_THAT(ended.err, Not(HasSubstr("FAIL"))) << "and looks at nothing else";
 }
 
-TEST_F(DoctorCommand, SaysThatACellHasNoAddressOfAnArm) {
+TEST_F(DoctorCommand, ReportsThatACellHasNoAddressOfAnArm) {
   write("empty.yaml", "");
   const Outcome run_it = run("run --cell empty.yaml --execute");
   EXPECT_EQ(run_it.code, 3);

@@ -84,7 +84,7 @@ TEST_F(RunRecord, AFullDiskCostsThePictureAndNothingElse) {
 }
 
 /// The arm does not go on without a journal, and what was done so far is told.
-TEST_F(RunRecord, AFullDiskUnderWayStopsTheRunAndTheTableIsPrinted) {
+TEST_F(RunRecord, AFullDiskDuringTheRunStopsItAndTheTableIsPrinted) {
   fs::create_directories(folder_ + "/run");
   fs::create_symlink("/dev/full", folder_ + "/run/journal.jsonl");
   const Outcome stopped = run(kSmallRun + "--out run");

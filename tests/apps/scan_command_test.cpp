@@ -23,7 +23,7 @@ class ScanCommand : public Commands {
   }
 };
 
-TEST_F(ScanCommand, StoresAStoneAndSaysWhatItIs) {
+TEST_F(ScanCommand, StoresAStoneAndDescribesIt) {
   write_mesh(path("my rock.ply"), make_box({0.10, 0.08, 0.06}));
   const Outcome outcome = scan("'my rock.ply' --mass 1.25 --friction 0.3 --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -67,7 +67,7 @@ TEST_F(ScanCommand, StoresTheGoodNamesTheBadAndEndsWith3) {
   EXPECT_EQ(stored(), 1);
 }
 
-TEST_F(ScanCommand, SaysThatNothingIsStoredWhereEveryFileFails) {
+TEST_F(ScanCommand, ReportsThatNothingIsStoredWhereEveryFileFails) {
   write_file(path("empty.ply"), "");
   const Outcome outcome = scan("missing.ply empty.ply");
   EXPECT_EQ(outcome.code, 3);

@@ -83,7 +83,7 @@ class SearchCloud : public Commands {
 
 constexpr const char* kQuick = " --set search.rounds=1 --set search.horizon=1 --json";
 
-TEST_F(SearchCloud, FindsTheTowerThatStandsInACloudAlone) {
+TEST_F(SearchCloud, FindsTheTowerInACloudAlone) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3"));
   ASSERT_NO_FATAL_FAILURE(add_tower("limestone_2,limestone_4", 0.58, -0.10));
   write_cloud(folder_ + "/scene.ply", cloud_);

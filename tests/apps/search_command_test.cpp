@@ -23,7 +23,7 @@ class SearchCommand : public Commands {
   }
 };
 
-TEST_F(SearchCommand, TellsWhereAStackThatWasMeasuredALittleOffComesToRest) {
+TEST_F(SearchCommand, ReportsWhereAStackMeasuredWithAnErrorComesToRest) {
   write_scene(0.028);
   const Outcome outcome = run("search scene.yaml --catalogue boxes --json --out tower.yaml");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
@@ -79,7 +79,7 @@ TEST_F(SearchCommand, TakesACloudInTheUnitThatItsRemedyNames) {
   EXPECT_THAT(millimetres.data()["next"].get<std::string>(), HasSubstr("--units mm"));
 }
 
-TEST_F(SearchCommand, SaysThatABudgetMayEndItElsewhereNextTime) {
+TEST_F(SearchCommand, WarnsThatABudgetMayEndItElsewhereNextTime) {
   write_scene(0.025);
   const Outcome outcome = run("search scene.yaml --catalogue boxes --json --budget 600");
   ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -46,13 +46,13 @@ TEST_F(SimulateCommand, SwitchesCanBeSetOnTheCommandLine) {
 }
 
 /// Before the shapes are made, which takes seconds.
-TEST_F(SimulateCommand, SaysAtOnceWhatItIsDoing) {
+TEST_F(SimulateCommand, ReportsAtOnceWhatItIsDoing) {
   const Outcome outcome = run("simulate --cell simulated-ur10 --catalogue nowhere");
   EXPECT_EQ(outcome.code, 3);
-  const std::size_t said = outcome.err.find("making the simulated cell of "),
+  const std::size_t message = outcome.err.find("making the simulated cell of "),
                     refused = outcome.err.find("nowhere");
-  ASSERT_NE(said, std::string::npos) << outcome.err;
-  EXPECT_LT(said, refused);
+  ASSERT_NE(message, std::string::npos) << outcome.err;
+  EXPECT_LT(message, refused);
   expect_refusal("simulate --cell simulated-ur10 --per-run 9", 2, {"--per-run 9", "has 6 stones"});
 }
 

@@ -26,7 +26,7 @@ ScoredObject box(const std::vector<Pose>& discrete) {
   return make_scored_object(make_box({0.12, 0.08, 0.05}), symmetries(discrete, {}), std::nullopt);
 }
 
-TEST(PoseError, DiameterIsTheLargestDistanceOfTwoPoints) {
+TEST(PoseError, DiameterIsTheMaxDistanceOfTwoPoints) {
   EXPECT_NEAR(box({}).diameter, std::sqrt(0.12 * 0.12 + 0.08 * 0.08 + 0.05 * 0.05), 1e-12);
   EXPECT_EQ(make_scored_object(make_box({0.1, 0.1, 0.1}), std::nullopt, 0.25).diameter, 0.25);
 }

@@ -69,7 +69,7 @@ TEST(ResultTable, PrintsEachLineAsSoonAsItIsKnown) {
   EXPECT_EQ(notes.str(), "");
 }
 
-TEST(ResultTable, SaysWhenABenchmarkDidNotEnd) {
+TEST(ResultTable, ReportsABenchmarkThatDidNotEnd) {
   std::ostringstream out, notes;
   Results results("made_up", {true, "0.1.0"}, out, notes);
   fill(results);

@@ -20,7 +20,7 @@ TEST(DataPath, FindsWhatComesWithTheProjectAndPrefersTheGivenFolder) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(DataPath, SaysWhatWasTried) {
+TEST(DataPath, ListsThePathsThatWereTried) {
   EXPECT_THROW((void)data_path("no_such_thing"), FileError);
 }
 

@@ -57,7 +57,7 @@ TEST(File, WritesIntoADeviceAndLeavesItOne) {
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
 
-TEST(File, SaysBeforehandWhereNothingCanBeWritten) {
+TEST(File, RefusesBeforehandWhereNothingCanBeWritten) {
   const fs::path folder = fs::path(testing::TempDir()) / "file_test_writable";
   fs::remove_all(folder);
   write_file((folder / "taken").string(), "a file");

@@ -87,7 +87,7 @@ TEST(Serial, TwoOwnersAreRefused) {
               ThrowsMessage<DeviceError>(HasSubstr(device.path() + ": is in use")));
 }
 
-TEST(Serial, SaysWhatIsWrongWithThePath) {
+TEST(Serial, NamesTheFaultOfThePath) {
   EXPECT_THAT([] { (void)SerialPort::open("/dev/ttyNothing", 115200); },
               ThrowsMessage<DeviceError>(HasSubstr("/dev/ttyNothing: cannot be opened")));
   const std::string file = testing::TempDir() + "serial_test_file";

@@ -81,7 +81,7 @@ TEST(Socket, AMegabyteInFragmentsArrivesWhole) {
   EXPECT_EQ(got, sent);
 }
 
-TEST(Socket, TellsTimeOutFromClosedPeer) {
+TEST(Socket, DistinguishesATimeoutFromAClosedPeer) {
   Pair pair;
   Bytes got(4);
   EXPECT_EQ(pair.client.read_some(got, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
@@ -190,7 +190,7 @@ TEST(Socket, RefusesBadAddresses) {
   EXPECT_THROW(connect("127.0.0.1", 65536), InvalidArgument);
 }
 
-TEST(Listener, TakesAnyLoopbackAddressAndSaysWhichPort) {
+TEST(Listener, TakesAnyLoopbackAddressAndReportsThePort) {
   ListenOptions options;
   options.address = "127.77.0.3";
   TcpListener listener(options);
@@ -200,7 +200,7 @@ TEST(Listener, TakesAnyLoopbackAddressAndSaysWhichPort) {
   EXPECT_FALSE(listener.accept(Deadline::in(kSoon)).has_value());
 }
 
-TEST(Listener, RefusesOtherAddressesUnlessTold) {
+TEST(Listener, RefusesOtherAddressesUnlessRequested) {
   ListenOptions options;
   options.address = "0.0.0.0";
   EXPECT_THROW(TcpListener{options}, InvalidArgument);
@@ -211,7 +211,7 @@ TEST(Listener, RefusesOtherAddressesUnlessTold) {
   EXPECT_FALSE(is_loopback("128.0.0.1"));
 }
 
-TEST(Listener, ATakenPortIsNamed) {
+TEST(Listener, AnOccupiedPortIsNamed) {
   const TcpListener first{ListenOptions{}};
   ListenOptions options;
   options.port = first.endpoint().port;

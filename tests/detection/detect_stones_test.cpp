@@ -30,7 +30,7 @@ TEST_F(Detect, FindsTheStonesThatAreThereAndNoOther) {
   EXPECT_GE(found, 12 - 1);
 }
 
-TEST_F(Detect, LooksOnlyForWhatIsWanted) {
+TEST_F(Detect, SearchesOnlyForTheWantedStones) {
   const Scene scene = make_scene(1);
   const std::vector<int> wanted = {2};
   const auto result = detect_stones(scene.image, *models(), wanted);
@@ -121,7 +121,7 @@ TEST_F(Detect, WithoutATableStonesAreRightOrNotSeen) {
     EXPECT_TRUE(right(d, scene)) << "stone " << d.stone << ", score " << d.score;
 }
 
-TEST_F(Detect, LensDistortionIsTakenIntoAccount) {
+TEST_F(Detect, LensDistortionIsCorrected) {
   const Pose T_W_C = test::make_camera_pose(0.4, 0.9);
   const Pose T_W_O =
       test::on_table(stones()[3], Eigen::Quaterniond(0.2, -0.7, 0.5, 0.4).normalized(), 0.17, 0.12);
@@ -143,7 +143,7 @@ TEST_F(Detect, LensDistortionIsTakenIntoAccount) {
   }
 }
 
-TEST_F(Detect, PaperModeLooksOnceWithItsOwnDescriptorAndNoSweep) {
+TEST_F(Detect, PaperModeSearchesOnceWithItsOwnDescriptorAndNoSweep) {
   const std::vector<Stone> two(stones().begin(), stones().begin() + 2);
   const auto matches = [&](const std::string& descriptor, const std::string& keypoints) {
     DetectionOptions options = options_of("paper");
@@ -213,7 +213,7 @@ TEST_F(Detect, AMillionOrTenPointsAreOneImage) {
   for (const auto& d : found) EXPECT_TRUE(right(d, scene)) << "stone " << d.stone;
 }
 
-TEST_F(Detect, ACloudInMillimetresIsSaidToBeOne) {
+TEST_F(Detect, ACloudInMillimetresIsReported) {
   Cloud cloud = to_cloud(make_scene(1).image);
   for (auto& p : cloud.points) p *= 1000.0F;
   const auto result = detect_stones(to_depth_image(cloud, CameraIntrinsics{}), *models());

@@ -223,7 +223,7 @@ Candidate square_candidate(int stone, double score, int side, int step, int u0 =
   return c;
 }
 
-TEST(Accept, OfTwoPosesAtOnePlaceTheOneThatLacksLessIsTaken) {
+TEST(Accept, KeepsTheMoreCompleteOfTwoPosesAtOnePlace) {
   const DetectionScene scene = filled_scene();
   const auto taken = without_conflicts({square_candidate(0, 0.96, 40, 1), square_candidate(1, 0.995, 37, 1)},
                                        {0, 1}, scene, {});
@@ -274,10 +274,10 @@ TEST_F(OneStone, IsNotTwoStones) {
 }
 
 TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {
-  const auto accepted = [](double score, double visible, double least = -1.0) {
+  const auto accepted = [](double score, double visible, double min = -1.0) {
     Detection d;
     d.score = score, d.visible = visible;
-    return acceptable(d, {}, least);
+    return acceptable(d, {}, min);
   };
   EXPECT_TRUE(accepted(0.86, 0.20));
   EXPECT_FALSE(accepted(0.84, 0.20));

@@ -67,7 +67,7 @@ TEST_F(Track, AStoneThatFellByLittleIsFallenToo) {
   EXPECT_NEAR(tracked[0].moved.translation, 0.020, 0.001);
 }
 
-TEST_F(Track, ACloudInMillimetresIsSaidToBeOne) {
+TEST_F(Track, ACloudInMillimetresIsReported) {
   DepthImage image = make_scene(1).image;
   for (auto& z : image.z) z *= 1000.0F;
   const auto result = track_stones(image, *models(), std::vector<KnownStone>{{0, make_pose({0, 0, 0.7})}});

@@ -62,7 +62,7 @@ TEST_F(Views, AnErrorOfTheCameraPoseIsAlignedAway) {
   EXPECT_TRUE(right(detect_stones(views, *models()), views[0].T_W_C, 0));
 }
 
-TEST_F(Views, TheFusedPoseIsAsSureAsItSays) {
+TEST_F(Views, TheFusedPosesUncertaintyIsTrue) {
   const Pose off =
       make_pose({0.001, 0.0012, -0.001}) * Pose(Eigen::AngleAxisd(0.004, Eigen::Vector3d::UnitZ()));
   const auto views = hidden_scene(off);

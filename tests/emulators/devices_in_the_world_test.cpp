@@ -33,9 +33,9 @@ struct Bench {
     double lowest = 0;
     for (const auto& p : access.world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
     T_W_O.translation().z() = 0.0005 - lowest;
-    HandPose hand{tool_down({0, 0, 0.5}), {}};
-    hand.finger.fill(0.0775);
-    access.world.set_hand(hand);
+    GripperPose gripper_pose{tool_down({0, 0, 0.5}), {}};
+    gripper_pose.finger.fill(0.0775);
+    access.world.set_gripper_pose(gripper_pose);
     access.world.place(0, T_W_O);
   }
   static SimulationOptions quiet(bool noise) {
@@ -78,8 +78,8 @@ TEST(DevicesInTheWorld, TheGripperHoldsAStoneOverModbus) {
   EXPECT_TRUE(held.object);
   EXPECT_GT(held.opening, 0.03);
   bench.world.stop();
-  const auto hand = bench.world.lock().world.hand();
-  EXPECT_NEAR(held.opening, opening(hand), 0.001) << "what Modbus tells is what the fingers do";
+  const auto gripper_pose = bench.world.lock().world.gripper_pose();
+  EXPECT_NEAR(held.opening, opening(gripper_pose), 0.001) << "what Modbus tells is what the fingers do";
   bench.put_tool({0, 0, 0.25});
   EXPECT_GT(bench.world.lock().world.centre_of_mass(0).z(), 0.2) << "the stone comes along";
   bench.world.start(kSpeed);
@@ -95,11 +95,11 @@ TEST(DevicesInTheWorld, OpenFingersStandAtTheSoftwareLimit) {
     EXPECT_NEAR(status.axes[f].position, 6, 1) << "Robotiq's manual: 6 to 7";
   }
   bench.world.stop();
-  EXPECT_NEAR(open.opening, opening(bench.world.lock().world.hand()), 0.001);
+  EXPECT_NEAR(open.opening, opening(bench.world.lock().world.gripper_pose()), 0.001);
 }
 
 // A force where nothing touches is a contact to UR's client library (its script asks tool_contact at rest).
-TEST(DevicesInTheWorld, TheArmsInstallationKnowsTheHandOnIt) {
+TEST(DevicesInTheWorld, TheArmsInstallationKnowsItsGripper) {
   const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   const RobotModel robot = read_robot("ur10");
   SimulatedCell cell(stones, {0}, robot, {}, Bench::quiet(false));
@@ -151,7 +151,7 @@ TEST(DevicesInTheWorld, ClosingUponNothingIsNoObject) {
   EXPECT_NEAR(state.opening, 0.02, 0.001);
 }
 
-TEST(DevicesInTheWorld, TheSensorFeelsTheHandAndZeroesItAway) {
+TEST(DevicesInTheWorld, TheSensorMeasuresTheGripperAndTaresIt) {
   Bench bench;
   const auto plant = make_world_wrench(bench.world);
   FtSimulatorOptions served;
@@ -162,7 +162,7 @@ TEST(DevicesInTheWorld, TheSensorFeelsTheHandAndZeroesItAway) {
   client.start_timeout = 20.0;
   client.stuck_samples = 0;  // no noise: every reading is the same
   RobotiqFtSensor sensor(client);
-  const double weight = 9.81 * sensed_mass(bench.world.lock().world.hand_model().gripper);
+  const double weight = 9.81 * sensed_mass(bench.world.lock().world.gripper_body().gripper);
   EXPECT_NEAR(sensor.read().force.norm(), weight, 0.05);
   sensor.zero();
   EXPECT_NEAR(sensor.read().force.norm(), 0.0, 0.05);
@@ -180,7 +180,7 @@ TEST(DevicesInTheWorld, TheCameraSeesTheTableWhereItIs) {
   const DepthFrame first = camera.capture(), second = camera.capture();
   bench.world.stop();
   EXPECT_GE(second.device_time, first.device_time + 1.0 / 30.0 - 1e-6);
-  const Pose T_W_C = bench.world.lock().world.hand().T_W_T * bench.world.mounting().T_T_C;
+  const Pose T_W_C = bench.world.lock().world.gripper_pose().T_W_T * bench.world.mounting().T_T_C;
   const Cloud cloud = transformed(without_gaps(to_cloud(first.image)), T_W_C);
   ASSERT_GT(cloud.points.size(), 100000U);
   const auto on_table = std::count_if(cloud.points.begin(), cloud.points.end(),

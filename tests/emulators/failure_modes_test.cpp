@@ -12,14 +12,14 @@ namespace stonestack::emulators {
 namespace {
 
 const std::string kRoot = STONESTACK_SOURCE_DIR;
-constexpr std::size_t kLargest = 1 << 20;
+constexpr std::size_t kMax = 1 << 20;
 
 std::set<std::string> all_tests() {
   std::set<std::string> names;
   const std::regex test(R"(\nTEST(_F|_P)?\((\w+),\s*(\w+)\))");
   for (const auto& entry : std::filesystem::recursive_directory_iterator(kRoot + "/tests")) {
     if (entry.path().extension() != ".cpp") continue;
-    const std::string text = read_file(entry.path().string(), kLargest);
+    const std::string text = read_file(entry.path().string(), kMax);
     for (std::sregex_iterator it(text.begin(), text.end(), test), end; it != end; ++it)
       names.insert((*it)[2].str() + "." + (*it)[3].str());
   }
@@ -27,7 +27,7 @@ std::set<std::string> all_tests() {
 }
 
 TEST(FailureModes, EverySwitchIsListedAndEveryTestIsThere) {
-  const std::string text = read_file(kRoot + "/docs/failure-modes.md", kLargest);
+  const std::string text = read_file(kRoot + "/docs/failure-modes.md", kMax);
   SimulatedServersOptions options;
   int switches = 0;
   for (const auto& field : fields(options)) {

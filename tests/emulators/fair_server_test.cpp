@@ -106,7 +106,7 @@ TEST(FairServer, AListenerThatDoesNotAnswerHoldsUpNobody) {
   EXPECT_EQ(bench.texts, "False");
 }
 
-TEST(FairServer, ABlendedWayForgetsTheMovesThatAreOver) {
+TEST(FairServer, ABlendedPathForgetsFinishedMoves) {
   ScriptBench bench;
   bench.controller.run_script(
       "def a():\n  i = 0\n  while i < 200:\n"
@@ -117,14 +117,14 @@ TEST(FairServer, ABlendedWayForgetsTheMovesThatAreOver) {
       "    movel(p0, a=5, v=1, r=0.01)\n    j = j + 1\n  end\n"
       "  movel(pose_add(p0, p[0, 0, 0.05, 0, 0, 0]))\nend\n");
   const Pose start = bench.controller.motion.geometry().T_B_P(ScriptBench::start());
-  std::size_t most = 0;
+  std::size_t max = 0;
   for (int step = 0; step < 125 * 300 && bench.controller.runtime() != RuntimeState::kStopped; ++step) {
     bench.run(bench.controller.period());
-    most = std::max(most, bench.controller.motion.moves_under_way());
+    max = std::max(max, bench.controller.motion.moves_in_progress());
   }
   EXPECT_EQ(bench.exceptions + bench.errors, "");
   EXPECT_EQ(bench.controller.runtime(), RuntimeState::kStopped);
-  EXPECT_LE(most, 4U);
+  EXPECT_LE(max, 4U);
   bench.run(0.5);
   const Pose end = bench.controller.motion.geometry().T_B_P(bench.plant.state().q);
   EXPECT_LT((end.translation() - start.translation() - Eigen::Vector3d(0, 0, 0.05)).norm(), 1e-6);
@@ -159,7 +159,7 @@ TEST(FairServer, OutOfSocketsItServesThoseWhoAreThere) {
   EXPECT_THAT(heard.read_line(1000, Deadline::in(10)).line, HasSubstr("Connected")) << "its turn comes";
 }
 
-TEST(FairServer, ANinthSecondaryProgramIsRefusedAndSaid) {
+TEST(FairServer, ANinthSecondaryProgramIsRefusedAndReported) {
   ScriptBench bench;
   for (int k = 0; k < 8; ++k) bench.controller.run_script("sec s():\n  sleep(5)\nend\n");
   bench.run(0.1);

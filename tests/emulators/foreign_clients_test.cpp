@@ -18,10 +18,10 @@ TEST(UrForeignClients, AnotherToolCentrePointMovesNothing) {
   // ur_rtde ends force mode and jogging with stopl; a set_tcp after that made the flange jump by the
   // difference.
   ScriptBench bench;
-  bench.say("def tool():\n  speedl([0, 0, 0.05, 0, 0, 0], a=0.5, t=0.3)\n  stopl(10)\nend\n");
+  bench.output("def tool():\n  speedl([0, 0, 0.05, 0, 0, 0], a=0.5, t=0.3)\n  stopl(10)\nend\n");
   EXPECT_EQ(bench.exceptions, "");
   const Joints before = bench.controller.motion.q();
-  bench.say("def tool():\n  stopl(10)\n  set_tcp(p[0, 0.02, 0.3, 0.4, 0, 0])\n  sleep(0.2)\nend\n");
+  bench.output("def tool():\n  stopl(10)\n  set_tcp(p[0, 0.02, 0.3, 0.4, 0, 0])\n  sleep(0.2)\nend\n");
   EXPECT_EQ(bench.errors, "");
   EXPECT_LT((bench.controller.motion.q() - before).norm(), 1e-9);
   EXPECT_NEAR(bench.controller.motion.geometry().T_F_P.translation().z(), 0.3, 1e-12);
@@ -44,22 +44,22 @@ TEST(UrForeignClients, ASpeedGoesOnFromWhereTheNewToolIs) {
 
 TEST(UrForeignClients, TimeIsTheControllersEvenBesideAVariableOfThatName) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def clock():\n"
-                      "  global last = 0.0\n"
-                      "  def within(distance, time):\n"
-                      "    return distance / time < 2\n"
-                      "  end\n"
-                      "  last = time()\n"
-                      "  sleep(0.4)\n"
-                      "  passed = time() - last\n"
-                      "  textmsg(passed > 0.39 and passed < 0.41 and last > 40)\n"
-                      "  textmsg(within(1, passed))\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def clock():\n"
+                         "  global last = 0.0\n"
+                         "  def within(distance, time):\n"
+                         "    return distance / time < 2\n"
+                         "  end\n"
+                         "  last = time()\n"
+                         "  sleep(0.4)\n"
+                         "  passed = time() - last\n"
+                         "  textmsg(passed > 0.39 and passed < 0.41 and last > 40)\n"
+                         "  textmsg(within(1, passed))\n"
+                         "end\n"),
             "True|False");
   EXPECT_EQ(bench.exceptions, "");
 }
 
-TEST(UrForeignClients, AToolContactSaysHowLongAgoItBegan) {
+TEST(UrForeignClients, AToolContactReportsHowLongAgoItBegan) {
   ScriptBench bench("5.12.2.1101534");
   const auto touch = [&](const char* direction) {
     return bench.value(concat("tool_contact(direction=", direction, ")"));
@@ -80,27 +80,27 @@ TEST(UrForeignClients, AToolContactSaysHowLongAgoItBegan) {
 TEST(UrForeignClients, StructuresHaveNamedMembers) {
   // UR's client library keeps the gains of a joint controller in one.
   ScriptBench bench("5.23.0.1234");
-  EXPECT_EQ(bench.say("def gains():\n"
-                      "  global gains = struct(kp=[900, 900.5], kd=3)\n"
-                      "  def set(value):\n"
-                      "    gains.kp[1] = value\n"
-                      "    gains.kd = [1, 2]\n"
-                      "  end\n"
-                      "  before = gains\n"
-                      "  set(5)\n"
-                      "  textmsg(gains.kp * [2, 3] - gains.kd * [1, 1])\n"
-                      "  textmsg(before.kd + before.kp[0] * 2)\n"
-                      "  textmsg(struct(a=1, b=struct(c=\"x\")).b.c)\n"
-                      "  textmsg(gains == before)\n"
-                      "  textmsg(before)\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def gains():\n"
+                         "  global gains = struct(kp=[900, 900.5], kd=3)\n"
+                         "  def set(value):\n"
+                         "    gains.kp[1] = value\n"
+                         "    gains.kd = [1, 2]\n"
+                         "  end\n"
+                         "  before = gains\n"
+                         "  set(5)\n"
+                         "  textmsg(gains.kp * [2, 3] - gains.kd * [1, 1])\n"
+                         "  textmsg(before.kd + before.kp[0] * 2)\n"
+                         "  textmsg(struct(a=1, b=struct(c=\"x\")).b.c)\n"
+                         "  textmsg(gains == before)\n"
+                         "  textmsg(before)\n"
+                         "end\n"),
             "[1799,13]|1803|x|False|struct(kp=[900,900.5],kd=3)");
   EXPECT_EQ(bench.exceptions, "");
-  bench.say("def lacking():\n  s = struct(a=1)\n  textmsg(s.b)\nend\n");
+  bench.output("def lacking():\n  s = struct(a=1)\n  textmsg(s.b)\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("The struct has no member 'b'"));
-  bench.say("def unnamed():\n  s = struct(1)\nend\n");
+  bench.output("def unnamed():\n  s = struct(1)\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("wrong arguments for struct"));
-  bench.say("def none():\n  s = [1]\n  s.a = 1\nend\n");
+  bench.output("def none():\n  s = [1]\n  s.a = 1\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("expected Struct, got List"));
 }
 
@@ -117,9 +117,9 @@ TEST(UrForeignClients, ControllersBeforeStructuresReadScriptsThatNameMembers) {
   ScriptBench bench;
   const std::string members =
       "  def gain():\n    gains.kp = [1]\n    return gains.kp\n  end\n  textmsg(gains)\nend\n";
-  EXPECT_EQ(bench.say("def old():\n  global gains = 0\n" + members), "0");
+  EXPECT_EQ(bench.output("def old():\n  global gains = 0\n" + members), "0");
   EXPECT_EQ(bench.exceptions, "");
-  bench.say("def old():\n  global gains = struct(kp=[0])\n" + members);
+  bench.output("def old():\n  global gains = struct(kp=[0])\n" + members);
   EXPECT_THAT(bench.exceptions, HasSubstr("compile_error_name_not_found:struct"));
 }
 
@@ -173,19 +173,19 @@ TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowled
   EXPECT_EQ(controller.safety_mode, SafetyMode::kProtectiveStop) << "a new touch is a new collision";
 }
 
-TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndTold) {
+TEST(UrForeignClients, ThePayloadsInertiaIsKeptAndReported) {
   // ur_rtde's script of 2025 prints it back: without the function nothing of the script ran on 5.10 and
   // later.
   ScriptBench bench("5.12.2.1101534");
   EXPECT_EQ(
-      bench.say("def load():\n"
-                "  textmsg(get_target_payload_inertia())\n"
-                "  set_target_payload(2, get_target_payload_cog(), [0.1, 0.2, 0.3, 0, 0, 0.01])\n"
-                "  textmsg(get_target_payload_inertia())\n"
-                "  set_target_payload(2, [0, 0, 0.1], inertia=[0.1, 0, 0, 0, 0, 0], transition_time=0.1)\n"
-                "  set_payload(1)\n"
-                "  textmsg(get_target_payload_inertia())\n"
-                "end\n"),
+      bench.output("def load():\n"
+                   "  textmsg(get_target_payload_inertia())\n"
+                   "  set_target_payload(2, get_target_payload_cog(), [0.1, 0.2, 0.3, 0, 0, 0.01])\n"
+                   "  textmsg(get_target_payload_inertia())\n"
+                   "  set_target_payload(2, [0, 0, 0.1], inertia=[0.1, 0, 0, 0, 0, 0], transition_time=0.1)\n"
+                   "  set_payload(1)\n"
+                   "  textmsg(get_target_payload_inertia())\n"
+                   "end\n"),
       "[0,0,0,0,0,0]|[0.1,0.2,0.3,0,0,0.01]|[0,0,0,0,0,0]");
   EXPECT_EQ(bench.exceptions, "");
   ScriptBench older("5.9.0.1031618");
@@ -268,7 +268,7 @@ TEST(UrForeignClients, AMaskHoldsForItsOwnPackage) {
   (void)send(packet('I', "standard_analog_output_mask,standard_analog_output_0"));
   (void)send(packet('U', std::string("\1\1\1", 3)));
   EXPECT_EQ(bench.controller.io.digital_out, 1U);
-  bench.say("def a():\n  set_standard_digital_out(0, False)\nend\n");
+  bench.output("def a():\n  set_standard_digital_out(0, False)\nend\n");
   (void)send(packet('U', std::string("\2\0\0\0\1\x3F\xE0\0\0\0\0\0\0", 13)));  // slider at 0.5
   EXPECT_EQ(bench.controller.speed_slider, 0.5);
   EXPECT_EQ(bench.controller.io.digital_out, 0U) << "the program's word is the last";

@@ -170,48 +170,48 @@ TEST(UrForeignScripts, AProgramDialsBackAndIsFedOverASocket) {
 TEST(UrForeignScripts, TextInjectedIntoAScriptMayJoinItsLines) {
   // ur_rtde writes its register offsets below a comment, at the beginning of the next statement's line.
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def injected():\n"
-                      "  global offset = # float register offset\n"
-                      "24  global other = # int register offset\n"
-                      "12  global third = 3\n"
-                      "  if offset == 24: third = 4 end\n"
-                      "  while third < 9: third = third + 5 end\n"
-                      "  textmsg(offset + other + third)\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def injected():\n"
+                         "  global offset = # float register offset\n"
+                         "24  global other = # int register offset\n"
+                         "12  global third = 3\n"
+                         "  if offset == 24: third = 4 end\n"
+                         "  while third < 9: third = third + 5 end\n"
+                         "  textmsg(offset + other + third)\n"
+                         "end\n"),
             "45");
   EXPECT_EQ(bench.exceptions, "");
-  bench.say("def two():\n  a = 1 b = 2\nend\n");
+  bench.output("def two():\n  a = 1 b = 2\nend\n");
   EXPECT_EQ(bench.exceptions, "2,9,syntax_error_on_line:2:  a = 1 b = 2:");
 }
 
 TEST(UrForeignScripts, AVariableMayBeCalledP) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def scaled():\n"
-                      "  def scale(p, factor):\n"
-                      "    p[0] = p[0] * factor\n"
-                      "    p[5] = p[p[1]] + 1\n"
-                      "    return p\n"
-                      "  end\n"
-                      "  p = p[1, 2, 3, 0, 0, 0]\n"
-                      "  textmsg(scale(p, 2))\n"
-                      "  textmsg(p)\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def scaled():\n"
+                         "  def scale(p, factor):\n"
+                         "    p[0] = p[0] * factor\n"
+                         "    p[5] = p[p[1]] + 1\n"
+                         "    return p\n"
+                         "  end\n"
+                         "  p = p[1, 2, 3, 0, 0, 0]\n"
+                         "  textmsg(scale(p, 2))\n"
+                         "  textmsg(p)\n"
+                         "end\n"),
             "p[2,2,3,0,0,4]|p[1,2,3,0,0,0]");
   EXPECT_EQ(bench.exceptions, "");
-  bench.say("def lacking():\n  q = p[1, 2]\nend\n");
+  bench.output("def lacking():\n  q = p[1, 2]\nend\n");
   EXPECT_EQ(bench.exceptions, "2,7,syntax_error_on_line:2:  q = p[1, 2]:");
 }
 
 TEST(UrForeignScripts, ThreadsThatNeverRanAreKilledAndJoined) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def never():\n"
-                      "  global mover = 0\n"
-                      "  kill mover\n"
-                      "  join mover\n"
-                      "  if mover == 0:\n"
-                      "    textmsg(\"none\")\n"
-                      "  end\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def never():\n"
+                         "  global mover = 0\n"
+                         "  kill mover\n"
+                         "  join mover\n"
+                         "  if mover == 0:\n"
+                         "    textmsg(\"none\")\n"
+                         "  end\n"
+                         "end\n"),
             "none");
   EXPECT_EQ(bench.exceptions, "");
 }
@@ -263,36 +263,36 @@ TEST(UrForeignScripts, NewerMotionFunctions) {
       "  q[0] = q[0] + 0.3\n"
       "  optimovej(q, a = 0.5, v = 0.5)\n"
       "end\n";
-  old.say(script);
+  old.output(script);
   EXPECT_EQ(old.exceptions, "4,3,compile_error_name_not_found:optimovej:");
-  recent.say(script);
+  recent.output(script);
   EXPECT_EQ(recent.exceptions, "");
   EXPECT_NEAR(recent.controller.plant().q[0] - ScriptBench::start()[0], 0.3, 1e-9);
-  recent.say("def torque():\n  direct_torque([0, 0, 0, 0, 0, 0])\nend\n");
+  recent.output("def torque():\n  direct_torque([0, 0, 0, 0, 0, 0])\nend\n");
   EXPECT_THAT(recent.exceptions, testing::HasSubstr("positions and speeds only"));
 }
 
 TEST(UrForeignScripts, ConditionsGoOnInTheNextLine) {
   // UR's client library lists kinds of points one below the other, and nests its texts in brackets.
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def lines():\n"
-                      "  kind = 11.0\n"
-                      "  if kind == 3 or\n"
-                      "    kind == 9 or\n"
-                      "    kind == 11:\n"
-                      "    textmsg(\"arc\")\n"
-                      "  elif kind == 5 and\n"
-                      "       kind > 4:\n"
-                      "    textmsg(\"other\")\n"
-                      "  end\n"
-                      "  local str = str_cat(\n"
-                      "    str_cat(\"Velocity \", 2.5), str_cat(\n"
-                      "      str_cat(\" in joint \", 3),\n"
-                      "      \" is too high\"))\n"
-                      "  textmsg(str)\n"
-                      "  textmsg(\"list \",\n"
-                      "    str_cat(True, str_cat(\", \", to_str([1, 2.5]))))\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def lines():\n"
+                         "  kind = 11.0\n"
+                         "  if kind == 3 or\n"
+                         "    kind == 9 or\n"
+                         "    kind == 11:\n"
+                         "    textmsg(\"arc\")\n"
+                         "  elif kind == 5 and\n"
+                         "       kind > 4:\n"
+                         "    textmsg(\"other\")\n"
+                         "  end\n"
+                         "  local str = str_cat(\n"
+                         "    str_cat(\"Velocity \", 2.5), str_cat(\n"
+                         "      str_cat(\" in joint \", 3),\n"
+                         "      \" is too high\"))\n"
+                         "  textmsg(str)\n"
+                         "  textmsg(\"list \",\n"
+                         "    str_cat(True, str_cat(\", \", to_str([1, 2.5]))))\n"
+                         "end\n"),
             "arc|Velocity 2.5 in joint 3 is too high|list True, [1,2.5]");
   EXPECT_EQ(bench.exceptions, "");
 }
@@ -300,94 +300,95 @@ TEST(UrForeignScripts, ConditionsGoOnInTheNextLine) {
 TEST(UrForeignScripts, NumbersThatWereDividedAreWholeNumbersWhereThoseAreWanted) {
   // Hosts send micro-units; what comes out of the division is a float, and goes where modes and switches go.
   ScriptBench bench("5.12.2.1101534");
-  EXPECT_EQ(bench.say("def scaled():\n"
-                      "  MULT = 1000000\n"
-                      "  raw = [1, 24000000, 2000000, 1000000, 0]\n"
-                      "  set_tool_voltage(raw[1] / MULT)\n"
-                      "  has_qnear = raw[3] / MULT\n"
-                      "  if has_qnear:\n"
-                      "    textmsg(\"near\")\n"
-                      "  end\n"
-                      "  force_mode(p[0, 0, 0, 0, 0, 0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0, 0, 0, 0, 0, 0], "
-                      "raw[2] / MULT, [0.1, 0.1, 0.1, 0.1, 0.1, 0.1])\n"
-                      "  end_force_mode()\n"
-                      "  count = 3\n"
-                      "  textmsg(count * get_steptime() % 5.0 == 0)\n"
-                      "  textmsg(7.5 % 5.0)\n"
-                      "  flag = (raw[4] != 0)\n"
-                      "  textmsg(True and (flag == False))\n"
-                      "  textmsg((-3 * [1, 2] + [2, 2] * 3 - [1, 1] * 2 * 0.5) / pow(2, 2))\n"
-                      "end\n"),
-            "near|False|2.5|True|[0.5,-0.25]");
+  EXPECT_EQ(
+      bench.output("def scaled():\n"
+                   "  MULT = 1000000\n"
+                   "  raw = [1, 24000000, 2000000, 1000000, 0]\n"
+                   "  set_tool_voltage(raw[1] / MULT)\n"
+                   "  has_qnear = raw[3] / MULT\n"
+                   "  if has_qnear:\n"
+                   "    textmsg(\"near\")\n"
+                   "  end\n"
+                   "  force_mode(p[0, 0, 0, 0, 0, 0], [0.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0, 0, 0, 0, 0, 0], "
+                   "raw[2] / MULT, [0.1, 0.1, 0.1, 0.1, 0.1, 0.1])\n"
+                   "  end_force_mode()\n"
+                   "  count = 3\n"
+                   "  textmsg(count * get_steptime() % 5.0 == 0)\n"
+                   "  textmsg(7.5 % 5.0)\n"
+                   "  flag = (raw[4] != 0)\n"
+                   "  textmsg(True and (flag == False))\n"
+                   "  textmsg((-3 * [1, 2] + [2, 2] * 3 - [1, 1] * 2 * 0.5) / pow(2, 2))\n"
+                   "end\n"),
+      "near|False|2.5|True|[0.5,-0.25]");
   EXPECT_EQ(bench.exceptions, "");
 }
 
 TEST(UrForeignScripts, NestedFunctionsSetAndJoinTheProgramsThreads) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def threads():\n"
-                      "  thread_clear = 0\n"
-                      "  thread_move = 0\n"
-                      "  left = 3\n"
-                      "  global busy = False\n"
-                      "  def request():\n"
-                      "    if not busy:\n"
-                      "      busy = True\n"
-                      "      thread_clear = run clear()\n"
-                      "    end\n"
-                      "  end\n"
-                      "  def settle():\n"
-                      "    join thread_clear\n"
-                      "    thread_clear = 0\n"
-                      "  end\n"
-                      "  thread clear():\n"
-                      "    local reads = 0\n"
-                      "    while left > 0:\n"
-                      "      left = left - 1\n"
-                      "      reads = reads + 1\n"
-                      "      if reads >= 2:\n"
-                      "        sync()\n"
-                      "        reads = 0\n"
-                      "      end\n"
-                      "      if left == 0:\n"
-                      "        break\n"
-                      "      end\n"
-                      "    end\n"
-                      "    busy = False\n"
-                      "  end\n"
-                      "  thread mover():\n"
-                      "    enter_critical\n"
-                      "    q = get_target_joint_positions()\n"
-                      "    q[0] = q[0] + 2.0\n"
-                      "    movej(q, a = 1.4, v = 1.0, t = 0.0, r = 0.0)\n"
-                      "    exit_critical\n"
-                      "  end\n"
-                      "  thread_move = run mover()\n"
-                      "  sleep(0.3)\n"
-                      "  kill thread_move\n"
-                      "  request()\n"
-                      "  request()\n"
-                      "  stopj(4.0)\n"
-                      "  settle()\n"
-                      "  textmsg(\"left \", left)\n"
-                      "  textmsg(is_steady())\n"
-                      "  halt\n"
-                      "  textmsg(\"never\")\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def threads():\n"
+                         "  thread_clear = 0\n"
+                         "  thread_move = 0\n"
+                         "  left = 3\n"
+                         "  global busy = False\n"
+                         "  def request():\n"
+                         "    if not busy:\n"
+                         "      busy = True\n"
+                         "      thread_clear = run clear()\n"
+                         "    end\n"
+                         "  end\n"
+                         "  def settle():\n"
+                         "    join thread_clear\n"
+                         "    thread_clear = 0\n"
+                         "  end\n"
+                         "  thread clear():\n"
+                         "    local reads = 0\n"
+                         "    while left > 0:\n"
+                         "      left = left - 1\n"
+                         "      reads = reads + 1\n"
+                         "      if reads >= 2:\n"
+                         "        sync()\n"
+                         "        reads = 0\n"
+                         "      end\n"
+                         "      if left == 0:\n"
+                         "        break\n"
+                         "      end\n"
+                         "    end\n"
+                         "    busy = False\n"
+                         "  end\n"
+                         "  thread mover():\n"
+                         "    enter_critical\n"
+                         "    q = get_target_joint_positions()\n"
+                         "    q[0] = q[0] + 2.0\n"
+                         "    movej(q, a = 1.4, v = 1.0, t = 0.0, r = 0.0)\n"
+                         "    exit_critical\n"
+                         "  end\n"
+                         "  thread_move = run mover()\n"
+                         "  sleep(0.3)\n"
+                         "  kill thread_move\n"
+                         "  request()\n"
+                         "  request()\n"
+                         "  stopj(4.0)\n"
+                         "  settle()\n"
+                         "  textmsg(\"left \", left)\n"
+                         "  textmsg(is_steady())\n"
+                         "  halt\n"
+                         "  textmsg(\"never\")\n"
+                         "end\n"),
             "left 0|True");
   EXPECT_EQ(bench.exceptions, "");
 }
 
 TEST(UrForeignScripts, LinesMayEndAsOnWindows) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def windows():\r\n"
-                      "  # a remark\r\n"
-                      "\r\n"
-                      "  if True:\r\n"
-                      "    textmsg(\"there\")\r\n"
-                      "  else:\r\n"
-                      "    textmsg(\"not there\")\r\n"
-                      "  end\r\n"
-                      "end\r\n"),
+  EXPECT_EQ(bench.output("def windows():\r\n"
+                         "  # a remark\r\n"
+                         "\r\n"
+                         "  if True:\r\n"
+                         "    textmsg(\"there\")\r\n"
+                         "  else:\r\n"
+                         "    textmsg(\"not there\")\r\n"
+                         "  end\r\n"
+                         "end\r\n"),
             "there");
   EXPECT_EQ(bench.exceptions, "");
 }

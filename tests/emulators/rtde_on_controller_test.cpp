@@ -71,19 +71,19 @@ TEST_P(EveryLostSession, IsSetUpAnewFromTheFirstPacketOn) {
   Controller controller(faults);
   RtdeClient client(controller.rtde(), recipe, patient());
   EXPECT_EQ(client.counts().sessions, 1);
-  bool told = false;
+  bool reported = false;
   for (const Deadline limit = Deadline::in(kLong); client.counts().sessions < 2 && !limit.over();) {
     try {
       (void)client.sample();
     } catch (const DeviceError& error) {
-      told = true;
+      reported = true;
       EXPECT_THAT(error.what(), HasSubstr("nothing may move until the link is back"));
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   // A link that is cut is back within the age that a state may have; silence and a restart are longer.
   if (std::string(GetParam().how) == "restarted") {
-    EXPECT_TRUE(told);
+    EXPECT_TRUE(reported);
   }
   // The dying session has freed its register, and what is written takes effect.
   EXPECT_TRUE(becomes(client, [](const RtdeSample& now) { return now.device_time() > 100.0; }));

@@ -29,25 +29,25 @@ struct ScriptBench {
       for (auto& event : controller.take_events()) note(event);
     }
   }
-  /// Seconds until the program ended; fails after `most`.
-  double run_to_end(double most = 30.0) {
+  /// Seconds until the program ended; fails after `max`.
+  double run_to_end(double max = 30.0) {
     const double begin = controller.uptime();
-    while (controller.runtime() != RuntimeState::kStopped && controller.uptime() < begin + most)
+    while (controller.runtime() != RuntimeState::kStopped && controller.uptime() < begin + max)
       run(controller.period());
     return controller.uptime() - begin;
   }
   /// Starts it; what textmsg said, lines joined by |, until it ended.
-  std::string say(const std::string& source, double most = 5.0) {
+  std::string output(const std::string& source, double max = 5.0) {
     texts.clear();
     exceptions.clear();
     controller.run_script(source);
     run(controller.period());
-    run_to_end(most);
+    run_to_end(max);
     return texts;
   }
   /// The last expression of the body, as textmsg prints it.
   std::string value(const std::string& expression) {
-    return say("def v():\n textmsg(" + expression + ")\nend\n");
+    return output("def v():\n textmsg(" + expression + ")\nend\n");
   }
   void note(const ControllerEvent& event) {
     using Kind = ControllerEvent::Kind;

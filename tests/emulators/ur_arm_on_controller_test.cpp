@@ -409,7 +409,7 @@ TEST(UrArmOnController, ALinkFromBeforeRemoteControlIsMadeAnew) {
   EXPECT_EQ(never.arm->follow(planned(0.1)).status, Status::kRefused);
 }
 
-TEST(UrArmOnController, ScriptsThatNeverStartAreSaid) {
+TEST(UrArmOnController, ScriptsThatNeverStartAreReported) {
   UrServerOptions options;
   options.faults.scripts_never_start = true;
   Loopback cell(options);

@@ -35,14 +35,14 @@ TEST(UrMotion, MovejIsTheTrapezoidOfItsLeadingJoint) {
   while (bench.controller.runtime() == RuntimeState::kPlaying || t == 0) {
     bench.run(bench.controller.period());
     t += bench.controller.period();
-    double way = 1.0;
+    double displacement = 1.0;
     if (t < up)
-      way = 0.5 * 2.0 * t * t;
+      displacement = 0.5 * 2.0 * t * t;
     else if (t < up + steady)
-      way = 0.16 + 0.8 * (t - up);
+      displacement = 0.16 + 0.8 * (t - up);
     else if (t < whole)
-      way = 1.0 - 0.5 * 2.0 * (whole - t) * (whole - t);
-    const Joints expected = ScriptBench::start() + way * (goal - ScriptBench::start());
+      displacement = 1.0 - 0.5 * 2.0 * (whole - t) * (whole - t);
+    const Joints expected = ScriptBench::start() + displacement * (goal - ScriptBench::start());
     ASSERT_LT((bench.controller.plant().q - expected).cwiseAbs().maxCoeff(), 1e-9) << "at " << t;
     ASSERT_LT(t, 5.0);
   }
@@ -93,8 +93,9 @@ TEST(UrMotion, MovelKeepsToTheLineAtItsSpeed) {
     bench.run(bench.controller.period());
     const Pose now = geometry.T_B_P(bench.controller.plant().q);
     top = std::max(top, (now.translation() - before).norm() / bench.controller.period());
-    const Eigen::Vector3d way = begin.rotation().transpose() * (now.translation() - begin.translation());
-    ASSERT_LT(way.head<2>().norm(), 1e-7);
+    const Eigen::Vector3d displacement =
+        begin.rotation().transpose() * (now.translation() - begin.translation());
+    ASSERT_LT(displacement.head<2>().norm(), 1e-7);
     ASSERT_LT(difference(begin, now).angle, 1e-7);
   }
   EXPECT_NEAR(top, 0.1, 1e-4);
@@ -127,9 +128,9 @@ TEST(UrMotion, BlendsDoNotStopAtTheCorner) {
     while (bench.controller.program_running()) {
       bench.run(bench.controller.period());
       const auto& now = bench.controller.plant();
-      const double way =
+      const double displacement =
           (geometry.T_B_P(now.q).translation() - geometry.T_B_P(ScriptBench::start()).translation()).norm();
-      if (way < 0.13) slowest = std::min(slowest, geometry.twist(now.q, now.qd).head<3>().norm());
+      if (displacement < 0.13) slowest = std::min(slowest, geometry.twist(now.q, now.qd).head<3>().norm());
     }
     return slowest;
   };
@@ -170,15 +171,15 @@ TEST(UrMotion, SpeedsRampAndStop) {
   line.controller.run_script("def s():\n  speedl([0,0,-0.05,0,0,0], 0.5, 1.0)\n  stopl(1.0)\nend\n");
   line.run(line.controller.period());
   line.run_to_end();
-  const Eigen::Vector3d way =
+  const Eigen::Vector3d displacement =
       line.controller.motion.geometry().T_B_P(line.controller.plant().q).translation() - begin.translation();
-  EXPECT_NEAR(way.z(), -(0.05 * 0.95 + 0.00125), 1e-3);
-  EXPECT_LT(way.head<2>().norm(), 1e-7);
+  EXPECT_NEAR(displacement.z(), -(0.05 * 0.95 + 0.00125), 1e-3);
+  EXPECT_LT(displacement.head<2>().norm(), 1e-7);
 }
 
 TEST(UrMotion, AProgramThatEndsInMotionIsBraked) {
   ScriptBench bench;
-  bench.say("def s():\n  speedj([0.5,0,0,0,0,0], 2.0, 0.5)\nend\n");
+  bench.output("def s():\n  speedj([0.5,0,0,0,0,0], 2.0, 0.5)\nend\n");
   bench.run(0.5);
   EXPECT_FALSE(bench.controller.motion.moving());
 }
@@ -279,16 +280,16 @@ TEST(UrMotion, ForcesLoseThePayloadsWeight) {
   bench.plant.set_wrench({0, 0, -2.0 * 9.81}, {0, 0, 0});
   bench.run(0.1);
   EXPECT_NEAR(bench.controller.wrench()[2], -2.0 * 9.81, 1e-9);
-  bench.say("def p():\n  set_payload(2.0, [0,0,0])\n  sync()\n  sync()\n  textmsg(force() < 1e-9)\nend\n");
+  bench.output("def p():\n  set_payload(2.0, [0,0,0])\n  sync()\n  sync()\n  textmsg(force() < 1e-9)\nend\n");
   EXPECT_EQ(bench.texts, "True");
   bench.plant.set_wrench({3, 0, -2.0 * 9.81}, {0, 0, 0});
   bench.run(0.1);
   EXPECT_NEAR(bench.controller.wrench()[0], -3.0, 1e-9) << "axes of the controller's base";
-  bench.say("def p():\n  zero_ftsensor()\nend\n");
+  bench.output("def p():\n  zero_ftsensor()\nend\n");
   EXPECT_LT(bench.controller.wrench().norm(), 1e-9);
 }
 
-TEST(UrMotion, ForceModeGivesWayAlongItsAxisOnly) {
+TEST(UrMotion, ForceModeYieldsAlongItsAxisOnly) {
   ScriptBench bench;
   bench.plant.set_wrench({0, 0, 0}, {0, 0, 0});
   const Pose begin = bench.controller.motion.geometry().T_B_P(ScriptBench::start());
@@ -317,7 +318,7 @@ TEST(UrMotion, ForceModeGivesWayAlongItsAxisOnly) {
 
 TEST(UrMotion, TwoThreadsMayNotMoveAtOnce) {
   ScriptBench bench;
-  bench.say(
+  bench.output(
       "def m():\n  thread t():\n    movej([1,-1.3,1.6,-1.8,-1.5,0.2])\n  end\n  run t()\n"
       "  sleep(0.1)\n  movej([0,-1.3,1.6,-1.8,-1.5,0.2])\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("Another thread is already controlling the robot"));

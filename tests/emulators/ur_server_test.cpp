@@ -65,7 +65,7 @@ struct Client {
   bool closed = false;
 };
 
-TEST(UrServer, ProgramsRunAndTellOnThePrimaryPort) {
+TEST(UrServer, ProgramsRunAndReportOnThePrimaryPort) {
   Server bench;
   Client primary(bench.server.ports().primary), second(bench.server.ports().primary);
   EXPECT_NE(primary.until("URControl"), "") << "the version comes first";
@@ -252,7 +252,7 @@ TEST(UrServer, ScriptPortsSkipClientsThatOnlyWriteAndKeepThem) {
   EXPECT_LT(writer.seen.size(), 60.0 * 125 * 1220 / 2) << "packages were left out";
 }
 
-TEST(UrServer, LoopbackOnlyAndTakenPortsAreRefused) {
+TEST(UrServer, LoopbackOnlyAndOccupiedPortsAreRefused) {
   const RobotModel robot = read_robot("ur10");
   IdealPlant plant(ScriptBench::start());
   UrServerOptions options;

@@ -94,7 +94,7 @@ TEST(UrWire, RtdeTypesAreTheDocumentedOnes) {
             packet('I', "\1UINT32,DOUBLE,UINT8,VECTOR6D,BOOL"));
 }
 
-TEST(UrWire, RtdeSaysNotFoundAndStartsNothing) {
+TEST(UrWire, RtdeReportsNotFoundAndStartsNothing) {
   Rtde rtde;
   rtde.ask(hex("00 05 56 00 02"));
   EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + "timestamp,nonsense")),
@@ -306,47 +306,50 @@ TEST(UrWire, RealtimePackagesGrewWithTheVersions) {
 
 TEST(UrWire, DashboardLines) {
   ScriptBench bench, newer("5.12.2.1101534");
-  const auto say = [&](const char* command) { return answer_dashboard(bench.controller, command).line; };
-  EXPECT_EQ(say("PolyscopeVersion").rfind("URSoftware 3.15.8.106339 (", 0), 0U);
-  EXPECT_EQ(say("robotmode"), "Robotmode: RUNNING");
-  EXPECT_EQ(say("safetymode"), "Safetymode: NORMAL");
-  EXPECT_EQ(say("running"), "Program running: false");
-  EXPECT_EQ(say("get robot model"), "UR10");
-  EXPECT_EQ(say("safetystatus"), "could not understand: 'safetystatus'") << "5.4 and later";
-  EXPECT_EQ(say("is in remote control"), "could not understand: 'is in remote control'") << "no CB3 has it";
+  const auto answer_to = [&](const char* command) {
+    return answer_dashboard(bench.controller, command).line;
+  };
+  EXPECT_EQ(answer_to("PolyscopeVersion").rfind("URSoftware 3.15.8.106339 (", 0), 0U);
+  EXPECT_EQ(answer_to("robotmode"), "Robotmode: RUNNING");
+  EXPECT_EQ(answer_to("safetymode"), "Safetymode: NORMAL");
+  EXPECT_EQ(answer_to("running"), "Program running: false");
+  EXPECT_EQ(answer_to("get robot model"), "UR10");
+  EXPECT_EQ(answer_to("safetystatus"), "could not understand: 'safetystatus'") << "5.4 and later";
+  EXPECT_EQ(answer_to("is in remote control"), "could not understand: 'is in remote control'")
+      << "no CB3 has it";
   EXPECT_EQ(answer_dashboard(newer.controller, "is in remote control").line, "true");
   EXPECT_EQ(answer_dashboard(newer.controller, "safetystatus").line, "Safetystatus: NORMAL");
-  EXPECT_EQ(say("popup hello"), "showing popup");
-  EXPECT_EQ(say("close popup"), "closing popup");
-  EXPECT_EQ(say("close safety popup"), "closing safety popup");
+  EXPECT_EQ(answer_to("popup hello"), "showing popup");
+  EXPECT_EQ(answer_to("close popup"), "closing popup");
+  EXPECT_EQ(answer_to("close safety popup"), "closing safety popup");
   bench.controller.run_script("def wait():\n  sleep(60)\nend\n");
   bench.run(0.1);
-  EXPECT_EQ(say("programState"), "PLAYING wait");
-  EXPECT_EQ(say("pause"), "Pausing program");
-  EXPECT_EQ(say("programState"), "PAUSED wait");
-  EXPECT_EQ(say("play"), "Starting program");
-  EXPECT_EQ(say("running"), "Program running: true");
-  EXPECT_EQ(say("stop"), "Stopped");
-  EXPECT_EQ(say("stop"), "Stopped") << "also when nothing runs: clients begin with it";
-  EXPECT_EQ(say("programState"), "STOPPED wait");
+  EXPECT_EQ(answer_to("programState"), "PLAYING wait");
+  EXPECT_EQ(answer_to("pause"), "Pausing program");
+  EXPECT_EQ(answer_to("programState"), "PAUSED wait");
+  EXPECT_EQ(answer_to("play"), "Starting program");
+  EXPECT_EQ(answer_to("running"), "Program running: true");
+  EXPECT_EQ(answer_to("stop"), "Stopped");
+  EXPECT_EQ(answer_to("stop"), "Stopped") << "also when nothing runs: clients begin with it";
+  EXPECT_EQ(answer_to("programState"), "STOPPED wait");
   bench.controller.protective_stop(153, "test");
-  EXPECT_EQ(say("safetymode"), "Safetymode: PROTECTIVE_STOP");
+  EXPECT_EQ(answer_to("safetymode"), "Safetymode: PROTECTIVE_STOP");
   bench.run(4.0);
   EXPECT_EQ(
-      say("unlock protective stop"),
+      answer_to("unlock protective stop"),
       "Cannot unlock protective stop until 5s after occurrence. Always inspect cause of protective stop "
       "before unlocking");
   bench.run(1.1);
-  EXPECT_EQ(say("unlock protective stop"), "Protective stop releasing");
-  EXPECT_EQ(say("safetymode"), "Safetymode: NORMAL");
-  EXPECT_EQ(say("power off"), "Powering off");
-  EXPECT_EQ(say("robotmode"), "Robotmode: POWER_OFF");
-  EXPECT_EQ(say("power on"), "Powering on");
+  EXPECT_EQ(answer_to("unlock protective stop"), "Protective stop releasing");
+  EXPECT_EQ(answer_to("safetymode"), "Safetymode: NORMAL");
+  EXPECT_EQ(answer_to("power off"), "Powering off");
+  EXPECT_EQ(answer_to("robotmode"), "Robotmode: POWER_OFF");
+  EXPECT_EQ(answer_to("power on"), "Powering on");
   bench.run(3.5);
-  EXPECT_EQ(say("robotmode"), "Robotmode: IDLE");
-  EXPECT_EQ(say("brake release"), "Brake releasing");
+  EXPECT_EQ(answer_to("robotmode"), "Robotmode: IDLE");
+  EXPECT_EQ(answer_to("brake release"), "Brake releasing");
   bench.run(2.0);
-  EXPECT_EQ(say("robotmode"), "Robotmode: RUNNING");
+  EXPECT_EQ(answer_to("robotmode"), "Robotmode: RUNNING");
   EXPECT_TRUE(answer_dashboard(bench.controller, "quit").closes);
 }
 
@@ -356,24 +359,26 @@ TEST(UrWire, ProgramsOfTheCellFileAreLoadedAndPlayed) {
   UrServerOptions options;
   options.programs = "hello.urp,external-control.urp";
   UrController controller(options, robot, plant);
-  const auto say = [&](const std::string& command) { return answer_dashboard(controller, command).line; };
-  EXPECT_EQ(say("get loaded program"), "No program loaded");
-  EXPECT_EQ(say("play"), "Failed to execute: play");
-  EXPECT_EQ(say("load other.urp"), "File not found: other.urp");
-  EXPECT_EQ(say("load external-control.urp"), "Loading program: external-control.urp");
-  EXPECT_EQ(say("get loaded program"), "Loaded program: /programs/external-control.urp");
-  EXPECT_EQ(say("running"), "Program running: false");
-  EXPECT_EQ(say("play"), "Starting program");
+  const auto answer_to = [&](const std::string& command) {
+    return answer_dashboard(controller, command).line;
+  };
+  EXPECT_EQ(answer_to("get loaded program"), "No program loaded");
+  EXPECT_EQ(answer_to("play"), "Failed to execute: play");
+  EXPECT_EQ(answer_to("load other.urp"), "File not found: other.urp");
+  EXPECT_EQ(answer_to("load external-control.urp"), "Loading program: external-control.urp");
+  EXPECT_EQ(answer_to("get loaded program"), "Loaded program: /programs/external-control.urp");
+  EXPECT_EQ(answer_to("running"), "Program running: false");
+  EXPECT_EQ(answer_to("play"), "Starting program");
   for (int k = 0; k < 500; ++k) controller.step();
-  EXPECT_EQ(say("running"), "Program running: true") << "until somebody stops it";
-  EXPECT_EQ(say("programState"), "PLAYING external-control.urp");
-  EXPECT_EQ(say("pause"), "Pausing program");
-  EXPECT_EQ(say("play"), "Starting program");
-  EXPECT_EQ(say("stop"), "Stopped");
-  EXPECT_EQ(say("programState"), "STOPPED external-control.urp");
-  EXPECT_EQ(say("load /programs/hello.urp"), "Loading program: /programs/hello.urp");
-  EXPECT_EQ(say("power off"), "Powering off");
-  EXPECT_EQ(say("play"), "Failed to execute: play");
+  EXPECT_EQ(answer_to("running"), "Program running: true") << "until somebody stops it";
+  EXPECT_EQ(answer_to("programState"), "PLAYING external-control.urp");
+  EXPECT_EQ(answer_to("pause"), "Pausing program");
+  EXPECT_EQ(answer_to("play"), "Starting program");
+  EXPECT_EQ(answer_to("stop"), "Stopped");
+  EXPECT_EQ(answer_to("programState"), "STOPPED external-control.urp");
+  EXPECT_EQ(answer_to("load /programs/hello.urp"), "Loading program: /programs/hello.urp");
+  EXPECT_EQ(answer_to("power off"), "Powering off");
+  EXPECT_EQ(answer_to("play"), "Failed to execute: play");
 }
 
 TEST(UrWire, WhatIsLoadedIsTheProgramOfTheDashboard) {
@@ -383,27 +388,32 @@ TEST(UrWire, WhatIsLoadedIsTheProgramOfTheDashboard) {
   UrServerOptions options;
   options.programs = "wait_program.urp";
   UrController controller(options, robot, plant);
-  const auto say = [&](const std::string& command) { return answer_dashboard(controller, command).line; };
-  EXPECT_EQ(say("programState"), "STOPPED <unnamed>");
-  EXPECT_EQ(say("load /ursim/programs/wait_program.urp"),
+  const auto answer_to = [&](const std::string& command) {
+    return answer_dashboard(controller, command).line;
+  };
+  EXPECT_EQ(answer_to("programState"), "STOPPED <unnamed>");
+  EXPECT_EQ(answer_to("load /ursim/programs/wait_program.urp"),
             "Loading program: /ursim/programs/wait_program.urp");
-  EXPECT_EQ(say("programState"), "STOPPED wait_program.urp");
-  EXPECT_EQ(say("isProgramSaved"), "true wait_program.urp");
-  EXPECT_EQ(say("load installation default.installation"), "Loading installation: default.installation");
-  EXPECT_EQ(say("load installation other.installation"), "File not found: other.installation");
-  EXPECT_EQ(say("load"), "could not understand: 'load'");
+  EXPECT_EQ(answer_to("programState"), "STOPPED wait_program.urp");
+  EXPECT_EQ(answer_to("isProgramSaved"), "true wait_program.urp");
+  EXPECT_EQ(answer_to("load installation default.installation"),
+            "Loading installation: default.installation");
+  EXPECT_EQ(answer_to("load installation other.installation"), "File not found: other.installation");
+  EXPECT_EQ(answer_to("load"), "could not understand: 'load'");
 }
 
 TEST(UrWire, LogAndReportsAreAnswered) {
   ScriptBench bench, old("3.12.1.90940");
-  const auto say = [&](const char* command) { return answer_dashboard(bench.controller, command).line; };
-  EXPECT_EQ(say("addToLog Testing Log:"), "Added log message");
-  EXPECT_EQ(say("addToLog "), "No log message to add");
-  EXPECT_EQ(say("addToLog"), "No log message to add");
-  EXPECT_EQ(say("saveLog"), "Log saved to disk");
-  EXPECT_EQ(say("generate flight report "), "Flight Report generated with id: 1");
-  EXPECT_EQ(say("generate flight report system"), "Flight Report generated with id: 2");
-  EXPECT_EQ(say("generate support file ."), "Completed successfully: ./ur_2014301234_support_file.zip");
+  const auto answer_to = [&](const char* command) {
+    return answer_dashboard(bench.controller, command).line;
+  };
+  EXPECT_EQ(answer_to("addToLog Testing Log:"), "Added log message");
+  EXPECT_EQ(answer_to("addToLog "), "No log message to add");
+  EXPECT_EQ(answer_to("addToLog"), "No log message to add");
+  EXPECT_EQ(answer_to("saveLog"), "Log saved to disk");
+  EXPECT_EQ(answer_to("generate flight report "), "Flight Report generated with id: 1");
+  EXPECT_EQ(answer_to("generate flight report system"), "Flight Report generated with id: 2");
+  EXPECT_EQ(answer_to("generate support file ."), "Completed successfully: ./ur_2014301234_support_file.zip");
   for (const char* later : {"saveLog", "generate flight report ", "generate support file ."})
     EXPECT_EQ(answer_dashboard(old.controller, later).line.rfind("could not understand", 0), 0U) << later;
 }

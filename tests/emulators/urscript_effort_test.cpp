@@ -54,7 +54,7 @@ TEST(UrScriptEffort, WhatIsCopiedCounts) {
   EXPECT_LT(turns(busy(60, "x = str_cat(\"" + std::string(60000, 'x') + "\", \"\")")).first, plain / 50);
 }
 
-TEST(UrScriptEffort, WhatIsTakenBeyondAStepIsGivenBack) {
+TEST(UrScriptEffort, TimeBeyondAStepIsPaidBack) {
   // One addition of such lists takes more than a step has.
   const auto [sums, seen] = turns(busy(1, "x = l + l", 10000));
   EXPECT_GT(sums, 5);
@@ -68,10 +68,10 @@ TEST(UrScriptEffort, SlowFunctionsCount) {
   EXPECT_LE(turns(busy(60, "x = socket_open(\"10.0.0.1\", 9)")).first, 50) << "one connection a step";
 }
 
-TEST(UrScriptEffort, EndlessThreadsAreToldWithinSeconds) {
+TEST(UrScriptEffort, EndlessThreadsAreReportedWithinSeconds) {
   for (const auto* line : {"x = 1", "x = l", "x = l * l", "x = get_inverse_kin(get_actual_tcp_pose())"}) {
     ScriptBench bench;
-    bench.say(busy(60, line, 1000), 2.0);
+    bench.output(busy(60, line, 1000), 2.0);
     EXPECT_THAT(bench.exceptions, HasSubstr("Infinite loop detected")) << line;
     EXPECT_FALSE(bench.controller.program_running()) << line;
   }
@@ -125,7 +125,7 @@ TEST(UrScriptEffort, LongScriptsCompileInTimeThatGrowsWithTheirLength) {
       << "the nearest function of a name counts";
 }
 
-TEST(UrScriptEffort, WhatIsTooLongOrTooDeepIsSaid) {
+TEST(UrScriptEffort, TooLongOrTooDeepProgramsAreReported) {
   EXPECT_THAT(complaint("def tokens():\n a = [" + repeated("1,", 300'000) + "1]\nend\n"),
               HasSubstr("script too long: more than 500000 words, numbers and signs"));
   EXPECT_THAT(complaint("def longer():\n" + repeated("#\n", 2'100'000) + "end\n"),

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 /// Reply of the controller to a line; `nan` and `inf` are numbers there, `q` where the arm is.
 std::string error(const std::string& line, const std::string& version = "3.15.8.106339") {
   ScriptBench bench(version);
-  bench.say(
+  bench.output(
       "def a():\n  inf = 1e308 * 1e308\n  nan = inf - inf\n  q = get_actual_joint_positions()\n"
       "  here = get_actual_tcp_pose()\n  " +
       line + "\nend\n");

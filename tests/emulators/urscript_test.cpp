@@ -17,9 +17,9 @@ TEST(UrScript, TheStepIsThatOfTheControlRate) {
 
 TEST(UrScript, Kinematics) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def k():\n"
-                      "  q = get_inverse_kin(get_forward_kin(), get_actual_joint_positions())\n"
-                      "  textmsg(norm(q - get_actual_joint_positions()) < 1e-6)\nend\n"),
+  EXPECT_EQ(bench.output("def k():\n"
+                         "  q = get_inverse_kin(get_forward_kin(), get_actual_joint_positions())\n"
+                         "  textmsg(norm(q - get_actual_joint_positions()) < 1e-6)\nend\n"),
             "True");
   EXPECT_EQ(bench.value("get_inverse_kin_has_solution(p[5,0,0,0,0,0])"), "False");
   bench.value("get_inverse_kin(p[5,0,0,0,0,0])");
@@ -28,28 +28,28 @@ TEST(UrScript, Kinematics) {
 
 TEST(UrScript, ThreadsTakeTurnsAStepAtATime) {
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def threads():\n"
-                      "  global n = 0\n"
-                      "  thread count():\n"
-                      "    while True:\n"
-                      "      n = n + 1\n"
-                      "      sync()\n"
-                      "    end\n"
-                      "  end\n"
-                      "  thread brief():\n"
-                      "    sleep(0.1)\n"
-                      "    textmsg(\"brief done\")\n"
-                      "  end\n"
-                      "  none = 0\n"
-                      "  kill none\n"
-                      "  counter = run count()\n"
-                      "  join run brief()\n"
-                      "  kill counter\n"
-                      "  textmsg(n > 10 and n < 16)\n"
-                      "  last = n\n"
-                      "  sleep(0.1)\n"
-                      "  textmsg(n == last)\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def threads():\n"
+                         "  global n = 0\n"
+                         "  thread count():\n"
+                         "    while True:\n"
+                         "      n = n + 1\n"
+                         "      sync()\n"
+                         "    end\n"
+                         "  end\n"
+                         "  thread brief():\n"
+                         "    sleep(0.1)\n"
+                         "    textmsg(\"brief done\")\n"
+                         "  end\n"
+                         "  none = 0\n"
+                         "  kill none\n"
+                         "  counter = run count()\n"
+                         "  join run brief()\n"
+                         "  kill counter\n"
+                         "  textmsg(n > 10 and n < 16)\n"
+                         "  last = n\n"
+                         "  sleep(0.1)\n"
+                         "  textmsg(n == last)\n"
+                         "end\n"),
             "brief done|True|True");
 }
 
@@ -57,7 +57,7 @@ TEST(UrScript, CriticalSectionsAreNotInterrupted) {
   // Two steps' worth of computing: outside a critical section the other thread sees it half done, inside not.
   const auto seen = [](const std::string& enter, const std::string& leave) {
     ScriptBench bench;
-    return bench.say(
+    return bench.output(
         "def sections():\n"
         "  global half = False\n"
         "  global seen = False\n"
@@ -88,24 +88,24 @@ TEST(UrScript, CriticalSectionsAreNotInterrupted) {
 TEST(UrScript, WaitingInACriticalSectionLetsTheOthersIn) {
   // As in UR's client library, where the main thread joins a thread that has critical sections of its own.
   ScriptBench bench;
-  EXPECT_EQ(bench.say("def joining():\n"
-                      "  global going = True\n"
-                      "  thread other():\n"
-                      "    while going:\n"
-                      "      enter_critical\n"
-                      "      sync()\n"
-                      "      exit_critical\n"
-                      "    end\n"
-                      "    textmsg(\"other over\")\n"
-                      "  end\n"
-                      "  handle = run other()\n"
-                      "  sleep(0.05)\n"
-                      "  enter_critical\n"
-                      "  going = False\n"
-                      "  join handle\n"
-                      "  exit_critical\n"
-                      "  textmsg(\"joined\")\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def joining():\n"
+                         "  global going = True\n"
+                         "  thread other():\n"
+                         "    while going:\n"
+                         "      enter_critical\n"
+                         "      sync()\n"
+                         "      exit_critical\n"
+                         "    end\n"
+                         "    textmsg(\"other over\")\n"
+                         "  end\n"
+                         "  handle = run other()\n"
+                         "  sleep(0.05)\n"
+                         "  enter_critical\n"
+                         "  going = False\n"
+                         "  join handle\n"
+                         "  exit_critical\n"
+                         "  textmsg(\"joined\")\n"
+                         "end\n"),
             "other over|joined");
 }
 
@@ -117,7 +117,7 @@ TEST(UrScript, RegistersAreSharedWithRtde) {
   EXPECT_EQ(bench.value("[read_input_integer_register(24), read_input_float_register(3), "
                         "read_input_boolean_register(64)]"),
             "[-7,0.25,True]");
-  bench.say(
+  bench.output(
       "def w():\n write_output_integer_register(24, 42)\n write_output_float_register(1, 1.5)\n"
       " write_output_boolean_register(127, True)\nend\n");
   EXPECT_EQ(bench.controller.registers.out_int[24], 42);
@@ -133,7 +133,7 @@ TEST(UrScript, RegistersAreSharedWithRtde) {
 TEST(UrScript, SyntaxErrorsNameTheirLine) {
   const auto error = [](const std::string& source) {
     ScriptBench bench;
-    bench.say(source);
+    bench.output(source);
     EXPECT_EQ(bench.keys, "") << "nothing starts";
     return bench.exceptions;
   };
@@ -155,9 +155,9 @@ TEST(UrScript, SyntaxErrorsNameTheirLine) {
 
 TEST(UrScript, UnknownNamesAreFoundBeforeAnythingRuns) {
   ScriptBench bench;
-  bench.say("def illegal_fun():\n  calldoesntexist()\nend");
+  bench.output("def illegal_fun():\n  calldoesntexist()\nend");
   EXPECT_EQ(bench.exceptions, "2,3,compile_error_name_not_found:calldoesntexist:");
-  bench.say("def a():\n  textmsg(\"no\")\n  x = y + 1\nend\n");
+  bench.output("def a():\n  textmsg(\"no\")\n  x = y + 1\nend\n");
   EXPECT_EQ(bench.exceptions, "3,7,compile_error_name_not_found:y:");
   EXPECT_EQ(bench.keys, "");
 }
@@ -165,7 +165,7 @@ TEST(UrScript, UnknownNamesAreFoundBeforeAnythingRuns) {
 TEST(UrScript, FunctionsComeWithVersions) {
   const auto answer = [](const std::string& version, const std::string& call) {
     ScriptBench bench(version);
-    bench.say("def a():\n  " + call + "\nend\n");
+    bench.output("def a():\n  " + call + "\nend\n");
     return bench.exceptions;
   };
   EXPECT_EQ(answer("3.5.4.10845", "protective_stop()"), "2,3,compile_error_name_not_found:protective_stop:");
@@ -179,12 +179,12 @@ TEST(UrScript, FunctionsComeWithVersions) {
 
 TEST(UrScript, RunTimeErrorsEndTheProgramWithTheirLine) {
   ScriptBench bench;
-  bench.say("def a():\n  l = [1]\n\n  textmsg(l[3])\nend\n");
+  bench.output("def a():\n  l = [1]\n\n  textmsg(l[3])\nend\n");
   EXPECT_THAT(bench.exceptions, StartsWith("4,"));
   EXPECT_THAT(bench.exceptions, HasSubstr("Index out of bounds"));
   EXPECT_EQ(bench.keys, "PROGRAM_XXX_STARTED:a|PROGRAM_XXX_STOPPED:a|");
   const auto error = [&](const std::string& line) {
-    bench.say("def a():\n  " + line + "\nend\n");
+    bench.output("def a():\n  " + line + "\nend\n");
     return bench.exceptions;
   };
   EXPECT_THAT(error("x = 1 / 0"), HasSubstr("Division by zero"));
@@ -200,19 +200,19 @@ TEST(UrScript, RunTimeErrorsEndTheProgramWithTheirLine) {
 
 TEST(UrScript, EndlessLoopsAndRecursionAreErrors) {
   ScriptBench bench;
-  bench.say("def a():\n  x = 0\n  while True:\n    x = x + 1\n  end\nend\n");
+  bench.output("def a():\n  x = 0\n  while True:\n    x = x + 1\n  end\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("Infinite loop detected"));
   EXPECT_THAT(bench.exceptions, ::testing::AnyOf(StartsWith("3,"), StartsWith("4,")));
-  bench.say("def a():\n  def f(x):\n    return f(x + 1)\n  end\n  f(0)\nend\n");
+  bench.output("def a():\n  def f(x):\n    return f(x + 1)\n  end\n  f(0)\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("Too many nested calls"));
-  bench.say("def a():\n  l = [1]\n  while True:\n    l = [l, l]\n  end\nend\n");
+  bench.output("def a():\n  l = [1]\n  while True:\n    l = [l, l]\n  end\nend\n");
   EXPECT_THAT(bench.exceptions, ::testing::AnyOf(HasSubstr("too many elements"), HasSubstr("too deep")));
-  bench.say("def a():\n  s = \"ab\"\n  while True:\n    s = str_cat(s, s)\n  end\nend\n");
+  bench.output("def a():\n  s = \"ab\"\n  while True:\n    s = str_cat(s, s)\n  end\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("too many characters"));
-  bench.say("def a():\n  thread t():\n    sleep(9)\n  end\n  while True:\n    run t()\n  end\nend\n");
+  bench.output("def a():\n  thread t():\n    sleep(9)\n  end\n  while True:\n    run t()\n  end\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("Too many threads"));
   // A loop that lets time pass is none, however long it runs.
-  bench.say("def a():\n  while True:\n    sync()\n  end\nend\n", 3.0);
+  bench.output("def a():\n  while True:\n    sync()\n  end\nend\n", 3.0);
   EXPECT_EQ(bench.exceptions, "");
   EXPECT_TRUE(bench.controller.program_running());
 }

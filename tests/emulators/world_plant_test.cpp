@@ -17,11 +17,11 @@ struct Bench {
   Joints q = cell.cell().arm.state().q;
 };
 
-TEST(WorldPlant, FeelsTheHandsWeightAndTheTable) {
+TEST(WorldPlant, MeasuresTheGrippersWeightAndTheTable) {
   Bench bench;
   const auto plant = make_world_plant(bench.world, bench.q);
   PlantState state = plant->step(bench.q, 0.008);
-  const double weight = 9.81 * carried_mass(bench.world.lock().world.hand_model().gripper);
+  const double weight = 9.81 * carried_mass(bench.world.lock().world.gripper_body().gripper);
   EXPECT_NEAR(state.force_R.z(), -weight, 1e-6);
   // The hand points down: its mass hangs under the flange, so there is hardly a moment about the flange.
   EXPECT_LT(state.torque_R.norm(), 0.05 * weight);
@@ -52,7 +52,7 @@ TEST(WorldPlant, ComesBackToATenthOfAMillimetre) {
   for (int k = 0; k < kVisits; ++k) {
     go(bench.q, away);
     go(away, bench.q);
-    const Pose& there = bench.world.lock().world.hand().T_W_T;
+    const Pose& there = bench.world.lock().world.gripper_pose().T_W_T;
     squares += (there.translation() - T_W_T.translation()).squaredNorm() / kVisits;
   }
   EXPECT_NEAR(std::sqrt(squares), 0.0001, 0.000015);

@@ -18,7 +18,7 @@ class OptionSourcesTest : public testing::Test {
  protected:
   void SetUp() override {
     ::setenv("XDG_CONFIG_HOME", folder_.c_str(), 1);
-    write_file(file_, "search:\n  friction: 0.21\nrun:\n  most_stones: 3\n");
+    write_file(file_, "search:\n  friction: 0.21\nrun:\n  max_stones: 3\n");
   }
   void TearDown() override {
     ::unsetenv("XDG_CONFIG_HOME");
@@ -48,7 +48,7 @@ TEST_F(OptionSourcesTest, AStrongerSourceWinsAndIsNamed) {
       apply_options(list_, {file_, {{"--friction", "search.friction", "0.23"}}, {"search.friction=0.24"}});
   EXPECT_EQ(every_.build.search.friction, 0.24);
   EXPECT_EQ(origin_of("search.friction", origins), "flag --set");
-  EXPECT_EQ(every_.build.most_stones, 3) << "what no other source sets is as in the file";
+  EXPECT_EQ(every_.build.max_stones, 3) << "what no other source sets is as in the file";
 }
 
 TEST_F(OptionSourcesTest, ReadsTheUsersFile) {
@@ -84,7 +84,7 @@ TEST_F(OptionSourcesTest, AFileMayHoldOptionsOfOthersAndNoUnknownOnes) {
     if (field.name.starts_with("search.")) search.push_back(field);
   (void)apply_options(search, {file_, {}, {}});
   EXPECT_EQ(every_.build.search.friction, 0.21);
-  EXPECT_EQ(every_.build.most_stones, BuildOptions{}.most_stones);
+  EXPECT_EQ(every_.build.max_stones, BuildOptions{}.max_stones);
   write_file(file_, "search: {frictoin: 0.2}\n");
   EXPECT_THROW((void)apply_options(search, {file_, {}, {}}), FileError);
   EXPECT_THROW((void)apply_options(list_, {"", {}, {"search.friction=-1"}}), InvalidArgument);
@@ -108,9 +108,9 @@ TEST_F(OptionSourcesTest, JsonHasValueRangeUnitAndOrigin) {
   EXPECT_TRUE(plain.at("options").at(1).at("range").at(0).is_null());
   EXPECT_FALSE(plain.at("options").at(2).contains("range"));
   const OptionOrigins origins{{"length", "flag --set"}};
-  const auto told = nlohmann::json::parse(fields_json(list, &origins));
-  EXPECT_EQ(told.at("options").at(0).at("origin"), "flag --set");
-  EXPECT_EQ(told.at("options").at(2).at("origin"), "default");
+  const auto commands = nlohmann::json::parse(fields_json(list, &origins));
+  EXPECT_EQ(commands.at("options").at(0).at("origin"), "flag --set");
+  EXPECT_EQ(commands.at("options").at(2).at("origin"), "default");
 }
 
 }  // namespace

@@ -21,9 +21,9 @@ namespace {
 
 using stonestack::core::Random;
 
-constexpr std::size_t kLargestSeed = 1 << 20, kLongestInput = 1 << 14;
+constexpr std::size_t kMaxSeed = 1 << 20, kLongestInput = 1 << 14;
 constexpr unsigned kSlowest = 5;  // s for one input
-constexpr int kMostMutations = 6;
+constexpr int kMaxMutations = 6;
 
 const std::string* current = nullptr;
 
@@ -80,7 +80,7 @@ std::vector<std::string> read_corpus(const std::string& folder) {
     paths.push_back(entry.path().string());
   std::sort(paths.begin(), paths.end());
   corpus.reserve(paths.size());
-  for (const auto& path : paths) corpus.push_back(stonestack::core::read_file(path, kLargestSeed));
+  for (const auto& path : paths) corpus.push_back(stonestack::core::read_file(path, kMaxSeed));
   return corpus;
 }
 
@@ -90,7 +90,7 @@ int main(int argc, char** argv) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGALRM})
     std::signal(signal, keep_input);
   if (argc == 2) {
-    run(stonestack::core::read_file(argv[1], kLargestSeed));
+    run(stonestack::core::read_file(argv[1], kMaxSeed));
     return 0;
   }
   if (argc != 4) {
@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
   for (long i = 0; i < iterations; ++i) {
     Random random = Random::stream(seed, static_cast<std::uint64_t>(i));
     std::string input = corpus[random.index(corpus.size())];
-    for (auto n = 1 + random.index(kMostMutations); n > 0; --n) mutate_once(input, corpus, random);
+    for (auto n = 1 + random.index(kMaxMutations); n > 0; --n) mutate_once(input, corpus, random);
     input.resize(std::min(input.size(), kLongestInput));
     run(input);
   }

@@ -11,7 +11,7 @@ namespace {
 using namespace stonestack;
 using namespace stonestack::report;
 
-constexpr std::size_t kMostPixels = 1U << 16U;  // an input cannot fill more
+constexpr std::size_t kMaxPixels = 1U << 16U;  // an input cannot fill more
 
 void check(bool held) {
   if (!held) std::abort();
@@ -24,7 +24,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string problem;
   auto header = parse_frame_header(bytes, problem);
   check(header.has_value() != !problem.empty());
-  if (!header || header->pixel_bytes > 2 * kMostPixels) return 0;
+  if (!header || header->pixel_bytes > 2 * kMaxPixels) return 0;
   check(header->pixel_bytes ==
         2U * static_cast<unsigned>(header->camera.width) * static_cast<unsigned>(header->camera.height));
   const auto pixels = bytes.subspan(kFrameHeader);

@@ -12,7 +12,7 @@ using namespace stonestack;
 using namespace stonestack::report;
 
 constexpr double kUnit = 0.000125;    // m a count
-constexpr int kMostPixels = 1 << 16;  // an input cannot fill more
+constexpr int kMaxPixels = 1 << 16;   // an input cannot fill more
 constexpr float kFurthest = 8.1919F;  // m: 65535 counts
 
 }  // namespace
@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string path = scratch.write("depth.png", fuzz::text_of(data, size));
   try {
     const Eigen::Vector2i sides = png_size(path);
-    if (sides.x() > kMostPixels / sides.y()) return 0;
+    if (sides.x() > kMaxPixels / sides.y()) return 0;
     CameraIntrinsics camera;
     camera.width = sides.x();
     camera.height = sides.y();

@@ -12,7 +12,7 @@ using namespace stonestack;
 using namespace stonestack::report;
 
 constexpr int kSteps = 12;
-constexpr std::size_t kMostPrograms = 8;
+constexpr std::size_t kMaxPrograms = 8;
 
 Joints start() {
   Joints q;
@@ -28,7 +28,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ScriptCollector collector;
   auto programs = collector.feed(bytes);
   if (collector.inside_program()) programs.push_back(collector.give_up());
-  if (programs.size() > kMostPrograms) programs.resize(kMostPrograms);
+  if (programs.size() > kMaxPrograms) programs.resize(kMaxPrograms);
   IdealPlant plant(start());
   UrServerOptions options;
   options.version = size % 2 == 0 ? "3.15.8.106339" : "5.23.0.1";

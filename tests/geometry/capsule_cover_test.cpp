@@ -43,9 +43,9 @@ Mesh make_bracket() {
 }
 
 double out_of_all(const std::vector<Capsule>& capsules, const Eigen::Vector3d& p) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Capsule& c : capsules) least = std::min(least, distance(c, p));
-  return least;
+  double min = std::numeric_limits<double>::infinity();
+  for (const Capsule& c : capsules) min = std::min(min, distance(c, p));
+  return min;
 }
 
 double total(const std::vector<Capsule>& capsules) {

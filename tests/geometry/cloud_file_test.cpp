@@ -138,7 +138,7 @@ TEST(CloudFile, ReadsThePublicCloudsOfPcl) {
   if (read == 0) GTEST_SKIP() << "no recordings beside the project";
 }
 
-TEST(CloudFile, RefusalsSayWhatIsWrong) {
+TEST(CloudFile, RefusalsNameTheFault) {
   const std::string head = kHead;
   EXPECT_THAT(problem("pcd", head + "WIDTH 65536\nHEIGHT 65536\nPOINTS 0\nDATA binary\n"),
               HasSubstr("4294967296 points"));

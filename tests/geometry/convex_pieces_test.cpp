@@ -104,7 +104,7 @@ TEST(ConvexPieces, RefuseOpenMeshes) {
   Mesh open = make_box({1, 1, 1});
   open.faces.pop_back();
   EXPECT_THROW((void)convex_pieces(open), InvalidArgument);
-  EXPECT_THROW((void)convex_pieces(make_box({1, 1, 1}), {.most = 0}), InvalidArgument);
+  EXPECT_THROW((void)convex_pieces(make_box({1, 1, 1}), {.max_pieces = 0}), InvalidArgument);
 }
 
 }  // namespace

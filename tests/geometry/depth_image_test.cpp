@@ -54,7 +54,7 @@ TEST(DepthImage, ProjectUndoesDeprojectForEveryLens) {
   }
 }
 
-TEST(DepthImage, BrownConradyDistortsOnTheWayToThePixel) {
+TEST(DepthImage, BrownConradyDistortsFromRayToPixel) {
   CameraIntrinsics camera;
   camera.k[0] = 0.1;  // r^2 = 0.25: 2.5 % further out
   camera.distortion = Distortion::kBrownConrady;

@@ -49,7 +49,7 @@ TEST(FitCamera, RefusesWhatIsNotACamerasCloud) {
   EXPECT_FALSE(fit_camera(cloud).has_value());
 }
 
-TEST(FitCamera, TellsAMirroredCloudFromATurnedOne) {
+TEST(FitCamera, DistinguishesAMirroredCloudFromATurnedOne) {
   CameraIntrinsics camera;
   camera.width = 160;
   camera.height = 120;

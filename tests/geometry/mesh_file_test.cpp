@@ -144,7 +144,7 @@ TEST(MeshFile, ObjWithColoursSeamsAndNegativeIndices) {
   EXPECT_NEAR(volume(corner), 1.0 / 6.0, 1e-12);
 }
 
-TEST(MeshFile, RefusalsSayWhatIsWrong) {
+TEST(MeshFile, RefusalsNameTheFault) {
   const std::string ply = kPyramid;
   EXPECT_THAT(problem("ply", replaced(ply, "vertex 5", "vertex 2000000000")),
               AllOf(HasSubstr("2000000000"), HasSubstr("truncated")));

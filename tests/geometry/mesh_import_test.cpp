@@ -170,7 +170,7 @@ TEST_F(MeshImportTest, OutlivesDamagedFiles) {
 }
 
 TEST_F(MeshImportTest, EndsAnImporterThatHangsOrCrashes) {
-  const auto said = [&](const std::string& script, double seconds) -> std::string {
+  const auto message = [&](const std::string& script, double seconds) -> std::string {
     const std::string program = file("importer", "#!/bin/sh\n" + script + "\n");
     fs::permissions(program, fs::perms::owner_all);
     try {
@@ -179,11 +179,11 @@ TEST_F(MeshImportTest, EndsAnImporterThatHangsOrCrashes) {
       return error.what();
     }
   };
-  EXPECT_EQ(said("exec /bin/cat", 20.0), "content");
-  EXPECT_THAT(said("exec /bin/sleep 600", 0.2), HasSubstr("x.glb: is not read after 0.2 s"));
-  EXPECT_THAT(said("kill -SEGV $$", 20.0), HasSubstr("crash (signal 11)"));
-  EXPECT_THAT(said("kill -XCPU $$", 20.0), HasSubstr("takes more than 10 s"));
-  EXPECT_THAT(said("echo no such thing >&2; exit 1", 20.0), HasSubstr("x.glb: no such thing; convert it"));
+  EXPECT_EQ(message("exec /bin/cat", 20.0), "content");
+  EXPECT_THAT(message("exec /bin/sleep 600", 0.2), HasSubstr("x.glb: is not read after 0.2 s"));
+  EXPECT_THAT(message("kill -SEGV $$", 20.0), HasSubstr("crash (signal 11)"));
+  EXPECT_THAT(message("kill -XCPU $$", 20.0), HasSubstr("takes more than 10 s"));
+  EXPECT_THAT(message("echo no such thing >&2; exit 1", 20.0), HasSubstr("x.glb: no such thing; convert it"));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ class CellFile : public testing::Test {
                       testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
 };
 
-TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {
+TEST_F(CellFile, DescribesTheDevicesAndTheirMounts) {
   const CellConfig cell = read(
       "robot: ur5e\n"
       "arm: {address: 192.168.1.10, rtde_port: 31004}\n"
@@ -53,7 +53,7 @@ TEST_F(CellFile, SaysWhichDevicesAndHowTheyAreMounted) {
   EXPECT_TRUE(layout.T_T_C.isApprox(CellLayout{}.T_T_C, 1e-9)) << "what the file leaves out is the default";
 }
 
-TEST_F(CellFile, NamesWhatTheArmMustNotTouchAndWhatTheHandWeighs) {
+TEST_F(CellFile, NamesTheObstaclesAndTheGrippersMass) {
   const CellLayout layout = to_layout(
       read("layout:\n  sensor_mass: 0.3\n  obstacles:\n    - name: wall\n      box: {x: 0.1, y: 1, z: 1}\n"
            "      T_W_O: {x: 0.4, y: 0, z: 0.5, qx: 0, qy: 0, qz: 0, qw: 1}\n"));

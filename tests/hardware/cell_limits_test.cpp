@@ -51,18 +51,18 @@ TEST_F(CellLimitsFile, NarrowWhatTheRobotCan) {
   EXPECT_EQ(robot.lower[3], whole.lower[3]) << "a whole turn is what the robot has";
   EXPECT_TRUE(robot.velocity.isApprox(0.5 * whole.velocity));
   EXPECT_TRUE(robot.acceleration.isApprox(0.25 * whole.acceleration));
-  ASSERT_TRUE(robot.room);
-  EXPECT_EQ(robot.room->box.min().x(), 0.2);
-  EXPECT_EQ(robot.room->box.max().z(), 1.1);
-  EXPECT_LT(robot.room->box.min().y(), -5.0) << "no end that way";
-  EXPECT_EQ(robot.room->T_W_R.translation().x(), 0.1);
+  ASSERT_TRUE(robot.workspace);
+  EXPECT_EQ(robot.workspace->box.min().x(), 0.2);
+  EXPECT_EQ(robot.workspace->box.max().z(), 1.1);
+  EXPECT_LT(robot.workspace->box.min().y(), -5.0) << "no end that way";
+  EXPECT_EQ(robot.workspace->T_W_R.translation().x(), 0.1);
 }
 
 TEST_F(CellLimitsFile, LeaveTheRobotWhereNothingIsWritten) {
   const RobotModel whole = read_robot("ur10"), robot = read("");
   EXPECT_EQ(robot.lower, whole.lower);
   EXPECT_EQ(robot.velocity, whole.velocity);
-  EXPECT_FALSE(robot.room);
+  EXPECT_FALSE(robot.workspace);
 }
 
 TEST_F(CellLimitsFile, AreRefusedWhereTheyMakeNoSense) {

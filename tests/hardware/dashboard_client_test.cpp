@@ -116,7 +116,7 @@ TEST(DashboardClient, OddAnswersAreQuoted) {
   EXPECT_NE(error_of([&] { return client.power_on(), 0; }), "");
 }
 
-TEST(DashboardClient, ALateAnswerIsNotTakenForTheNext) {
+TEST(DashboardClient, ALateAnswerIsNotMatchedToTheNextRequest) {
   const FakeDashboard server(Answers{{"running", "Program running: true\n"}});
   DashboardClient client = server.client();
   EXPECT_THAT(error_of([&] { return client.robot_mode(); }), HasSubstr("no answer within"));

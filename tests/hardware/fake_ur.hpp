@@ -17,7 +17,7 @@ class FakeUr {
   struct State {
     std::map<std::string, RtdeValue> fields;
     std::vector<std::pair<long, std::function<void(State&)>>> later;
-    std::string say;  ///< bytes to send on the primary port
+    std::string to_send;  ///< bytes to send on the primary port
     void after(long states, std::function<void(State&)> change) {
       later.emplace_back(states, std::move(change));
     }
@@ -158,7 +158,7 @@ class FakeUr {
       const IoResult read = stream.read_some(bytes, Deadline::in(0.005));
       if (read.status == IoStatus::kClosed) return;
       text.append(reinterpret_cast<const char*>(bytes.data()), read.bytes);
-      std::string say;
+      std::string to_send;
       {
         const std::lock_guard lock(mutex_);
         for (auto end = text.find("\nend\n"); end != std::string::npos; end = text.find("\nend\n")) {
@@ -167,9 +167,9 @@ class FakeUr {
           scripts_ += script;
           on_script_(state_, script, std::stoi(script.substr(script.find('_') + 1)));
         }
-        say = std::exchange(state_.say, {});
+        to_send = std::exchange(state_.to_send, {});
       }
-      if (!stream.write_all(say, Deadline::in(1.0))) return;
+      if (!stream.write_all(to_send, Deadline::in(1.0))) return;
     }
   }
 

@@ -155,7 +155,7 @@ TEST(PrimaryClient, FallsBackToTheNextPort) {
   }
 }
 
-TEST(PrimaryClient, TellsAControllerFromWhatElseListens) {
+TEST(PrimaryClient, DistinguishesAControllerFromOtherListeners) {
   const auto problem_of = [](const std::string& hello) -> std::string {
     FakePrimary server(hello);
     const PrimaryClient client("127.0.0.1", {{server.server.port()}, 0.5, 0.5});

@@ -189,7 +189,7 @@ TEST(RtdeClient, NamesAFieldOfAnotherTypeThanItMustHave) {
   EXPECT_THAT(error_of(input), HasSubstr("input_int_register_24 as DOUBLE, not as INT32"));
 }
 
-TEST(RtdeClient, ATypeThatChangesOnTheWayIsALostLink) {
+TEST(RtdeClient, ATypeThatChangesLaterIsALostLink) {
   FakeRtde server([](int connection) {
     FakeRtdePlan plan = good_plan();
     if (connection > 0) plan.replies['O'] = {hex("00 13 4F 01 'UINT32,VECTOR6D'")};

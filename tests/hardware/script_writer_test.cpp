@@ -157,18 +157,19 @@ TEST(ScriptGate, KeepsTheLimitsOfTheCell) {
   RobotModel robot = ur10();
   const auto tip = [&](const Joints& q) -> Eigen::Vector3d { return forward(robot, q).translation(); };
   const Eigen::Vector3d a = tip(move.q.front()), b = tip(move.q.back()), half(0.01, 0.01, 0.01);
-  robot.room = ToolRoom{{a.cwiseMin(b) - half, a.cwiseMax(b) + half}, Pose::Identity(), Pose::Identity()};
+  robot.workspace =
+      ToolWorkspace{{a.cwiseMin(b) - half, a.cwiseMax(b) + half}, Pose::Identity(), Pose::Identity()};
   EXPECT_EQ(find_fault(move, Joints::Zero(), robot, context), "");
-  robot.room->T_F_T.translation().x() = 0.5;
+  robot.workspace->T_F_T.translation().x() = 0.5;
   EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context), HasSubstr("leaves the workspace"));
-  robot.room->T_F_T.translation().x() = 0.0;
+  robot.workspace->T_F_T.translation().x() = 0.0;
   // Both ends inside, the way not: what happens between the knots counts.
   JointTrajectory round = move;
   round.q.back() = round.q.front();
-  robot.room->box = Eigen::AlignedBox3d(a - half * 0.01, a + half * 0.01);
-  ASSERT_GT(outside_room(robot, round.q[1]), 0.0);
+  robot.workspace->box = Eigen::AlignedBox3d(a - half * 0.01, a + half * 0.01);
+  ASSERT_GT(outside_workspace(robot, round.q[1]), 0.0);
   EXPECT_THAT(find_fault(round, Joints::Zero(), robot, context), HasSubstr("leaves the workspace"));
-  robot.room.reset();
+  robot.workspace.reset();
   robot.velocity *= 0.01;
   EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context), HasSubstr("rad/s, limit"));
   robot.velocity *= 100;

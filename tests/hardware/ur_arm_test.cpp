@@ -130,19 +130,19 @@ TEST(UrArm, ReconnectsOnceOnC210) {
   int scripts = 0;
   Bench bench([&scripts](State& s, const std::string& script, int run) {
     if (scripts++ == 0)
-      s.say = read_only();
+      s.to_send = read_only();
     else
       obey(s, script, run);
   });
   EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
   EXPECT_EQ(bench.robot.script_connections(), 2);
-  Bench never([](State& s, const std::string&, int) { s.say = read_only(); });
+  Bench never([](State& s, const std::string&, int) { s.to_send = read_only(); });
   EXPECT_EQ(never.arm.follow(small_move()).status, Status::kRefused);
   EXPECT_EQ(never.robot.count("servoj(q"), 2) << "sent twice, not more";
 }
 
-TEST(UrArm, AProgramThatDiesSaysWhere) {
-  Bench early([](State& s, const std::string&, int) { s.say = key_exception(5, "not found"); });
+TEST(UrArm, AProgramThatFailsReportsTheLine) {
+  Bench early([](State& s, const std::string&, int) { s.to_send = key_exception(5, "not found"); });
   const MotionResult refused = early.arm.follow(small_move());
   EXPECT_EQ(refused.status, Status::kRefused);
   EXPECT_THAT(refused.reason, HasSubstr("line 5: not found: 'rtde_set_watchdog("));
@@ -150,7 +150,7 @@ TEST(UrArm, AProgramThatDiesSaysWhere) {
     obey(s, script, run);
     if (is_stop(script)) return;
     s.later.clear();
-    s.say = key_exception(6, "no inverse kinematics");
+    s.to_send = key_exception(6, "no inverse kinematics");
     s.after(20, [](State& later) { later.set_running(false); });
   });
   const MotionResult died = late.arm.follow(small_move());
@@ -328,7 +328,7 @@ TEST(UrArm, EveryEndButItsOwnSendsAStop) {
     s.set_end(ScriptEnd::kFellBehind);
   }))) << "fell behind";
   EXPECT_TRUE(stops_after([](State& s, const std::string&, int) {
-    s.say = key_exception(6, "no inverse kinematics");
+    s.to_send = key_exception(6, "no inverse kinematics");
     s.set_run(0);  // and it has not begun
     s.later.clear();
   })) << "died";

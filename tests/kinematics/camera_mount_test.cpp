@@ -53,7 +53,7 @@ struct Scene {
   }
 };
 
-TEST(CameraMount, TwoViewsHalfATurnApartTellWhereTheCameraSits) {
+TEST(CameraMount, TwoViewsHalfATurnApartLocateTheCamera) {
   Scene scene;
   const std::vector<MountView> views{scene.view(0.0), scene.view(M_PI)};
   ASSERT_GT(scene.miss(views[0], scene.T_T_C), 0.002);
@@ -80,7 +80,7 @@ TEST(CameraMount, NoiseOfTheMarksIsAveraged) {
   EXPECT_LT(after, 0.4 * before);
 }
 
-TEST(CameraMount, TheTableAloneTellsTiltAndHeight) {
+TEST(CameraMount, TheTableAloneGivesTiltAndHeight) {
   Scene scene;
   MountView view = scene.view(0.0);
   view.marks.clear();
@@ -91,7 +91,7 @@ TEST(CameraMount, TheTableAloneTellsTiltAndHeight) {
   EXPECT_EQ(found.shared_marks, 0);
 }
 
-TEST(CameraMount, WhatTheViewsDoNotTellStaysAsItWas) {
+TEST(CameraMount, UnobservableDirectionsStayAsTheyWere) {
   Scene scene;
   MountView view = scene.view(0.0, false);  // marks seen once tell nothing
   const MountRefinement found = refine_camera_mount(std::vector{view}, scene.T_T_C);

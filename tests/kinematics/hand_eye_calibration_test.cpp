@@ -34,7 +34,7 @@ class HandEyeReports : public testing::Test {
 TEST_F(HandEyeReports, GoodStationsGiveTheChosenMethodWithoutDoubt) {
   const HandEyeCalibration done = calibrate_stations(stations(), {"daniilidis", ""});
   EXPECT_EQ(done.chosen.method, "daniilidis");
-  EXPECT_EQ(done.doubt, "");
+  EXPECT_EQ(done.uncertainty, "");
   EXPECT_TRUE(done.warnings.empty());
   const auto data = nlohmann::json::parse(calibration_json(done));
   EXPECT_EQ(data.at("schema"), "stonestack.calibrate/1");
@@ -56,8 +56,8 @@ TEST_F(HandEyeReports, DoubtsStationsThatDoNotBelongTogether) {
   for (std::size_t i = 0; i + 1 < shuffled.pairs.size(); ++i)
     std::swap(shuffled.pairs[i].T_C_B, shuffled.pairs[i + 1].T_C_B);
   const HandEyeCalibration done = calibrate_stations(shuffled);
-  EXPECT_NE(done.doubt, "");
-  EXPECT_EQ(done.warnings, std::vector<std::string>{done.doubt});
+  EXPECT_NE(done.uncertainty, "");
+  EXPECT_EQ(done.warnings, std::vector<std::string>{done.uncertainty});
 }
 
 TEST_F(HandEyeReports, ComparesAFileAndFindsThatItIsInverted) {

@@ -158,10 +158,10 @@ TEST_F(HandEyeFiles, ParametersOfEasyHandeyeKeepTheirTypeAndTheirQuotes) {
   EXPECT_EQ(text.substr(0, text.find("transformation:")), parameters);
 }
 
-TEST_F(HandEyeFiles, ParametersOfOurOwnAreQuotedWhereTheyMustBe) {
-  EasyHandEye ours;
-  ours.parameters = {{"label", "a: b"}, {"odd: key", "- x"}};
-  write_easy_handeye(path, ours);
+TEST_F(HandEyeFiles, AddedParametersAreQuotedWhereTheyMustBe) {
+  EasyHandEye own;
+  own.parameters = {{"label", "a: b"}, {"odd: key", "- x"}};
+  write_easy_handeye(path, own);
   const EasyHandEye read = read_easy_handeye(path);
   ASSERT_EQ(read.parameters.size(), 2U);
   EXPECT_EQ(read.parameters[0].value, "a: b");

@@ -120,9 +120,9 @@ TEST(Inverse, MeetsSingularPosesWithoutNan) {
       if ((k & 1) != 0) q[4] = near + (random.uniform() < 0.5 ? 0.0 : kPi);
       if ((k & 2) != 0) q[2] = random.uniform() < 0.5 ? near : kPi - std::abs(near);
       if ((k & 4) != 0) {  // bring the wrist's centre into the plane through the base axis: u = 0
-        const double hand = q[1] + q[2] + q[3];
+        const double q234 = q[1] + q[2] + q[3];
         const double u = robot.a2 * std::cos(q[1]) + robot.a3 * std::cos(q[1] + q[2]);
-        if (std::abs(u) < robot.d5) q[3] += std::asin(-u / robot.d5) - hand + near;
+        if (std::abs(u) < robot.d5) q[3] += std::asin(-u / robot.d5) - q234 + near;
       }
       const Pose T_R_F = forward(robot, q);
       const auto solutions = inverse(robot, T_R_F, random_joints(robot, random));

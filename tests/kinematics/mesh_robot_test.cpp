@@ -87,17 +87,17 @@ class MeshRobot : public testing::Test {
 };
 
 double out_of(const LinkCapsule& capsule, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d way = capsule.b - capsule.a;
-  const double length2 = way.squaredNorm();
-  const double t = length2 > 0.0 ? std::clamp((p - capsule.a).dot(way) / length2, 0.0, 1.0) : 0.0;
-  return (p - capsule.a - t * way).norm() - capsule.radius;
+  const Eigen::Vector3d segment = capsule.b - capsule.a;
+  const double length2 = segment.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - capsule.a).dot(segment) / length2, 0.0, 1.0) : 0.0;
+  return (p - capsule.a - t * segment).norm() - capsule.radius;
 }
 
 double out_of_link(const RobotModel& robot, int link, const Eigen::Vector3d& p) {
-  double least = 1e9;
+  double min = 1e9;
   for (const LinkCapsule& c : robot.capsules)
-    if (c.link == link) least = std::min(least, out_of(c, p));
-  return least;
+    if (c.link == link) min = std::min(min, out_of(c, p));
+  return min;
 }
 
 TEST_F(MeshRobot, IsCoveredByCapsulesThatHoldItsMeshes) {

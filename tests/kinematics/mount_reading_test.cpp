@@ -55,7 +55,7 @@ TEST_F(MountReadings, TheRightMountPutsTheTableAtZero) {
   EXPECT_NEAR(below.tilt, 0.0, 1e-7);
 }
 
-TEST_F(MountReadings, SaysWhatTheNumbersReallyAre) {
+TEST_F(MountReadings, IdentifiesTheFrameOfTheNumbers) {
   for (const MountReading meant : kMountReadings)
     for (const MountReading really : kMountReadings) {
       const MountCheck found = check(numbers_for(really), meant);

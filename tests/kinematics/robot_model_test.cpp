@@ -33,16 +33,16 @@ std::string answer(const std::string& text) {
   const std::string path = concat(testing::TempDir(), "robot_model_",
                                   testing::UnitTest::GetInstance()->current_test_info()->name(), ".urdf");
   write_file(path, text);
-  std::string said = "read";
+  std::string message = "read";
   try {
     (void)read_robot(path);
   } catch (const FileError& problem) {
-    said = problem.what();
-    EXPECT_THAT(said, HasSubstr(path));
-    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    message = problem.what();
+    EXPECT_THAT(message, HasSubstr(path));
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
   std::filesystem::remove(path);
-  return said;
+  return message;
 }
 
 TEST(RobotModel, KnowsTheSevenArms) {
@@ -98,7 +98,7 @@ TEST(RobotModel, UnknownNameListsTheKnownOnes) {
   EXPECT_THROW((void)read_robot(""), FileError);
 }
 
-TEST(RobotModel, LooksInTheFolderOfTheEnvironmentFirst) {
+TEST(RobotModel, SearchesTheFolderOfTheEnvironmentFirst) {
   const std::string folder = testing::TempDir() + "robot_model_data";
   write_file(folder + "/robots/mine.urdf", ur10_text());
   ASSERT_EQ(::setenv("STONESTACK_DATA", folder.c_str(), 1), 0);
@@ -186,8 +186,9 @@ TEST(RobotModel, NamesTheJointOfABadNumber) {
 }
 
 TEST(RobotModel, RefusesAJointThatHardlyMoves) {
-  const auto said = answer(replaced(ur10_text(), "velocity=\"2.0943951023931953\"", "velocity=\"1e-300\""));
-  EXPECT_THAT(said, testing::AllOf(HasSubstr("shoulder_pan_joint"), HasSubstr("1e-300 rad/s")));
+  const auto message =
+      answer(replaced(ur10_text(), "velocity=\"2.0943951023931953\"", "velocity=\"1e-300\""));
+  EXPECT_THAT(message, testing::AllOf(HasSubstr("shoulder_pan_joint"), HasSubstr("1e-300 rad/s")));
 }
 
 TEST(RobotModel, RefusesAMovingLinkThatNothingCovers) {
@@ -211,7 +212,7 @@ TEST(RobotModel, RefusesMoreShapesThanAreChecked) {
       testing::AllOf(HasSubstr("collision shapes"), HasSubstr("at most 48")));
 }
 
-TEST(RobotModel, SaysThatTheWholeChainIsALoop) {
+TEST(RobotModel, ReportsThatTheWholeChainIsALoop) {
   EXPECT_THAT(answer(replaced(ur10_text(), "</robot>",
                               "<joint name=\"x\" type=\"fixed\"><parent link=\"tool0\"/>"
                               "<child link=\"base_link\"/></joint></robot>")),

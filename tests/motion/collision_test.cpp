@@ -78,7 +78,7 @@ Eigen::Vector3d random_point(Random& random, double size) {
 
 /// Golden section over a convex function of one parameter.
 template <class Function>
-double least(const Function& f) {
+double min(const Function& f) {
   double low = 0.0, high = 1.0;
   for (int k = 0; k < 80; ++k) {
     const double a = low + 0.382 * (high - low), b = low + 0.618 * (high - low);
@@ -98,9 +98,9 @@ TEST(Segment, DistancesMatchASearchAlongTheSegment) {
       const Eigen::Vector3d p = on(s, u);
       return (p - p.cwiseMax(-high).cwiseMin(high)).squaredNorm();
     };
-    EXPECT_NEAR(squared_distance_to_box(s, -high, high), least(to_box), 1e-12);
+    EXPECT_NEAR(squared_distance_to_box(s, -high, high), min(to_box), 1e-12);
     const auto to_segment = [&](double u) { return squared_distance(t, on(s, u)); };
-    EXPECT_NEAR(squared_distance(s, t), least(to_segment), 1e-12);
+    EXPECT_NEAR(squared_distance(s, t), min(to_segment), 1e-12);
     EXPECT_NEAR(squared_distance(s, t), squared_distance(t, s), 1e-12);
   }
 }
@@ -144,10 +144,10 @@ TEST(Collision, FoldedArmMeetsItself) {
   folded[2] = 0.98 * kPi;  // forearm onto the upper arm
   folded[1] = -0.5 * kPi;
   EXPECT_TRUE(checker.collides(folded));
-  Joints hand = tool_down();
-  hand[3] = 0.5 * kPi;  // hand turned up and back into the forearm
-  hand[4] = kPi;
-  EXPECT_TRUE(checker.collides(hand));
+  Joints gripper = tool_down();
+  gripper[3] = 0.5 * kPi;  // hand turned up and back into the forearm
+  gripper[4] = kPi;
+  EXPECT_TRUE(checker.collides(gripper));
 }
 
 /// Everything apart from self-collision: few poses of the working range may be lost to it.
@@ -227,7 +227,7 @@ TEST(Collision, FingersMayTouchOnlyWhatTheyGrasp) {
   EXPECT_TRUE(CollisionChecker(scene, rules).collides(above(scene, {0.7, 0.22, 0.03})));
 }
 
-TEST(Collision, TheBaseStandsWhereItStands) {
+TEST(Collision, TheBaseStaysWhereItIs) {
   PlanningScene scene = empty_scene();
   const Eigen::Vector3d place(0.7, 0.1, 0.3);
   const Joints q = above(scene, place);
@@ -411,12 +411,12 @@ TEST(Collision, AMotionThroughAnObstacleIsNotFree) {
   EXPECT_FALSE(checker.motion_is_free(a, b));
 }
 
-TEST(Collision, TheToolStaysInItsRoomAllAlongAMotion) {
+TEST(Collision, TheToolStaysInItsWorkspaceDuringAMotion) {
   PlanningScene scene = empty_scene();
   const Joints start = tool_down();
   const Eigen::Vector3d p = (forward(scene.robot, start) * scene.T_F_T).translation();
   const Eigen::Vector3d half(0.2, 0.2, 0.2);
-  scene.robot.room = ToolRoom{{p - half, p + half}, scene.T_W_R, scene.T_F_T};
+  scene.robot.workspace = ToolWorkspace{{p - half, p + half}, scene.T_W_R, scene.T_F_T};
   const CollisionChecker checker(scene);
   EXPECT_FALSE(checker.collides(start));
   Joints away = start;
@@ -433,7 +433,8 @@ TEST(Collision, TheToolStaysInItsRoomAllAlongAMotion) {
     }
     if (!checker.motion_is_free(a, b)) continue;
     ++free;
-    for (int k = 0; k <= 50; ++k) EXPECT_LE(outside_room(scene.robot, a + (b - a) * k / 50.0), -kRoomMargin);
+    for (int k = 0; k <= 50; ++k)
+      EXPECT_LE(outside_workspace(scene.robot, a + (b - a) * k / 50.0), -kWorkspaceMargin);
   }
   EXPECT_GT(free, 20);
 }

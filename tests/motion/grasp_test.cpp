@@ -40,12 +40,12 @@ TEST(Grasp, OnABoxEveryGraspIsAntipodal) {
     for (const Eigen::Vector3d& p : grasp.p_O_contact)
       EXPECT_LT((p.cwiseAbs() - size / 2).maxCoeff(), 1e-9) << "contact off the box";
     EXPECT_GT(grasp.opening, size.minCoeff() - 1e-6);
-    EXPECT_LT(grasp.opening, kGripper.largest_opening);
+    EXPECT_LT(grasp.opening, kGripper.max_opening);
     EXPECT_GE(grasp.pre_opening, grasp.opening);
   }
 }
 
-TEST(Grasp, HandStaysOutOfTheStone) {
+TEST(Grasp, TheGripperStaysOutOfTheStone) {
   const Stone stone = box_stone({0.14, 0.10, 0.07});
   for (const Grasp& grasp : grasp_candidates(stone, kGripper, few()).grasps) {
     const Pose T_T_O = grasp.T_O_T.inverse();
@@ -143,7 +143,7 @@ TEST(Grasp, OnlyTheLastUsedSetsAreKept) {
   const std::weak_ptr<const GraspSet> first = grasps(0.11);
   const auto held = grasps(0.12);
   EXPECT_EQ(grasps(0.11), first.lock());
-  for (std::size_t k = 0; k < kMostGraspSets; ++k) (void)grasps(0.121 + 0.0001 * static_cast<double>(k));
+  for (std::size_t k = 0; k < kMaxGraspSets; ++k) (void)grasps(0.121 + 0.0001 * static_cast<double>(k));
   EXPECT_TRUE(first.expired());
   EXPECT_EQ(grasps(0.12), held) << "what somebody holds is found";
 }

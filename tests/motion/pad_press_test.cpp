@@ -39,7 +39,7 @@ PadPress press(const Stone& stone, const Grasp& grasp) {
   return {sample_surface(stone.scan, 0.002), stone.mass, kGripper, grasp};
 }
 
-TEST(PadPress, FlatFacesHangByTheRubbersShear) {
+TEST(PadPress, FlatFacesAreHeldByTheRubbersShear) {
   const Stone stone = box_stone(2600.0);
   const PadPress pads = press(stone, middle_grasp(0.0));
   const double area = kGripper.finger_width * kGripper.pad_length;

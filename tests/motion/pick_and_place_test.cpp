@@ -49,7 +49,7 @@ Pose tool_at_end(const Workplace& cell, const PlanStep& step) {
 }
 
 /// A stone that lies against a wall rubs along it all the way up; taken out of the lean first it does not.
-TEST(PickAndPlace, AStoneThatLeansIsTakenAwayFromWhatItLeansOnFirst) {
+TEST(PickAndPlace, ALeaningStoneIsMovedAwayFromItsSupportFirst) {
   Workplace cell;
   const double wall_y = -0.18 + 0.04 + 0.0005 + 0.01;  // half a millimetre beside the block
   cell.scene.objects.push_back(
@@ -78,7 +78,7 @@ TEST(PickAndPlace, AStoneThatLeansIsTakenAwayFromWhatItLeansOnFirst) {
   EXPECT_THROW(static_cast<void>(plan_pick_and_place(cell.scene, cell.task)), InvalidArgument);
 }
 
-TEST(PickAndPlace, PlansTheWholeWay) {
+TEST(PickAndPlace, PlansTheWholePath) {
   const Workplace cell;
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
   ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
@@ -112,13 +112,13 @@ TEST(PickAndPlace, PlansTheWholeWay) {
 }
 
 /// Largest change of acceleration over 1 ms, rad/s^3, from the velocities alone.
-double largest_jerk(const JointTrajectory& t) {
-  double largest = 0.0;
+double max_jerk(const JointTrajectory& t) {
+  double max = 0.0;
   for (double at = 0.002; at < t.duration(); at += 0.001) {
     const Joints third = sample(t, at).qd - 2.0 * sample(t, at - 0.001).qd + sample(t, at - 0.002).qd;
-    largest = std::max(largest, third.cwiseAbs().maxCoeff() / 1e-6);
+    max = std::max(max, third.cwiseAbs().maxCoeff() / 1e-6);
   }
-  return largest;
+  return max;
 }
 
 TEST(PickAndPlace, KeepsTheJerkInEveryMotion) {
@@ -129,10 +129,10 @@ TEST(PickAndPlace, KeepsTheJerkInEveryMotion) {
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task, smooth);
   ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
   double without = 0.0;
-  for (const PlanStep& step : fast.steps) without = std::max(without, largest_jerk(step.trajectory));
+  for (const PlanStep& step : fast.steps) without = std::max(without, max_jerk(step.trajectory));
   EXPECT_GT(without, 100.0) << "or there is nothing to limit";
   for (const PlanStep& step : plan.steps)
-    EXPECT_LE(largest_jerk(step.trajectory), 30.0 * (1 + 1e-6)) << step.name;
+    EXPECT_LE(max_jerk(step.trajectory), 30.0 * (1 + 1e-6)) << step.name;
   EXPECT_GT(plan.seconds, fast.seconds);
 }
 
@@ -145,7 +145,7 @@ TEST(PickAndPlace, SameSeedSamePlan) {
   EXPECT_EQ(a.T_O_T.matrix(), b.T_O_T.matrix());
 }
 
-TEST(PickAndPlace, NamesWhatTheArmStandsInAtTheStart) {
+TEST(PickAndPlace, NamesTheObjectThatTheArmTouchesAtTheStart) {
   Workplace cell;
   const Eigen::Vector3d p_elbow =
       link_poses(cell.scene.robot, cell.task.q_start)[3].translation() + cell.scene.T_W_R.translation();
@@ -156,7 +156,7 @@ TEST(PickAndPlace, NamesWhatTheArmStandsInAtTheStart) {
   EXPECT_NE(plan.reason.find("scaffold"), std::string::npos) << plan.reason;
 }
 
-TEST(PickAndPlace, SaysWhyThereIsNoPlan) {
+TEST(PickAndPlace, GivesTheReasonWhereThereIsNoPlan) {
   using Status = PickAndPlacePlan::Status;
   Workplace cell;
   cell.task.T_W_O_place.translation().x() = 2.5;
@@ -262,7 +262,7 @@ TEST(PickAndPlace, LiftsLessUnderAShelf) {
 
 TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
   const MotionOptions options;
-  EXPECT_DOUBLE_EQ(contact_threshold(0.3, options), options.least_threshold);
+  EXPECT_DOUBLE_EQ(contact_threshold(0.3, options), options.min_threshold);
   EXPECT_NEAR(contact_threshold(2.5, options), kThresholdShare * 2.5 * 9.81, 1e-12);
   MotionOptions noisy;
   noisy.force_noise = 2.0;
@@ -275,7 +275,7 @@ TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
   for (const PlanStep& step : plan.steps)
     if (step.kind == PlanStep::Kind::kDescent) {
       EXPECT_DOUBLE_EQ(step.threshold, contact_threshold(cell.stone.mass.mass));
-      EXPECT_GT(step.threshold, options.least_threshold);
+      EXPECT_GT(step.threshold, options.min_threshold);
     }
 }
 
@@ -345,7 +345,7 @@ TEST(GraspFinder, AtAGraspTheArmMayComeAsNearToTheTableAsOnAnApproach) {
   alone.gripper = with_spacing(alone.gripper, grasp.spacing);
   CollisionRules near, far;
   near.padding = MotionOptions{}.approach_padding;
-  near.opening = far.opening = alone.gripper.largest_opening;
+  near.opening = far.opening = alone.gripper.max_opening;
   far.gripper_may_touch = {kTableObject};
   const CollisionChecker approach(alone, near), transit(alone, far);
   Random random(11);
@@ -384,7 +384,7 @@ TEST(GraspFinder, WhatWillStandThereByThenIsNotMet) {
   EXPECT_EQ(finder.check(T_W_O, 0, walls).usable, alone.usable);
 }
 
-TEST(PickAndPlace, RetreatsFromWhereTheArmStands) {
+TEST(PickAndPlace, RetreatsFromWhereTheArmIs) {
   const Workplace cell;
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
   ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned);

@@ -42,7 +42,7 @@ struct UnderABoard {
     double spacing = 0.0;
     PickAttempt::Result result;
   };
-  [[nodiscard]] std::vector<Tried> ways() const {
+  [[nodiscard]] std::vector<Tried> attempts() const {
     std::vector<Tried> all;
     const GraspFinder finder(scene, stone, task.object, task.T_W_O_pick);
     for (const int index : finder.check(task.T_W_O_place).usable) {
@@ -70,44 +70,45 @@ TEST(PickAttempt, RetreatsLessUnderABoard) {
   const auto length = [&](const UnderABoard& cell, const JointPath& retreat) {
     return difference(cell.tool(retreat.front()), cell.tool(retreat.back())).translation;
   };
-  for (const auto& [opening, spacing, tried] : open.ways()) {
-    if (tried.fault != WayFault::kNone) continue;
-    EXPECT_NEAR(length(open, tried.way.retreat), whole, 1e-6);
+  for (const auto& [opening, spacing, tried] : open.attempts()) {
+    if (tried.fault != PathFault::kNone) continue;
+    EXPECT_NEAR(length(open, tried.paths.retreat), whole, 1e-6);
   }
 
   int shorter = 0, refused = 0;
-  for (const auto& [opening, spacing, tried] : low.ways()) {
-    refused += tried.fault == WayFault::kRetreat ? 1 : 0;
-    if (tried.fault != WayFault::kNone) continue;
-    EXPECT_GE(length(low, tried.way.retreat), 0.5 * whole - 1e-6);
-    if (length(low, tried.way.retreat) > whole - 1e-6) continue;
+  for (const auto& [opening, spacing, tried] : low.attempts()) {
+    refused += tried.fault == PathFault::kRetreat ? 1 : 0;
+    if (tried.fault != PathFault::kNone) continue;
+    EXPECT_GE(length(low, tried.paths.retreat), 0.5 * whole - 1e-6);
+    if (length(low, tried.paths.retreat) > whole - 1e-6) continue;
     ++shorter;
     PlanningScene placed = low.scene;  // and then the hand is as far from the stone as in a transit
     placed.objects = {{"block", low.stone.pieces, low.task.T_W_O_place}};
     placed.gripper = with_spacing(placed.gripper, spacing);
     CollisionRules rules;
     rules.opening = opening;
-    EXPECT_FALSE(CollisionChecker(placed, rules).collides(tried.way.retreat.back()));
+    EXPECT_FALSE(CollisionChecker(placed, rules).collides(tried.paths.retreat.back()));
   }
   EXPECT_GT(shorter, 0);
   EXPECT_GT(refused, 0) << "of some grasps the hand would still be around the stone";
 }
 
-TEST(PickAttempt, DescendsNoFurtherThanTheHandHasRoom) {
+TEST(PickAttempt, DescendsNoFurtherThanTheGripperHasClearance) {
   UnderABoard cell(0.07, 1.2);
   cell.scene.objects.pop_back();
   for (const double width : {0.03, 0.12}) {
     cell.scene.objects[1].pieces = {make_box({width, width, 0.08})};
     int planned = 0;
-    for (const auto& [opening, spacing, tried] : cell.ways()) {
-      if (tried.fault != WayFault::kNone) continue;
+    for (const auto& [opening, spacing, tried] : cell.attempts()) {
+      if (tried.fault != PathFault::kNone) continue;
       ++planned;
-      const double past = cell.tool(tried.way.retreat.front()).translation().z() -
-                          cell.tool(tried.way.descent.back()).translation().z();
+      const double past = cell.tool(tried.paths.retreat.front()).translation().z() -
+                          cell.tool(tried.paths.descent.back()).translation().z();
       if (width < 0.05) {
         EXPECT_NEAR(past, MotionOptions{}.descent_past, 1e-6);
       } else {
-        EXPECT_GT(cell.tool(tried.way.descent.back()).translation().z(), 0.08) << "finger tips in the tower";
+        EXPECT_GT(cell.tool(tried.paths.descent.back()).translation().z(), 0.08)
+            << "finger tips in the tower";
         EXPECT_GE(past, 0.0);
       }
     }

@@ -44,7 +44,7 @@ TEST(Gripper, FingersMeetAtTheToolAxisAndEndAtTheTip) {
     const double pad = box.finger_side > 0 ? closed.min().x() : closed.max().x();
     EXPECT_NEAR(pad, 0.0, 1e-12);
     tips += std::abs(closed.max().z()) < 1e-12 ? 1 : 0;
-    const auto open = box_T(box, gripper.largest_opening);
+    const auto open = box_T(box, gripper.max_opening);
     EXPECT_NEAR((box.finger_side > 0 ? open.min().x() : -open.max().x()), 0.0775, 1e-12);
   }
   EXPECT_EQ(fingers, 5) << "B and C have two parts each";
@@ -55,18 +55,18 @@ TEST(Gripper, FingersBAndCDrawTogether) {
   const GripperModel wide = make_robotiq_3f();
   const GripperModel narrow = with_spacing(wide, wide.narrow_spacing);
   EXPECT_EQ(narrow.finger_spacing, wide.narrow_spacing);
-  double most_wide = 0.0, most_narrow = 0.0;
+  double max_wide = 0.0, max_narrow = 0.0;
   for (std::size_t i = 0; i < wide.boxes.size(); ++i) {
     const auto a = box_T(wide.boxes[i], 0.0), b = box_T(narrow.boxes[i], 0.0);
     if (wide.boxes[i].finger_side >= 0) {
       EXPECT_TRUE(a.isApprox(b)) << "finger A, palm, sensor and camera stay";
     }
     if (a.max().z() > -1e-12) {
-      most_wide = std::max(most_wide, a.max().y());
-      most_narrow = std::max(most_narrow, b.max().y());
+      max_wide = std::max(max_wide, a.max().y());
+      max_narrow = std::max(max_narrow, b.max().y());
     }
   }
-  EXPECT_NEAR(most_wide - most_narrow, 0.5 * (0.073 - 0.042), 1e-12);
+  EXPECT_NEAR(max_wide - max_narrow, 0.5 * (0.073 - 0.042), 1e-12);
   EXPECT_TRUE(with_spacing(wide, wide.finger_spacing).boxes[0].p_T_centre.isApprox(wide.boxes[0].p_T_centre));
   EXPECT_THROW((void)with_spacing(wide, 0.030), InvalidArgument) << "they would cut each other";
   EXPECT_THROW((void)with_spacing(wide, 0.090), InvalidArgument);
@@ -129,7 +129,7 @@ TEST(CameraMount, GripperFillsLittleOfTheView) {
   const GripperModel gripper = make_robotiq_3f();
   const Pose T_T_C = CellLayout::make_default_T_T_C();
   const CameraIntrinsics camera;
-  for (const double opening : {0.0, 0.08, gripper.largest_opening}) {
+  for (const double opening : {0.0, 0.08, gripper.max_opening}) {
     int seen = 0;
     int all = 0;
     for (int v = 0; v < camera.height; v += 8) {

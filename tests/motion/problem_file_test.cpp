@@ -69,9 +69,9 @@ TEST(ProblemFile, ShapesContainWhatTheyStandFor) {
 TEST(ProblemFile, NoHullIsInsideItsShape) {
   const MotionProblems file = parse_motion_problems(kGood, "problems.txt");
   const auto reach = [&](std::size_t i, const Eigen::Vector3d& n) {
-    double most = -1.0;
-    for (const auto& v : file.scene.objects[i].pieces.front().vertices) most = std::max(most, n.dot(v));
-    return most;
+    double max = -1.0;
+    for (const auto& v : file.scene.objects[i].pieces.front().vertices) max = std::max(max, n.dot(v));
+    return max;
   };
   Random random = Random::stream(1, "directions");
   for (int k = 0; k < 5000; ++k) {
@@ -86,7 +86,7 @@ TEST(ProblemFile, NoHullIsInsideItsShape) {
 }
 
 /// The hand of the project begins where the flange ends, unless the file says otherwise.
-TEST(ProblemFile, TheHandStandsOutOfTheFlange) {
+TEST(ProblemFile, TheGripperIsMountedOnTheFlange) {
   const std::string problem = "start 0 -1.57 1.57 -1.57 -1.57 0\ngoal 0.5 -1.57 1.57 -1.57 -1.57 0\n";
   const MotionProblems file = parse_motion_problems(problem, "problems.txt");
   EXPECT_DOUBLE_EQ(file.scene.T_F_T.translation().z(), CellLayout().T_F_T.translation().z());

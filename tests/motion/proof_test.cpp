@@ -8,9 +8,9 @@
 namespace stonestack::motion {
 namespace {
 
-Joints draw(Random& random, double most) {
+Joints draw(Random& random, double max) {
   Joints q;
-  for (auto& angle : q) angle = random.uniform(-most, most);
+  for (auto& angle : q) angle = random.uniform(-max, max);
   return q;
 }
 
@@ -25,7 +25,7 @@ TEST(LargestShift, NoPointOfTheCapsuleGetsFurther) {
     const Segment local{{0.1, 0.0, 0.2}, {-0.3, 0.1, 0.0}};
     const double reach = 0.05;
     const Segment axis{pose[link] * local.a, pose[link] * local.b};
-    const double bound = largest_shift(pose, turn, axis, reach, link, base);
+    const double bound = max_shift(pose, turn, axis, reach, link, base);
     Joints moved = q;
     for (Eigen::Index j = 0; j < 6; ++j) moved[j] += turn[j] * (random.uniform() < 0.5 ? -1.0 : 1.0);
     const auto after = link_poses(robot, moved);
@@ -47,7 +47,7 @@ TEST(LargestShift, IsTheArcOfOneJoint) {
   const auto pose = link_poses(robot, q);
   const Eigen::Vector3d p = pose[6].translation();
   const Joints turn = 0.1 * Joints::Unit(0);
-  EXPECT_NEAR(largest_shift(pose, turn, {p, p}, 0.0, 6), 0.1 * p.head<2>().norm(), 1e-12);
+  EXPECT_NEAR(max_shift(pose, turn, {p, p}, 0.0, 6), 0.1 * p.head<2>().norm(), 1e-12);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ double lowest(const Stone& stone, const Pose& T_W_O) {
   return z;
 }
 
-TEST(RestPoses, ABoxStandsOnItsSixFaces) {
+TEST(RestPoses, ABoxRestsOnItsSixFaces) {
   const Stone stone = block("block", {0.10, 0.08, 0.07});
   const auto rests = rest_poses(stone);
   ASSERT_EQ(rests.size(), 6u);
@@ -112,7 +112,7 @@ Stone loaf() {
   return stone;
 }
 
-TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableIsInTheWay) {
+TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableObstructs) {
   const Stone stone = loaf();
   Workplace cell;
   const Pose T_W_O = make_pose({0.70, -0.18, 0.014});
@@ -130,7 +130,7 @@ TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableIsInTheWay) {
   EXPECT_TRUE(finder.at_pick().can_be_held());
 }
 
-TEST(GraspFinder, WhatNoHandGetsUnderCannotBeHeld) {
+TEST(GraspFinder, AStoneThatNoFingerReachesUnderCannotBeHeld) {
   const Stone plate = block("plate", {0.12, 0.10, 0.008});
   Workplace cell;
   const Pose T_W_O = make_pose({0.70, -0.18, 0.004});
@@ -144,7 +144,7 @@ TEST(GraspFinder, WhatNoHandGetsUnderCannotBeHeld) {
   EXPECT_TRUE(lidded.at_pick().can_be_held());
 }
 
-TEST(RegraspFinder, TellsWhatTurningOverBringsAbout) {
+TEST(RegraspFinder, ReportsTheResultOfAReorientation) {
   const Workplace cell;
   const auto finder = [&](std::span<const Pose> avoid = {}) {
     return RegraspFinder(cell.scene, cell.stone, cell.task.object, cell.task.T_W_O_pick, avoid);
@@ -207,7 +207,7 @@ TEST(Regrasp, TurnsAStoneOver) {
   EXPECT_TRUE(grasped);
 }
 
-TEST(Regrasp, SaysWhyItCannotHelp) {
+TEST(Regrasp, GivesTheReasonWhereItCannotHelp) {
   Workplace cell;
   cell.task.T_W_O_place.translation().x() = 2.5;
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);

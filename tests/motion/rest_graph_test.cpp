@@ -14,7 +14,7 @@ RestGraph ladder() {
   return {std::vector<RestPose>(4), {{0, 1, 2}, {1, 2, 3}, {3, 4}, {4, 5}}};
 }
 
-TEST(RestGraph, ShortestWaysComeFirst) {
+TEST(RestGraph, ShortestChainsComeFirst) {
   EXPECT_EQ(rest_chains(ladder(), {0}, {1, 2}, 1), (Chains{{0}}));
   const Chains chains = rest_chains(ladder(), {0, 1}, {3}, 2);
   // 1 is entered by grasp 1 and left by 3; over 0 it takes one more stop, and so does the way on to 2.

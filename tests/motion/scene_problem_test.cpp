@@ -62,7 +62,7 @@ TEST(SceneProblem, NamesAStoneInTheTable) {
   EXPECT_EQ(scene_problem(field.scene, field.task), "block reaches 30 mm into the table where it lies");
 }
 
-TEST(SceneProblem, NamesWhatTheArmStandsIn) {
+TEST(SceneProblem, NamesTheObjectThatTheArmTouches) {
   Field field;
   field.add_box("cupboard", {0.5, 0.5, 0.3}, 0.5, 0.0, 0.6);
   EXPECT_THAT(scene_problem(field.scene, field.task), HasSubstr("at the start the arm stands in something"));
@@ -70,7 +70,7 @@ TEST(SceneProblem, NamesWhatTheArmStandsIn) {
 }
 
 /// A flat slab, which few grasps hold as it lies: 24 times as many are sampled, unless a lid covers it.
-TEST(GraspFinder, SamplesNoMoreGraspsWhereALidIsInTheWayOfAll) {
+TEST(GraspFinder, SamplesNoMoreGraspsWhereALidObstructsAll) {
   const Eigen::Vector3d flat(0.12, 0.10, 0.022);
   Field bare(flat), covered(flat);
   covered.add_box("lid", {0.6, 0.6, 0.02}, 0.70, -0.18, 0.15);

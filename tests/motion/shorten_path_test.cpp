@@ -17,7 +17,7 @@ Joints at(double x, double y) {
 }
 
 /// Around the end of a wall: the shortest way touches it, and straight cuts come near it only slowly.
-TEST(Shortcut, PullsAWayPointToWhatStandsInTheWay) {
+TEST(Shortcut, PullsAWaypointTowardsAnObstacle) {
   const MotionTest over_the_wall = [](const Joints& a, const Joints& b) {
     if ((a[0] < 0.0) == (b[0] < 0.0)) return true;
     return a[1] + (b[1] - a[1]) * a[0] / (a[0] - b[0]) >= 1.0;

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "motion/path/least_time.hpp"
+#include "motion/path/min_time.hpp"
 #include "motion/path/smooth_path.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -61,7 +61,7 @@ TEST(Timing, SingleJointLineIsATrapezoid) {
   EXPECT_NEAR(time_path(path, limits).duration(), 2 * std::sqrt(0.1 / a), 1e-6);
 }
 
-TEST(Timing, StartsAndEndsAtRestOnTheWayPoints) {
+TEST(Timing, StartsAndEndsAtRestOnTheWaypoints) {
   Random random(3);
   const JointPath path = random_path(random, 6);
   const JointTrajectory t = time_path(path, ur10_limits());
@@ -126,14 +126,14 @@ TEST(Timing, SomeLimitIsActiveAllTheTime) {
   }
 }
 
-TEST(Timing, IsWithinThreePercentOfTheLeastTime) {
+TEST(Timing, IsWithinThreePercentOfTheMinTime) {
   Random random = Random::stream(21, "least time");
   for (int k = 0; k < 12; ++k) {
     TimingLimits limits = ur10_limits();
     limits.blend = std::array{0.005, 0.05, 0.2}[static_cast<std::size_t>(k % 3)];
     const JointPath path = random_path(random, static_cast<std::size_t>(3 + k % 8));
-    const double least = least_time(path, limits);
-    EXPECT_NEAR(time_path(path, limits).duration() / least, 1.0, 0.03) << k;
+    const double min = min_time(path, limits);
+    EXPECT_NEAR(time_path(path, limits).duration() / min, 1.0, 0.03) << k;
   }
 }
 
@@ -169,7 +169,7 @@ TEST(Timing, PathWithoutLengthIsOneKnot) {
 }
 
 /// Way points as of a straight tool motion: tiny phases between them must not slow the whole motion.
-TEST(Timing, DenseWayPointsCostNoTime) {
+TEST(Timing, DenseWaypointsCostNoTime) {
   const RobotModel robot = read_robot("ur10");
   const Pose T_F_T(Eigen::Translation3d(0, 0, 0.264));
   for (std::uint64_t trial = 0; trial < 60; ++trial) {

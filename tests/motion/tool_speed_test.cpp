@@ -43,15 +43,15 @@ struct Passing {
     };
     for (double t = kStep; t < motion.duration(); t += kStep) {
       const double v = (tool(t) - tool(t - kStep)).norm() / kStep;
-      double& most = tower.exteriorDistance(tool(t)) < near ? fastest.first : fastest.second;
-      most = std::max(most, v);
+      double& max = tower.exteriorDistance(tool(t)) < near ? fastest.first : fastest.second;
+      max = std::max(max, v);
     }
     return fastest;
   }
 };
 
 TEST(ToolSpeed, TransitsAreSlowNearObjectsAndBoundedElsewhere) {
-  const Passing way;
+  const Passing passing;
   for (const double jerk : {0.0, 10.0}) {
     MotionOptions options;
     options.jerk = jerk;
@@ -59,9 +59,9 @@ TEST(ToolSpeed, TransitsAreSlowNearObjectsAndBoundedElsewhere) {
     options.tool_speed = 0.5;
     options.near_speed = 0.15;
     options.near_distance = 0.15;
-    const auto motion = plan_transit(way.scene, turned(-0.9), turned(0.9), options);
+    const auto motion = plan_transit(passing.scene, turned(-0.9), turned(0.9), options);
     ASSERT_TRUE(motion.has_value());
-    const auto [near, open] = way.speeds(*motion, options.near_distance);
+    const auto [near, open] = passing.speeds(*motion, options.near_distance);
     EXPECT_GT(near, 0.0) << "or the hand did not pass the tower";
     EXPECT_LE(near, 0.1502);
     EXPECT_LE(open, 0.5005);

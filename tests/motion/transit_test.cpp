@@ -64,7 +64,7 @@ void expect_free(const CollisionChecker& checker, const JointPath& path) {
   }
 }
 
-TEST(Transit, StaysInTheRoomOfTheCell) {
+TEST(Transit, StaysInTheWorkspaceOfTheCell) {
   PlanningScene scene = empty_scene();
   scene.objects = {box_at("wall", {1.4, 0.05, 0.45}, {0.95, 0.0, 0.225})};
   const auto highest = [&](const JointPath& path) {
@@ -84,17 +84,17 @@ TEST(Transit, StaysInTheRoomOfTheCell) {
   ASSERT_TRUE(free);
   const double over = highest(*free);
   ASSERT_GT(over, 0.45) << "the wall is in the way";
-  scene.robot.room =
-      ToolRoom{{Eigen::Vector3d(-2, -2, 0), Eigen::Vector3d(2, 2, over + 0.05)}, scene.T_W_R, scene.T_F_T};
+  scene.robot.workspace = ToolWorkspace{
+      {Eigen::Vector3d(-2, -2, 0), Eigen::Vector3d(2, 2, over + 0.05)}, scene.T_W_R, scene.T_F_T};
   const auto low = find();
   ASSERT_TRUE(low);
   EXPECT_LT(highest(*low), over + 0.05);
-  scene.robot.room->box.max().z() = 0.40;
-  scene.robot.room->box.min().x() = 0.3;  // nor behind the robot's back
+  scene.robot.workspace->box.max().z() = 0.40;
+  scene.robot.workspace->box.min().x() = 0.3;  // nor behind the robot's back
   EXPECT_FALSE(find()) << "over the wall, and no other way";
 }
 
-TEST(Transit, GoesStraightWhereNothingIsInTheWay) {
+TEST(Transit, GoesStraightWhereNothingObstructs) {
   const PlanningScene scene = empty_scene();
   const CollisionChecker checker(scene);
   const Joints start = solutions_above(scene, {0.7, -0.3, 0.3}).front();
@@ -140,7 +140,7 @@ TEST(Transit, SameSeedSamePath) {
   EXPECT_NE(*first, *other);
 }
 
-TEST(Transit, GivesUpWhereThereIsNoWay) {
+TEST(Transit, GivesUpWhereThereIsNoPath) {
   PlanningScene scene = empty_scene();
   const Joints start = tool_down();
   EXPECT_TRUE(find_path(CollisionChecker(scene), start, solutions_above(scene, {0.8, 0.3, 0.3})).has_value());
@@ -210,7 +210,7 @@ TEST(Transit, ReachesAGoalThatNearlyCollides) {
 }
 
 /// Fingers that let go beside another stone are no further open than there was room.
-TEST(Transit, LeavesWithTheHandAsFarOpenAsItIs) {
+TEST(Transit, LeavesWithTheGripperAsFarOpenAsItIs) {
   PlanningScene scene = empty_scene();
   const Joints start = tool_down();
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, start) * scene.T_F_T;

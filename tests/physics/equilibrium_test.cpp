@@ -58,12 +58,12 @@ TEST(Equilibrium, FallsWhenTheCentreIsOutside) {
   const Equilibrium result = solve_equilibrium(cube, contacts, with(0.5));
   EXPECT_FALSE(result.stands);
   EXPECT_EQ(result.margin, 0.0);
-  EXPECT_EQ(result.least_friction, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(result.min_friction, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(
       solve_equilibrium(std::vector<StaticBody>{{1.0, {0.029, 0, 0.03}}}, contacts, with(0.5)).stands);
 }
 
-TEST(Equilibrium, LeastFrictionOfATiltedBlockIsTheTangent) {
+TEST(Equilibrium, MinFrictionOfATiltedBlockIsTheTangent) {
   for (const double tilt : {0.05, 0.2, 0.6}) {
     const Vector3d n(std::sin(tilt), 0, std::cos(tilt));
     const Vector3d along(std::cos(tilt), 0, -std::sin(tilt));
@@ -72,7 +72,7 @@ TEST(Equilibrium, LeastFrictionOfATiltedBlockIsTheTangent) {
     for (const double x : {-0.03, 0.03})
       for (const double y : {-0.03, 0.03})
         contacts.push_back({kTable, 0, x * along + y * Vector3d::UnitY(), n, 0, 0});
-    EXPECT_NEAR(solve_equilibrium(block, contacts, with(0.1, 64)).least_friction, std::tan(tilt),
+    EXPECT_NEAR(solve_equilibrium(block, contacts, with(0.1, 64)).min_friction, std::tan(tilt),
                 0.01 * std::tan(tilt) + 1e-4);
     EXPECT_EQ(solve_equilibrium(block, contacts, with(1.02 * std::tan(tilt), 64)).stands, true);
     EXPECT_EQ(solve_equilibrium(block, contacts, with(0.98 * std::tan(tilt), 64)).stands, false);
@@ -95,14 +95,14 @@ Equilibrium arch(double lean, double friction) {
   return solve_equilibrium(bodies, contacts, with(friction, 32));
 }
 
-TEST(Equilibrium, ArchOfThreeBlocksStandsByItsThrust) {
+TEST(Equilibrium, ArchOfThreeBlocksIsStableByItsThrust) {
   // A steep joint holds the keystone by thrust; the springers must not slide: thrust <= friction * load.
   EXPECT_TRUE(arch(1.2, 0.5).stands);
   EXPECT_FALSE(arch(1.2, 0.05).stands);
   const Equilibrium at_limit = arch(1.2, 0.5);
-  ASSERT_TRUE(std::isfinite(at_limit.least_friction));
-  EXPECT_TRUE(arch(1.2, at_limit.least_friction * 1.01).stands);
-  EXPECT_FALSE(arch(1.2, at_limit.least_friction * 0.98).stands);
+  ASSERT_TRUE(std::isfinite(at_limit.min_friction));
+  EXPECT_TRUE(arch(1.2, at_limit.min_friction * 1.01).stands);
+  EXPECT_FALSE(arch(1.2, at_limit.min_friction * 0.98).stands);
   EXPECT_GE(at_limit.weakest_contact, 0);
 }
 
@@ -119,7 +119,7 @@ TEST(Equilibrium, MoreFrictionNeverHurts) {
     for (const double friction : {0.05, 0.1, 0.3, 0.6}) {
       const Equilibrium now = solve_equilibrium(bodies, contacts, with(friction));
       EXPECT_GE(now.margin, before - 5e-5) << "task " << task;
-      EXPECT_EQ(now.stands, now.least_friction <= friction) << "task " << task;
+      EXPECT_EQ(now.stands, now.min_friction <= friction) << "task " << task;
       before = now.margin;
     }
   }
@@ -145,10 +145,10 @@ void note(int) {
 /// A solver that takes SIGINT over while it runs (Clp's `initialSolve` does) loses the program's handler when
 /// two threads solve at once, and Ctrl-C no longer stops a run.
 TEST(Equilibrium, LeavesTheHandlerOfCtrlCAlone) {
-  struct sigaction ours {
+  struct sigaction own {
   }, before{};
-  ours.sa_handler = note;
-  ASSERT_EQ(sigaction(SIGINT, &ours, &before), 0);
+  own.sa_handler = note;
+  ASSERT_EQ(sigaction(SIGINT, &own, &before), 0);
   std::atomic<bool> done = false;
   std::thread solving([&] {
     for (int i = 0; i < 100; ++i) static_cast<void>(arch(1.2, 0.5));

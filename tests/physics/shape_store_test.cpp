@@ -21,7 +21,7 @@ TEST(ShapeStore, MakesTheSameScanOnce) {
   EXPECT_LT(2 * light->mass.mass, heavy->mass.mass);
 }
 
-TEST(ShapeStore, TellsScansAndOptionsApart) {
+TEST(ShapeStore, DistinguishesScansAndOptions) {
   Mesh scan = make_box({0.1, 0.08, 0.06});
   const auto first = shape_geometry(scan, kCoarse);
   EXPECT_NE(shape_geometry(scan, {0.005, 0.02, 0.02}), first);
@@ -36,7 +36,7 @@ TEST(ShapeStore, KeepsTheLastUsedOnly) {
   const std::weak_ptr<const ShapeGeometry> first = shape_geometry(old, kCoarse);
   const Mesh used = make_box({0.06, 0.05, 0.05});
   const auto second = shape_geometry(used, kCoarse);
-  for (std::size_t k = 0; k + 1 < kMostKept; ++k) {
+  for (std::size_t k = 0; k + 1 < kMaxKept; ++k) {
     (void)shape_geometry(make_box({0.05, 0.05, 0.051 + 0.0001 * static_cast<double>(k)}), kCoarse);
     EXPECT_EQ(shape_geometry(used, kCoarse), second);
   }
@@ -48,7 +48,7 @@ TEST(ShapeStore, FindsWhatIsHeldAndLosesWhatIsNot) {
   const auto held = make_contact_shape(held_scan, mass_properties(held_scan, 2000.0), "held", kCoarse);
   const std::weak_ptr<const ShapeGeometry> lost = shape_geometry(lost_scan, kCoarse);
   EXPECT_FALSE(lost.expired());
-  for (std::size_t k = 0; k < kMostKept; ++k)
+  for (std::size_t k = 0; k < kMaxKept; ++k)
     (void)shape_geometry(make_box({0.05, 0.05, 0.081 + 0.0001 * static_cast<double>(k)}), kCoarse);
   EXPECT_TRUE(lost.expired());
   EXPECT_EQ(shape_geometry(held_scan, kCoarse)->features.get(), held->features.get());

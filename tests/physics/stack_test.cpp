@@ -205,7 +205,7 @@ TEST(Settle, DroppedCubeRestsOnTheStackOnly) {
   EXPECT_NEAR(polygon.area, 0.0025, 1e-5);
 }
 
-TEST(Settle, SaysWhyItDoesNotRest) {
+TEST(Settle, GivesTheReasonWhereItDoesNotRest) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
   const Stack stack{{{0, at(0, 0, 0.03)}}};
   const SettleResult beside = settle(shapes, stack, 0, at(0.08, 0, 0.031));
@@ -226,7 +226,7 @@ TEST(StackEquilibrium, AgreesWithTheGeometryOfCubes) {
   EXPECT_TRUE(result.stands);
   // Both tip about the lower face's edge: the common centre lies 25 mm from it and 60 mm up.
   EXPECT_NEAR(result.margin, 0.025 / 0.06, 2e-3);
-  EXPECT_LT(result.least_friction, 0.01);
+  EXPECT_LT(result.min_friction, 0.01);
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ double carried_at_once(int iterations) {
   return on_table / (4 * cube->mass.mass * 9.81 * options.step);
 }
 
-TEST(World, TurnsOverTheTouchesAsOftenAsItIsTold) {
+TEST(World, RefreshesTheContactsAsOftenAsConfigured) {
   EXPECT_LT(carried_at_once(10), 0.9);
   EXPECT_NEAR(carried_at_once(2000), 1.0, 1e-3);
 }

@@ -47,7 +47,7 @@ TEST(ModbusFrame, RepliesOfTheManualAreUnderstood) {
   EXPECT_EQ(parse_reply(activate, View(kActivateReplyTcp).subspan(kTcpHeader)).kind, Reply::Kind::kDone);
 }
 
-TEST(ModbusFrame, ServersUnderstandTheManualsRequestsAndAnswerAsItSays) {
+TEST(ModbusFrame, ServersAnswerTheManualsRequestsAsSpecified) {
   const auto frame = find_rtu_request(kCloseRtu);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->unit, 9);

@@ -141,7 +141,7 @@ TEST(ExperimentReport, FigureHasAMarkForEachSelectedPose) {
 }
 
 /// a, b and c stand; c is taken off and put back, d falls and takes c with it, then c and d go up again.
-Experiment with_a_way_back() {
+Experiment with_a_return() {
   Experiment experiment;
   experiment.runs.push_back(
       run_of(4, 4,
@@ -153,7 +153,7 @@ Experiment with_a_way_back() {
 }
 
 TEST(ExperimentReport, FigureShowsTheLevelThatAStoneWasMeantFor) {
-  Experiment experiment = with_a_way_back();
+  Experiment experiment = with_a_return();
   const std::string csv = figure5_csv(experiment);
   EXPECT_EQ(csv,
             "run,seed,level,stone,cost,held\n1,1001,1,a,0.1,1\n1,1001,2,b,0.1,1\n1,1001,3,c,0.1,1\n"

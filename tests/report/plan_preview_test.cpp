@@ -85,7 +85,7 @@ TEST_F(PlanPreview, ClearanceKeepsThePaddingInTransit) {
   }
 }
 
-TEST_F(PlanPreview, ClearanceShrinksWithAWallBesideTheWay) {
+TEST_F(PlanPreview, ClearanceShrinksWithAWallBesideThePath) {
   double before = 1.0, after = 1.0;
   for (const auto& m : moments) before = std::min(before, m.clearance);
   scene.objects.push_back({"wall", {make_box({0.3, 0.02, 1.0})}, Pose(Eigen::Translation3d(0.7, 0.05, 0.5))});

@@ -114,7 +114,7 @@ TEST_F(RecordFolderTest, PutsAsideWhatIsInIt) {
   EXPECT_THAT(problem_of(root_ + "/run"), HasSubstr("another program"));
 }
 
-TEST_F(RecordFolderTest, SaysWhyItCannotBeMade) {
+TEST_F(RecordFolderTest, GivesTheReasonWhereItCannotBeMade) {
   write_file(root_ + "/taken", "a file");
   EXPECT_THAT(problem_of(root_ + "/taken"), HasSubstr("Not a directory"));
   EXPECT_THAT(problem_of(root_ + "/taken/run"), HasSubstr("Not a directory"));

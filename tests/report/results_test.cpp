@@ -45,7 +45,7 @@ DetectionResult two_detections() {
   result.detections[1].T_C_O = at(0.0, 0.2, 0.6);
   result.detections[1].score = 0.8;
   result.detections[1].certainty = 0.5;
-  result.detections[1].likes = {{at(0.0, 0.2, 0.6), 0.3, 0}, {at(0.0, 0.2, 0.6), 0.2, 1}};
+  result.detections[1].alternatives = {{at(0.0, 0.2, 0.6), 0.3, 0}, {at(0.0, 0.2, 0.6), 0.2, 1}};
   return result;
 }
 
@@ -186,7 +186,7 @@ TEST(TowerResults, NameTheContactThatGivesWayFirst) {
   check.stack.stones = {{1, at(0, 0, 0)}, {0, at(0, 0, 0.05)}};
   check.verdict.stands = true;
   check.equilibrium.stands = true;
-  check.equilibrium.least_friction = std::numeric_limits<double>::infinity();
+  check.equilibrium.min_friction = std::numeric_limits<double>::infinity();
   check.equilibrium.weakest_contact = 1;
   check.statics.contacts.resize(2);
   check.statics.contacts[1].above = 1;

@@ -34,7 +34,7 @@ inline SearchProblem base_stands() {
 
 inline SearchOptions quick() {
   SearchOptions options;
-  options.largest_tilt = M_PI;
+  options.max_tilt = M_PI;
   options.placement_sigma_translation = 0.001;
   options.placement_sigma_rotation = 0.0087266;
   options.com_sigma = 0.0;

@@ -52,7 +52,7 @@ TEST(FindNextPose, APlanThatStillHoldsNeedsNoSearch) {
   EXPECT_EQ(followed.best.front().expected_height, followed.best.front().predicted_success);
 }
 
-TEST(FindNextPose, APlanThatNoLongerHoldsSaysWhy) {
+TEST(FindNextPose, APlanThatNoLongerHoldsHasAReason) {
   SearchProblem problem = base_stands();
   const SearchResult off = follow_plan(problem, {{1, at(0.07, 0, 0.085)}, {2, at(0.07, 0, 0.13)}}, quick());
   EXPECT_TRUE(off.best.empty());  // over the edge
@@ -79,7 +79,7 @@ double predicted(const SearchProblem& problem, const PlacedStone& next, double s
   options.perturbations = 32;
   options.placement_sigma_translation = options.placement_sigma_rotation = 0.0;
   options.com_sigma = sigma;
-  options.least_success = 0.0;
+  options.min_success = 0.0;
   const SearchResult result = follow_plan(problem, {next}, options);
   EXPECT_EQ(result.best.size(), 1U) << result.reason;
   return result.best.empty() ? -1.0 : result.best.front().predicted_success;
@@ -104,13 +104,13 @@ TEST(FindNextPose, BlamesNoStoneForAStackThatFallsWithoutIt) {
   EXPECT_GT(predicted(problem, {2, at(0.058, 0, 0.12)}, 0.002), 0.95);
 }
 
-TEST(FindNextPose, GoesOnFromAWayUpThatWasFoundBefore) {
+TEST(FindNextPose, ContinuesARouteThatWasFoundBefore) {
   SearchProblem problem = base_stands();
   const SearchResult anew = find_next_pose(problem, quick());
   ASSERT_FALSE(anew.best.empty()) << anew.reason;
   // A corner of the base that no search would choose first, but where the stone stands.
   const Pose beside = at(0.012, -0.011, 0.085);
-  problem.way_up = {{1, beside}};
+  problem.known_route = {{1, beside}};
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_EQ(result.best.size(), 1U) << result.reason;
   EXPECT_EQ(result.best.front().stone, 1);
@@ -134,7 +134,7 @@ TEST(FindNextPose, TriesTheWholeOfItsBestPlanInDisplacedWorlds) {
   SearchOptions options = quick();
   options.perturbations = 16;
   options.placement_sigma_translation = 0.02;
-  options.least_success = 0.2;
+  options.min_success = 0.2;
   const SearchResult result = find_next_pose(base_stands(), options);
   ASSERT_FALSE(result.best.empty()) << result.reason;
   const Placement& best = result.best.front();
@@ -145,23 +145,23 @@ TEST(FindNextPose, TriesTheWholeOfItsBestPlanInDisplacedWorlds) {
   EXPECT_NEAR(best.expected_height, followed, 0.25);
 }
 
-TEST(FindNextPose, LooksAtNoOtherWaysWhereOnlyTheWayUpIsAskedFor) {
+TEST(FindNextPose, SearchesNothingElseWhereOnlyTheKnownRouteIsAskedFor) {
   SearchProblem problem = base_stands();
-  problem.way_up = {{2, at(0, 0, 0.08)}};  // the larger stone does not stand on the smaller
-  problem.way_up_only = true;
+  problem.known_route = {{2, at(0, 0, 0.08)}};  // the larger stone does not stand on the smaller
+  problem.known_route_only = true;
   const SearchResult result = find_next_pose(problem, quick());
   for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2);
-  problem.way_up = {{1, at(0.2, 0, 0.085)}};  // in the air
+  problem.known_route = {{1, at(0.2, 0, 0.085)}};  // in the air
   EXPECT_TRUE(find_next_pose(problem, quick()).best.empty());
 }
 
-TEST(FindNextPose, SearchesElsewhereWhereAWayUpDoesNotLeadToTheTop) {
+TEST(FindNextPose, SearchesElsewhereWhereAKnownRouteDoesNotReachTheTop) {
   SearchProblem problem = base_stands();
-  problem.way_up = {{2, at(0, 0, 0.08)}, {1, at(0.2, 0, 0.125)}};  // the second falls
+  problem.known_route = {{2, at(0, 0, 0.08)}, {1, at(0.2, 0, 0.125)}};  // the second falls
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
   EXPECT_EQ(result.best.front().then.size(), 1U);
-  problem.way_up = {{7, at(0, 0, 0.08)}};
+  problem.known_route = {{7, at(0, 0, 0.08)}};
   EXPECT_THROW(static_cast<void>(find_next_pose(problem, quick())), InvalidArgument);
 }
 
@@ -189,7 +189,7 @@ TEST(FindNextPose, KeepsTheTiltLimit) {
   problem.available[0].T_W_O.linear() =
       Eigen::AngleAxisd(1.5707963, Eigen::Vector3d::UnitX()).toRotationMatrix();
   SearchOptions options = quick();
-  options.largest_tilt = 0.5;
+  options.max_tilt = 0.5;
   const SearchResult result = find_next_pose(problem, options);
   for (const Placement& placement : result.best) {
     const Eigen::Vector3d up_now = problem.available[0].T_W_O.linear().row(2).transpose();
@@ -339,7 +339,7 @@ TEST(PlanTower, StacksThreeBoxes) {
   EXPECT_TRUE(verdict.clean);
 }
 
-TEST(PlanTower, SaysThatTheTimeWasOver) {
+TEST(PlanTower, ReportsThatTheTimeWasOver) {
   SearchOptions options = quick();
   options.budget = 1e-6;
   for (const int horizon : {1, 4}) {

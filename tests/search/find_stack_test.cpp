@@ -29,7 +29,7 @@ const ShapeList& six() {
   return list;
 }
 
-TEST(FindStack, FindsTheHighestTowerWhereverItStands) {
+TEST(FindStack, FindsTheHighestTowerAnywhere) {
   // Measured a little off: the upper stones 3 mm in the air, the lowest 2 mm in the table.
   const std::vector<PlacedStone> seen{{2, at(1.0, 2.0, 0.133)},  {4, at(-0.3, 0.1, 0.086)},
                                       {0, at(1.0, 2.0, 0.028)},  {1, at(1.01, 2.0, 0.087)},

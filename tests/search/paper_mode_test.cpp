@@ -77,7 +77,7 @@ TEST(PaperMode, ItsParametersAreOptions) {
   EXPECT_TRUE(find_next_pose(base_stands(), options).best.empty()) << "there was no time to come down";
 }
 
-TEST(PaperMode, ExpectsAsManyStonesAsItJudgesLikely) {
+TEST(PaperMode, ExpectsAsManyStonesAsAreLikely) {
   SearchOptions options = quick();
   options.method = "paper";
   options.theta_init = 0.1;

@@ -23,14 +23,14 @@ Mesh rough_stone(std::uint64_t seed, const Eigen::Vector3d& size) {
 
 TEST(Orientations, KeepToTheTiltLimit) {
   OrientationOptions options;
-  options.largest_tilt = 0.7;
+  options.max_tilt = 0.7;
   options.up_O = Eigen::Vector3d(1, 2, -3).normalized();
   const auto list = orientations(options);
   EXPECT_GT(list.size(), 80U);
   for (const Eigen::Matrix3d& R_W_O : list) {
     EXPECT_NEAR(R_W_O.determinant(), 1.0, 1e-9);
     const Eigen::Vector3d up_O = R_W_O.transpose() * Eigen::Vector3d::UnitZ();
-    EXPECT_LE(std::acos(std::clamp(up_O.dot(options.up_O), -1.0, 1.0)), options.largest_tilt + 1e-9);
+    EXPECT_LE(std::acos(std::clamp(up_O.dot(options.up_O), -1.0, 1.0)), options.max_tilt + 1e-9);
   }
   EXPECT_EQ(orientations({}).size(), 160U);
 }

@@ -9,7 +9,7 @@ namespace stonestack::search {
 namespace {
 
 /// Tips of three feet. A raster of 3 mm about their middle meets the last, and passes the others by 2 mm.
-const std::array<Eigen::Vector2d, 3> kFeet = {
+const std::array<Eigen::Vector2d, 3> kBasePoints = {
     Eigen::Vector2d(0.0285, 0.04071), Eigen::Vector2d(-0.04951, 0.00433), Eigen::Vector2d(0.02101, -0.04504)};
 
 /// A slab 3 cm thick on three feet 3 cm high; feet at z = 0.
@@ -19,9 +19,9 @@ Mesh tripod() {
   const auto add = [&](const Eigen::Vector2d& p, double z) { mesh.vertices.emplace_back(p.x(), p.y(), z); };
   add({0, 0}, kHollow);          // 0: middle of the underside
   for (int k = 0; k < 3; ++k) {  // 1 to 6: its rim, feet and what is between them
-    const Eigen::Vector2d& foot = kFeet[static_cast<std::size_t>(k)];
-    add(foot, 0.0);
-    add(0.75 * (foot + kFeet[static_cast<std::size_t>((k + 1) % 3)]), kHollow);
+    const Eigen::Vector2d& base = kBasePoints[static_cast<std::size_t>(k)];
+    add(base, 0.0);
+    add(0.75 * (base + kBasePoints[static_cast<std::size_t>((k + 1) % 3)]), kHollow);
   }
   for (int k = 1; k <= 6; ++k) add(mesh.vertices[static_cast<std::size_t>(k)].head<2>(), kTop);  // 7 to 12
   add({0, 0}, kTop);                                                                             // 13
@@ -49,10 +49,10 @@ TEST(Rests, AreTheSharpCornersThemselves) {
   ASSERT_EQ(rests.size(), 1U);
   EXPECT_NEAR(rests[0].z, 0.0, 1e-9);
   ASSERT_EQ(rests[0].polygon_W.size(), 3U);
-  for (const Eigen::Vector2d& foot : kFeet)
+  for (const Eigen::Vector2d& base : kBasePoints)
     EXPECT_TRUE(std::any_of(rests[0].polygon_W.begin(), rests[0].polygon_W.end(),
-                            [&](const Eigen::Vector2d& corner) { return (corner - foot).norm() < 1e-6; }))
-        << foot.transpose();
+                            [&](const Eigen::Vector2d& corner) { return (corner - base).norm() < 1e-6; }))
+        << base.transpose();
 }
 
 TEST(Rests, OfAStoneOnAnotherAreOnThat) {
@@ -63,7 +63,7 @@ TEST(Rests, OfAStoneOnAnotherAreOnThat) {
   EXPECT_GT(area(rests[1].polygon_W), 0.002);
 }
 
-TEST(Rests, ABaseOnThreeSharpFeetBearsAnother) {
+TEST(Rests, ABaseOnThreeSharpPointsBearsAnother) {
   const ShapeList shapes = tripod_and_box();
   SearchProblem problem;
   problem.shapes = &shapes;

@@ -28,7 +28,7 @@ TEST(TowerTree, ChildrenStandOnTheirParents) {
   EXPECT_EQ(tree.node(second).stack.stones[0].stone, 2);
   EXPECT_EQ(tree.node(second).stack.stones[1].stone, 0);
   EXPECT_EQ(tree.node(second).left.size(), 2U);
-  EXPECT_EQ(tree.way_to(second), (std::vector<int>{first, second}));
+  EXPECT_EQ(tree.path_to(second), (std::vector<int>{first, second}));
   EXPECT_EQ(tree.children(0), std::vector<int>{first});
   EXPECT_EQ(tree.reach(0), 2);
 }
@@ -54,7 +54,7 @@ TEST(TowerTree, TheDeadAndTheDoneAreNotChosen) {
   EXPECT_EQ(tree.choose(1, 4, 0.01), std::vector<int>{b});
 }
 
-TEST(TowerTree, ChanceGrowsWithWaysToFinishAndFallsWithRisk) {
+TEST(TowerTree, ChanceGrowsWithRoutesToFinishAndFallsWithRisk) {
   TowerTree tree = four_stones();
   const int a = tree.add(0, trial_of(0), 0.1), b = tree.add(0, trial_of(1), 0.1);
   for (const int k : {a, b}) {
@@ -72,7 +72,7 @@ TEST(TowerTree, ChanceGrowsWithWaysToFinishAndFallsWithRisk) {
   EXPECT_LT(tree.chance(b, 2, 0.1), one_way);
 }
 
-TEST(TowerTree, OfWaysAsHighTheFirmerIsBest) {
+TEST(TowerTree, OfEquallyHighRoutesTheFirmerIsBest) {
   TowerTree tree = four_stones();
   const int a = tree.add(0, trial_of(0), 0.1);
   const int weak = tree.add(a, trial_of(1, 0.02), 0.1), firm = tree.add(a, trial_of(2, 0.06), 0.1);
@@ -82,9 +82,9 @@ TEST(TowerTree, OfWaysAsHighTheFirmerIsBest) {
     tree.node(k).judged = tree.node(k).predicted = true;
     tree.node(k).trial.placement.predicted_success = k == likelier || k == a ? 1.0 : 0.75;
   }
-  EXPECT_EQ(tree.best_way_from(a), std::vector<int>{likelier});  // a quarter of a stone more
+  EXPECT_EQ(tree.best_path_from(a), std::vector<int>{likelier});  // a quarter of a stone more
   tree.node(likelier).trial.placement.predicted_success = 0.75;
-  EXPECT_EQ(tree.best_way_from(a), std::vector<int>{firm});
+  EXPECT_EQ(tree.best_path_from(a), std::vector<int>{firm});
 }
 
 TEST(TowerTree, WhatWasNotTriedIsNeitherCertainNorBehindWhatFallsOften) {
@@ -93,12 +93,12 @@ TEST(TowerTree, WhatWasNotTriedIsNeitherCertainNorBehindWhatFallsOften) {
   const int poor = tree.add(0, trial_of(2, 0.1, 0.6), 0.1);
   for (const int k : {certain, untried, poor}) tree.node(k).judged = true;
   tree.node(certain).predicted = tree.node(poor).predicted = true;
-  EXPECT_EQ(tree.best_way_from(0), std::vector<int>{certain});
+  EXPECT_EQ(tree.best_path_from(0), std::vector<int>{certain});
   tree.node(certain).trial.alive = false;
-  EXPECT_EQ(tree.best_way_from(0), std::vector<int>{untried});
+  EXPECT_EQ(tree.best_path_from(0), std::vector<int>{untried});
 }
 
-TEST(TowerTree, ASubtreeIsAllThatStandsOnANode) {
+TEST(TowerTree, ASubtreeIsEverythingAboveANode) {
   TowerTree tree = four_stones();
   const int a = tree.add(0, trial_of(0), 0.1), b = tree.add(0, trial_of(1), 0.1);
   const int a1 = tree.add(a, trial_of(1), 0.1), b1 = tree.add(b, trial_of(0), 0.1);

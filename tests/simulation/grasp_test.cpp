@@ -23,24 +23,24 @@ struct Bench {
     double lowest = 0;
     for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
     T_W_O.translation().z() = 0.0005 - lowest;
-    HandPose hand{tool_down({0, 0, 0.5}), {}};
-    hand.finger.fill(0.0775);
-    world.set_hand(hand);
+    GripperPose gripper_pose{tool_down({0, 0, 0.5}), {}};
+    gripper_pose.finger.fill(0.0775);
+    world.set_gripper_pose(gripper_pose);
     world.place(0, T_W_O);
     (void)world.wait(6.0);
   }
 
   /// Straight, with a smooth start and end.
   Progress carry(const Pose& T_W_T, double seconds) {
-    const HandPose from = world.hand();
+    const GripperPose from = world.gripper_pose();
     return world.advance(seconds, [&](double t) {
       const double s = t / seconds;
-      HandPose hand = from;
-      hand.T_W_T = interpolate(from.T_W_T, T_W_T, s * s * (3 - 2 * s));
-      return hand;
+      GripperPose gripper_pose = from;
+      gripper_pose.T_W_T = interpolate(from.T_W_T, T_W_T, s * s * (3 - 2 * s));
+      return gripper_pose;
     });
   }
-  [[nodiscard]] Pose T_T_O() const { return world.hand().T_W_T.inverse() * world.pose(0); }
+  [[nodiscard]] Pose T_T_O() const { return world.gripper_pose().T_W_T.inverse() * world.pose(0); }
   /// Fingers round the stone, palm clear of it.
   GripperState grip() {
     const double z = std::max(0.003, world.centre_of_mass(0).z() - 0.020);
@@ -77,12 +77,12 @@ INSTANTIATE_TEST_SUITE_P(Masses, Grasp, testing::Values(0.4, 1.5, 3.0));
 TEST(Grasp, FingersBAndCDrawTogetherAndStillHold) {
   Bench bench(0.8);
   const double before = bench.world.time();
-  const GripperModel& model = bench.world.hand_model().gripper;
+  const GripperModel& model = bench.world.gripper_body().gripper;
   bench.gripper.spread(model.narrow_spacing);
   EXPECT_GT(bench.world.time(), before) << "it takes a while";
-  const HandPose hand = bench.world.hand();
-  const double apart = (pad_pose(bench.world.hand_model(), 1, hand).translation() -
-                        pad_pose(bench.world.hand_model(), 2, hand).translation())
+  const GripperPose gripper_pose = bench.world.gripper_pose();
+  const double apart = (pad_pose(bench.world.gripper_body(), 1, gripper_pose).translation() -
+                        pad_pose(bench.world.gripper_body(), 2, gripper_pose).translation())
                            .norm();
   EXPECT_NEAR(apart, model.narrow_spacing, 1e-9);
   EXPECT_TRUE(bench.grip().object);
@@ -100,7 +100,7 @@ TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {
   EXPECT_LT(bench.world.centre_of_mass(0).z(), 0.1);
 }
 
-TEST(Grasp, FingersCloseOnWhenTheStoneIsTakenOutUnlessTheyAreLocked) {
+TEST(Grasp, FingersCloseFurtherWhenTheStoneIsRemovedUnlessTheyAreLocked) {
   for (const bool regrip : {true, false}) {
     SimulationOptions options;
     options.regrip = regrip;

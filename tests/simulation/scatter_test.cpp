@@ -21,9 +21,9 @@ TrueWorld world_of(int pebbles) {
     present.push_back(i);
   }
   TrueWorld world(stones, present, make_robotiq_3f(), {});
-  HandPose away;
+  GripperPose away;
   away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
-  world.set_hand(away);
+  world.set_gripper_pose(away);
   return world;
 }
 
@@ -43,7 +43,7 @@ double gap(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vecto
 
 /// A field that three stones just fill: how the first two lie decides whether the third finds room. With the
 /// seed 6 the third attempt is the first that does.
-TEST(Scatter, BeginsAnewWhereTheLastFindsNoRoom) {
+TEST(Scatter, StartsOverWhereTheLastStoneDoesNotFit) {
   const StoneField field{{0.4, -0.2}, {0.19, 0.17}, kClearance};
   for (const std::uint64_t seed : {5, 6}) {
     TrueWorld world = world_of(3);
@@ -83,9 +83,9 @@ TEST(Scatter, WhatLayThereIsGoneWhenItBeginsAnew) {
     SimulationOptions options;
     options.seed = seed;
     TrueWorld world(catalogue.stones, {0, 1, 2, 3, 4, 5}, make_robotiq_3f(), options);
-    HandPose away;
+    GripperPose away;
     away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
-    world.set_hand(away);
+    world.set_gripper_pose(away);
     ASSERT_NO_THROW(scatter_stones(world, {layout.field_centre, layout.field_size, options.clearance},
                                    static_cast<std::uint64_t>(seed)))
         << "seed " << seed;

@@ -61,7 +61,7 @@ TEST(SensorNoise, IdealSensorOnlyCountsAndClips) {
   EXPECT_EQ(image.at(500, 100), 0.0F);
 }
 
-TEST(SensorNoise, Sr300SigmaGrowsWithDepthAsTheModelSays) {
+TEST(SensorNoise, Sr300SigmaGrowsWithDepthAsModelled) {
   auto model = make_sr300();
   model.bias = 0;
   for (const double z : {0.4, 0.7, 1.0, 1.3}) {

@@ -21,11 +21,11 @@ struct Bench {
 TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
   Bench bench;
   const double start = bench.world.time();
-  const HandPose before = bench.world.lock().world.hand();
+  const GripperPose before = bench.world.lock().world.gripper_pose();
   int ticks = 0;
   bench.world.drive_fingers([&](const TrueWorld& world, double seconds) {
     ++ticks;
-    auto finger = world.hand().finger;
+    auto finger = world.gripper_pose().finger;
     for (auto& place : finger) place -= 0.02 * seconds;
     return FingerPlaces{finger, 0.010};
   });
@@ -33,7 +33,7 @@ TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
   goal.translation().z() += 0.001;
   EXPECT_TRUE(bench.world.move_arm(goal, 0.008).stopped.empty());
   EXPECT_EQ(ticks, 4) << "the fingers look every 2 ms";
-  const HandPose after = bench.world.lock().world.hand();
+  const GripperPose after = bench.world.lock().world.gripper_pose();
   EXPECT_NEAR(after.T_W_T.translation().z(), goal.translation().z(), 1e-12);
   EXPECT_NEAR(after.finger[0], before.finger[0] - 0.02 * 0.008, 1e-12);
   EXPECT_NEAR(after.narrowed, 0.010, 1e-12);

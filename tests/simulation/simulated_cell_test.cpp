@@ -39,8 +39,8 @@ struct Bench {
   JointTrajectory line(const Pose& T_W_T_goal, double speed) {
     const Joints q0 = cell.arm.state().q;
     const Pose from = T_W_T(q0);
-    const auto way = difference(from, T_W_T_goal);
-    const double seconds = std::max({0.5, way.translation / speed, way.angle / 0.5});
+    const auto change = difference(from, T_W_T_goal);
+    const double seconds = std::max({0.5, change.translation / speed, change.angle / 0.5});
     const int knots = static_cast<int>(std::ceil(seconds / 0.05)) + 1;
     JointTrajectory line;
     Joints q = q0;
@@ -124,7 +124,7 @@ TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
   EXPECT_EQ(nothing.status, Status::kNoContact);
 }
 
-TEST(SimulatedCell, ALateForceLetsTheHandPressHarder) {
+TEST(SimulatedCell, ALateForceLetsTheGripperPressHarder) {
   const auto height_at_contact = [](double delay) {
     SimulationOptions options;
     options.force_delay = delay;
@@ -173,7 +173,7 @@ TEST(SimulatedCell, ArmRefusesAndStops) {
 TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
   Bench bench({make_pebble("pebble", 1.2)});
   RobotModel robot = bench.robot;
-  robot.room = ToolRoom{
+  robot.workspace = ToolWorkspace{
       {Eigen::Vector3d(-2, -2, 0.2), Eigen::Vector3d(2, 2, 2)}, bench.layout.T_W_R, bench.layout.T_F_T};
   SimulatedCell kept(bench.stones, {0}, robot, bench.layout, {});
   Arm& arm = kept.cell().arm;

@@ -72,19 +72,19 @@ TEST(StatedErrors, TheArmComesBackToATenthOfAMillimetre) {
   double squares = 0.0;
   for (int k = 0; k < kVisits; ++k) {
     for (const Joints& goal : {away, home}) {
-      JointTrajectory way;
-      way.time = {0.0, 2.0};
-      way.q = {arm.state().q, goal};
-      way.qd = {Joints::Zero(), Joints::Zero()};
-      ASSERT_EQ(arm.follow(way).status, MotionResult::Status::kDone);
+      JointTrajectory trajectory;
+      trajectory.time = {0.0, 2.0};
+      trajectory.q = {arm.state().q, goal};
+      trajectory.qd = {Joints::Zero(), Joints::Zero()};
+      ASSERT_EQ(arm.follow(trajectory).status, MotionResult::Status::kDone);
     }
-    const Eigen::Vector3d off = world.hand().T_W_T.translation() - arm.true_T_W_T(home).translation();
+    const Eigen::Vector3d off = world.gripper_pose().T_W_T.translation() - arm.true_T_W_T(home).translation();
     squares += off.squaredNorm() / kVisits;
   }
   EXPECT_NEAR(std::sqrt(squares), 0.0001, 0.00001);
 }
 
-TEST(StatedErrors, SurfacesLieBesideTheirScansAsFarAsIsSaid) {
+TEST(StatedErrors, SurfacesDeviateFromTheirScansAsStated) {
   const std::vector<Stone> scanned{make_pebble("a", 1.0), make_pebble("b", 1.0)};
   SimulationOptions options;
   const std::vector<Stone> same = as_they_are(scanned, options);

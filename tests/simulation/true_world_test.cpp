@@ -8,17 +8,17 @@
 namespace stonestack::simulation {
 namespace {
 
-HandPose hand_at(const Pose& T_W_T) {
-  HandPose hand{T_W_T, {}};
-  hand.finger.fill(0.0775);
-  return hand;
+GripperPose gripper_at(const Pose& T_W_T) {
+  GripperPose gripper_pose{T_W_T, {}};
+  gripper_pose.finger.fill(0.0775);
+  return gripper_pose;
 }
 
 TrueWorld make_world(int seed = 1) {
   SimulationOptions options;
   options.seed = seed;
   TrueWorld world({make_pebble("small", 0.5), make_pebble("large", 1.5)}, {0, 1}, make_robotiq_3f(), options);
-  world.set_hand(hand_at(tool_down({0, 0, 0.6})));
+  world.set_gripper_pose(gripper_at(tool_down({0, 0, 0.6})));
   world.place(0, make_pose(Eigen::Vector3d(0, 0, 0.06)));
   world.place(1, make_pose(Eigen::Vector3d(0.3, 0, 0.07)));
   return world;
@@ -47,14 +47,14 @@ TEST(TrueWorld, NothingMovesWhileTheClockRunsOverStonesAtRest) {
   EXPECT_NEAR(world.time(), 1004.0, 0.01);
 }
 
-TEST(TrueWorld, AStoneThatTheHandHitsMovesAndPushesBack) {
+TEST(TrueWorld, AStoneThatTheGripperHitsMovesAndPushesBack) {
   TrueWorld world = make_world();
   (void)world.wait(4.0);
   const Eigen::Vector3d before = world.centre_of_mass(0);
   const auto slide = [](double from, double to, double seconds) {
-    return [=](double t) { return hand_at(tool_down({from + (to - from) * t / seconds, 0, 0.01})); };
+    return [=](double t) { return gripper_at(tool_down({from + (to - from) * t / seconds, 0, 0.01})); };
   };
-  world.set_hand(slide(-0.25, 0, 1)(0));
+  world.set_gripper_pose(slide(-0.25, 0, 1)(0));
   double push = 0;
   for (int k = 0; k < 100; ++k) {
     const double x = -0.25 + 0.002 * k;
@@ -67,11 +67,11 @@ TEST(TrueWorld, AStoneThatTheHandHitsMovesAndPushesBack) {
   EXPECT_NEAR(world.centre_of_mass(1).x(), 0.3, 0.05) << "the far stone stays";
 }
 
-TEST(TrueWorld, PressingIntoTheTableStopsTheHand) {
+TEST(TrueWorld, PressingIntoTheTableStopsTheGripper) {
   TrueWorld world = make_world();
   (void)world.wait(4.0);
   const Progress progress = world.advance(2.0, [](double t) {
-    return hand_at(tool_down({-0.4, 0, 0.02 - 0.02 * t}));
+    return gripper_at(tool_down({-0.4, 0, 0.02 - 0.02 * t}));
   });
   EXPECT_NE(progress.stopped.find("N on the gripper"), std::string::npos) << progress.stopped;
   EXPECT_LT(progress.seconds, 1.2);
@@ -85,18 +85,18 @@ TEST(TrueWorld, SameSeedSameBits) {
   EXPECT_FALSE((first.pose(0).matrix().array() == other.pose(0).matrix().array()).all());
 }
 
-TEST(TrueWorld, TrueMassIsNotTheBelievedOneButNearIt) {
+TEST(TrueWorld, TrueMassDiffersALittleFromTheAssumedOne) {
   const Stone stone = make_pebble("small", 0.5);
-  double largest = 0, shift = 0;
+  double max = 0, shift = 0;
   for (int seed = 1; seed <= 6; ++seed) {
     SimulationOptions options;
     options.seed = seed;
     const TrueWorld world({stone}, {0}, make_robotiq_3f(), options);
-    largest = std::max(largest, std::abs(world.shapes()[0]->mass.mass / stone.mass.mass - 1));
+    max = std::max(max, std::abs(world.shapes()[0]->mass.mass / stone.mass.mass - 1));
     shift = std::max(shift, (world.shapes()[0]->mass.p_O_M - stone.mass.p_O_M).norm());
   }
-  EXPECT_GT(largest, 0.01);
-  EXPECT_LE(largest, 0.05 + 1e-9);
+  EXPECT_GT(max, 0.01);
+  EXPECT_LE(max, 0.05 + 1e-9);
   EXPECT_GT(shift, 0.001);
   EXPECT_LE(shift, 0.002 + 1e-9);
 }

@@ -64,9 +64,9 @@ struct Lab {
     options.seed = 7;
     return options;
   }
-  RunResult build(int most_stones) {
+  RunResult build(int max_stones) {
     BuildOptions options;
-    options.most_stones = most_stones;
+    options.max_stones = max_stones;
     options.search.horizon = 1;
     BuildHooks hooks;
     hooks.listener = [this](const Event& event) {
@@ -76,14 +76,14 @@ struct Lab {
     Cell watched{arm, cell.gripper, cell.force_torque, camera, cell.clock, cell.layout};
     return build_tower(watched, catalogue, robot, options, hooks);
   }
-  [[nodiscard]] std::string said() const { return test::words(heard, catalogue); }
+  [[nodiscard]] std::string message() const { return test::words(heard, catalogue); }
   using Is = std::function<bool(const Event&)>;
   /// From the first event that is `from` to the next that is `to`.
   [[nodiscard]] std::vector<Event> heard_between(const Is& from, const Is& to) const {
     const auto begin = std::find_if(heard.begin(), heard.end(), from);
     const auto end = std::find_if(begin, heard.end(), to);
-    EXPECT_NE(begin, heard.end()) << said();
-    EXPECT_NE(end, heard.end()) << said();
+    EXPECT_NE(begin, heard.end()) << message();
+    EXPECT_NE(end, heard.end()) << message();
     return {begin, end};
   }
 };
@@ -133,8 +133,8 @@ TEST(Ahead, TheArmMovesWhileItIsSearched) {
     return std::nullopt;
   };
   const RunResult result = lab.build(2);
-  EXPECT_FALSE(waited_in_vain) << lab.said();
-  EXPECT_EQ(result.height, 2) << lab.said();
+  EXPECT_FALSE(waited_in_vain) << lab.message();
+  EXPECT_EQ(result.height, 2) << lab.message();
   EXPECT_GT(result.seconds.beside_motion, 0.0);
   EXPECT_FALSE(any_search(lab.heard_between(is_observed, is_level(1)))) << "it is not searched again";
   EXPECT_TRUE(any_found(lab.heard_between(is_level(1), test::is_placed)))
@@ -144,9 +144,9 @@ TEST(Ahead, TheArmMovesWhileItIsSearched) {
 
 TEST(Ahead, OnATowerThatStoodThereBeforeNothingIsSearchedTwice) {
   Lab lab({1, 2, 4});
-  ASSERT_EQ(lab.build(1).height, 1) << lab.said();
+  ASSERT_EQ(lab.build(1).height, 1) << lab.message();
   lab.heard.clear();
-  EXPECT_EQ(lab.build(3).height, 3) << lab.said();
+  EXPECT_EQ(lab.build(3).height, 3) << lab.message();
   EXPECT_TRUE(any_found(lab.heard_between(is_level(2), test::is_placed)));
   EXPECT_FALSE(any_search(lab.heard_between(test::is_placed, is_level(3))));
 }
@@ -157,7 +157,7 @@ TEST(Ahead, AStoneThatOnlyTheSecondViewShowsIsSearchedWith) {
   lab.camera.radius = 0.09;
   lab.camera.p_W_hidden = lab.world.truth().T_W_O[1].translation().head<2>();
   const RunResult result = lab.build(2);
-  EXPECT_EQ(result.height, 2) << lab.said();
+  EXPECT_EQ(result.height, 2) << lab.message();
   const auto is_refined = [](const Event& event) { return std::holds_alternative<CameraRefined>(event); };
   EXPECT_TRUE(any_found(lab.heard_between(is_first, is_refined))) << "by what the first view showed";
   const auto sees_both = [](const Event& event) {
@@ -179,7 +179,7 @@ TEST(Ahead, CtrlCStopsTheArmBeforeTheSearchHasEnded) {
   };
   const RunResult result = lab.build(2);
   EXPECT_EQ(result.end, RunResult::End::kInterrupted);
-  EXPECT_GE(stops_at_search, 1) << lab.said();
+  EXPECT_GE(stops_at_search, 1) << lab.message();
 }
 
 TEST(Ahead, AnArmThatStopsOnItsRouteEndsTheRun) {

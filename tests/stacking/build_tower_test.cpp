@@ -21,7 +21,7 @@ double error_of_base(bool refine_camera) {
   world_options.seed = 7;
   SimulatedCell world(catalogue.stones, {1, 2, 3}, robot, CellLayout{}, world_options);
   BuildOptions options;
-  options.most_stones = 1;
+  options.max_stones = 1;
   options.search.horizon = 1;
   options.refine_camera = refine_camera;
   Cell cell = world.cell();
@@ -46,7 +46,7 @@ TEST(BuildTower, WithoutMeasuringAStoneIsEstimatedWhereItWasPlanned) {
     world_options.seed = 7;
     SimulatedCell world(catalogue.stones, {1, 2, 3}, robot, CellLayout{}, world_options);
     BuildOptions options;
-    options.most_stones = 1;
+    options.max_stones = 1;
     options.search.horizon = 1;
     options.measure_placed = measure;
     Cell cell = world.cell();
@@ -115,7 +115,7 @@ TEST(BuildTower, AGripperThatIsLowOverTheFieldBacksAwayFirst) {
   ASSERT_EQ(cell.arm.follow(*down).status, MotionResult::Status::kDone);
 
   BuildOptions options;
-  options.most_stones = 1;
+  options.max_stones = 1;
   options.search.horizon = 1;
   const RunResult result = build_tower(cell, catalogue, robot, options);
   EXPECT_EQ(result.height, 1) << result.ended;

@@ -92,7 +92,7 @@ TEST(ChooseAction, UnstacksWhereNoMotionClearsTheBase) {
   EXPECT_EQ(why[0].freed, 1);
 
   State never = state;
-  never.options.most_taken_off = 0;
+  never.options.max_unstacked = 0;
   EXPECT_FALSE(std::holds_alternative<Unstack>(decide(never).action));
 }
 
@@ -106,7 +106,7 @@ TEST(ChooseAction, StopsWhenAllStonesArePlaced) {
 TEST(ChooseAction, StopsAtTheHeightThatWasAskedFor) {
   State state = read("place");
   ASSERT_FALSE(state.world.stack.empty());
-  state.options.most_stones = static_cast<int>(state.world.stack.size());
+  state.options.max_stones = static_cast<int>(state.world.stack.size());
   const Decision decision = decide(state);
   ASSERT_TRUE(std::holds_alternative<Stop>(decision.action)) << name_of(decision.action);
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kHeightReached);
@@ -121,7 +121,7 @@ TEST(ChooseAction, StopsAfterAFailureBeforeAllElse) {
   EXPECT_EQ(std::get<Stop>(decision.action).reason, "it fell");
 }
 
-TEST(ChooseAction, LooksForAStoneWhereItWasThenBesideTheSiteThenGivesUp) {
+TEST(ChooseAction, ViewsTheOldPlaceThenTheSiteThenGivesUp) {
   State state = read("stop");
   const int gone = state.world.stack.back().stone;
   state.memory.last_seen[gone] = {0.7, -0.2, 0.03};
@@ -161,7 +161,7 @@ TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
   state.world.loose = {{top.stone, T_W_O, T_W_O}};
   state.memory.last_seen.clear();
   state.memory.failed_grasps[top.stone] = {Pose::Identity()};
-  state.options.most_taken_off = 0;
+  state.options.max_unstacked = 0;
   const Decision decision = decide(state);
   ASSERT_TRUE(std::holds_alternative<Stop>(decision.action)) << name_of(decision.action);
   EXPECT_EQ(std::get<Stop>(decision.action).end, RunEnd::kNoPose);
@@ -189,7 +189,7 @@ TEST(StateFile, IsReadAsItWasWritten) {
       return flat;
     };
     EXPECT_EQ(rounded(path), rounded(path + ".2"));
-    EXPECT_DOUBLE_EQ(again.options.search.least_margin, state.options.search.least_margin);
+    EXPECT_DOUBLE_EQ(again.options.search.min_margin, state.options.search.min_margin);
     std::filesystem::remove(path);
     std::filesystem::remove(path + ".2");
   }

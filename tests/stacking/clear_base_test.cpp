@@ -19,10 +19,10 @@ using namespace simulation;  // the cell that the loop works in here
 
 /// m between the scans of two stones, from samples of the first; negative: they overlap.
 double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, const Pose& T_W_b) {
-  double smallest = 1.0;
+  double min_extent = 1.0;
   for (const SurfaceSample& sample : a.samples)
-    smallest = std::min(smallest, b.distance.distance(T_W_b.inverse() * T_W_a * sample.point));
-  return smallest;
+    min_extent = std::min(min_extent, b.distance.distance(T_W_b.inverse() * T_W_a * sample.point));
+  return min_extent;
 }
 
 /// Slides a stone over the table against another: `from` it (unit, level), as it lies or tilted by some rad.
@@ -51,7 +51,7 @@ void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int 
 
 struct Pushed {
   RunResult result;
-  std::string said;
+  std::string message;
   bool pushed = false;
   std::vector<std::string> decisions;  ///< in its saved states
 };
@@ -76,10 +76,10 @@ Pushed build_and_push(const char* name, const Eigen::Vector3d& from, double tilt
   options.search.horizon = 1;
   options.save_states = true;
   hooks.states_folder = test::states_folder(testing::TempDir(), name);
-  options.search.friction = options.most_friction;
+  options.search.friction = options.max_friction;
   Cell cell = world.cell();
   run.result = build_tower(cell, catalogue, robot, options, hooks);
-  run.said = test::words(run.result.events, catalogue);
+  run.message = test::words(run.result.events, catalogue);
   run.decisions = test::decisions(hooks.states_folder, catalogue, robot);
   return run;
 }
@@ -90,17 +90,17 @@ bool set_down_one(const RunResult& result) {
   });
 }
 
-TEST(ClearBase, AStoneThatLiesAgainstTheTowerIsTakenBackAndBuiltOn) {
+TEST(ClearBase, AStoneThatLeansOnTheTowerIsPulledBackAndBuiltOn) {
   const Pushed run =
       build_and_push("clear_base", -Eigen::Vector3d::UnitX());  // the side that the robot can reach
   EXPECT_TRUE(run.pushed);
-  ASSERT_FALSE(all_of<StoneLeans>(run.result.events).empty()) << run.said;
+  ASSERT_FALSE(all_of<StoneLeans>(run.result.events).empty()) << run.message;
   EXPECT_TRUE(set_down_one(run.result));
-  EXPECT_EQ(run.result.height, 2) << run.said;
+  EXPECT_EQ(run.result.height, 2) << run.message;
   EXPECT_THAT(run.decisions, testing::Contains("clear_base"));
 }
 
-TEST(ClearBase, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
+TEST(ClearBase, AStoneThatCannotBePulledBackComesFreeWithoutTheTower) {
   const Pushed run = build_and_push("unstack", -Eigen::Vector3d::UnitX(), 1.2);
   EXPECT_TRUE(run.pushed);
   const auto refused = all_of<MotionRefused>(run.result.events);
@@ -108,11 +108,11 @@ TEST(ClearBase, WhatCannotBeTakenBackComesFreeWithoutTheTower) {
     return std::holds_alternative<ClearBase>(event.action);
   })) << "else this tests nothing";
   const auto freeing = all_of<UnstackToFree>(run.result.events);
-  ASSERT_FALSE(freeing.empty()) << run.said;
+  ASSERT_FALSE(freeing.empty()) << run.message;
   EXPECT_EQ(freeing[0].top, 2);
   EXPECT_EQ(freeing[0].freed, 1);
   EXPECT_TRUE(set_down_one(run.result));
-  EXPECT_EQ(run.result.height, 2) << run.said;
+  EXPECT_EQ(run.result.height, 2) << run.message;
   EXPECT_THAT(run.decisions, testing::Contains("clear_base"));
   EXPECT_THAT(run.decisions, testing::Contains("unstack"));
 }

@@ -12,13 +12,13 @@ namespace {
 using scripted::Kind;
 using Status = MotionResult::Status;
 
-/// A stone of 1 kg is lifted, carried, lowered and set down; `hangs` says what of it the wrist feels after
-/// the lift, the carry and the lowering.
+/// A stone of 1 kg is lifted, carried, lowered and set down; `carried_masses` says what of it the wrist feels
+/// after the lift, the carry and the lowering.
 struct Carried : scripted::Bench {
-  std::vector<double> hangs;
+  std::vector<double> carried_masses;
   std::vector<double> beside;  ///< level, from where it should pull [m]; nothing said: 0
 
-  explicit Carried(std::vector<double> felt) : hangs(std::move(felt)) {
+  explicit Carried(std::vector<double> felt) : carried_masses(std::move(felt)) {
     PlanStep lift, carry;
     lift.kind = Kind::kLift;
     carry.kind = Kind::kTransit;
@@ -29,9 +29,9 @@ struct Carried : scripted::Bench {
     plan.steps.insert(plan.steps.begin(), lift);
     arm.after_motion = [this] {
       const Eigen::Matrix3d R_W_F = (layout.T_W_R * forward(scene.robot, arm.q)).linear();
-      const double mass = hangs[std::min(hangs.size(), arm.told.size()) - 1];
+      const double mass = carried_masses[std::min(carried_masses.size(), arm.commands.size()) - 1];
       force.wrench.force = R_W_F.transpose() * Eigen::Vector3d(0, 0, -9.81 * mass);
-      const std::size_t motions = arm.told.size();
+      const std::size_t motions = arm.commands.size();
       const Eigen::Vector3d p_W_beside(motions <= beside.size() ? beside[motions - 1] : 0.0, 0, 0);
       const Eigen::Vector3d p_F = layout.T_F_T.translation() + R_W_F.transpose() * p_W_beside;
       force.wrench.torque = p_F.cross(force.wrench.force);
@@ -40,12 +40,12 @@ struct Carried : scripted::Bench {
   ExecutionResult run() { return Bench::run({Status::kNoContact, Status::kContact}); }
 };
 
-TEST(Execute, AStoneThatWasLostOnTheWayIsNotSetDown) {
+TEST(Execute, AStoneLostInTransitIsNotSetDown) {
   Carried cell({1.0, 0.0});
   const auto done = cell.run();
   EXPECT_EQ(done.status, ExecutionResult::Status::kLost);
   EXPECT_THAT(done.reason, testing::HasSubstr("lost on the way"));
-  EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "follow", "open"));
+  EXPECT_THAT(cell.arm.commands, testing::ElementsAre("follow", "follow", "follow", "open"));
   const JointTrajectory& carry = cell.plan.steps[1].trajectory;
   EXPECT_EQ(cell.arm.followed.q.front(), carry.q.back()) << "back as it came";
   EXPECT_EQ(cell.arm.followed.q.back(), carry.q.front());
@@ -54,24 +54,26 @@ TEST(Execute, AStoneThatWasLostOnTheWayIsNotSetDown) {
 TEST(Execute, AStoneThatFallsWhileItIsLoweredIsNotSetDown) {
   Carried cell({1.0, 1.0, 0.0});
   EXPECT_EQ(cell.run().status, ExecutionResult::Status::kLost);
-  EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "lower", "follow", "follow", "open"));
+  EXPECT_THAT(cell.arm.commands,
+              testing::ElementsAre("follow", "follow", "lower", "follow", "follow", "open"));
 }
 
-TEST(Execute, AStopOnTheWayBackWithAnEmptyHandEndsIt) {
+TEST(Execute, AStopOnTheReturnWithAnEmptyGripperEndsIt) {
   Carried cell({1.0, 0.0});
   cell.arm.stops_after = 2;
   EXPECT_EQ(cell.run().status, ExecutionResult::Status::kStopped);
-  EXPECT_THAT(cell.arm.told, testing::ElementsAre("follow", "follow", "follow")) << "nothing after a stop";
+  EXPECT_THAT(cell.arm.commands, testing::ElementsAre("follow", "follow", "follow"))
+      << "nothing after a stop";
 }
 
-TEST(Execute, AStoneThatTurnedInTheHandOnTheWayIsBroughtBack) {
+TEST(Execute, AStoneThatTurnedInTheGripperIsBroughtBack) {
   Carried cell({1.0, 1.0});
   cell.beside = {0.0, 0.07, 0.07, 0.07, 0.07, 0.07};
   const auto done = cell.Bench::run({Status::kContact});
   EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked);
   EXPECT_THAT(done.reason, testing::HasSubstr("turned in the hand: it pulls 70 mm beside"));
   // Lifted, carried, back, down until it touches, a little up so that the fingers can open, and away.
-  EXPECT_THAT(cell.arm.told,
+  EXPECT_THAT(cell.arm.commands,
               testing::ElementsAre("follow", "follow", "follow", "lower", "follow", "open", "follow"));
 }
 
@@ -82,12 +84,12 @@ TEST(Execute, AStoneThatPullsALittleBesideIsSetDown) {
   EXPECT_EQ(cell.run().status, ExecutionResult::Status::kReleased);
 }
 
-TEST(Execute, ForLossTheGripperIsAskedWhereTheWristIsInDoubt) {
-  const auto ends = [](double hangs, bool object, int moving = 0) {
-    Carried cell({1.0, hangs});
+TEST(Execute, TheGripperDecidesWhereTheWristIsUncertain) {
+  const auto ends = [](double carried_masses, bool object, int moving = 0) {
+    Carried cell({1.0, carried_masses});
     cell.gripper.object = object;
     cell.gripper.moving = moving;
-    cell.arm.told.clear();
+    cell.arm.commands.clear();
     cell.plan.steps.erase(cell.plan.steps.begin() + 4, cell.plan.steps.end());  // what lets go
     return cell.run().status;
   };

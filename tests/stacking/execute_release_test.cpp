@@ -31,7 +31,7 @@ struct Released : scripted::Bench {
     gripper.object = true;
     arm.after_motion = [this] {
       const bool retreated = released && lifted;
-      if (!released) lifted = std::count(arm.told.begin(), arm.told.end(), "follow") > 1;
+      if (!released) lifted = std::count(arm.commands.begin(), arm.commands.end(), "follow") > 1;
       hang(retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
     };
     gripper.after_move = [this](double opening) {
@@ -50,25 +50,25 @@ struct Released : scripted::Bench {
   bool released = false;
 };
 
-TEST(ExecuteRelease, TheArmIsToldOfTheStoneAndThatItIsGone) {
+TEST(ExecuteRelease, TheArmReceivesThePayloadWithAndWithoutTheStone) {
   Released cell;
   const auto done = cell.run();
   ASSERT_EQ(done.status, End::kReleased) << done.reason;
-  const double hand = carried_mass(cell.scene.gripper);
+  const double gripper_mass = carried_mass(cell.scene.gripper);
   ASSERT_EQ(cell.arm.payloads.size(), 2u);
-  EXPECT_NEAR(cell.arm.payloads[0], hand + 1.0, 1e-12) << "hand, sensor, camera and stone";
-  EXPECT_NEAR(cell.arm.payloads[1], hand, 1e-12);
-  EXPECT_GT(hand, cell.scene.gripper.mass + 0.3) << "a sensor weighs 0.30 to 0.65 kg";
+  EXPECT_NEAR(cell.arm.payloads[0], gripper_mass + 1.0, 1e-12) << "hand, sensor, camera and stone";
+  EXPECT_NEAR(cell.arm.payloads[1], gripper_mass, 1e-12);
+  EXPECT_GT(gripper_mass, cell.scene.gripper.mass + 0.3) << "a sensor weighs 0.30 to 0.65 kg";
 }
 
 TEST(ExecuteRelease, AStoneThatTheArmRefusesStaysWhereItLies) {
   Released cell;
-  cell.arm.most_payload = 4.0;
+  cell.arm.max_payload = 4.0;
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kNotPicked);
   EXPECT_THAT(done.reason, testing::HasSubstr("the arm carries 4 kg"));
-  EXPECT_EQ(cell.arm.told.back(), "follow") << "closed, opened, and back out";
-  EXPECT_THAT(cell.arm.told, testing::Contains("open").Times(3));
+  EXPECT_EQ(cell.arm.commands.back(), "follow") << "closed, opened, and back out";
+  EXPECT_THAT(cell.arm.commands, testing::Contains("open").Times(3));
 }
 
 TEST(ExecuteRelease, AStoneThatStaysAtAFingerEndsTheRunBeforeTheRetreat) {
@@ -77,7 +77,7 @@ TEST(ExecuteRelease, AStoneThatStaysAtAFingerEndsTheRunBeforeTheRetreat) {
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kStopped);
   EXPECT_THAT(done.reason, testing::HasSubstr("not empty after release"));
-  EXPECT_EQ(cell.arm.told.back(), "open") << "once more, wide; nothing moves after it";
+  EXPECT_EQ(cell.arm.commands.back(), "open") << "once more, wide; nothing moves after it";
   EXPECT_EQ(cell.arm.payloads.back(), carried_mass(cell.scene.gripper) + 1.0) << "the arm holds it still";
 }
 
@@ -86,7 +86,7 @@ TEST(ExecuteRelease, OpeningWiderMayFreeIt) {
   cell.opens_at = 0.12;
   const auto done = cell.run();
   EXPECT_EQ(done.status, End::kReleased) << done.reason;
-  EXPECT_EQ(cell.arm.told.back(), "follow");
+  EXPECT_EQ(cell.arm.commands.back(), "follow");
 }
 
 TEST(ExecuteRelease, AStoneThatComesAlongIsNotCarriedAround) {

@@ -24,7 +24,7 @@ TEST(Execute, DescendsUntilItTouchesAndLetsGo) {
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
   EXPECT_EQ(done.reason, "");
   EXPECT_EQ(done.contact_force, 7.0);
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "descend", "open", "follow"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "lower", "descend", "open", "follow"));
 }
 
 TEST(Execute, WritesWhereItTouched) {
@@ -55,7 +55,7 @@ TEST(Execute, WritesWhereItTouched) {
 
 /// Finger tips that come nearer to the table than the arm is exact stop at what they meet, and close a little
 /// above it.
-TEST(Execute, FeelsItsWayToAGraspNearTheTable) {
+TEST(Execute, ApproachesAGraspNearTheTableByForce) {
   Bench bench;
   PlanStep approach, grasp;
   approach.kind = Kind::kApproach;
@@ -64,24 +64,24 @@ TEST(Execute, FeelsItsWayToAGraspNearTheTable) {
   bench.plan.steps = {approach, grasp};
   bench.gripper.object = true;
   EXPECT_EQ(bench.run({Status::kContact}).status, ExecutionResult::Status::kReleased);
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("lower", "follow", "open"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("lower", "follow", "open"));
   EXPECT_EQ(bench.run({Status::kNoContact}).status, ExecutionResult::Status::kReleased);
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("lower", "open"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("lower", "open"));
   EXPECT_EQ(bench.run({Status::kStopped}).status, ExecutionResult::Status::kStopped);
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("lower"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("lower"));
 }
 
-TEST(Execute, FingersAreSpacedBeforeTheHandOpens) {
+TEST(Execute, FingersAreSpacedBeforeTheGripperOpens) {
   Bench bench;
   PlanStep open;
   open.kind = Kind::kOpen;
   open.spacing = 0.042;
   bench.plan.steps = {open};
   (void)bench.run({});
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("spread", "open"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("spread", "open"));
   bench.plan.steps[0].spacing = 0.0;  // a plan of a hand that has one spacing only
   (void)bench.run({});
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("open"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("open"));
 }
 
 TEST(Execute, WhatTouchesEarlyIsLetGoThere) {
@@ -89,7 +89,7 @@ TEST(Execute, WhatTouchesEarlyIsLetGoThere) {
   const auto done = bench.run({Status::kContact});
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
   EXPECT_THAT(done.reason, testing::HasSubstr("early"));
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "open", "follow"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "lower", "open", "follow"));
 }
 
 TEST(Execute, WhatNeverTouchesIsNotCarriedAround) {
@@ -97,10 +97,10 @@ TEST(Execute, WhatNeverTouchesIsNotCarriedAround) {
   const auto done = bench.run({Status::kNoContact, Status::kNoContact});
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
   EXPECT_THAT(done.reason, testing::HasSubstr("no contact"));
-  EXPECT_EQ(std::count(bench.arm.told.begin(), bench.arm.told.end(), "open"), 1);
+  EXPECT_EQ(std::count(bench.arm.commands.begin(), bench.arm.commands.end(), "open"), 1);
 }
 
-TEST(Execute, WhatDoesNotHangInTheHandIsPutBack) {
+TEST(Execute, AStoneThatTheWristDoesNotMeasureIsPutBack) {
   Bench bench;
   bench.plan.steps.resize(1);
   bench.plan.steps[0].kind = Kind::kLift;
@@ -121,10 +121,10 @@ TEST(Execute, WhatDoesNotHangInTheHandIsPutBack) {
   const auto slipping = hang(0.4, p_F);
   EXPECT_EQ(slipping.status, ExecutionResult::Status::kNotPicked);
   EXPECT_THAT(slipping.reason, testing::HasSubstr("slipped"));
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower", "follow", "open", "follow"))
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "lower", "follow", "open", "follow"))
       << "a little up before the fingers open: they may stand on the table";
   EXPECT_EQ(hang(0.05, p_F).status, ExecutionResult::Status::kNotPicked);
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "open")) << "the stone lies below the hand";
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "open")) << "the stone lies below the hand";
   // A stone that has turned pulls elsewhere; how far below does not matter.
   const auto turned = hang(1.0, p_F + R_W_F.transpose() * Eigen::Vector3d(0.03, 0, 0));
   EXPECT_EQ(turned.status, ExecutionResult::Status::kNotPicked);
@@ -133,7 +133,7 @@ TEST(Execute, WhatDoesNotHangInTheHandIsPutBack) {
             ExecutionResult::Status::kReleased);
 }
 
-TEST(Execute, RetreatsAsFarAsThePlanFoundRoom) {
+TEST(Execute, RetreatsAsFarAsThePlanHasClearance) {
   Bench bench;
   const auto tool = [&](const Joints& q) { return Pose(forward(bench.scene.robot, q) * bench.scene.T_F_T); };
   const auto retreated = [&] {
@@ -149,11 +149,11 @@ TEST(Execute, RetreatsAsFarAsThePlanFoundRoom) {
   EXPECT_NEAR(retreated(), 0.05, 1e-6);
 }
 
-TEST(Execute, NearTheTableTheHandGoesBackBeforeItOpensWide) {
+TEST(Execute, NearTheTableTheGripperRetreatsBeforeItOpensWide) {
   Bench bench;
   bench.plan.steps.insert(bench.plan.steps.begin() + 4, bench.plan.steps[3]);  // let go, then open wide
   static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
-  const std::vector<std::string> high = bench.arm.told;
+  const std::vector<std::string> high = bench.arm.commands;
 
   const auto down = Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX());
   const Pose T_R_F = bench.layout.T_W_R.inverse() * Pose(Eigen::Translation3d(0.7, 0.2, 0.005) * down) *
@@ -162,7 +162,7 @@ TEST(Execute, NearTheTableTheHandGoesBackBeforeItOpensWide) {
   ASSERT_FALSE(near.empty());
   bench.arm.q = near.front().q;
   static_cast<void>(bench.run({Status::kNoContact, Status::kContact}));
-  const std::vector<std::string>& low = bench.arm.told;
+  const std::vector<std::string>& low = bench.arm.commands;
   ASSERT_EQ(low.size(), high.size() + 1) << "one more motion";
   const auto first_open = std::find(low.begin(), low.end(), "open");
   ASSERT_NE(first_open, low.end());
@@ -174,7 +174,7 @@ TEST(Execute, AStopOfTheArmEndsIt) {
   Bench bench;
   const auto done = bench.run({Status::kStopped});
   EXPECT_EQ(done.status, ExecutionResult::Status::kStopped);
-  EXPECT_THAT(bench.arm.told, testing::ElementsAre("follow", "lower")) << "nothing moves after a stop";
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "lower")) << "nothing moves after a stop";
 }
 
 }  // namespace

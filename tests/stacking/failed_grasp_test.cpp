@@ -79,7 +79,7 @@ struct Workplace {
 TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
   Workplace place({1, 2});
   SlipperyGripper gripper(place.devices, place.robot, place.world, 2);
-  place.options.most_stones = 1;
+  place.options.max_stones = 1;
   const RunResult result = place.run(gripper);
   EXPECT_EQ(result.height, 1) << result.ended;
 
@@ -155,7 +155,7 @@ TEST(FailedPlacement, ItsPlanIsNotFollowedAgain) {
   EXPECT_EQ(result.height, 1) << result.ended;
 }
 
-TEST(FailedPlacement, AStoneThatRolledOutOfSightIsLookedForBesideTheSite) {
+TEST(FailedPlacement, AStoneThatRolledOutOfSightIsSearchedBesideTheSite) {
   const RunResult result = run_with_clumsy_gripper(CellLayout{}.site + Eigen::Vector2d(-0.36, 0.1));
   const auto sought = all_of<StoneSought>(result.events);
   ASSERT_FALSE(sought.empty());

@@ -32,7 +32,7 @@ TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
   std::filesystem::remove(path);
 }
 
-TEST(Journal, SaysWhenTheDiskRefuses) {
+TEST(Journal, ReportsWhenTheDiskRefuses) {
   EXPECT_THROW(Journal("/proc/nowhere/journal.jsonl"), FileError);
   Journal journal("/dev/full");
   EXPECT_THROW(journal.record("intent", "{}"), FileError);

@@ -30,7 +30,7 @@ struct ThrowingCamera : DepthCamera {
   }
 };
 
-TEST(LearnFromFall, FrictionsThatWouldHaveHeldAreLessLikelyAndItGoesOn) {
+TEST(LearnFromFall, FrictionsThatContradictTheFallAreLessLikely) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
@@ -42,16 +42,16 @@ TEST(LearnFromFall, FrictionsThatWouldHaveHeldAreLessLikelyAndItGoesOn) {
   BuildOptions options;
   options.search.horizon = 1;
   const RunResult result = build_tower(cell, catalogue, robot, options);
-  const std::string said = test::words(result.events, catalogue);
-  ASSERT_TRUE(camera.thrown) << said;
-  ASSERT_GE(result.placements.size(), 3U) << said;
+  const std::string message = test::words(result.events, catalogue);
+  ASSERT_TRUE(camera.thrown) << message;
+  ASSERT_GE(result.placements.size(), 3U) << message;
   EXPECT_EQ(result.placements[1].outcome, PlacementRecord::Outcome::kFallen);
   // It was sure with all but little friction, so 0.225, 0.35 and 0.475 lose three quarters each.
   const auto learned = all_of<FrictionUpdated>(result.events);
   ASSERT_EQ(learned.size(), 1U);
   EXPECT_DOUBLE_EQ(learned[0].friction.frictions[0], 0.1);
   EXPECT_GT(learned[0].friction.weights[0], 0.105);
-  EXPECT_EQ(result.height, 2) << said;
+  EXPECT_EQ(result.height, 2) << message;
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ struct LosingRun {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   RobotModel robot = read_robot("ur10");
   RunResult result;
-  int lost = -1, lowered_empty = 0, looked_beside = 0, looked_back = 0;
+  int lost = -1, lowered_empty = 0, viewed_beside = 0, viewed_pick = 0;
 
   LosingRun(const std::vector<int>& stones, const Eigen::Vector2d& away) {
     SimulationOptions world_options;
@@ -74,7 +74,7 @@ struct LosingRun {
     options.search.horizon = 1;
     result = build_tower(cell, catalogue, robot, options);
     for (const StoneSought& sought : all_of<StoneSought>(result.events))
-      ++(sought.view.where == LookAgain::Where::kBesideSite ? looked_beside : looked_back);
+      ++(sought.view.where == LookAgain::Where::kBesideSite ? viewed_beside : viewed_pick);
     lost = arm.lost();
     lowered_empty = arm.lowered_empty();
   }
@@ -99,8 +99,8 @@ TEST(LostOnTheRoute, OutOfSightItIsDoneWithout) {
   EXPECT_EQ(run.result.placements[0].outcome, PlacementRecord::Outcome::kDropped);
   EXPECT_EQ(run.result.placements[1].outcome, PlacementRecord::Outcome::kPlaced);
   EXPECT_EQ(run.result.height, 1);
-  EXPECT_LE(run.looked_beside, 4) << "around the site once, not again after the other stone";
-  EXPECT_EQ(run.looked_back, 1) << "where it was, once, too";
+  EXPECT_LE(run.viewed_beside, 4) << "around the site once, not again after the other stone";
+  EXPECT_EQ(run.viewed_pick, 1) << "where it was, once, too";
   EXPECT_EQ(run.result.end, RunResult::End::kAllPlaced);
   EXPECT_THAT(
       run.result.ended,

@@ -32,9 +32,9 @@ struct SeenField {
     Cell cell = world.cell();
     PlanningScene scene = make_planning_scene(cell.layout, robot, catalogue, {});
     const Eigen::Vector2d& field = cell.layout.field_centre;
-    const auto way =
+    const auto route =
         plan_route_to_view(cell, scene, view_poses(cell.layout, {field.x(), field.y(), 0.05}, 0.6), {});
-    view = take_view(cell, robot, way.value());
+    view = take_view(cell, robot, route.value());
     seen = find({});
   }
   [[nodiscard]] std::vector<Sighting> find(const Arrangement& before) const {
@@ -49,7 +49,7 @@ const SeenField& field() {
   return made;
 }
 
-TEST(PlanningSceneOfACell, HoldsTheObstaclesBehindTheStonesAndTheHandsMasses) {
+TEST(PlanningSceneOfACell, ListsTheObstaclesAfterTheStonesAndTheGrippersMasses) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   CellLayout layout;
   layout.obstacles = {{"wall", {make_box({0.1, 1.0, 1.0})}, Pose(Eigen::Translation3d(0.4, 0.0, 0.5))}};

@@ -38,7 +38,7 @@ struct Bench {
 
 /// The last millimetre decides whether a hand gets hold of a flat stone: where none does with the usual room
 /// under the finger tips, some may with less.
-TEST(Reach, WhatNoHandHoldsIsHeldNearerToTheTable) {
+TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   const Bench bench;
   double padding = 0.002;
   while (bench.held_with(padding) && padding < 0.2) padding *= 1.9;

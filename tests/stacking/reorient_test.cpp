@@ -45,23 +45,23 @@ TEST(Reorient, AStoneThatLiesOnTheWrongSideIsReorientedAndPlaced) {
   // On the side that it lies on the stone bears 0.23 g, on its broad side 0.25 g, on the others less: a base
   // that shall bear 0.24 g stands on its broad side. Turning is thought of at the last friction at the
   // latest.
-  options.search.least_margin = 0.24;  // g
+  options.search.min_margin = 0.24;  // g
   options.search.friction = 0.35;
-  options.most_friction = 0.475;
+  options.max_friction = 0.475;
   options.save_states = true;
   BuildHooks hooks;
   hooks.states_folder = test::states_folder(testing::TempDir(), "reorient");
   Cell cell = world.cell();
   const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
-  const std::string said = test::words(result.events, catalogue);
+  const std::string message = test::words(result.events, catalogue);
   const auto set_down = all_of<SetDownBegun>(result.events);
-  ASSERT_FALSE(set_down.empty()) << said;
+  ASSERT_FALSE(set_down.empty()) << message;
   EXPECT_TRUE(set_down[0].reorients);
   EXPECT_EQ(set_down[0].placement.stone, kStone);
-  ASSERT_EQ(result.placements.size(), 2U) << said;
+  ASSERT_EQ(result.placements.size(), 2U) << message;
   EXPECT_EQ(result.placements[0].outcome, PlacementRecord::Outcome::kReoriented);
   EXPECT_EQ(result.placements[1].outcome, PlacementRecord::Outcome::kPlaced);
-  EXPECT_EQ(result.height, 1) << said;
+  EXPECT_EQ(result.height, 1) << message;
   const Eigen::Vector3d n_O_up = world.truth().T_W_O[kStone].linear().row(2).transpose();
   EXPECT_GT(n_O_up.dot(rests[0].R_W_O.inverse() * Eigen::Vector3d::UnitZ()), 0.95) << "on its broad side";
   EXPECT_THAT(test::decisions(hooks.states_folder, catalogue, robot),

@@ -20,7 +20,7 @@ using Status = MotionResult::Status;
 struct ScriptedArm : Arm {
   Joints q = home_joints();
   std::deque<Status> guarded;
-  std::vector<std::string> told;
+  std::vector<std::string> commands;
   int stops_after = -1;      ///< free motions; negative: never
   JointTrajectory followed;  ///< the last one
   std::function<void()> after_motion = [] {};
@@ -31,32 +31,32 @@ struct ScriptedArm : Arm {
     return state;
   }
   MotionResult follow(const JointTrajectory& trajectory) override {
-    told.push_back("follow");
+    commands.push_back("follow");
     followed = trajectory;
     after_motion();
     return {stops_after-- == 0 ? Status::kStopped : Status::kDone, q, 0.0, ""};
   }
   MotionResult follow_guarded(const GuardedMotion& motion) override {
-    told.push_back(motion.threshold > 10 ? "lower" : "descend");
+    commands.push_back(motion.threshold > 10 ? "lower" : "descend");
     const Status status = guarded.front();
     guarded.pop_front();
     after_motion();
     return {status, q, 7.0, "scripted"};
   }
-  void stop() override { told.push_back("stop"); }
+  void stop() override { commands.push_back("stop"); }
   std::vector<double> payloads;  ///< as they were set [kg]
-  double most_payload = 1000.0;  ///< [kg]
+  double max_payload = 1000.0;   ///< [kg]
   void set_payload(double mass, const Eigen::Vector3d&) override {
-    require(mass <= most_payload, "the arm carries ", most_payload, " kg, not ", mass, " kg");
+    require(mass <= max_payload, "the arm carries ", max_payload, " kg, not ", mass, " kg");
     payloads.push_back(mass);
   }
 };
 
 struct ScriptedGripper : Gripper {
-  std::vector<std::string>* told;
+  std::vector<std::string>* commands;
   bool object = false;
   int moving = 0;  ///< states, before it says that it rests
-  explicit ScriptedGripper(std::vector<std::string>* t) : told(t) {}
+  explicit ScriptedGripper(std::vector<std::string>* t) : commands(t) {}
   GripperState state() override {
     GripperState state;
     state.moving = moving > 0;
@@ -65,11 +65,11 @@ struct ScriptedGripper : Gripper {
   }
   std::function<void(double)> after_move = [](double) {};
   GripperState move(double opening, double, double) override {
-    told->push_back("open");
+    commands->push_back("open");
     after_move(opening);
     return state();
   }
-  void spread(double) override { told->push_back("spread"); }
+  void spread(double) override { commands->push_back("spread"); }
 };
 
 struct ScriptedForce : ForceTorqueSensor {
@@ -84,7 +84,7 @@ struct NoCamera : DepthCamera {
 
 struct Bench {
   ScriptedArm arm;
-  ScriptedGripper gripper{&arm.told};
+  ScriptedGripper gripper{&arm.commands};
   ScriptedForce force;
   NoCamera camera;
   std::unique_ptr<Clock> clock = make_steady_clock();
@@ -108,7 +108,7 @@ struct Bench {
     plan.steps[1].threshold = 20.0;  // lowered with the stone in the hand
   }
   ExecutionResult run(std::deque<Status> guarded) {
-    arm.told.clear();
+    arm.commands.clear();
     arm.payloads.clear();
     force.at_zero = {};
     arm.guarded = std::move(guarded);

@@ -15,11 +15,11 @@ const ShapeList& slabs() {
   return list;
 }
 
-/// The stack as it rests when it was measured like that; `let_down`: its stones are let down one by one
+/// The stack as it rests when it was measured like that; `lowered`: its stones are let down one by one
 /// first.
-Stack settled(const Stack& seen, bool let_down = false) {
+Stack settled(const Stack& seen, bool lowered = false) {
   std::vector<MeasuredStone> measured;
-  for (const StoneEstimate& stone : as_estimates(seen.stones)) measured.push_back({stone, let_down});
+  for (const StoneEstimate& stone : as_estimates(seen.stones)) measured.push_back({stone, lowered});
   Stack stack;
   for (const StoneEstimate& stone : settle_stack(slabs(), measured, kFriction))
     stack.stones.push_back({stone.stone, stone.T_W_O_at_rest});
@@ -39,14 +39,14 @@ bool stands(const Stack& stack) {
   return verdict.stands && verdict.clean;
 }
 
-TEST(SettleStack, AStackThatStandsIsLeftAsItIs) {
+TEST(SettleStack, AStableStackIsLeftAsItIs) {
   const Stack seen = two(0.0, 0.0);
   const Stack resting = settled(seen);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_EQ(resting.stones[i].T_W_O.matrix(), seen.stones[i].T_W_O.matrix());
 }
 
-TEST(SettleStack, WhatFloatsByTheCamerasErrorIsLetDown) {
+TEST(SettleStack, AStoneThatFloatsByTheCamerasErrorIsLowered) {
   const Stack seen = two(0.0015, 0.0);
   ASSERT_FALSE(stands(seen)) << "1.5 mm above: it falls by more than a stack that stands may move";
   const Stack resting = settled(seen);
@@ -95,7 +95,7 @@ TEST(SettleStack, WhereAStoneWasSeenStaysApartFromWhereItRests) {
   EXPECT_NEAR(estimates[1].T_W_O_at_rest.translation().z(), 0.075, 1e-4);
 }
 
-TEST(RestingStacks, SayAtWhichFrictionsAStackStands) {
+TEST(RestingStacks, ReportTheFrictionsAtWhichAStackIsStable) {
   Stack stack = two(0.0, 0.0);
   const auto resting = resting_stacks(slabs(), stack, {}, {0.1, 0.4});
   ASSERT_EQ(resting.size(), 2U);

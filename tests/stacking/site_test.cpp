@@ -27,7 +27,7 @@ CameraView look_down(const Eigen::Vector2d& p_W) {
   return view;
 }
 
-TEST(SiteIn, TellsTableThingsAndNothingApart) {
+TEST(SiteIn, DistinguishesTableObjectsAndNothing) {
   const Eigen::Vector2d site(0.7, 0.28);
   EXPECT_EQ(site_in({look_down(site)}, site), SiteStatus::kFree);
   EXPECT_EQ(site_in({look_down(site - Eigen::Vector2d(0, 0.8))}, site), SiteStatus::kUnseen);
@@ -47,39 +47,39 @@ struct Started {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   RobotModel robot = read_robot("ur10");
   std::unique_ptr<SimulatedCell> world;
-  std::string said;
+  std::string message;
 
   explicit Started(const std::vector<int>& present) {
     SimulationOptions options;
     options.seed = 7;
     world = std::make_unique<SimulatedCell>(catalogue.stones, present, robot, CellLayout{}, options);
   }
-  RunResult build(int most_stones, const Catalogue& known) {
+  RunResult build(int max_stones, const Catalogue& known) {
     BuildOptions options;
-    options.most_stones = most_stones;
+    options.max_stones = max_stones;
     options.search.horizon = 1;
     Cell cell = world->cell();
     RunResult result = build_tower(cell, known, robot, options);
-    said = test::words(result.events, known);
+    message = test::words(result.events, known);
     return result;
   }
 };
 
-TEST(Site, ATowerThatStandsThereIsBuiltOn) {
+TEST(Site, AnExistingTowerIsBuiltOn) {
   Started lab({1, 2, 3});
   const RunResult first = lab.build(2, lab.catalogue);
-  ASSERT_EQ(first.height, 2) << lab.said;
+  ASSERT_EQ(first.height, 2) << lab.message;
   EXPECT_TRUE(all_of<SiteOccupied>(first.events).empty());
   const Truth before = lab.world->truth();
   const RunResult second = lab.build(3, lab.catalogue);
   EXPECT_EQ(all_of<SiteOccupied>(second.events).size(), 1U);
-  EXPECT_EQ(second.height, 3) << lab.said;
+  EXPECT_EQ(second.height, 3) << lab.message;
   using Outcome = PlacementRecord::Outcome;
   ASSERT_FALSE(second.placements.empty());
-  EXPECT_EQ(second.placements.back().outcome, Outcome::kPlaced) << lab.said;
+  EXPECT_EQ(second.placements.back().outcome, Outcome::kPlaced) << lab.message;
   for (const PlacementRecord& record : second.placements) {
     EXPECT_EQ(record.stone, second.placements.back().stone) << "only the third stone is touched";
-    EXPECT_NE(record.outcome, Outcome::kUnstacked) << lab.said;
+    EXPECT_NE(record.outcome, Outcome::kUnstacked) << lab.message;
   }
   for (std::size_t i = 0; i < 2; ++i) {
     const auto stone = static_cast<std::size_t>(first.world.stack[i].stone);
@@ -96,7 +96,7 @@ TEST(Site, WhatNoViewShowsIsNotBuiltOn) {
   blind.radius = 0.15;
   Cell cell{seeing.arm, seeing.gripper, seeing.force_torque, blind, seeing.clock, seeing.layout};
   BuildOptions options;
-  options.most_stones = 1;
+  options.max_stones = 1;
   const RunResult result = build_tower(cell, lab.catalogue, lab.robot, options);
   EXPECT_EQ(result.end, RunResult::End::kNoPose);
   EXPECT_THAT(result.ended, HasSubstr("no view shows whether something stands at the site"));

@@ -9,7 +9,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kGravity = 9.81;
-const HandMass kHand{2.3, {0.01, -0.02, 0.12}};
+const GripperMass kGripper{2.3, {0.01, -0.02, 0.12}};
 
 /// Carries the hand and perhaps a stone, as the arm stands.
 struct LoadedSensor : ForceTorqueSensor {
@@ -23,9 +23,10 @@ struct LoadedSensor : ForceTorqueSensor {
   LoadedSensor(const RobotModel& r, const scripted::ScriptedArm& a) : robot(r), arm(a) {}
   [[nodiscard]] Wrench raw() const {
     const Eigen::Vector3d n_F_down = -(layout.T_W_R * forward(robot, arm.q)).linear().row(2).transpose();
-    const Eigen::Vector3d f_hand = kGravity * kHand.mass * n_F_down, f_stone = kGravity * stone * n_F_down;
-    return {f_hand + f_stone + Eigen::Vector3d(1, 2, 3),
-            kHand.p_F_hand.cross(f_hand) + p_F_stone.cross(f_stone)};
+    const Eigen::Vector3d f_gripper = kGravity * kGripper.mass * n_F_down,
+                          f_stone = kGravity * stone * n_F_down;
+    return {f_gripper + f_stone + Eigen::Vector3d(1, 2, 3),
+            kGripper.p_F_gripper.cross(f_gripper) + p_F_stone.cross(f_stone)};
   }
   Wrench read() override {
     Wrench wrench = raw();
@@ -36,15 +37,15 @@ struct LoadedSensor : ForceTorqueSensor {
   void zero() override { zero_reading = raw(); }
 };
 
-TEST(Wrist, WeighsTheStoneAlsoInAHandThatIsTiltedOtherwiseThanWhenItWasZeroed) {
+TEST(Wrist, WeighsTheStoneInAGripperTiltedSinceItsTare) {
   const RobotModel robot = read_robot("ur10");
   scripted::ScriptedArm arm;
-  scripted::ScriptedGripper gripper(&arm.told);
+  scripted::ScriptedGripper gripper(&arm.commands);
   LoadedSensor sensor(robot, arm);
   scripted::NoCamera camera;
   const auto clock = make_steady_clock();
   Cell cell{arm, gripper, sensor, camera, *clock, sensor.layout};
-  Wrist wrist(cell, robot, kHand);
+  Wrist wrist(cell, robot, kGripper);
   wrist.zero();
   for (const double tilt : {0.0, 0.3, -0.5}) {
     arm.q[4] = home_joints()[4] + tilt;

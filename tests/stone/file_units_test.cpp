@@ -19,7 +19,7 @@ std::string problem_of(double longest, const std::string& units, double scale) {
   return "";
 }
 
-TEST(FileUnits, AutoTakesTheUnitThatMakesAHandSizeStone) {
+TEST(FileUnits, AutoChoosesTheUnitThatMakesAGraspableStone) {
   const auto metres = [](double longest, double scale) {
     return file_scale(longest, "auto", scale, "rock.obj").metres_per_unit;
   };

@@ -25,7 +25,7 @@ bool is_star_shaped(const Mesh& mesh) {
 }
 
 TEST(Limestone, IsRubbleForFiftySeeds) {
-  double least = 1.0, most = 0.0;
+  double min = 1.0, max = 0.0;
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const Mesh stone = make_limestone(seed);
     EXPECT_TRUE(is_closed(stone)) << "seed " << seed;
@@ -39,10 +39,10 @@ TEST(Limestone, IsRubbleForFiftySeeds) {
     const double full = fullness(stone);
     EXPECT_GE(full, 0.80) << "seed " << seed;
     EXPECT_LE(full, 0.90) << "seed " << seed;
-    least = std::min(least, full);
-    most = std::max(most, full);
+    min = std::min(min, full);
+    max = std::max(max, full);
   }
-  EXPECT_GT(most - least, 0.03) << "stones differ";
+  EXPECT_GT(max - min, 0.03) << "stones differ";
 }
 
 TEST(Limestone, SameSeedSameStone) {
@@ -55,15 +55,15 @@ TEST(Limestone, SameSeedSameStone) {
 TEST(Limestone, KeepsToItsOptions) {
   LimestoneOptions options;
   options.faces = 1000;
-  options.smallest = options.largest = 0.10;
-  options.least_full = 0.84;
-  options.most_full = 0.87;
+  options.min_extent = options.max_extent = 0.10;
+  options.min_fullness = 0.84;
+  options.max_fullness = 0.87;
   const Mesh stone = make_limestone(3, options);
   EXPECT_LE(stone.faces.size(), 1000U);
   EXPECT_NEAR(bounds(stone).sizes().x(), 0.10, 0.002);
   EXPECT_GE(fullness(stone), 0.84);
   EXPECT_LE(fullness(stone), 0.87);
-  options.smallest = 0.5;
+  options.min_extent = 0.5;
   EXPECT_THROW((void)make_limestone(3, options), InvalidArgument);
 }
 
@@ -72,8 +72,8 @@ TEST(Limestone, IsMadeOfFewFacesToo) {
   for (const int faces : {320, 500})
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       LimestoneOptions options;
-      options.smallest = 0.12;
-      options.largest = 0.16;
+      options.min_extent = 0.12;
+      options.max_extent = 0.16;
       options.faces = faces;
       const Mesh stone = make_limestone(seed, options);
       EXPECT_LE(stone.faces.size(), static_cast<std::size_t>(faces));
@@ -88,7 +88,7 @@ double jaggedness(const Mesh& mesh) {
 }
 
 /// Means of two measures of shape over some stones.
-struct Likeness {
+struct Alternatives {
   double full = 0.0, jagged = 0.0;
   void add(const Mesh& stone, int of) {
     full += fullness(stone) / of;
@@ -98,17 +98,17 @@ struct Likeness {
 
 constexpr int kStones = 16;
 /// Sixteen scanned rocks of this size, stone_150 to stone_178 of github.com/qianqing-wanggg/StonePacking-3D.
-const Likeness kRocks{0.8577, 6.4407};
+const Alternatives kRocks{0.8577, 6.4407};
 
 /// The generated stones are as full, as compact and as jagged on average as real rocks.
 TEST(Limestone, ResemblesScannedRocks) {
-  Likeness made;
+  Alternatives made;
   for (std::uint64_t seed = 1; seed <= kStones; ++seed) made.add(make_limestone(seed), kStones);
   EXPECT_NEAR(made.full, kRocks.full, 0.03);
   EXPECT_NEAR(made.jagged / kRocks.jagged, 1.0, 0.12);
   const std::string folder = STONESTACK_SOURCE_DIR "/../shared/stones/scans/";
   if (!std::filesystem::exists(folder)) return;  // the rocks' own figures are seen where the scans are
-  Likeness rocks;
+  Alternatives rocks;
   for (const int number : {150, 151, 153, 154, 156, 158, 159, 160, 161, 163, 166, 174, 175, 176, 177, 178})
     rocks.add(read_mesh(folder + "stone_" + std::to_string(number) + ".obj"), kStones);
   EXPECT_NEAR(rocks.full, kRocks.full, 1e-3);

@@ -41,7 +41,7 @@ TEST(ModelStone, WeighsABoxAndPutsItsOriginAtTheCentreOfMass) {
   EXPECT_TRUE(stone.T_O_file.linear().isIdentity());
 }
 
-TEST(ModelStone, FileFrameScaledToMetresLiesWhereItSays) {
+TEST(ModelStone, FileFrameScaledToMetresIsWhereTheFileStates) {
   Mesh scan = transformed(make_box(100.0 * kSize), make_pose({30.0, 0.0, 7.0}));  // cm
   ModelOptions options;
   options.units = "cm";
@@ -100,7 +100,7 @@ TEST(ModelStone, RefusesWhatIsNoStone) {
   EXPECT_THAT(problem_of(flat), HasSubstr("no volume"));
 }
 
-TEST(ModelStone, WhatAMeshLibraryThrowsIsSaidOfTheFile) {
+TEST(ModelStone, AnErrorOfTheMeshLibraryNamesTheFile) {
   const auto problem = [](const auto& throws) -> std::string {
     try {
       blame_file("rock.obj", [&]() -> int { throw throws; });

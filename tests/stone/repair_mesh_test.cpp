@@ -49,7 +49,7 @@ TEST(RepairMesh, LeavesASoundMeshAsItIs) {
   EXPECT_DOUBLE_EQ(volume(repaired.mesh), volume(box));
 }
 
-TEST(RepairMesh, JoinsASoupWithFacesEitherWayRound) {
+TEST(RepairMesh, JoinsASoupOfMixedOrientation) {
   const Mesh sphere = scaled(make_geodesic(6), 0.1);
   Mesh soup = torn(sphere);
   Random random(4);
@@ -66,7 +66,7 @@ TEST(RepairMesh, TurnsAMeshThatLooksInwards) {
   EXPECT_NEAR(volume(repair_mesh(box, "box").mesh), 0.001, 1e-12);
 }
 
-TEST(RepairMesh, KeepsTheLargestPartAndSaysSo) {
+TEST(RepairMesh, KeepsTheLargestPartAndReportsIt) {
   const Mesh scan = joined({scaled(make_geodesic(5), 0.1), moved(make_box({0.01, 0.01, 0.01}), {0.3, 0, 0})});
   const RepairedMesh repaired = repair_mesh(scan, "scan");
   EXPECT_EQ(repaired.mesh.faces.size(), 500U);

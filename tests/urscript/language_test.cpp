@@ -20,7 +20,7 @@ TEST(Language, Expressions) {
   EXPECT_EQ(bench.value("1e-3 * 2"), "0.002");
   EXPECT_EQ(bench.value("2147483647 + 1"), "-2147483648") << "integers have 32 bits";
   EXPECT_EQ(bench.value("-(-2147483647 - 1)"), "-2147483648");
-  EXPECT_EQ(bench.say("def a():\n def f(x=4294967295):\n  return x\n end\n textmsg(f())\nend\n"), "-1")
+  EXPECT_EQ(bench.output("def a():\n def f(x=4294967295):\n  return x\n end\n textmsg(f())\nend\n"), "-1")
       << "wherever they are written";
   EXPECT_EQ(bench.value("0x"), "");
   EXPECT_THAT(bench.exceptions, HasSubstr("syntax_error_on_line:2"));
@@ -54,34 +54,34 @@ TEST(Language, NothingOfAnAbsentSideIsEvaluated) {
 
 TEST(Language, FunctionsSeeTheProgramsVariables) {
   MachineBench bench;
-  EXPECT_EQ(bench.say("def scopes():\n"
-                      "  $ 2 \"a node of PolyScope\"\n"
-                      "  global g = 1\n"
-                      "  outer = 10\n"
-                      "  def late():\n"
-                      "    return below(2) + outer\n"  // defined below
-                      "  end\n"
-                      "  def below(x, factor=3, offset=-1):\n"
-                      "    local outer = 100\n"
-                      "    outer = outer + x\n"
-                      "    g = g + 1\n"
-                      "    mine = x * factor + offset\n"
-                      "    return mine\n"
-                      "  end\n"
-                      "  mine = 7\n"
-                      "  textmsg(late(), \" \")\n"
-                      "  textmsg(below(1, offset=0))\n"
-                      "  textmsg([outer, g])\n"
-                      "  l = [1, [2, 3]]\n"
-                      "  l[1][0] = 9\n"
-                      "  l[1, 1] = 8\n"
-                      "  copy = l\n"
-                      "  copy[0] = 5\n"
-                      "  textmsg(l)\n"
-                      "  pose = p[0,0,0,0,0,0]\n"
-                      "  pose[2] = 0.5\n"
-                      "  textmsg(pose)\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def scopes():\n"
+                         "  $ 2 \"a node of PolyScope\"\n"
+                         "  global g = 1\n"
+                         "  outer = 10\n"
+                         "  def late():\n"
+                         "    return below(2) + outer\n"  // defined below
+                         "  end\n"
+                         "  def below(x, factor=3, offset=-1):\n"
+                         "    local outer = 100\n"
+                         "    outer = outer + x\n"
+                         "    g = g + 1\n"
+                         "    mine = x * factor + offset\n"
+                         "    return mine\n"
+                         "  end\n"
+                         "  mine = 7\n"
+                         "  textmsg(late(), \" \")\n"
+                         "  textmsg(below(1, offset=0))\n"
+                         "  textmsg([outer, g])\n"
+                         "  l = [1, [2, 3]]\n"
+                         "  l[1][0] = 9\n"
+                         "  l[1, 1] = 8\n"
+                         "  copy = l\n"
+                         "  copy[0] = 5\n"
+                         "  textmsg(l)\n"
+                         "  pose = p[0,0,0,0,0,0]\n"
+                         "  pose[2] = 0.5\n"
+                         "  textmsg(pose)\n"
+                         "end\n"),
             "15 |3|[10,3]|[1,[9,8]]|p[0,0,0.5,0,0,0]");
 }
 
@@ -117,25 +117,25 @@ TEST(Language, PoseFunctions) {
 
 TEST(Language, ControlFlow) {
   MachineBench bench;
-  EXPECT_EQ(bench.say("def flow():\n"
-                      "  i = 0\n"
-                      "  while True:\n"
-                      "    i = i + 1\n"
-                      "    if i == 2:\n"
-                      "      continue\n"
-                      "    elif i == 3 or\n"  // goes on in the next line
-                      "        i == 4:\n"
-                      "      textmsg(\"three or four \", i)\n"
-                      "    elif i > 5:\n"
-                      "      break\n"
-                      "    else:\n"
-                      "      textmsg(i)\n"
-                      "    end\n"
-                      "  end\n"
-                      "  textmsg(\"end\")\n"
-                      "  halt\n"
-                      "  textmsg(\"never\")\n"
-                      "end\n"),
+  EXPECT_EQ(bench.output("def flow():\n"
+                         "  i = 0\n"
+                         "  while True:\n"
+                         "    i = i + 1\n"
+                         "    if i == 2:\n"
+                         "      continue\n"
+                         "    elif i == 3 or\n"  // goes on in the next line
+                         "        i == 4:\n"
+                         "      textmsg(\"three or four \", i)\n"
+                         "    elif i > 5:\n"
+                         "      break\n"
+                         "    else:\n"
+                         "      textmsg(i)\n"
+                         "    end\n"
+                         "  end\n"
+                         "  textmsg(\"end\")\n"
+                         "  halt\n"
+                         "  textmsg(\"never\")\n"
+                         "end\n"),
             "1|three or four 3|three or four 4|5|end");
 }
 
@@ -155,14 +155,14 @@ TEST(Language, FindsTheEndOfAProgramInAStream) {
 
 TEST(Language, OnlyWhatTheLibraryHasIsCalled) {
   MachineBench bench;
-  bench.say("def a():\n  movej([0,0,0,0,0,0])\nend\n");
+  bench.output("def a():\n  movej([0,0,0,0,0,0])\nend\n");
   EXPECT_THAT(bench.exceptions, HasSubstr("compile_error_name_not_found:movej"));
   EXPECT_EQ(bench.texts, "");
 }
 
 TEST(Language, FunctionsActOnTheHost) {
   MachineBench bench;
-  EXPECT_EQ(bench.say("def a():\n  textmsg(add_up(2))\n  textmsg(add_up(3))\nend\n"), "2|5");
+  EXPECT_EQ(bench.output("def a():\n  textmsg(add_up(2))\n  textmsg(add_up(3))\nend\n"), "2|5");
   EXPECT_EQ(bench.sum, 5);
 }
 

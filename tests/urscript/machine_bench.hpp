@@ -28,14 +28,14 @@ struct MachineBench : Host {
   }
 
   /// .|Texts of textmsg until the program ended, lines joined by |.|.
-  std::string say(const std::string& source, int most_steps = 1000) {
+  std::string output(const std::string& source, int max_steps = 1000) {
     texts.clear();
     exceptions.clear();
     const Library library(functions());
     try {
       Machine machine(compile(source, [&](const std::string& name) { return library.index(name); }), library,
                       *this);
-      while (most_steps-- > 0 && machine.state() == Machine::State::kRunning) machine.step();
+      while (max_steps-- > 0 && machine.state() == Machine::State::kRunning) machine.step();
       note(machine.error());
     } catch (const CompileError& error) {
       note(error);
@@ -44,7 +44,7 @@ struct MachineBench : Host {
   }
   /// An expression as textmsg prints it.
   std::string value(const std::string& expression) {
-    return say("def v():\n textmsg(" + expression + ")\nend\n");
+    return output("def v():\n textmsg(" + expression + ")\nend\n");
   }
 
  private:

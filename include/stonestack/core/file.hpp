@@ -10,9 +10,9 @@
 /// Reading and writing whole files, so that parsers parse memory and nothing is left half-written.
 namespace stonestack::core {
 
-/// Reads a regular file of at most `largest` bytes. Throws FileError (missing, a folder, too large,
+/// Reads a regular file of at most `max_bytes` bytes. Throws FileError (missing, a folder, too large,
 /// unreadable).
-[[nodiscard]] std::string read_file(const std::string& path, std::size_t largest);
+[[nodiscard]] std::string read_file(const std::string& path, std::size_t max_bytes);
 /// Writes to a temporary file beside `path` and renames it, so that a reader sees the old or the new file and
 /// never a part; it is on the disk before it gets its name. Into a device or pipe it writes directly. Makes
 /// missing folders. Throws FileError.

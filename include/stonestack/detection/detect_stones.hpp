@@ -17,7 +17,7 @@ namespace stonestack::detection {
 
 /// An alternative explanation: another pose of a stone of nearly symmetric shape, or another stone of like
 /// shape.
-struct LikePose {
+struct AlternativePose {
   Pose T_C_O = Pose::Identity();
   double weight = 0.0;  ///< of all together 1
   int stone = -1;       ///< index into the models
@@ -32,9 +32,9 @@ struct Detection {
   double visible = 0.0;       ///< share of the model's surface that this view saw
   Eigen::Matrix<double, 6, 6> covariance =
       Eigen::Matrix<double, 6, 6>::Zero();  ///< (translation m, rotation rad) in C; spans the stone's own
-                                            ///< `likes`, too, supposing that it is this stone
+                                            ///< `alternatives`, too, supposing that it is this stone
   double certainty = 1.0;  ///< of this stone in this pose: a cube has 24, and another stone may look alike
-  std::vector<LikePose> likes;  ///< what fits nearly as well, the best first
+  std::vector<AlternativePose> alternatives;  ///< what fits nearly as well, the best first
 };
 
 struct DetectionTrace;

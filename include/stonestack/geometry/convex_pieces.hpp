@@ -9,8 +9,8 @@ namespace stonestack::geometry {
 
 /// Options of `convex_pieces`.
 struct ConvexPiecesOptions {
-  int most = 5;             ///< pieces; coarser until it fits (measured: more are 3 to 4 times slower)
-  int most_vertices = 64;   ///< vertices a piece
+  int max_pieces = 5;       ///< pieces; coarser until it fits (measured: more are 3 to 4 times slower)
+  int max_vertices = 64;    ///< vertices a piece
   double concavity = 30.0;  ///< HACD's concavity to start from, of 1000
 };
 

@@ -24,7 +24,7 @@ struct HandEyeCalibration {
   HandEyeResult result;
   HandEyeSolution chosen;             ///< of the method that was asked for
   std::optional<HandEyeCheck> check;  ///< of the file that was named
-  std::string doubt;                  ///< why `chosen` is no calibration; empty if it is one
+  std::string uncertainty;            ///< why `chosen` is no calibration; empty if it is one
   std::vector<std::string> warnings;  ///< about `chosen` and `check`
 };
 
@@ -48,10 +48,10 @@ struct HandEyeCalibrationOptions {
 /// JSON text of schema stonestack.calibrate/1.
 [[nodiscard]] std::string calibration_json(const HandEyeCalibration& calibration);
 /// Writes the chosen result as an easy_handeye file, with the frame names and other parameters of the file
-/// `like`, or with those of a UR arm where that is empty.
+/// `alternative`, or with those of a UR arm where that is empty.
 /// @throws FileError
 void write_calibration(const std::string& path, const HandEyeCalibration& calibration,
-                       const std::string& like = "");
+                       const std::string& alternative = "");
 
 }  // namespace stonestack::kinematics
 

@@ -41,21 +41,21 @@ struct JointState {
 struct RobotModel;
 
 /// Where the tip of the tool may be: a box along the axes of W.
-struct ToolRoom {
+struct ToolWorkspace {
   Eigen::AlignedBox3d box;        ///< m in W
   Pose T_W_R = Pose::Identity();  ///< as calibrated
   Pose T_F_T = Pose::Identity();  ///< as calibrated
 };
 
 /// m that plans stay inside of it, for rounded corners.
-inline constexpr double kRoomMargin = 0.002;
+inline constexpr double kWorkspaceMargin = 0.002;
 
 /// m by which the tip at `q` is outside the robot's room, along the axis where it is most; negative inside,
 /// and where the robot has no room.
-[[nodiscard]] double outside_room(const RobotModel& robot, const Joints& q);
+[[nodiscard]] double outside_workspace(const RobotModel& robot, const Joints& q);
 /// "the tool at (0.9, 0, 0.3) m leaves the workspace, ..." where it is further outside than `slack` m, else
 /// empty.
-[[nodiscard]] std::string describe_outside_room(const RobotModel& robot, const Joints& q, double slack);
+[[nodiscard]] std::string describe_outside_workspace(const RobotModel& robot, const Joints& q, double slack);
 
 /// A capsule on a link: all points within `radius` of a segment, in the link's frame.
 struct LinkCapsule {
@@ -82,9 +82,9 @@ struct RobotModel {
   /// The URDF's chain departs from the DH chain by more than 1e-9 (a factory calibration): inverse solutions
   /// are polished on the chain.
   bool calibrated = false;
-  std::vector<LinkCapsule> capsules;  ///< collision shape
-  double payload = 10.0;              ///< [kg]
-  std::optional<ToolRoom> room;       ///< where a cell lets the tool go; empty: anywhere
+  std::vector<LinkCapsule> capsules;       ///< collision shape
+  double payload = 10.0;                   ///< [kg]
+  std::optional<ToolWorkspace> workspace;  ///< where a cell lets the tool go; empty: anywhere
 };
 
 /// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. A file NAME.yaml beside it may

@@ -25,7 +25,7 @@ struct MotionOptions {
   double transit_padding = 0.010;   ///< [m]
   double approach_padding = 0.002;  ///< [m]
   double approach_speed = 0.10;     ///< m/s of the tool on straight approaches, lifts and retreats
-  double least_threshold = 5.0;     ///< contact at the descent [N]
+  double min_threshold = 5.0;       ///< contact at the descent [N]
   double early_threshold = 20.0;    ///< contact while the stone is lowered towards the guarded descent [N]
   double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
   bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
@@ -49,7 +49,7 @@ struct PlanStep {
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of
-/// `least_threshold`, six times `force_noise` and 35 % of its weight. Throws InvalidArgument for
+/// `min_threshold`, six times `force_noise` and 35 % of its weight. Throws InvalidArgument for
 /// a mass that is none.
 [[nodiscard]] double contact_threshold(double mass, const MotionOptions& options = {});
 

@@ -26,22 +26,22 @@ struct GripperBox {
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
 /// (measured on the meshes that Robotiq publishes).
 struct GripperModel {
-  double largest_opening = 0.155;  ///< [m]
-  double smallest_object = 0.020;  ///< [m]
-  double finger_width = 0.031;     ///< along y [m]
-  double finger_spacing = 0.073;   ///< between B and C where their pads are [m]
-  double narrow_spacing = 0.042;   ///< the same with B and C drawn together [m]; 0: the hand cannot
-  double pad_length = 0.040;       ///< along z, ends at the tip (z of T = 0) [m]
-  double force = 60.0;             ///< N a finger
-  double friction = 0.5;           ///< rubber on stone
-  double pad_thickness = 0.005;    ///< m of rubber
-  double pad_stiffness = 1.5e8;    ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
-  double pad_shear = 5e7;          ///< N/m^3, sideways: a third of it
-  double mass = 2.5;               ///< of the gripper alone [kg]
-  double sensor_mass = 0.65;       ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
-  double camera_mass = 0.20;       ///< of camera, bracket and cable [kg]; ours
-  double payload = 2.5;            ///< kg at the finger tips
-  std::vector<GripperBox> boxes;   ///< fingers, palm, sensor, camera
+  double max_opening = 0.155;     ///< [m]
+  double min_object = 0.020;      ///< [m]
+  double finger_width = 0.031;    ///< along y [m]
+  double finger_spacing = 0.073;  ///< between B and C where their pads are [m]
+  double narrow_spacing = 0.042;  ///< the same with B and C drawn together [m]; 0: the hand cannot
+  double pad_length = 0.040;      ///< along z, ends at the tip (z of T = 0) [m]
+  double force = 60.0;            ///< N a finger
+  double friction = 0.5;          ///< rubber on stone
+  double pad_thickness = 0.005;   ///< m of rubber
+  double pad_stiffness = 1.5e8;   ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
+  double pad_shear = 5e7;         ///< N/m^3, sideways: a third of it
+  double mass = 2.5;              ///< of the gripper alone [kg]
+  double sensor_mass = 0.65;      ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
+  double camera_mass = 0.20;      ///< of camera, bracket and cable [kg]; ours
+  double payload = 2.5;           ///< kg at the finger tips
+  std::vector<GripperBox> boxes;  ///< fingers, palm, sensor, camera
 };
 /// With its boxes.
 [[nodiscard]] GripperModel make_robotiq_3f();
@@ -86,22 +86,22 @@ struct PlanningScene {
 /// narrowest horizontal width of a stone that stands on a table [m]: over its poses of rest (`rest_poses`)
 /// and all turns about the vertical. A hand from above that is to hold it about its middle opens that wide at
 /// least. 0 for a stone without a firm pose of rest. Throws InvalidArgument as `rest_poses`.
-[[nodiscard]] double least_width_at_rest(const Stone& stone);
+[[nodiscard]] double min_width_at_rest(const Stone& stone);
 
 /// Why no grasp from above picks the stone up, however it lies: "162 mm across, the fingers open 155 mm";
 /// empty if its weight and its width do not stand in the way. Throws InvalidArgument as `rest_poses`.
-[[nodiscard]] std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper);
+[[nodiscard]] std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper);
 
 /// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the hand
 /// with sensor and camera".
-[[nodiscard]] std::string unfit_for_hand(const Stone& stone, const GripperModel& gripper,
-                                         const RobotModel& robot);
+[[nodiscard]] std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper,
+                                            const RobotModel& robot);
 
 /// Names what cannot carry `mass` (kg), and its limit: "the fingers carry 2.5 kg"; empty if all can.
 [[nodiscard]] std::string overload(double mass, const GripperModel& gripper, const RobotModel& robot);
 
 /// Draws `count` stones of a catalogue by the seed (paper §4.2: an alternating set of four of six). A stone
-/// that gripper or arm cannot carry (`unfit_for_hand`) is not drawn but named in the log.
+/// that gripper or arm cannot carry (`unfit_for_gripper`) is not drawn but named in the log.
 /// @return indices, sorted; fewer than `count` where fewer are fit.
 /// @throws Error (planning failed) if no stone is fit
 [[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,

@@ -34,7 +34,7 @@ struct Equilibrium {
   double margin =
       0.0;  ///< largest horizontal acceleration borne in the worst of the tested directions; 0 if it falls
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< W, unit: where that push goes
-  double least_friction =
+  double min_friction =
       0;  ///< smallest friction coefficient at which it stands (bisection); infinity if none up to 2
   /// Contact that gives way first in the worst direction: the one whose friction limits the margin most, or,
   /// where friction does not, the one that carries most as the stack tips over it. -1: none (it falls, or
@@ -45,11 +45,11 @@ struct Equilibrium {
 /// Options of `solve_equilibrium`.
 struct EquilibriumOptions {
   double friction = 0.1;
-  int cone_edges = 8;          ///< generators of the inner friction cone
-  int directions = 8;          ///< horizontal directions for the margin
-  double torque_arm = 0.05;    ///< scale of torques against forces, m
-  double tolerance = 1e-6;     ///< share of the total weight that may stay unbalanced
-  bool least_friction = true;  ///< also find `least_friction` (a dozen more programmes)
+  int cone_edges = 8;        ///< generators of the inner friction cone
+  int directions = 8;        ///< horizontal directions for the margin
+  double torque_arm = 0.05;  ///< scale of torques against forces, m
+  double tolerance = 1e-6;   ///< share of the total weight that may stay unbalanced
+  bool min_friction = true;  ///< also find `min_friction` (a dozen more programmes)
 };
 
 /// Contact forces in friction cones that balance gravity: a linear programme (GLPK). `contacts` index into
@@ -72,10 +72,10 @@ struct SupportPolygon {
                         ///< negative outside
   int contacts = 0;     ///< distinct contact points that went in
 };
-/// From contacts collected over several steps (paper §3.2); contacts with a gap above `largest_gap` are
+/// From contacts collected over several steps (paper §3.2); contacts with a gap above `max_gap` are
 /// dropped, points nearer than 1 mm merged. Projection of the centre of mass is along gravity (-z).
 [[nodiscard]] SupportPolygon support_polygon(std::span<const Contact> contacts,
-                                             const Eigen::Vector3d& p_W_com, double largest_gap = 0.0005);
+                                             const Eigen::Vector3d& p_W_com, double max_gap = 0.0005);
 
 }  // namespace stonestack::physics
 

@@ -44,7 +44,7 @@ struct PrimaryMessage {
 /// Cuts the stream into packages, however the bytes arrive.
 class PrimaryStream {
  public:
-  explicit PrimaryStream(std::size_t largest = 1 << 16) : largest_(largest) {}
+  explicit PrimaryStream(std::size_t max = 1 << 16) : max_(max) {}
   void feed(std::string_view bytes);
   /// The next robot message of a known kind; other packages are passed over and counted. Empty: more bytes
   /// are needed, or `problem()` says what is broken, for good.
@@ -55,7 +55,7 @@ class PrimaryStream {
   [[nodiscard]] long states() const { return states_; }
 
  private:
-  std::size_t largest_;
+  std::size_t max_;
   std::string bytes_;
   std::size_t begin_ = 0;
   std::string problem_;

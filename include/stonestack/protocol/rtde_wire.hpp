@@ -34,12 +34,12 @@ struct RtdePacket {
 /// With its header. Throws InvalidArgument above 65535 bytes.
 [[nodiscard]] std::string encode(const RtdePacket& packet);
 
-/// Cuts a byte stream into packets, however the bytes arrive. A length below 3 or above `largest`, or an
+/// Cuts a byte stream into packets, however the bytes arrive. A length below 3 or above `max`, or an
 /// unknown type, means that the two sides are out of step: the stream is broken and stays so, and the only
 /// way on is a new connection.
 class RtdeStream {
  public:
-  explicit RtdeStream(std::size_t largest = 4096) : largest_(largest) {}
+  explicit RtdeStream(std::size_t max = 4096) : max_(max) {}
   void feed(std::string_view bytes);
   /// The next whole packet, or nothing: more bytes are needed, or `problem()` says what is broken.
   [[nodiscard]] std::optional<RtdePacket> next();
@@ -47,7 +47,7 @@ class RtdeStream {
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
  private:
-  std::size_t largest_;
+  std::size_t max_;
   std::string bytes_;
   std::size_t begin_ = 0;
   std::string problem_;

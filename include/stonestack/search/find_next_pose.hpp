@@ -42,12 +42,12 @@ struct SearchOptions {
   int rounds = 6;        ///< at most; the first that finishes a firm tower ends the search
   /// between the world's up axis seen from the stone as it lies now and as it will lie [rad]; yaw is free.
   /// Little as in the paper, as one grasp serves both.
-  double largest_tilt = 1.0;
+  double max_tilt = 1.0;
 
   // Verification, both modes.
   bool verify = true;              ///< false: what the search proposes, not settled nor judged
-  double least_margin = 0.02;      ///< a stack below it is not proposed [g]
-  double least_success = 0.5;      ///< a placement predicted to succeed less often is dropped
+  double min_margin = 0.02;        ///< a stack below it is not proposed [g]
+  double min_success = 0.5;        ///< a placement predicted to succeed less often is dropped
   int alternatives = 6;            ///< placements returned, at most
   double verdict_seconds = 10.0;   ///< s simulated, whole stack
   int perturbations = 8;           ///< k: displaced placements simulated for each verdict
@@ -92,8 +92,8 @@ struct SearchProblem {
   Eigen::Vector2d site = Eigen::Vector2d::Zero();  ///< where the first stone goes, W
   /// A way up that was found before, say with less friction, one stone upon the other: the default search
   /// looks first whether it leads to the top from where it ends, and at other ways only if not. May be empty.
-  std::vector<PlacedStone> way_up;
-  bool way_up_only = false;  ///< no other ways
+  std::vector<PlacedStone> known_route;
+  bool known_route_only = false;  ///< no other ways
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose, when
   /// the stack has grown to `below` (what stands, then what the plan has put on it)? Called from one thread,
   /// best proposals first, before they are verified; what it refuses is counted and dropped.

@@ -51,7 +51,7 @@ class SimulatedCell {
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to
   /// rest. The arm starts with the camera over the field. Throws InvalidArgument when they do not fit.
   SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present, const RobotModel& robot,
-                const CellLayout& believed, const SimulationOptions& options = {});
+                const CellLayout& assumed, const SimulationOptions& options = {});
   ~SimulatedCell();
 
   /// The devices, as the program may use them.

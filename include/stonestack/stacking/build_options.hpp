@@ -15,8 +15,8 @@ struct BuildOptions {
   DetectionOptions detection;
   SearchOptions search;
   MotionOptions motion;
-  int most_stones = 0;          ///< stop at this height; 0: all that are seen
-  double look_distance = 0.62;  ///< distance from the camera to its target, m; SR300: 0.2 to 1.5 m
+  int max_stones = 0;           ///< stop at this height; 0: all that are seen
+  double view_distance = 0.62;  ///< distance from the camera to its target, m; SR300: 0.2 to 1.5 m
   double placed_shift =
       0.030;  ///< distance measured to the planned pose up to which a stone counts as placed, m
   double placed_turn = 0.35;  ///< angle likewise, rad
@@ -24,29 +24,29 @@ struct BuildOptions {
       0.012;  ///< shift from where a stone of the stack was (or was aimed) from which it is reported, m
   /// The search starts at search.friction and climbs to this while it finds no sure pose: dry limestone on
   /// limestone slides at more (design choice).
-  double most_friction = 0.475;
+  double max_friction = 0.475;
   double friction_step = 0.125;
   int first_rounds = 2;       ///< of the search at each friction but the last: what they did not finish
                               ///< begins the search at the next
   double sure_success = 0.8;  ///< share of the tower that is expected to stand, which ends the climb
   /// Stones that must be expected to stand by a placement and what follows it, over all frictions; less is
   /// not tried, as a fall takes the stones below with it.
-  double least_expected = 0.4;
-  int most_failures = 3;  ///< placements that may fail before the run ends; the paper ends at the first
+  double min_expected = 0.4;
+  int max_failures = 3;  ///< placements that may fail before the run ends; the paper ends at the first
   bool refine_camera =
       true;  ///< two first views, half a turn and 10 cm apart, show where the camera is mounted
   /// false: what is seen near where it was planned is taken to lie as planned; for measuring what measuring
   /// is worth
   bool measure_placed = true;
   bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
-  int most_taken_off = 6;    ///< stones unstacked to try another tower; the paper never does
-  int most_turned_over = 3;  ///< stones reoriented because no grasp served both ends
+  int max_unstacked = 6;     ///< stones unstacked to try another tower; the paper never does
+  int max_reoriented = 3;    ///< stones reoriented because no grasp served both ends
   int pick_attempts = 3;     ///< of one stone that the gripper misses or drops
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
-/// The frictions that are assumed in turn: rising, from search.friction to most_friction.
+/// The frictions that are assumed in turn: rising, from search.friction to max_friction.
 [[nodiscard]] std::vector<double> assumed_frictions(const BuildOptions& options);
 
 }  // namespace stonestack::stacking

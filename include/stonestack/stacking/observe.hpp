@@ -25,7 +25,7 @@ namespace stonestack::stacking {
                                        const std::vector<PlacedStone>& stones);
 
 /// The gripper of a cell, with the masses and the camera's mount that its layout names.
-[[nodiscard]] GripperModel hand_of(const CellLayout& layout);
+[[nodiscard]] GripperModel gripper_of(const CellLayout& layout);
 
 /// The scene that motions must avoid: every stone, by name, indexed like `stack` then `loose`,
 /// then the obstacles of the layout.

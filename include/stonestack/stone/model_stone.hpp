@@ -15,11 +15,11 @@ namespace stonestack::stone {
 
 /// Shape of a generated limestone. Ranges as measured on sixteen scanned rocks of this size.
 struct LimestoneOptions {
-  double smallest = 0.09;    ///< longest extent [m]
-  double largest = 0.20;     ///< [m]
-  double widest = 0.125;     ///< second extent [m]: a gripper that opens 155 mm gets around it
-  double least_full = 0.80;  ///< volume over the volume of the convex hull
-  double most_full = 0.90;
+  double min_extent = 0.09;    ///< longest extent [m]
+  double max_extent = 0.20;    ///< [m]
+  double widest = 0.125;       ///< second extent [m]: a gripper that opens 155 mm gets around it
+  double min_fullness = 0.80;  ///< volume over the volume of the convex hull
+  double max_fullness = 0.90;
   int faces = 4000;  ///< at most, of the full-resolution scan
 };
 

@@ -55,10 +55,10 @@ Features describe_scene(const DetectionScene& scene, const DetectionOptions& opt
   return all;
 }
 
-Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like, const DetectionOptions& options) {
+Features describe_model(const Mesh& mesh, const SurfacePoints& as_seen, const DetectionOptions& options) {
   // Split edges are 0.5 to 1 times the longest one: 4/3 of the voxel gives its spacing on average.
   if (options.descriptor == "rops") return describe_triangles(subdivide(mesh, 4.0 / 3.0 * kVoxel), options);
-  return describe_points(seen_like, options);
+  return describe_points(as_seen, options);
 }
 
 void require_usable(const DetectionOptions& options) {

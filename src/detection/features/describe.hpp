@@ -7,8 +7,8 @@ namespace stonestack::detection {
 /// unknown name.
 [[nodiscard]] Features describe_scene(const DetectionScene& scene, const DetectionOptions& options);
 
-/// Describes a model's surface: `seen_like` are its points as a camera's voxels would have them.
-[[nodiscard]] Features describe_model(const Mesh& mesh, const SurfacePoints& seen_like,
+/// Describes a model's surface: `as_seen` are its points as a camera's voxels would have them.
+[[nodiscard]] Features describe_model(const Mesh& mesh, const SurfacePoints& as_seen,
                                       const DetectionOptions& options);
 
 /// Throws InvalidArgument for a method or matching that is none, or an empty depth range.

@@ -7,8 +7,8 @@
 #include "detection/constants.hpp"
 #include "detection/features/describe.hpp"
 #include "detection/hypotheses/sweep.hpp"
+#include "detection/judge/alternatives.hpp"
 #include "detection/judge/identity.hpp"
-#include "detection/judge/likeness.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::detection {
@@ -80,7 +80,7 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.features = describe_model(stone.mesh, as_seen(model.surface, model.field), options);
   model.sides = make_sides(model.surface);
-  model.likes = turns_onto_itself(model);
+  model.symmetries = turns_onto_itself(model);
   return model;
 }
 
@@ -138,7 +138,7 @@ DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionO
     made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));
   });
   for (auto& m : made) data_->models.push_back(std::move(*m));
-  data_->rivals = models_of_like_shape(data_->models);
+  data_->rivals = models_of_similar_shape(data_->models);
 }
 DetectionModels::~DetectionModels() = default;
 DetectionModels::DetectionModels(DetectionModels&&) noexcept = default;

@@ -36,7 +36,7 @@ struct DetectionModel {
   SurfaceTree tree;        ///< over the mesh itself
   Features features;
   std::vector<ModelSide> sides;
-  std::vector<Pose> likes;  ///< T_O_S that bring it nearly onto itself: detection/likeness.hpp
+  std::vector<Pose> symmetries;  ///< T_O_S that bring it nearly onto itself: detection/alternatives.hpp
 };
 
 struct DetectionModels::Data {

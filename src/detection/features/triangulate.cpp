@@ -12,7 +12,7 @@ namespace stonestack::detection {
 namespace {
 
 constexpr float kLongestLink = 4.0F;  // spacings: further apart in depth is another surface
-constexpr int kMostSplits = 12;       // rounds: edges shrink by half in each
+constexpr int kMaxSplits = 12;        // rounds: edges shrink by half in each
 
 /// Normals of the triangles around each point, towards `eye` if given; points without a triangle keep zero.
 void add_normals(TriangulatedSurface& out, const std::optional<Eigen::Vector3f>& eye) {
@@ -92,7 +92,7 @@ TriangulatedSurface subdivide(const Mesh& mesh, double spacing) {
   auto& points = out.surface.points;
   for (const auto& p : mesh.vertices) points.emplace_back(p.cast<float>());
   out.triangles = mesh.faces;
-  for (int round = 0; round < kMostSplits; ++round) {
+  for (int round = 0; round < kMaxSplits; ++round) {
     std::map<std::pair<int, int>, int> middle;  // of a split edge
     const auto split = [&](int a, int b) {      // -1: short enough
       const Eigen::Vector3f pa = points[static_cast<std::size_t>(a)],

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kCoarsePoints = 200;  // per pose: enough to fall into the basin
 constexpr int kFinePoints = 3000;
-constexpr std::size_t kMostKept = 24;       // poses that nothing sets apart: a cube has as many
-constexpr double kLikelyAsWell = 0.04;      // of the coarse score
+constexpr std::size_t kMaxKept = 24;        // poses that nothing sets apart: a cube has as many
+constexpr double kNearTie = 0.04;           // of the coarse score
 constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
 constexpr double kSameAngle = 0.10;
 constexpr double kNoiseTolerance = 4.0;  // standard deviations
@@ -39,7 +39,7 @@ double tolerance(const DetectionScene& scene) {
 }
 
 std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
-                                 const DetectionScene& scene, std::size_t most) {
+                                 const DetectionScene& scene, std::size_t max) {
   VerifyOptions loose{2.0 * tolerance(scene), kHiddenWeight, 0.025, 300};
   std::vector<Coarse> poses;
   for (const auto& h : hypotheses) {
@@ -58,8 +58,8 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
       return d.translation < kSameTranslation && d.angle < kSameAngle;
     });
     if (known) continue;
-    const bool tie = pose.score > poses.front().score - kLikelyAsWell;
-    if (kept.size() >= (tie ? kMostKept : most)) break;
+    const bool tie = pose.score > poses.front().score - kNearTie;
+    if (kept.size() >= (tie ? kMaxKept : max)) break;
     kept.push_back(pose);
   }
   return kept;

@@ -12,12 +12,12 @@ namespace stonestack::detection {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr int kMostPoints = 800;       // of a stone
+constexpr int kMaxPoints = 800;        // of a stone
 constexpr int kFewestPoints = 150;     // that fit: less says nothing
 constexpr double kGateFirst = 0.012;   // m, as far as a scale of 1.15 takes the rim of a stone
 constexpr double kGateLast = 0.005;    // m
 constexpr double kRobust = 0.0015;     // m, residual at which a point counts half
-constexpr double kLeastCosine = 0.5;   // between seen and model normal
+constexpr double kMinCosine = 0.5;     // between seen and model normal
 constexpr double kPointSigma = 0.004;  // m: errors of depth and mesh are smooth, neighbours err alike (bench)
 constexpr double kNoisySigma = 7.0;    // the same of the image's noise: a D435 rounds edges off (bench: d435)
 constexpr double kPriorSigma = 0.15;   // of the scale: units are off by factors, lenses by a few per cent
@@ -48,7 +48,7 @@ void accumulate(Fit& fit, const DetectionModel& model, const DetectionScene& sce
     const Eigen::Vector3d n = model.surface.normals[static_cast<std::size_t>(k)].cast<double>();
     const Eigen::Vector3d off = q - model.surface.points[static_cast<std::size_t>(k)].cast<double>();
     if (off.norm() > gate) continue;
-    if (n.dot(fit.T_O_C.linear() * scene.surface.normals[at].cast<double>()) < kLeastCosine) continue;
+    if (n.dot(fit.T_O_C.linear() * scene.surface.normals[at].cast<double>()) < kMinCosine) continue;
     const double r = n.dot(off), robust = std::max(kRobust, gate / 4.0);
     Vector7 J;
     J << n, (q - model.centre).cross(n), n.dot(fit.T_O_C.linear() * ray);
@@ -78,7 +78,7 @@ void step(Fit& fit, const DetectionModel& model) {
 Fit fit_stone(const Detection& d, const DetectionModel& model, const DetectionScene& scene) {
   Fit fit;
   fit.T_O_C = d.T_C_O.inverse();
-  const auto points = points_near(model, d.T_C_O, scene.surface, kGateFirst, kMostPoints);
+  const auto points = points_near(model, d.T_C_O, scene.surface, kGateFirst, kMaxPoints);
   for (int turn = 0; turn < kIterations; ++turn) {
     const double s = static_cast<double>(turn) / (kIterations - 1);
     accumulate(fit, model, scene, points, kGateFirst * std::pow(kGateLast / kGateFirst, s));

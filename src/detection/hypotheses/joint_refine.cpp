@@ -14,7 +14,7 @@ namespace stonestack::detection {
 namespace {
 
 constexpr int kIterations = 5;
-constexpr int kMostSamples = 2500;     // of a stone, in all views
+constexpr int kMaxSamples = 2500;      // of a stone, in all views
 constexpr double kNearby = 0.006;      // m: points further from a stone are not its own
 constexpr double kPriorShift = 0.005;  // m, rad: how right the poses are that come in
 constexpr double kPriorTurn = 0.10;
@@ -42,7 +42,7 @@ float distance(const DetectionModel& model, const Eigen::Vector3f& p_O) {
 /// The stone that each point of the scene is nearest to, or -1.
 std::vector<int> owners(const DetectionScene& scene, const std::vector<Part>& parts) {
   std::vector<int> owner(scene.surface.points.size(), -1);
-  std::vector<float> least(owner.size(), static_cast<float>(kNearby));
+  std::vector<float> min(owner.size(), static_cast<float>(kNearby));
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const DetectionModel& model = parts[k].model;
     const Eigen::Isometry3f T = parts[k].T_O_C.cast<float>();
@@ -52,7 +52,7 @@ std::vector<int> owners(const DetectionScene& scene, const std::vector<Part>& pa
       const Eigen::Vector3f q = T * scene.surface.points[i];
       if ((q - centre).squaredNorm() > reach * reach) continue;
       const float d = distance(model, q);
-      if (d < least[i]) least[i] = d, owner[i] = static_cast<int>(k);
+      if (d < min[i]) min[i] = d, owner[i] = static_cast<int>(k);
     }
   }
   return owner;
@@ -64,10 +64,10 @@ void fill_views(std::vector<Part>& parts, const DetectionScene& scene) {
   for (std::size_t i = 0; i < owner.size(); ++i)
     if (owner[i] >= 0) own[static_cast<std::size_t>(owner[i])].push_back(static_cast<int>(i));
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
-    const std::size_t count = own[k].size(), most = std::min<std::size_t>(count, kMostSamples);
+    const std::size_t count = own[k].size(), max = std::min<std::size_t>(count, kMaxSamples);
     std::vector<std::vector<StoneSample>> samples(scene.views.size());
-    for (std::size_t j = 0; j < most; ++j) {
-      const auto i = static_cast<std::size_t>(own[k][j * count / most]);
+    for (std::size_t j = 0; j < max; ++j) {
+      const auto i = static_cast<std::size_t>(own[k][j * count / max]);
       const auto view = static_cast<std::size_t>(scene.view_of[i]);
       const Eigen::Isometry3f T_V_C = scene.views[view].T_C_V.inverse().cast<float>();
       StoneSample s{T_V_C * scene.surface.points[i], T_V_C.linear() * scene.surface.normals[i]};
@@ -97,14 +97,14 @@ LinearSystem joint_system(std::vector<Part>& parts, const std::vector<Pose>& T_C
              views = static_cast<Eigen::Index>(T_C_V.size());
   const Eigen::Index size = 6 * (stones + views - 1);
   LinearSystem all{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0};
-  std::vector<std::vector<LinearSystem>> said(parts.size());
+  std::vector<std::vector<LinearSystem>> evidence(parts.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
     for (std::size_t v = 0; v < T_C_V.size(); ++v)
-      said[k].push_back(parts[k].views[v].normal_equations(parts[k].model, parts[k].T_O_C * T_C_V[v]));
+      evidence[k].push_back(parts[k].views[v].normal_equations(parts[k].model, parts[k].T_O_C * T_C_V[v]));
   });
   for (Eigen::Index k = 0; k < stones; ++k)
     for (Eigen::Index v = 0; v < views; ++v) {
-      const LinearSystem& one = said[static_cast<std::size_t>(k)][static_cast<std::size_t>(v)];
+      const LinearSystem& one = evidence[static_cast<std::size_t>(k)][static_cast<std::size_t>(v)];
       const Eigen::Index s = 6 * k, w = 6 * (stones + v - 1);
       all.H.block<6, 6>(s, s) += one.H.topLeftCorner<6, 6>();
       all.g.segment<6>(s) += one.g.head<6>();

@@ -18,7 +18,7 @@ struct Normal {
 };
 
 Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfacePoints& seen,
-                  std::span<const int> indices, double gate, double robust, double least_cosine) {
+                  std::span<const int> indices, double gate, double robust, double min_cosine) {
   Normal sum;
   const Eigen::Isometry3f T = T_O_C.cast<float>();
   const Eigen::Vector3f centre = model.centre.cast<float>();
@@ -33,7 +33,7 @@ Normal accumulate(const DetectionModel& model, const Pose& T_O_C, const SurfaceP
     s = model.surface.points[static_cast<std::size_t>(k)];
     n = model.surface.normals[static_cast<std::size_t>(k)];
     if ((q - s).squaredNorm() > static_cast<float>(gate * gate)) continue;
-    if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(least_cosine))
+    if (n.dot(T.linear() * seen.normals[static_cast<std::size_t>(i)]) < static_cast<float>(min_cosine))
       continue;
     const float r = n.dot(q - s);
     const float w = 1.0F / (1.0F + r * r * inverse);
@@ -72,7 +72,7 @@ Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const Surfac
     const double gate = options.gate_first * std::pow(options.gate_last / options.gate_first, s);
     const double robust = std::max(options.robust, gate / 5.0);
     const Normal sum =
-        accumulate(model, T_O_C, seen, indices, gate, robust, s < 0.5 ? 0.0 : options.least_cosine);
+        accumulate(model, T_O_C, seen, indices, gate, robust, s < 0.5 ? 0.0 : options.min_cosine);
     out.correspondences = sum.count;
     if (sum.count < kFewest) break;
     out.rms = std::sqrt(sum.squares / std::max(sum.weights, 1e-9));
@@ -90,17 +90,17 @@ Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const Surfac
 }
 
 std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
-                             double margin, int most) {
+                             double margin, int max) {
   std::vector<int> all;
   const Eigen::Vector3f centre = (T_C_O * model.centre).cast<float>();
   const auto radius = static_cast<float>(model.radius + margin);
   for (std::size_t i = 0; i < seen.points.size(); ++i)
     if ((seen.points[i] - centre).squaredNorm() < radius * radius) all.push_back(static_cast<int>(i));
   const auto count = static_cast<int>(all.size());
-  if (count <= most) return all;
-  std::vector<int> some(static_cast<std::size_t>(most));
-  for (int i = 0; i < most; ++i)
-    some[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(static_cast<long>(i) * count / most)];
+  if (count <= max) return all;
+  std::vector<int> some(static_cast<std::size_t>(max));
+  for (int i = 0; i < max; ++i)
+    some[static_cast<std::size_t>(i)] = all[static_cast<std::size_t>(static_cast<long>(i) * count / max)];
   return some;
 }
 

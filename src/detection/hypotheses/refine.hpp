@@ -12,7 +12,7 @@ struct RefineOptions {
   double gate_first = 0.015;  ///< furthest correspondence, at first [m]
   double gate_last = 0.005;   ///< at last [m]
   double robust = 0.002;      ///< residual at which a point counts half [m]
-  double least_cosine = 0.5;  ///< between seen and model normal, in the second half
+  double min_cosine = 0.5;    ///< between seen and model normal, in the second half
 };
 
 /// A refined pose.
@@ -27,9 +27,9 @@ struct Refined {
 [[nodiscard]] Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const SurfacePoints& seen,
                                   std::span<const int> indices, const RefineOptions& options);
 
-/// Indices of points within the model's bounding sphere at the pose (plus `margin`), at most `most` of them,
+/// Indices of points within the model's bounding sphere at the pose (plus `margin`), at most `max` of them,
 /// evenly thinned.
 [[nodiscard]] std::vector<int> points_near(const DetectionModel& model, const Pose& T_C_O,
-                                           const SurfacePoints& seen, double margin, int most);
+                                           const SurfacePoints& seen, double margin, int max);
 
 }  // namespace stonestack::detection

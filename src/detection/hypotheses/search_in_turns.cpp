@@ -21,7 +21,7 @@ constexpr double kNearlyAccepted = 0.10;  // below the accept score
 constexpr double kWellVisible = 0.13;     // of the whole surface
 // Another stone of like shape scores up to 0.94 (limestones, seed 77), and what it explains would be lost to
 // the right one: a score below this waits until everything has been tried.
-constexpr double kBeyondDoubt = 0.95;
+constexpr double kCertain = 0.95;
 constexpr double kUsualNoise = 0.0006;  // m: noisier images fit right poses the worse, ...
 constexpr double kNoiseCosts = 50.0;    // ... by this much score a metre (bench: d435)
 constexpr double kCleaner = 0.04;       // above the accept score: a right pose in a clean image of one view
@@ -76,7 +76,7 @@ enum class Turn {
 };
 
 /// Settings of one pass over a scene.
-struct Look {
+struct SearchView {
   const Features* seen = nullptr;     ///< hypotheses from descriptors, if given
   std::vector<SeenCluster> clusters;  ///< and from all orientations on each of these
   SweepOptions sweep;
@@ -102,22 +102,22 @@ struct ModelSearch {
 };
 
 ModelSearch search_model(const DetectionModel& model, int stone, const DetectionScene& scene,
-                         const Look& look, const DetectionOptions& options) {
+                         const SearchView& view, const DetectionOptions& options) {
   ModelSearch out;
-  if (look.seen != nullptr) {
+  if (view.seen != nullptr) {
     out.matches = options.matching == "kdtree"
-                      ? match_features_kdtree(*look.seen, model.features, kNeighbours)
-                      : match_features(*look.seen, model.features, kNeighbours);
+                      ? match_features_kdtree(*view.seen, model.features, kNeighbours)
+                      : match_features(*view.seen, model.features, kNeighbours);
     ConsistencyOptions grouping;
     grouping.size = kConsistencySize;
     grouping.fewest = kMinConsistent;
     grouping.best = kBestHypotheses;
-    out.grouped = consistent_groups(out.matches, *look.seen, model.features, grouping);
+    out.grouped = consistent_groups(out.matches, *view.seen, model.features, grouping);
   }
-  for (const auto& cluster : look.clusters) {
+  for (const auto& cluster : view.clusters) {
     const Eigen::Vector3f eye =
         scene.views[static_cast<std::size_t>(cluster.view)].T_C_V.translation().cast<float>();
-    const auto more = sweep_orientations(model, scene.surface, cluster.points, eye, look.sweep);
+    const auto more = sweep_orientations(model, scene.surface, cluster.points, eye, view.sweep);
     out.swept.insert(out.swept.end(), more.begin(), more.end());
   }
   std::vector<Hypothesis> all = out.grouped;
@@ -126,10 +126,10 @@ ModelSearch search_model(const DetectionModel& model, int stone, const Detection
   return out;
 }
 
-void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const Look& look,
+void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const SearchView& view,
                  const DetectionModel& model) {
   for (const auto& m : found.matches)
-    turn.matches.push_back({stone, look.seen->points[static_cast<std::size_t>(m.scene)],
+    turn.matches.push_back({stone, view.seen->points[static_cast<std::size_t>(m.scene)],
                             model.features.points[static_cast<std::size_t>(m.model)], m.distance});
   for (const auto& h : found.grouped) turn.hypotheses.push_back({stone, "consistency", h.support, h.T_C_O});
   for (const auto& h : found.swept) turn.hypotheses.push_back({stone, "sweep", h.support, h.T_C_O});
@@ -137,19 +137,19 @@ void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const Lo
 
 /// Candidates of every missing model.
 std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<int>& missing,
-                              const DetectionScene& scene, const Look& look, const DetectionOptions& options,
-                              TracedTurn* turn) {
+                              const DetectionScene& scene, const SearchView& view,
+                              const DetectionOptions& options, TracedTurn* turn) {
   std::vector<int> stones = missing;
   stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
   std::vector<ModelSearch> found(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
     const DetectionModel& model = data.models[static_cast<std::size_t>(stones[k])];
-    found[k] = search_model(model, stones[k], scene, look, options);
+    found[k] = search_model(model, stones[k], scene, view, options);
   });
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < stones.size(); ++k) {
     if (turn != nullptr)
-      note_search(*turn, found[k], stones[k], look, data.models[static_cast<std::size_t>(stones[k])]);
+      note_search(*turn, found[k], stones[k], view, data.models[static_cast<std::size_t>(stones[k])]);
     all.insert(all.end(), std::make_move_iterator(found[k].candidates.begin()),
                std::make_move_iterator(found[k].candidates.end()));
   }
@@ -168,7 +168,7 @@ void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
   for (const std::size_t i : taken) turn.candidates[i].accepted = true;
 }
 
-Look look_of(Turn turn, const DetectionScene& scene, const Features& seen) {
+SearchView search_view(Turn turn, const DetectionScene& scene, const Features& seen) {
   if (turn == Turn::kDescribe) return {&seen, {}, {}};
   if (turn == Turn::kSweep) return {nullptr, seen_clusters(scene), {}};
   if (turn == Turn::kParts) return {nullptr, with_parts(scene), {}};
@@ -187,15 +187,15 @@ std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& op
 }
 
 /// Returns stricter options for accepting before everything has been tried.
-DetectionOptions beyond_doubt(DetectionOptions options, const DetectionScene& scene) {
-  const double bar = kBeyondDoubt - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise);
+DetectionOptions certain_options(DetectionOptions options, const DetectionScene& scene) {
+  const double bar = kCertain - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise);
   options.accept_score = std::max(options.accept_score, bar);
   return options;
 }
 
 /// The least score of any pose: a mirror image of a stone scored up to 0.875 in a clean image, where right
 /// poses of a single view score 0.91 and up (bench: mirrored, hidden). Views joined fit less well.
-double least_score(const DetectionOptions& options, const DetectionScene& scene) {
+double min_score(const DetectionOptions& options, const DetectionScene& scene) {
   if (options.method == "paper" || scene.views.size() > 1) return -1.0;
   return options.accept_score +
          std::max(0.0, kCleaner - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise));
@@ -224,20 +224,20 @@ std::vector<KnownStone> poses_of(std::span<const Candidate> candidates) {
 void take_turns(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
                 DetectionTrace* trace) {
   Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
-  const double least = least_score(options, so_far.scene);
+  const double min = min_score(options, so_far.scene);
   while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
     throw_if_interrupted();
     Features seen;
     if (turn == Turn::kDescribe) seen = describe_scene(so_far.scene, data.options);
-    const Look look = look_of(turn, so_far.scene, seen);
+    const SearchView view = search_view(turn, so_far.scene, seen);
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
-    auto found = search(data, so_far.missing, so_far.scene, look, options, noted);
+    auto found = search(data, so_far.missing, so_far.scene, view, options, noted);
     auto accepted =
-        without_conflicts(found, so_far.missing, so_far.scene, beyond_doubt(options, so_far.scene), least);
+        without_conflicts(found, so_far.missing, so_far.scene, certain_options(options, so_far.scene), min);
     if (accepted.empty() && !turn_after(turn, false, options)) {
       found.insert(found.end(), so_far.refused.begin(), so_far.refused.end());
-      accepted = without_conflicts(found, so_far.missing, so_far.scene, options, least);
+      accepted = without_conflicts(found, so_far.missing, so_far.scene, options, min);
     }
     if (noted != nullptr) note_candidates(*noted, found, accepted);
     const std::size_t before = so_far.taken.size();
@@ -275,7 +275,7 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
   const Hypothesis again{best->detection.T_C_O, 1.0};
   auto judged = judge_hypotheses(data.models[static_cast<std::size_t>(best->detection.stone)],
                                  best->detection.stone, std::span(&again, 1), alone, options);
-  if (judged.empty() || !acceptable(judged.front().detection, options, least_score(options, alone))) return;
+  if (judged.empty() || !acceptable(judged.front().detection, options, min_score(options, alone))) return;
   take(so_far, std::move(judged.front()));
   for (auto& c : rest.taken) take(so_far, std::move(c));
 }

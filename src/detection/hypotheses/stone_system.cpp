@@ -8,14 +8,14 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr double kGate = 0.004;       // m: further off is another surface
-constexpr double kRobust = 0.0015;    // m, residual at which a point counts half
-constexpr float kLeastCosine = 0.6F;  // between seen and model normal
-constexpr double kSlantNoise = 1.6;   // variance over that of the table: stone is seen at more of a slant
+constexpr double kGate = 0.004;      // m: further off is another surface
+constexpr double kRobust = 0.0015;   // m, residual at which a point counts half
+constexpr float kMinCosine = 0.6F;   // between seen and model normal
+constexpr double kSlantNoise = 1.6;  // variance over that of the table: stone is seen at more of a slant
 constexpr double kMeshSigma =
-    0.0017;                        // m, of a point: 500 faces are 0.3 mm off, alike over 15 mm (30 points)
-constexpr int kMostPatches = 150;  // of the stone itself: more are joined
-constexpr int kFurthestRing = 4;   // patches beside the stone
+    0.0017;                       // m, of a point: 500 faces are 0.3 mm off, alike over 15 mm (30 points)
+constexpr int kMaxPatches = 150;  // of the stone itself: more are joined
+constexpr int kFurthestRing = 4;  // patches beside the stone
 
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 
@@ -34,7 +34,7 @@ void StoneInView::lay_patches(const SeenView& view) {
     const Eigen::Vector2d pixel = project(view.depth.camera, s.p_V.cast<double>());
     own[s.patch = error.cell_at(pixel.x(), pixel.y())] = 0;
   }
-  const int join = 1 + static_cast<int>(std::sqrt(static_cast<double>(own.size()) / kMostPatches));
+  const int join = 1 + static_cast<int>(std::sqrt(static_cast<double>(own.size()) / kMaxPatches));
   const int columns = (error.columns + join - 1) / join, rows = (error.rows + join - 1) / join;
   const auto patch_of = [&](int cell) {
     return cell / error.columns / join * columns + cell % error.columns / join;
@@ -85,7 +85,7 @@ LinearSystem StoneInView::normal_equations(const DetectionModel& model, const Po
     s.face = near.face;
     if (near.face < 0) continue;
     const Eigen::Vector3d n_V = T_O_V.linear().transpose() * near.normal;
-    if (n_V.cast<float>().dot(s.normal_V) < kLeastCosine) continue;
+    if (n_V.cast<float>().dot(s.normal_V) < kMinCosine) continue;
     const double slope = n_V.dot(p_V) / p_V.z(), r = near.normal.dot(q - near.point);
     const double left = r - slope * error_(s.patch);
     if (std::abs(left) > kGate) continue;

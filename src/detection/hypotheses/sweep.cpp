@@ -18,7 +18,7 @@ struct SeenPatch {
 };
 
 SeenPatch look_at(const SurfacePoints& seen, std::span<const int> cluster, const Eigen::Vector3f& eye,
-                  int most) {
+                  int max) {
   SeenPatch patch;
   for (const int i : cluster) {
     const float area = seen.areas[static_cast<std::size_t>(i)];
@@ -27,7 +27,7 @@ SeenPatch look_at(const SurfacePoints& seen, std::span<const int> cluster, const
   }
   patch.centre /= patch.area;
   patch.towards = (eye - patch.centre).normalized();
-  const auto count = std::min(static_cast<std::size_t>(most), cluster.size());
+  const auto count = std::min(static_cast<std::size_t>(max), cluster.size());
   for (std::size_t k = 0; k < count; ++k) patch.points.push_back(cluster[k * cluster.size() / count]);
   return patch;
 }

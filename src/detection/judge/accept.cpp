@@ -8,11 +8,11 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr double kLeastVisible = 0.04;    // of the whole surface: less is no evidence
+constexpr double kMinVisible = 0.04;      // of the whole surface: less is no evidence
 constexpr double kMuchVisible = 0.13;     // of the whole surface: less must fit the better ...
 constexpr double kLittleVisible = 1.5;    // ... by this much score for all that is missing (bench: hidden)
 constexpr double kUsuallyLacking = 0.03;  // of the score of a right pose
-constexpr double kLargestOverlap = 0.3;   // of a candidate's pixels that an accepted one explains already
+constexpr double kMaxOverlap = 0.3;       // of a candidate's pixels that an accepted one explains already
 constexpr double kDouble = 0.5;           // the same of final poses: the same stone twice
 
 /// Image pixels that a candidate explains: models are drawn at steps of their own.
@@ -63,10 +63,10 @@ class Claims {
 
 }  // namespace
 
-bool acceptable(const Detection& d, const DetectionOptions& options, double least) {
+bool acceptable(const Detection& d, const DetectionOptions& options, double min) {
   if (options.method == "paper") return d.inlier_ratio >= options.accept_inlier_ratio;
   const double wanted = options.accept_score + kLittleVisible * std::max(0.0, kMuchVisible - d.visible);
-  return d.score >= std::max(wanted, least) && d.visible >= kLeastVisible;
+  return d.score >= std::max(wanted, min) && d.visible >= kMinVisible;
 }
 
 std::vector<Detection> without_doubles(const std::vector<Detection>& found, const DetectionModels::Data& data,
@@ -81,7 +81,7 @@ std::vector<Detection> without_doubles(const std::vector<Detection>& found, cons
   Claims claims(scene);
   std::vector<Detection> kept;
   for (const auto& c : candidates) {
-    if (c.detection.visible < kLeastVisible || claims.overlap(c) > kDouble) continue;
+    if (c.detection.visible < kMinVisible || claims.overlap(c) > kDouble) continue;
     claims.claim(c);
     kept.push_back(c.detection);
   }
@@ -90,7 +90,7 @@ std::vector<Detection> without_doubles(const std::vector<Detection>& found, cons
 
 std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
                                            const std::vector<int>& missing, const DetectionScene& scene,
-                                           const DetectionOptions& options, double least) {
+                                           const DetectionOptions& options, double min) {
   std::vector<std::size_t> order(candidates.size()), taken;
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -101,8 +101,8 @@ std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candida
   Claims claims(scene);
   for (const std::size_t i : order) {
     const Candidate& c = candidates[i];
-    if (!acceptable(c.detection, options, least) || left[c.detection.stone] == 0) continue;
-    if (claims.overlap(c) > kLargestOverlap) continue;
+    if (!acceptable(c.detection, options, min) || left[c.detection.stone] == 0) continue;
+    if (claims.overlap(c) > kMaxOverlap) continue;
     --left[c.detection.stone];
     claims.claim(c);
     taken.push_back(i);

@@ -25,8 +25,8 @@ bool one_surface(const DepthImage& depth, int u, int v, int to_u, int to_v) {
   const double z = depth.at(u, v);
   const Eigen::Vector3d step =
       depth.at(to_u, to_v) * deproject(depth.camera, to_u, to_v) - z * deproject(depth.camera, u, v);
-  const double most = kSameSurface * std::max(1.0, z * z);
-  return std::abs(a.dot(step)) < most && std::abs(b.dot(step)) < most;
+  const double max = kSameSurface * std::max(1.0, z * z);
+  return std::abs(a.dot(step)) < max && std::abs(b.dot(step)) < max;
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 
 #include "detection/hypotheses/candidates.hpp"
 #include "detection/hypotheses/sweep.hpp"
-#include "detection/judge/likeness.hpp"
+#include "detection/judge/alternatives.hpp"
 
 namespace stonestack::detection {
 namespace {
 
-constexpr double kLikeExtents =
+constexpr double kSimilarExtents =
     0.12;  // of their logarithm: limestones differ by 0.09 at least, twins by 0.05
 constexpr double kScoreScale = 0.004;  // a pose that scores this much less is e times less likely (bench)
 constexpr double kAreaScale = 0.05;    // of score, for a surface e times as large that is explained
@@ -46,9 +46,9 @@ std::pair<std::vector<int>, int> shown_points(const Detection& d, const Detectio
   for (std::size_t i = 0; i < scene.surface.points.size(); ++i)
     if (explains(model, d.T_C_O, scene.surface.points[i], kItsOwn))
       shown[static_cast<std::size_t>(scene.view_of[i])].push_back(static_cast<int>(i));
-  const auto most = std::max_element(shown.begin(), shown.end(),
-                                     [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  return {*most, static_cast<int>(most - shown.begin())};
+  const auto max = std::max_element(shown.begin(), shown.end(),
+                                    [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return {*max, static_cast<int>(max - shown.begin())};
 }
 
 /// The best pose of each other stone of like shape that fits nearly as well at first sight.
@@ -107,38 +107,38 @@ Detection most_likely(const std::vector<Detection>& all, const DetectionModels::
   std::stable_sort(evidence.begin() + 1, evidence.end(),
                    [](const Evidence& a, const Evidence& b) { return a.weight > b.weight; });
   for (const auto& e : std::span(evidence).subspan(1))
-    if (e.weight > kNegligible) best.likes.push_back({e.pose.T_C_O, e.weight, e.pose.stone});
+    if (e.weight > kNegligible) best.alternatives.push_back({e.pose.T_C_O, e.weight, e.pose.stone});
   return best;
 }
 
 }  // namespace
 
-std::vector<std::vector<int>> models_of_like_shape(std::span<const DetectionModel> models) {
+std::vector<std::vector<int>> models_of_similar_shape(std::span<const DetectionModel> models) {
   std::vector<Eigen::Array3d> logarithms;
   for (const auto& model : models) logarithms.emplace_back(extents(model).array().log());
   std::vector<std::vector<int>> rivals(models.size());
   for (std::size_t i = 0; i < models.size(); ++i)
     for (std::size_t k = 0; k < models.size(); ++k)
-      if (i != k && (logarithms[i] - logarithms[k]).abs().maxCoeff() < kLikeExtents)
+      if (i != k && (logarithms[i] - logarithms[k]).abs().maxCoeff() < kSimilarExtents)
         rivals[i].push_back(static_cast<int>(k));
   return rivals;
 }
 
-std::vector<Detection> among_its_likes(std::vector<Detection> found, const DetectionModels::Data& data,
-                                       const DetectionScene& scene, const DetectionOptions& options,
-                                       std::span<const KnownStone> known) {
+std::vector<Detection> among_alternatives(std::vector<Detection> found, const DetectionModels::Data& data,
+                                          const DetectionScene& scene, const DetectionOptions& options,
+                                          std::span<const KnownStone> known) {
   for (auto& d : found) {
     const DetectionModel& model = data.models[static_cast<std::size_t>(d.stone)];
     const auto rivals = rivals_at(d, data, scene, options, known);
-    if (model.likes.empty() && rivals.empty()) continue;
+    if (model.symmetries.empty() && rivals.empty()) continue;
     std::vector<KnownStone> others;
     for (const auto& other : found)
       if (&other != &d) others.push_back({other.stone, other.T_C_O});
     const DetectionScene alone = without_stones(scene, data, others);
-    auto all = judged_likes(d, model, alone);
+    auto all = judged_alternatives(d, model, alone);
     if (all.empty()) continue;
     for (const auto& rival : rivals) {
-      const auto more = judged_likes(rival, data.models[static_cast<std::size_t>(rival.stone)], alone);
+      const auto more = judged_alternatives(rival, data.models[static_cast<std::size_t>(rival.stone)], alone);
       all.insert(all.end(), more.begin(), more.end());
     }
     d = most_likely(all, data);

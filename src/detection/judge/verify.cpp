@@ -20,7 +20,7 @@ constexpr double kBeyondTolerated = 0.15;  // share: neighbours that touch
 constexpr double kBeyondWeight = 1.0;
 constexpr double kGoesOnTolerated = 0.2;  // share of the outline: stones that lie flush
 constexpr double kGoesOnWeight = 1.0;
-constexpr double kLeastSeen = 0.10;         // of the drawn pixels must fit
+constexpr double kMinSeen = 0.10;           // of the drawn pixels must fit
 constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that cost one full score
 
 /// Pixels by what they say.
@@ -134,7 +134,7 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
   for (std::size_t i = 0; i < scene.views.size(); ++i)
     tally_view(model, scene.views[i].T_C_V.inverse() * T_C_O, scene.views[i], static_cast<int>(i), options,
                tally, verdict);
-  if (tally.fits < std::max(10.0, kLeastSeen * tally.drawn)) return {};
+  if (tally.fits < std::max(10.0, kMinSeen * tally.drawn)) return {};
   const double seen = tally.fits + tally.through + tally.just_in_front;
   verdict.score = (tally.quality - tally.through - kJustInFrontWeight * tally.just_in_front -
                    options.hidden_weight * tally.hidden) /

@@ -31,11 +31,11 @@ std::vector<Eigen::Vector3d> corners(const Plane& table_V) {
   const double slope = table_V.normal.z();
   const double z = std::abs(slope) > 0.05 ? table_V.offset / slope : 0.0;
   const Eigen::Vector3d ahead(0, 0, z > 0.1 && z < 3.0 ? z : 0.7);
-  const Eigen::Vector3d foot = ahead - table_V.distance(ahead) * table_V.normal;
+  const Eigen::Vector3d on_table = ahead - table_V.distance(ahead) * table_V.normal;
   const Eigen::Vector3d x = table_V.normal.unitOrthogonal(), y = table_V.normal.cross(x);
   for (int k = 0; k < 3; ++k) {
     const double angle = 2.0943951 * k;
-    points.emplace_back(foot + kTableReach * (std::cos(angle) * x + std::sin(angle) * y));
+    points.emplace_back(on_table + kTableReach * (std::cos(angle) * x + std::sin(angle) * y));
   }
   return points;
 }

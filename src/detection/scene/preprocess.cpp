@@ -17,11 +17,11 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kFewestNeighbours = 10;   // of 25: fewer is an edge or a flying pixel
-constexpr int kTableStride = 6;         // every 6th pixel each way is enough for a plane
-constexpr int kTableTrials = 400;       // misses a table that fills a third of the view with p < 1e-6
-constexpr double kTableShare = 0.05;    // of the valid pixels at least
-constexpr double kLargestBelow = 0.30;  // share of valid pixels below a table: more is a shelf or a wall
+constexpr int kFewestNeighbours = 10;  // of 25: fewer is an edge or a flying pixel
+constexpr int kTableStride = 6;        // every 6th pixel each way is enough for a plane
+constexpr int kTableTrials = 400;      // misses a table that fills a third of the view with p < 1e-6
+constexpr double kTableShare = 0.05;   // of the valid pixels at least
+constexpr double kMaxBelow = 0.30;     // share of valid pixels below a table: more is a shelf or a wall
 
 double depth_step(double z) {
   return kSmoothingStep * std::max(1.0, z * z);
@@ -166,7 +166,7 @@ std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Pla
       inliers += std::abs(d) < kTableTolerance ? 1 : 0;
       below += d < -5.0 * kTableTolerance ? 1 : 0;
     }
-    if (static_cast<double>(below) > kLargestBelow * static_cast<double>(points.size())) continue;
+    if (static_cast<double>(below) > kMaxBelow * static_cast<double>(points.size())) continue;
     if (inliers > best_inliers) best = plane, best_inliers = inliers;
   }
   if (!best) return expected;

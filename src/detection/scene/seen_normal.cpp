@@ -5,8 +5,8 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kNormalSpan = 4;         // px to each side
-constexpr double kLargestStep = 0.02;  // m between the pixels: more is an edge
+constexpr int kNormalSpan = 4;     // px to each side
+constexpr double kMaxStep = 0.02;  // m between the pixels: more is an edge
 
 }  // namespace
 
@@ -17,8 +17,8 @@ Eigen::Vector3d seen_normal(const DepthImage& depth, int u, int v) {
   const double z = depth.at(u, v);
   const auto point = [&](int du, int dv) -> Eigen::Vector3d {
     const double at = depth.at(u + du, v + dv);
-    return std::abs(at - z) < kLargestStep ? Eigen::Vector3d(at * deproject(depth.camera, u + du, v + dv))
-                                           : Eigen::Vector3d::Constant(std::nan(""));
+    return std::abs(at - z) < kMaxStep ? Eigen::Vector3d(at * deproject(depth.camera, u + du, v + dv))
+                                       : Eigen::Vector3d::Constant(std::nan(""));
   };
   const Eigen::Vector3d across = point(kNormalSpan, 0) - point(-kNormalSpan, 0);
   const Eigen::Vector3d down = point(0, kNormalSpan) - point(0, -kNormalSpan);

@@ -29,7 +29,7 @@ class WorldDepth final : public DepthPlant {
     {
       const auto access = world_->lock();
       seen = what_is_seen(access.world);
-      T_W_C = access.world.hand().T_W_T * world_->mounting().T_T_C;
+      T_W_C = access.world.gripper_pose().T_W_T * world_->mounting().T_T_C;
       frame.device_time = access.world.time();
     }
     frame.image = true_view(seen, world_->stones(), T_W_C, sensor_, random_);

@@ -10,18 +10,18 @@ namespace stonestack::emulators {
 FieldList fields(IdealGripperOptions& o) {
   const FieldRange count{0.0, 255.0};
   return {
-      field("least", o.least, count, "count", "Robotiq manual: open reports 6 to 7"),
-      field("most", o.most, count, "count", "ours"),
+      field("min_count", o.min_count, count, "count", "Robotiq manual: open reports 6 to 7"),
+      field("max_count", o.max_count, count, "count", "ours"),
       field("scissor", o.scissor, count, "count", "Robotiq manual: 0x89 in basic mode"),
       field("moving_current", o.moving_current, {0.0, 2.5}, "A", "Robotiq manual: 0x0F counts"),
   };
 }
 
 IdealGripperPlant::IdealGripperPlant(const IdealGripperOptions& options) : options_(options) {
-  require(options.least < options.most, "the fingers need a stroke, got counts ", options.least, " to ",
-          options.most);
+  require(options.min_count < options.max_count, "the fingers need a stroke, got counts ", options.min_count,
+          " to ", options.max_count);
   for (auto& obstacle : obstacle_) obstacle = 256.0;
-  for (std::size_t i = 0; i < 3; ++i) report_[i].position = options.least;
+  for (std::size_t i = 0; i < 3; ++i) report_[i].position = options.min_count;
   report_[3].position = options.scissor;
 }
 
@@ -39,12 +39,12 @@ std::array<AxisReport, kGripperAxes> IdealGripperPlant::advance(double seconds) 
     axis.current = 0.0;
     if (!command_[i].go) continue;
     const bool finger = i < 3;
-    const double target = finger ? std::clamp(command_[i].target, options_.least, options_.most)
+    const double target = finger ? std::clamp(command_[i].target, options_.min_count, options_.max_count)
                                  : std::clamp(command_[i].target, 0.0, 255.0);
     const double reach =
         target > axis.position ? std::max(axis.position, std::min(target, obstacle_[i].load())) : target;
-    const double way = reach - axis.position, step = command_[i].speed * seconds;
-    axis.position = std::abs(way) <= step ? reach : axis.position + std::copysign(step, way);
+    const double remaining = reach - axis.position, step = command_[i].speed * seconds;
+    axis.position = std::abs(remaining) <= step ? reach : axis.position + std::copysign(step, remaining);
     if (axis.position != reach) {
       axis.status = AxisReport::Status::kMoving;
       axis.current = options_.moving_current;

@@ -17,8 +17,8 @@ constexpr double kSlowest = 22.0, kMmPerCount = 88.0 / 255.0;      // mm/s, mm/s
 constexpr double kWeakest = 15.0, kNewtonPerCount = 45.0 / 255.0;  // N, N per count of rFRx
 constexpr double kActivationSpeed = 200.0, kScissorSpeed = 150.0;  // counts/s; ours
 constexpr double kReleaseSpeed = 40.0;                             // counts/s; ours
-constexpr double kLeastStage = 0.1;                                // s, of an activation stage; ours
-constexpr double kLeastModeChange = 0.3;                           // s; ours
+constexpr double kMinStage = 0.1;                                  // s, of an activation stage; ours
+constexpr double kMinModeChange = 0.3;                             // s; ours
 
 }  // namespace
 
@@ -71,7 +71,7 @@ bool GripperRegisters::moving() const {
 }
 
 void GripperRegisters::advance_activation() {
-  if (moving() || in_stage_ < kLeastStage || faults_.activation_hangs) return;
+  if (moving() || in_stage_ < kMinStage || faults_.activation_hangs) return;
   in_stage_ = 0.0;
   if (++stage_ < 3) return;
   phase_ = Phase::kReady;
@@ -80,7 +80,7 @@ void GripperRegisters::advance_activation() {
 }
 
 void GripperRegisters::advance_mode() {
-  if (moving() || in_stage_ < kLeastModeChange) return;
+  if (moving() || in_stage_ < kMinModeChange) return;
   mode_ = static_cast<int>((accepted_[0] & kMode) >> 1U);
   phase_ = Phase::kReady;
 }

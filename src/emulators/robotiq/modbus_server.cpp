@@ -9,10 +9,10 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kIdle = 3600.0;         // s that a client may stay silent
-constexpr double kSend = 2.0;            // s that a client may take to read a reply
-constexpr double kGap = 0.05;            // s of silence that ends an unfinished RTU frame
-constexpr std::size_t kMostKept = 1024;  // bytes without a request among them
+constexpr double kIdle = 3600.0;        // s that a client may stay silent
+constexpr double kSend = 2.0;           // s that a client may take to read a reply
+constexpr double kGap = 0.05;           // s of silence that ends an unfinished RTU frame
+constexpr std::size_t kMaxKept = 1024;  // bytes without a request among them
 const modbus::Bytes kGarbage{0xDE, 0xAD, 0xBE, 0xEF, 0x00, 0x20, 0x4E, 0xFF, 0x13, 0x37, 0x00, 0x00};
 
 void sleep_for(double seconds) {
@@ -146,7 +146,7 @@ void ModbusRtuServer::serve() {
     std::array<std::uint8_t, 256> part;
     const IoResult got = line_.read_some(part, Deadline::in(kept.empty() ? kIdle : kGap));
     if (got.status == IoStatus::kClosed) return;
-    if (got.status == IoStatus::kTimeOut || kept.size() > kMostKept) kept.clear();
+    if (got.status == IoStatus::kTimeOut || kept.size() > kMaxKept) kept.clear();
     kept.insert(kept.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got.bytes));
     while (const auto frame = modbus::find_rtu_request(kept)) {
       kept.erase(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(frame->end));

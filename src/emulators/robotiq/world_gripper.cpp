@@ -16,7 +16,7 @@ constexpr double kMovingCurrent = 0.15;   // A
 constexpr double kScissorStart = 137.0;   // counts: basic mode
 constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; ours
 constexpr double kCounts = 255.0;
-constexpr double kLeast = 6.0;  // counts: where the software limit of a real gripper ends opening
+constexpr double kMin = 6.0;  // counts: where the software limit of a real gripper ends opening
 
 bool same(const AxisCommand& a, const AxisCommand& b) {
   return a.go == b.go && a.target == b.target && a.speed == b.speed && a.force == b.force;
@@ -27,10 +27,10 @@ class WorldGripper final : public GripperPlant {
   explicit WorldGripper(SharedWorld& world) : world_(&world) {
     {
       const auto access = world.lock();
-      const GripperModel& gripper = access.world.hand_model().gripper;
-      most_narrowed_ = std::max(0.0, gripper.finger_spacing - gripper.narrow_spacing);
-      half_stroke_ = 0.5 * access.world.hand_model().gripper.largest_opening;
-      place_ = access.world.hand().finger;
+      const GripperModel& gripper = access.world.gripper_body().gripper;
+      max_narrowed_ = std::max(0.0, gripper.finger_spacing - gripper.narrow_spacing);
+      half_stroke_ = 0.5 * access.world.gripper_body().gripper.max_opening;
+      place_ = access.world.gripper_pose().finger;
     }
     world.drive_fingers([this](const TrueWorld& now, double seconds) { return drive(now, seconds); });
   }
@@ -46,7 +46,7 @@ class WorldGripper final : public GripperPlant {
       if (i >= drives_.size()) continue;
       still_[i] = 0.0;
       // A stands alone against B and C, which share its force.
-      drives_[i] = {place_of(std::max(kLeast, axes[i].target)), axes[i].speed / kCounts * half_stroke_,
+      drives_[i] = {place_of(std::max(kMin, axes[i].target)), axes[i].speed / kCounts * half_stroke_,
                     i == 0 ? axes[i].force : 0.5 * axes[i].force, world_->options().regrip};
     }
   }
@@ -65,7 +65,7 @@ class WorldGripper final : public GripperPlant {
   // With the world locked.
   FingerPlaces drive(const TrueWorld& now, double seconds) {
     const std::lock_guard lock(mutex_);
-    std::array<double, kFingers> next = now.hand().finger;
+    std::array<double, kFingers> next = now.gripper_pose().finger;
     for (std::size_t f = 0; f < next.size(); ++f) {
       const double from = next[f];
       if (command_[f].go) next[f] = next_finger_place(drives_[f], from, now.finger_force()[f], seconds);
@@ -74,16 +74,16 @@ class WorldGripper final : public GripperPlant {
     }
     place_ = next;
     const double share = (scissor_ - kScissorStart) / (kScissorNarrow - kScissorStart);
-    return {next, most_narrowed_ * std::clamp(share, 0.0, 1.0)};
+    return {next, max_narrowed_ * std::clamp(share, 0.0, 1.0)};
   }
 
   [[nodiscard]] AxisReport finger_report(std::size_t f) const {
     using Status = AxisReport::Status;
     AxisReport report;
-    report.position = std::max(kLeast, kCounts * (1.0 - place_[f] / half_stroke_));
-    const double way = drives_[f].target - place_[f];
-    if (!command_[f].go || std::abs(way) < kAtTarget) return report;
-    report.status = way < 0 ? Status::kContactClosing : Status::kContactOpening;
+    report.position = std::max(kMin, kCounts * (1.0 - place_[f] / half_stroke_));
+    const double remaining = drives_[f].target - place_[f];
+    if (!command_[f].go || std::abs(remaining) < kAtTarget) return report;
+    report.status = remaining < 0 ? Status::kContactClosing : Status::kContactOpening;
     if (still_[f] >= kStalled) return report;
     report.status = Status::kMoving;
     report.current = kMovingCurrent;
@@ -92,8 +92,8 @@ class WorldGripper final : public GripperPlant {
 
   [[nodiscard]] AxisReport advance_scissor(double seconds) {
     const AxisCommand& command = command_[3];
-    const double way = command.target - scissor_, step = command.speed * seconds;
-    if (command.go) scissor_ += std::abs(way) <= step ? way : std::copysign(step, way);
+    const double remaining = command.target - scissor_, step = command.speed * seconds;
+    if (command.go) scissor_ += std::abs(remaining) <= step ? remaining : std::copysign(step, remaining);
     AxisReport report;
     report.position = scissor_;
     if (command.go && scissor_ != command.target) report.status = AxisReport::Status::kMoving;
@@ -101,9 +101,9 @@ class WorldGripper final : public GripperPlant {
   }
 
   SharedWorld* world_;
-  double half_stroke_ = 0.0;    // m
-  double most_narrowed_ = 0.0;  // m
-  std::mutex mutex_;            // of all below; taken after the world's, never before
+  double half_stroke_ = 0.0;   // m
+  double max_narrowed_ = 0.0;  // m
+  std::mutex mutex_;           // of all below; taken after the world's, never before
   std::array<AxisCommand, kGripperAxes> command_{};
   std::array<FingerDriveState, kFingers> drives_{};
   std::array<double, kFingers> place_{};  // m

@@ -21,7 +21,7 @@ Outcome message(BuiltinCall& call) {
   ControllerEvent event;
   event.kind = ControllerEvent::Kind::kText;
   event.text = print(arg(call, 0)) + (call.has(1) ? print(arg(call, 1)) : "");
-  controller(call).say(std::move(event));
+  controller(call).emit(std::move(event));
   return Value();
 }
 
@@ -34,7 +34,7 @@ Outcome popup(BuiltinCall& call) {
   event.error = call.has(3) && truth(arg(call, 3));
   event.blocking = call.has(4) && truth(arg(call, 4));
   const bool blocking = event.blocking;
-  controller(call).say(std::move(event));
+  controller(call).emit(std::move(event));
   if (!blocking) return Value();
   controller(call).popup_open = true;
   return Wait([&host = controller(call)]() -> std::optional<Value> {

@@ -9,8 +9,8 @@ namespace {
 constexpr int kPathProblem = 153;           // C-code
 constexpr double kLongestMotion = 86400.0;  // s: what lasts longer than a day is a mistake
 // All of an optimove's acceleration and speed: a share of 1.
-constexpr double kMostJointAcceleration = 10.0, kMostJointSpeed = 2.0;  // rad/s^2, rad/s
-constexpr double kMostToolAcceleration = 5.0, kMostToolSpeed = 1.0;     // m/s^2, m/s
+constexpr double kMaxJointAcceleration = 10.0, kMaxJointSpeed = 2.0;  // rad/s^2, rad/s
+constexpr double kMaxToolAcceleration = 5.0, kMaxToolSpeed = 1.0;     // m/s^2, m/s
 
 Motion& claim(BuiltinCall& call) {
   controller(call).claim_motion(call.machine, call.thread);
@@ -99,14 +99,14 @@ MoveOptions optimal(BuiltinCall& call, double acceleration, double speed) {
 
 Outcome optimovej(BuiltinCall& call) {
   const Joints q = as_joints(call, 0);
-  const MoveOptions options = optimal(call, kMostJointAcceleration, kMostJointSpeed);
+  const MoveOptions options = optimal(call, kMaxJointAcceleration, kMaxJointSpeed);
   claim(call).move_joints(q, options);
   return until_done(call);
 }
 
 Outcome optimovel(BuiltinCall& call) {
   const Pose T_B_P = as_pose(call, 0);
-  const MoveOptions options = optimal(call, kMostToolAcceleration, kMostToolSpeed);
+  const MoveOptions options = optimal(call, kMaxToolAcceleration, kMaxToolSpeed);
   claim(call).move_line(T_B_P, options);
   return until_done(call);
 }
@@ -183,9 +183,9 @@ Outcome set_tcp(BuiltinCall& call) {
 
 double payload_mass(const BuiltinCall& call) {
   const double mass = num(call, 0);
-  const double most = controller(call).motion.geometry().robot().payload;
-  if (!(mass >= 0) || mass > most)
-    throw ScriptError{concat("Value error: payload of ", mass, " kg, this robot carries ", most, " kg")};
+  const double max = controller(call).motion.geometry().robot().payload;
+  if (!(mass >= 0) || mass > max)
+    throw ScriptError{concat("Value error: payload of ", mass, " kg, this robot carries ", max, " kg")};
   return mass;
 }
 

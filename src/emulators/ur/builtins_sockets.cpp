@@ -18,16 +18,16 @@ namespace stonestack::emulators {
 namespace {
 
 constexpr double kConnectSeconds = 0.2;
-constexpr std::size_t kMostSockets = 16;
-constexpr std::size_t kMostReceived = 1 << 20;
-constexpr long long kMostNumbers = 30;  // a read asks for, as on the controller
+constexpr std::size_t kMaxSockets = 16;
+constexpr std::size_t kMaxReceived = 1 << 20;
+constexpr long long kMaxNumbers = 30;  // a read asks for, as on the controller
 constexpr double kDefaultTimeout = 2.0;
 
 /// A connection that is being made. Nobody is waited for: whoever does not answer would hold up the control
 /// steps, and with them every other client.
 class CallOut {
  public:
-  enum class State { kUnderWay, kThere, kRefused };
+  enum class State { kInProgress, kThere, kRefused };
   CallOut(const std::string& address, int port)
       : name_(concat(address, ':', port)),
         socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
@@ -40,10 +40,10 @@ class CallOut {
     refused_ = ::connect(socket_.number(), reinterpret_cast<const sockaddr*>(&peer), sizeof peer) < 0 &&
                errno != EINPROGRESS;
   }
-  [[nodiscard]] State look() const {
+  [[nodiscard]] State poll_once() const {
     if (refused_) return State::kRefused;
     pollfd watched{socket_.number(), POLLOUT, 0};
-    if (::poll(&watched, 1, 0) <= 0) return State::kUnderWay;
+    if (::poll(&watched, 1, 0) <= 0) return State::kInProgress;
     int code = 0;
     socklen_t size = sizeof code;
     ::getsockopt(socket_.number(), SOL_SOCKET, SO_ERROR, &code, &size);
@@ -70,24 +70,24 @@ Outcome open(BuiltinCall& call) {
   const std::string address = text(arg(call, 0)), name = name_of(call, 2);
   const long long port = integer(arg(call, 1));
   controller(call).sockets.erase(name);
-  if (port < 1 || port > 65535 || controller(call).sockets.size() >= kMostSockets) return Value(false);
+  if (port < 1 || port > 65535 || controller(call).sockets.size() >= kMaxSockets) return Value(false);
   try {
     if (!is_loopback(address)) return Value(false);
   } catch (const Error&) {
     return Value(false);
   }
   const auto call_out = std::make_shared<CallOut>(address, static_cast<int>(port));
-  auto look = [&host = controller(call), name, call_out,
-               until = controller(call).uptime() + kConnectSeconds]() -> std::optional<Value> {
-    const auto state = call_out->look();
-    if (state == CallOut::State::kUnderWay && host.uptime() < until) return std::nullopt;
+  auto poll_once = [&host = controller(call), name, call_out,
+                    until = controller(call).uptime() + kConnectSeconds]() -> std::optional<Value> {
+    const auto state = call_out->poll_once();
+    if (state == CallOut::State::kInProgress && host.uptime() < until) return std::nullopt;
     if (state != CallOut::State::kThere) return Value(false);
     host.sockets.erase(name);
     host.sockets.emplace(name, ScriptSocket{call_out->take(), "", false});
     return Value(true);
   };
-  if (auto at_once = look()) return *at_once;
-  return Wait(look);
+  if (auto at_once = poll_once()) return *at_once;
+  return Wait(poll_once);
 }
 
 Outcome close(BuiltinCall& call) {
@@ -100,7 +100,7 @@ Outcome close(BuiltinCall& call) {
 Outcome wait_for(BuiltinCall& call, const std::string& name, double seconds, Value nothing,
                  std::function<std::optional<Value>(std::string& received)> take) {
   const double until = seconds > 0 ? controller(call).uptime() + seconds : INFINITY;
-  auto look = [&host = controller(call), name, until, nothing, take]() -> std::optional<Value> {
+  auto poll_once = [&host = controller(call), name, until, nothing, take]() -> std::optional<Value> {
     ScriptSocket* socket = find(host, name);
     if (!socket) return nothing;
     receive(*socket);
@@ -108,13 +108,13 @@ Outcome wait_for(BuiltinCall& call, const std::string& name, double seconds, Val
     if (socket->closed || host.uptime() >= until) return nothing;
     return std::nullopt;
   };
-  if (auto at_once = look()) return *at_once;
-  return Wait(look);
+  if (auto at_once = poll_once()) return *at_once;
+  return Wait(poll_once);
 }
 
 Outcome read_integers(BuiltinCall& call) {
   const long long count = integer(arg(call, 0));
-  if (count < 1 || count > kMostNumbers) throw ScriptError{"Value error: 1 to 30 numbers can be read"};
+  if (count < 1 || count > kMaxNumbers) throw ScriptError{"Value error: 1 to 30 numbers can be read"};
   List nothing{Value(-1)};
   for (long long i = 0; i < count; ++i) nothing.emplace_back(0);
   return wait_for(call, name_of(call, 1), call.number_or(2, kDefaultTimeout), nothing,
@@ -133,7 +133,7 @@ Outcome read_integers(BuiltinCall& call) {
 // "(1.5, 2)": the count, then the numbers.
 Outcome read_floats(BuiltinCall& call) {
   const long long count = integer(arg(call, 0));
-  if (count < 1 || count > kMostNumbers) throw ScriptError{"Value error: 1 to 30 numbers can be read"};
+  if (count < 1 || count > kMaxNumbers) throw ScriptError{"Value error: 1 to 30 numbers can be read"};
   List nothing{Value(0)};
   for (long long i = 0; i < count; ++i) nothing.emplace_back(std::nan(""));
   return wait_for(call, name_of(call, 1), call.number_or(2, kDefaultTimeout), nothing,
@@ -186,7 +186,7 @@ Outcome send(BuiltinCall& call, const std::string& bytes) {
 
 void receive(ScriptSocket& socket) {
   std::array<std::uint8_t, 4096> buffer;
-  while (!socket.closed && socket.received.size() < kMostReceived) {
+  while (!socket.closed && socket.received.size() < kMaxReceived) {
     const IoResult result = socket.stream.read_some(buffer, Deadline::in(0));
     socket.received.append(reinterpret_cast<const char*>(buffer.data()), result.bytes);
     if (result.status == IoStatus::kClosed) socket.closed = true;

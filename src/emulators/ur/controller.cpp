@@ -13,14 +13,14 @@ constexpr double kLongSinceBoot = 100.0;  // s: clients wait for 40
 constexpr double kPowerSeconds = 1.0;     // a step of the way from power off to brakes released
 constexpr double kUnlockAfter = 5.0;      // s
 constexpr double kHarder = 20.0;          // N, than when a stop was acknowledged: the arm is pushed on
-constexpr double kWayOut = 0.2;           // rad of a joint, in which a touch is left
+constexpr double kTouchLeft = 0.2;        // rad of a joint, in which a touch is left
 constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
 constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
 constexpr double kGravity = 9.81;
 constexpr std::size_t kHistory = 1000;                 // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kWarning = 2, kViolation = 3;            // report levels
-constexpr std::uint64_t kEarlyLook = 13;    // every so many steps RTDE looks before a script is through
+constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE looks before a script is through
 constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
 
 }  // namespace
@@ -72,7 +72,7 @@ void Registers::write_int(std::size_t i, std::int32_t value, std::uint64_t step)
 
 std::int32_t Registers::seen_int(std::size_t i, std::uint64_t step) const {
   const auto& write = writes_[i];
-  return write.over_step == step && step % kEarlyLook == 0 ? write.over : out_int[i];
+  return write.over_step == step && step % kEarlyCheck == 0 ? write.over : out_int[i];
 }
 
 void UrController::step() {
@@ -139,14 +139,14 @@ void UrController::protective_stop(int code, const std::string& reason) {
   ControllerEvent safety;
   safety.kind = ControllerEvent::Kind::kSafetyMode;
   safety.code = static_cast<int>(safety_mode);
-  say(safety);
+  emit(safety);
   ControllerEvent error;
   error.kind = ControllerEvent::Kind::kErrorCode;
   error.code = code;
   // C153A0 is a warning to UR's own client library, whose tests go by the level.
   error.level = code == kPathDeviation ? kWarning : kViolation;
   error.text = reason;
-  say(error);
+  emit(error);
 }
 
 bool UrController::unlock_protective_stop() {
@@ -163,7 +163,7 @@ void UrController::emergency_stop() {
   ControllerEvent safety;
   safety.kind = ControllerEvent::Kind::kSafetyMode;
   safety.code = static_cast<int>(safety_mode);
-  say(safety);
+  emit(safety);
 }
 
 void UrController::restart_safety() {
@@ -233,7 +233,7 @@ void UrController::watch_for_collisions() {
   if (!hit) return;
   if (touched_) touched_->last = uptime();
   const bool leaves = touched_ && measured_.force_R.norm() < touched_->force + kHarder &&
-                      (measured_.q - touched_->q).cwiseAbs().maxCoeff() < kWayOut;
+                      (measured_.q - touched_->q).cwiseAbs().maxCoeff() < kTouchLeft;
   if (leaves) return;
   touched_.reset();
   protective_stop(kCollision, "Collision detected by joint: " + measured_.hit);

@@ -127,7 +127,7 @@ class UrController : public urscript::Host {
 
   /// An RTDE client wrote this input: feeds watchdogs.
   void input_written(const std::string& name);
-  void say(ControllerEvent event) { events_.push_back(std::move(event)); }
+  void emit(ControllerEvent event) { events_.push_back(std::move(event)); }
   [[nodiscard]] std::vector<ControllerEvent> take_events();
 
   [[nodiscard]] bool program_running() const { return runtime_ == RuntimeState::kPlaying; }

@@ -65,7 +65,7 @@ void UrController::report(const urscript::CompileError& error, const urscript::P
                           (secondary ? "SECONDARY_PROGRAM_EXCEPTION_XXX" : "") + error.text);
   event.line = error.line;
   event.column = error.column;
-  say(event);
+  emit(event);
 }
 
 void UrController::run_script(const std::string& source) {
@@ -103,9 +103,9 @@ void UrController::run(CompiledScript script) {
   }
   if (program_) end_program("PROGRAM_XXX_STOPPED");
   program_name_ = program.name.empty() ? "unnamed" : program.name;
-  say(make_event(Kind::kKey, "PROGRAM_XXX_STARTED", program_name_));
+  emit(make_event(Kind::kKey, "PROGRAM_XXX_STARTED", program_name_));
   if (!can_move()) {  // a robot that may not move ends every program at once
-    say(make_event(Kind::kKey, "PROGRAM_XXX_STOPPED", program_name_));
+    emit(make_event(Kind::kKey, "PROGRAM_XXX_STOPPED", program_name_));
     return;
   }
   program_ = std::make_unique<Machine>(std::move(program), robot_library(), *this);
@@ -129,7 +129,7 @@ void UrController::end_program(const char* title) {
   ForceMode off;
   motion.set_force_mode(off);
   if (motion.moving()) motion.stop_joints(10.0);
-  say(make_event(Kind::kKey, title, program_name_));
+  emit(make_event(Kind::kKey, title, program_name_));
 }
 
 void UrController::load_program(const std::string& file) {

@@ -11,15 +11,15 @@ namespace {
 constexpr double kEquivalentRadius =
     0.25;  // m, compares turning with moving; as in the configuration package
 constexpr double kTiny = 1e-9;
-constexpr double kMostAcceleration = 100;  // rad/s^2 or m/s^2: what scripts may ask for
+constexpr double kMaxAcceleration = 100;  // rad/s^2 or m/s^2: what scripts may ask for
 
 Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R) {
   const Eigen::AngleAxisd turn(R);
   return turn.angle() * turn.axis();
 }
 
-double bounded(double value, double most) {
-  return std::clamp(value, 1e-3, most);
+double bounded(double value, double max) {
+  return std::clamp(value, 1e-3, max);
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ Motion::Motion(const RobotModel& robot, const Joints& q)
 
 Six Motion::corner() const {
   Six sum = Six::Zero();
-  for (const auto& move : moves_) sum += move.way;
+  for (const auto& move : moves_) sum += move.displacement;
   return sum;
 }
 
@@ -50,10 +50,10 @@ void Motion::begin_moves(bool line, double acceleration) {
   moves_.push_back({speed / fastest * brake.length, brake, 0.0, 0.0});
 }
 
-void Motion::push(const Six& way, double length, const MoveOptions& options, double blend) {
-  const double a = bounded(options.acceleration, kMostAcceleration);
+void Motion::push(const Six& displacement, double length, const MoveOptions& options, double blend) {
+  const double a = bounded(options.acceleration, kMaxAcceleration);
   Move move;
-  move.way = way;
+  move.displacement = displacement;
   if (length > kTiny)
     move.profile = options.seconds > 0 ? make_timed_profile(length, options.seconds)
                                        : make_profile(length, bounded(options.speed, 100.0), a);
@@ -62,36 +62,38 @@ void Motion::push(const Six& way, double length, const MoveOptions& options, dou
 }
 
 void Motion::move_joints(const Joints& q, const MoveOptions& options) {
-  begin_moves(false, bounded(options.acceleration, kMostAcceleration));
+  begin_moves(false, bounded(options.acceleration, kMaxAcceleration));
   const Joints start = q_start_ + corner();
-  const Joints way = q - start;
+  const Joints displacement = q - start;
   MoveOptions limited = options;
   const Joints& fastest = geometry_.robot().velocity;
-  const double length = way.cwiseAbs().maxCoeff();
+  const double length = displacement.cwiseAbs().maxCoeff();
   for (int j = 0; j < 6; ++j)
-    if (std::abs(way[j]) > kTiny)
-      limited.speed = std::min(limited.speed, fastest[j] * length / std::abs(way[j]));
+    if (std::abs(displacement[j]) > kTiny)
+      limited.speed = std::min(limited.speed, fastest[j] * length / std::abs(displacement[j]));
   // A blend radius is a distance of the tool: how much of the joint way that is.
-  const double tool_way = (geometry_.T_B_P(q).translation() - geometry_.T_B_P(start).translation()).norm();
-  push(way, length, limited, tool_way > kTiny ? options.blend / tool_way * length : 0.0);
+  const double tool_distance =
+      (geometry_.T_B_P(q).translation() - geometry_.T_B_P(start).translation()).norm();
+  push(displacement, length, limited, tool_distance > kTiny ? options.blend / tool_distance * length : 0.0);
 }
 
 void Motion::move_line(const Pose& T_B_P, const MoveOptions& options) {
-  begin_moves(true, bounded(options.acceleration, kMostAcceleration));
+  begin_moves(true, bounded(options.acceleration, kMaxAcceleration));
   Pose start = T_B_start_;
-  for (const auto& move : moves_) start = compose(start, move.way);
-  Six way;
-  way << T_B_P.translation() - start.translation(),
+  for (const auto& move : moves_) start = compose(start, move.displacement);
+  Six displacement;
+  displacement << T_B_P.translation() - start.translation(),
       rotation_vector(T_B_P.rotation() * start.rotation().transpose());
-  const double length = std::max(way.head<3>().norm(), kEquivalentRadius * way.tail<3>().norm());
-  push(way, length, options, options.blend);
+  const double length =
+      std::max(displacement.head<3>().norm(), kEquivalentRadius * displacement.tail<3>().norm());
+  push(displacement, length, options, options.blend);
 }
 
 void Motion::move_arc(const Pose& via, const Pose& T_B_P, const MoveOptions& options) {
   move_line(T_B_P, options);
   auto& move = moves_.back();
   const Eigen::Vector3d p1 = T_B_P.translation();
-  const Eigen::Vector3d p0 = p1 - move.way.head<3>();
+  const Eigen::Vector3d p0 = p1 - move.displacement.head<3>();
   const Eigen::Vector3d u = via.translation() - p0, w = p1 - p0;
   const Eigen::Vector3d n = u.cross(w);
   if (n.squaredNorm() < 1e-14) return;
@@ -106,11 +108,11 @@ void Motion::move_arc(const Pose& via, const Pose& T_B_P, const MoveOptions& opt
   const double angle = angle_to(w);
   move.n_B_arc = angle * n.normalized();
   move.p_B_spoke = -centre;
-  const Six way = move.way;
-  const double length = std::max(angle * centre.norm(), kEquivalentRadius * way.tail<3>().norm());
+  const Six displacement = move.displacement;
+  const double length = std::max(angle * centre.norm(), kEquivalentRadius * displacement.tail<3>().norm());
   const Move arc = move;
   moves_.pop_back();
-  push(way, length, options, options.blend);
+  push(displacement, length, options, options.blend);
   moves_.back().n_B_arc = arc.n_B_arc;
   moves_.back().p_B_spoke = arc.p_B_spoke;
 }
@@ -197,7 +199,7 @@ bool Motion::done() const {
     case Mode::kMoves: {
       if (moves_.empty()) return true;
       const auto& move = moves_.back();
-      return move.profile.length - move.profile.way(move.t) <= move.blend + kTiny;
+      return move.profile.length - move.profile.displacement(move.t) <= move.blend + kTiny;
     }
     case Mode::kServo:
       return elapsed_ >= hold_ - kTiny;

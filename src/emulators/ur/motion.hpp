@@ -58,7 +58,7 @@ class Motion {
   [[nodiscard]] bool done() const;
   [[nodiscard]] bool moving() const;
   /// Moves under way: of a way with blends two or three, however long it is.
-  [[nodiscard]] std::size_t moves_under_way() const { return moves_.size(); }
+  [[nodiscard]] std::size_t moves_in_progress() const { return moves_.size(); }
 
   /// Goes on by `seconds` of the motion's own time, which speed scaling stretches. `wrench_B` is what presses
   /// on the tool at P, base axes. Returns why that cannot be, leaving the target where it was; else empty.
@@ -71,17 +71,17 @@ class Motion {
  private:
   enum class Mode { kRest, kMoves, kServo, kSpeed };
   struct Move {
-    Six way = Six::Zero();
+    Six displacement = Six::Zero();
     Profile profile;
     double t = 0.0;
     double blend = 0.0;                                   // in the profile's length
     Eigen::Vector3d n_B_arc = Eigen::Vector3d::Zero();    // times the angle; zero: a straight way
     Eigen::Vector3d p_B_spoke = Eigen::Vector3d::Zero();  // from the centre to the start
-    [[nodiscard]] Six way_at(double share) const;
+    [[nodiscard]] Six displacement_at(double share) const;
   };
 
   void begin_moves(bool line, double acceleration);
-  void push(const Six& way, double length, const MoveOptions& options, double blend);
+  void push(const Six& displacement, double length, const MoveOptions& options, double blend);
   [[nodiscard]] Six corner() const;
   void begin_speed(bool line, const Six& target, double acceleration, double seconds);
   [[nodiscard]] bool next_moves(double seconds, Joints& q);
@@ -90,7 +90,7 @@ class Motion {
   [[nodiscard]] bool next_speed(double seconds, Joints& q);
   [[nodiscard]] bool press(double seconds, const Six& wrench_B, Joints& q);
   [[nodiscard]] std::string judge(const Joints& q, double seconds) const;
-  [[nodiscard]] Pose compose(const Pose& start, const Six& way) const;
+  [[nodiscard]] Pose compose(const Pose& start, const Six& displacement) const;
 
   ArmGeometry geometry_;
   Mode mode_ = Mode::kRest;

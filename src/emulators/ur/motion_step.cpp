@@ -21,15 +21,15 @@ Eigen::Matrix3d turned(const Eigen::Vector3d& w) {
 
 }  // namespace
 
-Pose Motion::compose(const Pose& start, const Six& way) const {
+Pose Motion::compose(const Pose& start, const Six& displacement) const {
   Pose pose = start;
-  pose.translation() += way.head<3>();
-  pose.linear() = turned(way.tail<3>()) * start.rotation();
+  pose.translation() += displacement.head<3>();
+  pose.linear() = turned(displacement.tail<3>()) * start.rotation();
   return pose;
 }
 
-Six Motion::Move::way_at(double share) const {
-  Six part = share * way;
+Six Motion::Move::displacement_at(double share) const {
+  Six part = share * displacement;
   if (!n_B_arc.isZero()) part.head<3>() = turned(share * n_B_arc) * p_B_spoke - p_B_spoke;
   return part;
 }
@@ -38,8 +38,8 @@ Six Motion::Move::way_at(double share) const {
 void Motion::leave_finished_moves() {
   std::size_t over = 0;
   while (over + 1 < moves_.size() && moves_[over].t >= moves_[over].profile.duration()) {
-    q_start_ += moves_[over].way;
-    T_B_start_ = compose(T_B_start_, moves_[over].way_at(1.0));
+    q_start_ += moves_[over].displacement;
+    T_B_start_ = compose(T_B_start_, moves_[over].displacement_at(1.0));
     ++over;
   }
   moves_.erase(moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(over));
@@ -52,9 +52,10 @@ bool Motion::next_moves(double seconds, Joints& q) {
   bool all_over = true;
   for (auto& move : moves_) {
     move.t += seconds;
-    const double share = move.profile.length > kTiny ? move.profile.way(move.t) / move.profile.length : 1.0;
-    sum += share * move.way;
-    pose = compose(pose, move.way_at(share));
+    const double share =
+        move.profile.length > kTiny ? move.profile.displacement(move.t) / move.profile.length : 1.0;
+    sum += share * move.displacement;
+    pose = compose(pose, move.displacement_at(share));
     all_over = all_over && move.t >= move.profile.duration();
   }
   q = q_start_ + sum;
@@ -78,15 +79,15 @@ bool Motion::next_servo(double seconds, Joints& q) {
 
 bool Motion::next_speed(double seconds, Joints& q) {
   const Six change = speed_target_ - speed_;
-  const double largest = change.cwiseAbs().maxCoeff();
-  const double most = speed_acceleration_ * seconds;
+  const double change_norm = change.cwiseAbs().maxCoeff();
+  const double max = speed_acceleration_ * seconds;
   const Six before = speed_;
-  speed_ = largest <= most ? speed_target_ : Six(speed_ + change * (most / largest));
-  const Six way = 0.5 * seconds * (before + speed_);
+  speed_ = change_norm <= max ? speed_target_ : Six(speed_ + change * (max / change_norm));
+  const Six displacement = 0.5 * seconds * (before + speed_);
   elapsed_ += seconds;
-  q = q_unpressed_ + way;
+  q = q_unpressed_ + displacement;
   if (!line_) return true;
-  T_B_speed_ = compose(T_B_speed_, way);
+  T_B_speed_ = compose(T_B_speed_, displacement);
   return geometry_.inverse(T_B_speed_, q_unpressed_, true, q);
 }
 

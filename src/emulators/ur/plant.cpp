@@ -9,7 +9,7 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kLookPeriod = 0.050;  // s between two comparisons of links with table and stones
+constexpr double kCheckPeriod = 0.050;  // s between two comparisons of links with table and stones
 constexpr double kGravity = 9.81;
 constexpr double kFade = 0.1;  // s of motion in which the error of the last stop becomes that of the next
 
@@ -35,9 +35,9 @@ class WorldPlant final : public Plant {
     state_.q = q_target;
     auto access = world_->lock();
     read_wrench(access.world, T_W_F);
-    since_look_ += seconds;
-    if (state_.hit.empty() && since_look_ >= kLookPeriod) {
-      since_look_ = 0.0;
+    since_check_ += seconds;
+    if (state_.hit.empty() && since_check_ >= kCheckPeriod) {
+      since_check_ = 0.0;
       state_.hit = find_link_hit(access.world, world_->robot(), mounting, state_.q).value_or("");
     }
     return state_;
@@ -54,9 +54,9 @@ class WorldPlant final : public Plant {
 
   // Everything beyond the flange: contact and held stones, and the hand's own weight.
   void read_wrench(const TrueWorld& world, const Pose& T_W_F) {
-    HandLoad load = world.load();
-    load.add(world.hand().T_W_T * hand_centre(),
-             {0, 0, -kGravity * carried_mass(world.hand_model().gripper)});
+    GripperLoad load = world.load();
+    load.add(world.gripper_pose().T_W_T * gripper_centre(),
+             {0, 0, -kGravity * carried_mass(world.gripper_body().gripper)});
     const Eigen::Matrix3d R_R_W = world_->mounting().T_W_R.rotation().transpose();
     state_.force_R = R_R_W * load.force;
     state_.torque_R = R_R_W * (load.moment - T_W_F.translation().cross(load.force));
@@ -68,7 +68,7 @@ class WorldPlant final : public Plant {
   double jitter_sigma_;                                            // rad
   Joints jitter_ = Joints::Zero(), next_jitter_ = Joints::Zero();  // rad
   bool moves_ = false;
-  double since_look_ = 0.0;
+  double since_check_ = 0.0;
 };
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 namespace stonestack::emulators {
 
-double Profile::way(double t) const {
+double Profile::displacement(double t) const {
   t = std::clamp(t, 0.0, duration());
   if (t < rise) return 0.5 * speed * t * t / rise;
   if (t <= rise + steady) return 0.5 * speed * rise + speed * (t - rise);

@@ -14,7 +14,7 @@ struct Profile {
 
   [[nodiscard]] double duration() const { return rise + steady + fall; }
   /// Way done after `t` seconds.
-  [[nodiscard]] double way(double t) const;
+  [[nodiscard]] double displacement(double t) const;
 };
 
 /// As fast as `speed` and `acceleration` allow.

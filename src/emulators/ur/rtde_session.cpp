@@ -8,7 +8,7 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr std::size_t kMostRecipes = 255;
+constexpr std::size_t kMaxRecipes = 255;
 constexpr std::size_t kLongestNames = 2048;  // bytes of a setup
 constexpr const char* kNotFound = "NOT_FOUND";
 constexpr const char* kInUse = "IN_USE";
@@ -134,7 +134,7 @@ std::string RtdeSession::input_state(const std::string& name) const {
 RtdeSetupReply RtdeSession::set_up_inputs(const RtdeSetup& setup) {
   RtdeSetupReply reply;
   InputRecipe recipe;
-  bool whole = !setup.names.empty() && inputs_.size() < kMostRecipes;
+  bool whole = !setup.names.empty() && inputs_.size() < kMaxRecipes;
   const std::size_t read = names_read(setup.names, controller_->version());
   for (const auto& name : setup.names) {
     reply.types.push_back(reply.types.size() < read ? input_state(name) : kNotFound);

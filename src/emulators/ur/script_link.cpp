@@ -24,7 +24,7 @@ ScriptLink::ScriptLink(TcpStream stream, UrController& controller, ScriptQueue& 
   if (kind != Kind::kRealtime) send(encode_version_message(controller));
 }
 
-void ScriptLink::tell(const ControllerEvent& event) {
+void ScriptLink::report(const ControllerEvent& event) {
   if (kind_ == Kind::kPrimary) send(encode_event(controller(), event));
 }
 
@@ -35,7 +35,7 @@ void ScriptLink::receive(std::string_view bytes) {
 
 void ScriptLink::take(const std::string& script) {
   const bool local = controller().faults.local_mode && !controller().version().is_cb3();
-  if (read_only_ || local) return tell(read_only_error());
+  if (read_only_ || local) return report(read_only_error());
   queue_->put(number_, script);
 }
 

@@ -7,11 +7,11 @@ namespace stonestack::emulators {
 namespace {
 
 // A step at 500 Hz has 2 ms for everything; a short script takes some 0.3 us a character, a line at least 10.
-constexpr std::size_t kLong = 2000;                 // characters: compiled beside
-constexpr std::size_t kCharactersAStep = 4000;      // of short ones, all clients together
-constexpr int kItemsAStep = 64;                     // all clients together
-constexpr std::size_t kMostItems = 16;              // that wait, of a client that may still send
-constexpr std::size_t kMostCharacters = 1'000'000;  // likewise
+constexpr std::size_t kLong = 2000;                // characters: compiled beside
+constexpr std::size_t kCharactersAStep = 4000;     // of short ones, all clients together
+constexpr int kItemsAStep = 64;                    // all clients together
+constexpr std::size_t kMaxItems = 16;              // that wait, of a client that may still send
+constexpr std::size_t kMaxCharacters = 1'000'000;  // likewise
 
 std::string trimmed(const std::string& line) {
   const auto first = line.find_first_not_of(" \t\r"), last = line.find_last_not_of(" \t\r");
@@ -60,7 +60,7 @@ void ScriptQueue::put(int client, std::string text) {
 bool ScriptQueue::is_full(int client) const {
   const auto it = lanes_.find(client);
   return it != lanes_.end() &&
-         (it->second.items.size() >= kMostItems || it->second.characters > kMostCharacters);
+         (it->second.items.size() >= kMaxItems || it->second.characters > kMaxCharacters);
 }
 
 void ScriptQueue::turn() {

@@ -11,10 +11,10 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kMostBehind = 10.0;           // s without progress until a client is disconnected
-constexpr int kSendBuffer = 32768;             // bytes in the kernel: a slow reader is noticed soon
-constexpr std::size_t kMostPending = 1 << 20;  // bytes
-constexpr std::size_t kMostLinks = 32;
+constexpr double kMaxBehind = 10.0;           // s without progress until a client is disconnected
+constexpr int kSendBuffer = 32768;            // bytes in the kernel: a slow reader is noticed soon
+constexpr std::size_t kMaxPending = 1 << 20;  // bytes
+constexpr std::size_t kMaxLinks = 32;
 
 }  // namespace
 
@@ -51,14 +51,14 @@ void ServerLink::flush() {
     behind_since_ = -1.0;
   } else if (behind_since_ < 0 || sent > 0) {
     behind_since_ = controller_->uptime();
-  } else if (controller_->uptime() - behind_since_ > kMostBehind) {
+  } else if (controller_->uptime() - behind_since_ > kMaxBehind) {
     dead_ = true;
   }
 }
 
 void ServerLink::send(std::string_view bytes) {
   if (dead_ || mute_) return;
-  if (pending_.size() + bytes.size() > kMostPending) {
+  if (pending_.size() + bytes.size() > kMaxPending) {
     ++skipped_;
     dead_ = unread_ == Unread::kDisconnected;
     return;
@@ -95,7 +95,7 @@ void ServerPort::accept() {
     try {
       auto stream = listener_->accept(Deadline::in(0));
       if (!stream) return;
-      if (links_.size() < kMostLinks) links_.push_back(make_(std::move(*stream)));
+      if (links_.size() < kMaxLinks) links_.push_back(make_(std::move(*stream)));
     } catch (const DeviceError& problem) {  // out of sockets: those who are there go on
       if (!cannot_accept_) log_warning(concat("simulated UR controller: ", problem.what()));
       cannot_accept_ = true;

@@ -29,7 +29,7 @@ class ScriptLink final : public ServerLink {
              bool read_only);
   void after_step() override;
   /// Messages go to primary clients only.
-  void tell(const ControllerEvent& event);
+  void report(const ControllerEvent& event);
 
  protected:
   void receive(std::string_view bytes) override;

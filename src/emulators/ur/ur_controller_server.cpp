@@ -134,7 +134,7 @@ void UrControllerServer::Parts::turn(bool accept) {
   each([](ServerPort& port) { port.after_step(); });
   for (const auto& event : controller.take_events())
     for (auto& port : scripts)
-      for (auto& link : port->links()) static_cast<ScriptLink&>(*link).tell(event);
+      for (auto& link : port->links()) static_cast<ScriptLink&>(*link).report(event);
   time = controller.uptime();
 }
 

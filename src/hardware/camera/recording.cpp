@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLargestText = 16U << 20U;
-constexpr std::size_t kMostFrames = 1000000;
+constexpr std::size_t kMaxText = 16U << 20U;
+constexpr std::size_t kMaxFrames = 1000000;
 
 std::vector<std::string> files_in(const fs::path& folder, const std::vector<std::string>& extensions) {
   std::vector<std::string> names;
@@ -25,8 +25,7 @@ std::vector<std::string> files_in(const fs::path& folder, const std::vector<std:
     const std::string extension = it->path().extension().string();
     if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
     names.push_back(it->path().string());
-    if (names.size() > kMostFrames)
-      throw FileError(folder.string(), "more than a million frames", "split it");
+    if (names.size() > kMaxFrames) throw FileError(folder.string(), "more than a million frames", "split it");
   }
   if (problem) throw FileError(folder.string(), problem.message(), "give a folder that can be read");
   std::sort(names.begin(), names.end());
@@ -39,7 +38,7 @@ bool is_cloud(const fs::path& path) {
 
 void read_open3d_intrinsics(const std::string& path, CameraSettings& camera) {
   try {
-    const auto json = nlohmann::json::parse(read_file(path, kLargestText));
+    const auto json = nlohmann::json::parse(read_file(path, kMaxText));
     const auto m = json.at("intrinsic_matrix").get<std::vector<double>>();  // by columns
     if (m.size() != 9)
       throw FileError(path, concat("intrinsic_matrix of ", m.size(), " numbers"), "it has 9");
@@ -135,7 +134,7 @@ std::vector<RecordedFrame> parse_tum_list(const std::string& text, const std::st
     const fs::path name(std::string(line.substr(line.find_first_not_of(' ', space))));
     const bool outside = name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end();
     if (outside) fail("a file outside the folder: " + name.string());
-    if (frames.size() == kMostFrames) fail("more than a million frames");
+    if (frames.size() == kMaxFrames) fail("more than a million frames");
     frames.push_back({time, (fs::path(folder) / name).string()});
   }
   return frames;
@@ -148,14 +147,13 @@ std::vector<RecordedFrame> list_frames(RecordingFormat format, const RecordedCam
   std::vector<RecordedFrame> frames;
   if (format == RecordingFormat::kTum) {
     const std::string list = (path / "depth.txt").string();
-    frames = parse_tum_list(read_file(list, kLargestText), options.path, list);
+    frames = parse_tum_list(read_file(list, kMaxText), options.path, list);
   } else if (format == RecordingFormat::kOpen3d) {
     frames = number_frames(files_in(path / "depth", {".png"}), options.rate);
   } else if (format == RecordingFormat::kV4l2) {
     const auto bytes = fs::file_size(path / "v4l2.raw", ignored);
     if (ignored) throw FileError((path / "v4l2.raw").string(), ignored.message(), "record it again");
-    frames =
-        parse_v4l2_list(read_file((path / "v4l2.txt").string(), kLargestText), options.path, camera, bytes);
+    frames = parse_v4l2_list(read_file((path / "v4l2.txt").string(), kMaxText), options.path, camera, bytes);
   } else if (format == RecordingFormat::kZ16) {
     frames = list_raw(options.path, camera, options.rate);
   } else if (fs::is_directory(path, ignored)) {

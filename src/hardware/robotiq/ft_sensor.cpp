@@ -36,8 +36,8 @@ FieldList fields(FtSensorOptions& o) {
       field("listen", o.listen, {0.02, 10.0}, "s",
             "that a serial line is listened to before it is spoken to"),
       field("stale", o.stale, {0.01, 1.0}, "s", "older readings are an error"),
-      user(field("largest_force", o.largest_force, {1.0, 1000.0}, "N", "on an axis; FT150 150, FT300 300")),
-      user(field("largest_torque", o.largest_torque, {0.1, 100.0}, "Nm", "on an axis; FT150 15, FT300 30")),
+      user(field("max_force", o.max_force, {1.0, 1000.0}, "N", "on an axis; FT150 150, FT300 300")),
+      user(field("max_torque", o.max_torque, {0.1, 100.0}, "Nm", "on an axis; FT150 15, FT300 30")),
       field("stuck_samples", o.stuck_samples, {0, 100000}, "",
             "equal readings in a row that mean a dead sensor; 0: never"),
       user(field("yaw", o.yaw, {-3.2, 3.2}, "rad", "about z, from the flange's axes to the sensor's")),
@@ -175,10 +175,10 @@ Wrench RobotiqFtSensor::Stream::next(double patience) {
 
 void RobotiqFtSensor::Stream::require_plausible(const Wrench& wrench) const {
   const double force = wrench.force.cwiseAbs().maxCoeff(), torque = wrench.torque.cwiseAbs().maxCoeff();
-  if (force >= options.largest_force || torque >= options.largest_torque)
+  if (force >= options.max_force || torque >= options.max_torque)
     throw DeviceError(name,
-                      concat("is beyond its range: ", force, " N of ", options.largest_force, " N, ", torque,
-                             " Nm of ", options.largest_torque, " Nm"),
+                      concat("is beyond its range: ", force, " N of ", options.max_force, " N, ", torque,
+                             " Nm of ", options.max_torque, " Nm"),
                       "stop; if nothing touches the tool, the sensor is damaged or the wrong model is set");
 }
 

@@ -41,7 +41,7 @@ bool may_pass(std::uint8_t exception) {
 }
 
 modbus::Request make_read(std::uint8_t function, int address, int count) {
-  require(address >= 0 && count >= 1 && count <= modbus::kMostRead && address + count <= 0x10000,
+  require(address >= 0 && count >= 1 && count <= modbus::kMaxRead && address + count <= 0x10000,
           "a read takes 1 to 125 registers below 65536, got ", count, " from ", address);
   return {function, static_cast<std::uint16_t>(address), static_cast<std::uint16_t>(count), {}};
 }
@@ -110,7 +110,7 @@ void ModbusClient::write_one(int address, std::uint16_t value) {
 
 void ModbusClient::write_many(int address, const Registers& values) {
   const int count = static_cast<int>(values.size());
-  require(address >= 0 && count >= 1 && count <= modbus::kMostWritten && address + count <= 0x10000,
+  require(address >= 0 && count >= 1 && count <= modbus::kMaxWritten && address + count <= 0x10000,
           "a write takes 1 to 123 registers below 65536, got ", count, " from ", address);
   (void)link_->call(
       {modbus::kWriteMany, static_cast<std::uint16_t>(address), static_cast<std::uint16_t>(count), values});

@@ -10,8 +10,8 @@ namespace {
 
 using namespace modbus;
 
-constexpr std::size_t kMostKept = 1024;  // bytes without a frame among them
-constexpr int kMostQuiet = 10;           // times `quiet` that a chattering line is waited for
+constexpr std::size_t kMaxKept = 1024;  // bytes without a frame among them
+constexpr int kMaxQuiet = 10;           // times `quiet` that a chattering line is waited for
 
 class RtuTransport final : public ModbusTransport {
  public:
@@ -32,14 +32,14 @@ class RtuTransport final : public ModbusTransport {
       got.insert(got.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(read.bytes));
       if (const auto frame = find_rtu_reply(got, unit, request))
         return {parse_reply(request, frame->pdu), {}, {}};
-      if (got.size() > kMostKept || deadline.over()) return lost(IoStatus::kTimeOut, got);
+      if (got.size() > kMaxKept || deadline.over()) return lost(IoStatus::kTimeOut, got);
     }
   }
 
   void recover() override {
     if (!line_) return;
     std::array<std::uint8_t, 256> noise;
-    for (int i = 0; i < kMostQuiet; ++i) {
+    for (int i = 0; i < kMaxQuiet; ++i) {
       const IoResult read = line_->read_some(noise, Deadline::in(options_.quiet));
       if (read.status == IoStatus::kClosed) line_.reset();
       if (!read) return;

@@ -44,7 +44,7 @@ FieldList fields(ThreeFingerOptions& o) {
       user(field("preset", o.preset, "register layout: tcp2018, tcp2014 or rtu")),
       field("unit", o.unit, {-1, 255}, "", "Modbus unit; -1: of the preset"),
       field("mode", o.mode, "of the fingers: basic, pinch, wide or scissor"),
-      user(field("largest_opening", o.largest_opening, {0.01, 0.3}, "m",
+      user(field("max_opening", o.max_opening, {0.01, 0.3}, "m",
                  "between the pads at open_count; calibrate with a gauge")),
       user(field("open_count", o.open_count, {0.0, 255.0}, "count",
                  "request that opens fully; calibrate with a gauge")),
@@ -88,7 +88,7 @@ struct ThreeFingerGripper::Link {
   [[nodiscard]] GripperState judge(const ThreeFingerStatus& status) const;
   [[nodiscard]] double opening(double count) const {
     const double share = (count - options.open_count) / (options.closed_count - options.open_count);
-    return options.largest_opening * std::clamp(1.0 - share, 0.0, 1.0);
+    return options.max_opening * std::clamp(1.0 - share, 0.0, 1.0);
   }
 };
 
@@ -242,12 +242,12 @@ void ThreeFingerGripper::set_mode(GripperMode mode) {
 GripperState ThreeFingerGripper::move(double opening, double speed, double force) {
   Link& link = *link_;
   const ThreeFingerOptions& o = link.options;
-  require(std::isfinite(opening) && opening >= 0 && opening <= o.largest_opening + 1e-9 &&
-              std::isfinite(speed) && std::isfinite(force),
-          "the gripper opens from 0 to ", o.largest_opening, " m, asked for ", opening, " m");
+  require(std::isfinite(opening) && opening >= 0 && opening <= o.max_opening + 1e-9 && std::isfinite(speed) &&
+              std::isfinite(force),
+          "the gripper opens from 0 to ", o.max_opening, " m, asked for ", opening, " m");
   const ThreeFingerStatus status = link.read();
   link.require_ready(status);
-  const double count = o.closed_count - (o.closed_count - o.open_count) * opening / o.largest_opening;
+  const double count = o.closed_count - (o.closed_count - o.open_count) * opening / o.max_opening;
   GripperRequest request;
   request.mode = status.mode;
   request.go = true;

@@ -35,18 +35,18 @@ class Hearing {
   [[nodiscard]] std::string last_words() {
     std::this_thread::sleep_for(std::chrono::duration<double>(kStragglers));
     listen();
-    return said_;
+    return reports_;
   }
-  [[nodiscard]] const std::string& said() const { return said_; }
-  [[nodiscard]] bool died() const { return !said_.empty(); }
+  [[nodiscard]] const std::string& reports() const { return reports_; }
+  [[nodiscard]] bool died() const { return !reports_.empty(); }
   /// True once after each C210.
   [[nodiscard]] bool take_read_only() { return std::exchange(read_only_, false); }
 
  private:
-  void note(const std::string& text) { said_ += (said_.empty() ? "" : "; ") + text; }
+  void note(const std::string& text) { reports_ += (reports_.empty() ? "" : "; ") + text; }
   UrLink& link_;
   const std::string& script_;
-  std::string said_;
+  std::string reports_;
   bool read_only_ = false;
 };
 
@@ -73,7 +73,7 @@ class Run {
     if (auto failed = start()) return *failed;
     for (;;) {
       const UrStatus now = turn();
-      if (auto ended = look(now)) return *ended;
+      if (auto ended = check(now)) return *ended;
     }
   }
 
@@ -137,7 +137,7 @@ class Run {
                   "the RTDE link was lost on the way; the controller's watchdog has stopped it");
   }
 
-  std::optional<MotionResult> look(const UrStatus& now) {
+  std::optional<MotionResult> check(const UrStatus& now) {
     if (auto stopped = find_stop(now)) return stopped;
     if (now.run != order_.run)
       return result(Status::kStopped, "another program has taken the controller; end the other client");

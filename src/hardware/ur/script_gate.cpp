@@ -7,9 +7,9 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr double kLimitSlack = 1e-6;  // rad, of rounding
-constexpr double kRoomSlack = 1e-4;   // m
-constexpr double kHarder = 1.01;      // times the joint acceleration limit, of rounding
+constexpr double kLimitSlack = 1e-6;      // rad, of rounding
+constexpr double kWorkspaceSlack = 1e-4;  // m
+constexpr double kHarder = 1.01;          // times the joint acceleration limit, of rounding
 
 std::string find_bad_step(const JointState& before, const JointState& now, double t, double dt,
                           const RobotModel& robot, double margin) {
@@ -26,7 +26,7 @@ std::string find_bad_step(const JointState& before, const JointState& now, doubl
       return concat("joint ", j + 1, " changes its speed by ", change, " rad/s^2, limit ",
                     robot.acceleration[j], " rad/s^2, at ", t, " s");
   }
-  if (auto outside = describe_outside_room(robot, now.q, kRoomSlack); !outside.empty())
+  if (auto outside = describe_outside_workspace(robot, now.q, kWorkspaceSlack); !outside.empty())
     return concat(outside, ", at ", t, " s");
   return {};
 }

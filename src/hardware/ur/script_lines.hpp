@@ -25,9 +25,9 @@ class ScriptLines {
   [[nodiscard]] const ScriptOptions& options() const { return context_.options; }
   /// of a control step [s]: an expression of URScript.
   [[nodiscard]] std::string step_time() const {
-    constexpr UrVersion kFirstToTell{5, 4, 0, 0};
+    constexpr UrVersion kFirstWithSteptime{5, 4, 0, 0};
     const UrVersion& version = context_.version;
-    return version.has({}, kFirstToTell) ? "get_steptime()" : to_script(1.0 / version.control_rate());
+    return version.has({}, kFirstWithSteptime) ? "get_steptime()" : to_script(1.0 / version.control_rate());
   }
   /// The program; leaves none.
   [[nodiscard]] std::string take() { return std::move(text_); }

@@ -8,7 +8,7 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr double kLargest = 1e9;
+constexpr double kMax = 1e9;
 
 template <class Vector>
 std::string join(const Vector& values) {
@@ -20,8 +20,8 @@ std::string join(const Vector& values) {
 }  // namespace
 
 std::string to_script(double value) {
-  require(std::isfinite(value) && std::abs(value) < kLargest, "a script takes finite numbers below ",
-          kLargest, ", not ", value);
+  require(std::isfinite(value) && std::abs(value) < kMax, "a script takes finite numbers below ", kMax,
+          ", not ", value);
   char text[32];
   std::snprintf(text, sizeof text, "%.9f", value == 0.0 ? 0.0 : value);
   return text;

@@ -17,11 +17,11 @@ const Joints kSwing = (Joints() << 1.0, 1.0, 0.7, 0.45, 0.4, 0.2).finished();
 
 /// Where everything is at one configuration.
 struct Placed {
-  std::array<Pose, 7> pose;                                ///< T_R_link
-  std::array<Segment, CollisionShapes::kMostMovers> axes;  ///< of the movers' bounding capsules
-  std::array<Bounds, CollisionShapes::kMostMovers> boxes;  ///< of these axes
-  Segment hand;                                            ///< of the capsule around gripper and held stone
-  Bounds hand_box;
+  std::array<Pose, 7> pose;                               ///< T_R_link
+  std::array<Segment, CollisionShapes::kMaxMovers> axes;  ///< of the movers' bounding capsules
+  std::array<Bounds, CollisionShapes::kMaxMovers> boxes;  ///< of these axes
+  Segment gripper;                                        ///< of the capsule around gripper and held stone
+  Bounds gripper_box;
 
   Placed(const CollisionShapes& shapes, const Joints& q) : pose(link_poses(shapes.robot, q)) {
     for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
@@ -29,9 +29,9 @@ struct Placed {
       axes[i] = {pose[mover.link] * mover.core.axis.a, pose[mover.link] * mover.core.axis.b};
       boxes[i] = bounds(axes[i]);
     }
-    if (shapes.first_hand < shapes.movers.size()) {
-      hand = {pose[6] * shapes.hand.axis.a, pose[6] * shapes.hand.axis.b};
-      hand_box = bounds(hand);
+    if (shapes.first_gripper < shapes.movers.size()) {
+      gripper = {pose[6] * shapes.gripper.axis.a, pose[6] * shapes.gripper.axis.b};
+      gripper_box = bounds(gripper);
     }
   }
   [[nodiscard]] btTransform T_R(const Mover& mover) const { return to_bullet(pose[mover.link]); }
@@ -49,9 +49,10 @@ bool hits_table(const CollisionShapes& shapes, const Placed& placed, double extr
   const auto axis_height = [&](const Segment& axis) {
     return std::min(shapes.n_R_table.dot(axis.a), shapes.n_R_table.dot(axis.b)) + shapes.table_offset;
   };
-  const bool hand_is_high = shapes.first_hand < shapes.movers.size() &&
-                            axis_height(placed.hand) > shapes.hand.reach + shapes.hand_table_padding + extra;
-  const std::size_t last = hand_is_high ? shapes.first_hand : shapes.movers.size();
+  const bool gripper_is_high =
+      shapes.first_gripper < shapes.movers.size() &&
+      axis_height(placed.gripper) > shapes.gripper.reach + shapes.gripper_table_padding + extra;
+  const std::size_t last = gripper_is_high ? shapes.first_gripper : shapes.movers.size();
   for (std::size_t i = 0; i < last; ++i) {
     const auto& mover = shapes.movers[i];
     if (!mover.sees_table) continue;
@@ -77,14 +78,15 @@ bool hits(const Placed& placed, const Mover& mover, std::size_t i, const Obstacl
 }
 
 bool hits_objects(const CollisionShapes& shapes, const Placed& placed, double extra) {
-  const double hand_reach = shapes.hand.reach + extra;
+  const double gripper_reach = shapes.gripper.reach + extra;
   for (const auto& group : shapes.groups) {
-    const double hand_ball = hand_reach + group.hand_padding;
-    const double ball_of_hand = hand_ball + group.sphere;
-    const bool hand_is_far = shapes.first_hand < shapes.movers.size() &&
-                             (apart(placed.hand_box, group.box, hand_ball) ||
-                              squared_distance(placed.hand, group.centre) > ball_of_hand * ball_of_hand);
-    const std::size_t last = hand_is_far ? shapes.first_hand : shapes.movers.size();
+    const double gripper_ball = gripper_reach + group.gripper_padding;
+    const double ball_of_gripper = gripper_ball + group.sphere;
+    const bool gripper_is_far =
+        shapes.first_gripper < shapes.movers.size() &&
+        (apart(placed.gripper_box, group.box, gripper_ball) ||
+         squared_distance(placed.gripper, group.centre) > ball_of_gripper * ball_of_gripper);
+    const std::size_t last = gripper_is_far ? shapes.first_gripper : shapes.movers.size();
     for (std::size_t i = 0; i < last; ++i) {
       if (group.sees[i] == 0) continue;
       const auto& mover = shapes.movers[i];
@@ -109,21 +111,21 @@ bool arm_hits_arm(const CollisionShapes& shapes, const Placed& placed, double ex
 }
 
 /// One capsule of the arm against gripper and held stone.
-bool hits_hand(const CollisionShapes& shapes, const Placed& placed, double extra, std::size_t i) {
+bool hits_gripper(const CollisionShapes& shapes, const Placed& placed, double extra, std::size_t i) {
   const Mover& a = shapes.movers[i];
   const Segment& axis = placed.axes[i];
   const Pose T_T_R = (placed.pose[6] * shapes.T_6_T).inverse();
   const Segment axis_T{T_T_R * axis.a, T_T_R * axis.b};
-  for (std::size_t j = shapes.first_hand; j < shapes.movers.size(); ++j) {
+  for (std::size_t j = shapes.first_gripper; j < shapes.movers.size(); ++j) {
     const Mover& b = shapes.movers[j];
     const double away = shapes.rules.self_padding + extra;
     const double bound = a.core.reach + b.core.reach + away;
     if (apart(placed.boxes[i], placed.boxes[j], bound)) continue;
     if (squared_distance(axis, placed.axes[j]) > bound * bound) continue;
-    const double least = a.core.radius + away;
+    const double min = a.core.radius + away;
     if (b.part == Mover::Part::kGripper) {
-      if (squared_distance_to_box(axis_T, b.box_T.min(), b.box_T.max()) < least * least) return true;
-    } else if (hull_distance(a.core, placed.T_R(a), b.core, placed.T_R(b)) < least) {
+      if (squared_distance_to_box(axis_T, b.box_T.min(), b.box_T.max()) < min * min) return true;
+    } else if (hull_distance(a.core, placed.T_R(a), b.core, placed.T_R(b)) < min) {
       return true;
     }
   }
@@ -132,11 +134,12 @@ bool hits_hand(const CollisionShapes& shapes, const Placed& placed, double extra
 
 bool hits_itself(const CollisionShapes& shapes, const Placed& placed, double extra) {
   if (arm_hits_arm(shapes, placed, extra)) return true;
-  for (const std::size_t i : shapes.sees_hand) {
+  for (const std::size_t i : shapes.sees_gripper) {
     const Mover& a = shapes.movers[i];
-    const double bound = a.core.reach + shapes.hand.reach + shapes.rules.self_padding + extra;
-    if (apart(placed.boxes[i], placed.hand_box, bound)) continue;
-    if (squared_distance(placed.axes[i], placed.hand) <= bound * bound && hits_hand(shapes, placed, extra, i))
+    const double bound = a.core.reach + shapes.gripper.reach + shapes.rules.self_padding + extra;
+    if (apart(placed.boxes[i], placed.gripper_box, bound)) continue;
+    if (squared_distance(placed.axes[i], placed.gripper) <= bound * bound &&
+        hits_gripper(shapes, placed, extra, i))
       return true;
   }
   return false;
@@ -144,8 +147,9 @@ bool hits_itself(const CollisionShapes& shapes, const Placed& placed, double ext
 
 bool collides_within(const CollisionShapes& shapes, const Joints& q, double extra) {
   const Placed placed(shapes, q);
-  return room_left(shapes, placed.pose) <= kRoomMargin + extra || hits_table(shapes, placed, extra) ||
-         hits_objects(shapes, placed, extra) || hits_itself(shapes, placed, extra);
+  return workspace_left(shapes, placed.pose) <= kWorkspaceMargin + extra ||
+         hits_table(shapes, placed, extra) || hits_objects(shapes, placed, extra) ||
+         hits_itself(shapes, placed, extra);
 }
 
 /// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
@@ -176,8 +180,8 @@ bool CollisionChecker::collides(const Joints& q, double extra) const {
 bool CollisionChecker::motion_is_free(const Joints& a, const Joints& b, double resolution) const {
   require(a.allFinite() && b.allFinite(), "a motion needs finite joint angles");
   require(resolution > 0.0, "the resolution must be positive, got ", resolution, " rad");
-  constexpr double kFirstLook = 0.05;  // rad
-  return samples_miss(*shapes_, a, b, kFirstLook) && is_proven_free(*shapes_, a, b, resolution);
+  constexpr double kCoarseResolution = 0.05;  // rad
+  return samples_miss(*shapes_, a, b, kCoarseResolution) && is_free_continuously(*shapes_, a, b, resolution);
 }
 
 bool CollisionChecker::samples_are_free(const Joints& a, const Joints& b, double spacing) const {

@@ -132,7 +132,7 @@ void add_object(const PlanningScene& scene, int index, const Pose& T_R_W, Collis
     group.sees.push_back(may_touch(shapes.rules, mover, index) ? 0 : 1);
     group.padding.push_back(padding_of(scene, shapes.rules, mover, object.name));
     if (mover.part != Mover::Part::kArm)
-      group.hand_padding = std::max(group.hand_padding, group.padding.back());
+      group.gripper_padding = std::max(group.gripper_padding, group.padding.back());
   }
   shapes.groups.push_back(std::move(group));
 }
@@ -142,23 +142,23 @@ void add_pairs(CollisionShapes& shapes) {
     for (std::size_t j = i + 1; j < shapes.movers.size(); ++j)
       if (!never_checked(shapes.movers[i], shapes.movers[j])) shapes.pairs.push_back({i, j});
   for (const auto& pair : shapes.pairs) {
-    if (pair.second < shapes.first_hand)
+    if (pair.second < shapes.first_gripper)
       shapes.arm_pairs.push_back(pair);
-    else if (shapes.sees_hand.empty() || shapes.sees_hand.back() != pair.first)
-      shapes.sees_hand.push_back(pair.first);
+    else if (shapes.sees_gripper.empty() || shapes.sees_gripper.back() != pair.first)
+      shapes.sees_gripper.push_back(pair.first);
   }
 }
 
-void bound_hand(CollisionShapes& shapes) {
-  const auto is_hand = [](const Mover& m) { return m.part != Mover::Part::kArm; };
-  const auto first = std::find_if(shapes.movers.begin(), shapes.movers.end(), is_hand);
-  shapes.first_hand = static_cast<std::size_t>(first - shapes.movers.begin());
+void bound_gripper(CollisionShapes& shapes) {
+  const auto is_gripper = [](const Mover& m) { return m.part != Mover::Part::kArm; };
+  const auto first = std::find_if(shapes.movers.begin(), shapes.movers.end(), is_gripper);
+  shapes.first_gripper = static_cast<std::size_t>(first - shapes.movers.begin());
   std::vector<Eigen::Vector3d> points;
   for (auto mover = first; mover != shapes.movers.end(); ++mover) {
     points.insert(points.end(), mover->core.points.begin(), mover->core.points.end());
-    shapes.hand_span = std::max(shapes.hand_span, mover->span);
+    shapes.gripper_span = std::max(shapes.gripper_span, mover->span);
   }
-  if (!points.empty()) shapes.hand = make_core(std::move(points), 0.0);
+  if (!points.empty()) shapes.gripper = make_core(std::move(points), 0.0);
 }
 
 }  // namespace
@@ -172,18 +172,18 @@ CollisionShapes make_collision_shapes(const PlanningScene& scene, const Collisio
   shapes.robot = scene.robot;
   shapes.rules = rules;
   add_movers(scene, held, shapes);
-  require(shapes.movers.size() <= CollisionShapes::kMostMovers, "arm, gripper and held stone have ",
-          shapes.movers.size(), " collision shapes, at most ", CollisionShapes::kMostMovers, " are checked");
+  require(shapes.movers.size() <= CollisionShapes::kMaxMovers, "arm, gripper and held stone have ",
+          shapes.movers.size(), " collision shapes, at most ", CollisionShapes::kMaxMovers, " are checked");
   for (Mover& mover : shapes.movers) {
     mover.table_padding = padding_of(scene, rules, mover, "table");
     if (mover.part != Mover::Part::kArm)
-      shapes.hand_table_padding = std::max(shapes.hand_table_padding, mover.table_padding);
+      shapes.gripper_table_padding = std::max(shapes.gripper_table_padding, mover.table_padding);
   }
   const Pose T_R_W = scene.T_W_R.inverse();
   for (std::size_t i = 0; i < scene.objects.size(); ++i)
     if (static_cast<int>(i) != rules.left_out && !scene.objects[i].pieces.empty())
       add_object(scene, static_cast<int>(i), T_R_W, shapes);
-  bound_hand(shapes);
+  bound_gripper(shapes);
   add_pairs(shapes);
   shapes.n_R_table = T_R_W.linear().col(2);
   shapes.table_offset = -shapes.n_R_table.dot(T_R_W * Eigen::Vector3d(0.0, 0.0, scene.table_z));

@@ -37,9 +37,9 @@ struct ObstacleGroup {
   Bounds box;
   Eigen::Vector3d centre;
   double sphere = 0.0;
-  std::vector<char> sees;       ///< one a mover: 0 where the two may touch
-  std::vector<double> padding;  ///< one a mover [m]
-  double hand_padding = 0.0;    ///< largest of gripper and held stone [m]
+  std::vector<char> sees;        ///< one a mover: 0 where the two may touch
+  std::vector<double> padding;   ///< one a mover [m]
+  double gripper_padding = 0.0;  ///< largest of gripper and held stone [m]
 };
 
 /// Two movers that could touch; the second is on the same or a later link.
@@ -48,7 +48,7 @@ struct MoverPair {
 };
 
 struct CollisionShapes {
-  static constexpr std::size_t kMostMovers = 64;
+  static constexpr std::size_t kMaxMovers = 64;
 
   RobotModel robot;
   CollisionRules rules;
@@ -57,12 +57,12 @@ struct CollisionShapes {
   std::vector<ObstacleGroup> groups;
   std::vector<MoverPair> pairs;  ///< all that could touch
   // Gripper and held stone are on one link: a capsule around both spares most of their tests.
-  std::size_t first_hand = 0;          ///< movers from here on
-  ConvexCore hand;                     ///< around them, in the frame of link 6
-  double hand_span = 0.0;              ///< like Mover [m]::span
-  double hand_table_padding = 0.0;     ///< largest of them [m]
-  std::vector<MoverPair> arm_pairs;    ///< of `pairs`, those within the arm
-  std::vector<std::size_t> sees_hand;  ///< capsules of the arm that the hand could touch
+  std::size_t first_gripper = 0;          ///< movers from here on
+  ConvexCore gripper;                     ///< around them, in the frame of link 6
+  double gripper_span = 0.0;              ///< like Mover [m]::span
+  double gripper_table_padding = 0.0;     ///< largest of them [m]
+  std::vector<MoverPair> arm_pairs;       ///< of `pairs`, those within the arm
+  std::vector<std::size_t> sees_gripper;  ///< capsules of the arm that the hand could touch
   Pose T_6_T = Pose::Identity();
   Eigen::Vector3d n_R_table;  ///< up
   double table_offset = 0.0;  ///< height of p above the table: n.p + offset

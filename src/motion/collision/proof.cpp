@@ -13,11 +13,11 @@ namespace {
 
 constexpr double kCoarse = 0.03;  // m: while things move further, exact distances hardly ever decide
 
-enum class Answer { kClear, kInDoubt, kHit };
+enum class Answer { kClear, kUndecided, kHit };
 
 /// A mover and what it could touch.
 struct Couple {
-  enum class With { kTable, kPiece, kMover, kRoom };
+  enum class With { kTable, kPiece, kMover, kWorkspace };
   With with = With::kTable;
   std::size_t mover = 0, other = 0;
   double padding = 0.0;  ///< [m]
@@ -40,17 +40,17 @@ struct Placed {
   Placed(const Middle& middle, const Mover& mover)
       : axis{middle.pose[mover.link] * mover.core.axis.a, middle.pose[mover.link] * mover.core.axis.b},
         box(bounds(axis)),
-        shift(largest_shift(middle.pose, middle.turn, axis, mover.core.reach, mover.link)) {}
+        shift(max_shift(middle.pose, middle.turn, axis, mover.core.reach, mover.link)) {}
 };
 
 Answer answer(double distance, double padding, double shift) {
   if (distance <= padding) return Answer::kHit;
-  return distance > padding + shift ? Answer::kClear : Answer::kInDoubt;
+  return distance > padding + shift ? Answer::kClear : Answer::kUndecided;
 }
 
 /// The tool's tip, a point of link 6 and in its frame; for robots with a room.
 Eigen::Vector3d tip_of_link(const CollisionShapes& shapes) {
-  return (shapes.robot.T_6_F * shapes.robot.room->T_F_T).translation();
+  return (shapes.robot.T_6_F * shapes.robot.workspace->T_F_T).translation();
 }
 
 class Proof {
@@ -58,7 +58,7 @@ class Proof {
   Proof(const CollisionShapes& shapes, double resolution) : shapes_(shapes), resolution_(resolution) {}
 
   bool holds(const Joints& from, const Joints& to) {
-    doubts_.clear();
+    undecided_.clear();
     const Middle middle(shapes_, from, to);
     return look_at_all(middle) && halves_hold(from, to, 0);
   }
@@ -66,13 +66,13 @@ class Proof {
  private:
   /// The doubts from `first` on were left by the piece between `from` and `to`.
   bool halves_hold(const Joints& from, const Joints& to, std::size_t first) {
-    const std::size_t last = doubts_.size();
+    const std::size_t last = undecided_.size();
     if (first == last) return true;
     if ((to - from).cwiseAbs().maxCoeff() <= resolution_) return false;
     const Joints middle = 0.5 * (from + to);
     for (const auto& [a, b] : {std::pair(from, middle), std::pair(middle, to)}) {
       const bool free = look_again(Middle(shapes_, a, b), first, last) && halves_hold(a, b, last);
-      doubts_.resize(last);
+      undecided_.resize(last);
       if (!free) return false;
     }
     return true;
@@ -83,7 +83,7 @@ class Proof {
     std::size_t placed_mover = std::numeric_limits<std::size_t>::max();
     Placed placed;
     for (std::size_t k = first; k < last; ++k) {
-      const Couple couple = doubts_[k];
+      const Couple couple = undecided_[k];
       if (couple.mover != placed_mover) placed = Placed(middle, shapes_.movers[couple.mover]);
       placed_mover = couple.mover;
       if (!note(ask(middle, placed, couple), couple)) return false;
@@ -93,23 +93,24 @@ class Proof {
 
   bool look_at_all(const Middle& middle) {
     for (std::size_t i = 0; i < shapes_.movers.size(); ++i) placed_[i] = Placed(middle, shapes_.movers[i]);
-    Placed hand;
-    const bool has_hand = shapes_.first_hand < shapes_.movers.size();
-    if (has_hand) {
-      hand.axis = {middle.pose[6] * shapes_.hand.axis.a, middle.pose[6] * shapes_.hand.axis.b};
-      hand.box = bounds(hand.axis);
-      hand.shift = largest_shift(middle.pose, middle.turn, hand.axis, shapes_.hand.reach, 6);
+    Placed gripper;
+    const bool has_gripper = shapes_.first_gripper < shapes_.movers.size();
+    if (has_gripper) {
+      gripper.axis = {middle.pose[6] * shapes_.gripper.axis.a, middle.pose[6] * shapes_.gripper.axis.b};
+      gripper.box = bounds(gripper.axis);
+      gripper.shift = max_shift(middle.pose, middle.turn, gripper.axis, shapes_.gripper.reach, 6);
     }
-    const Couple tip{Couple::With::kRoom, 0, 0, kRoomMargin};
-    if (shapes_.robot.room && !note(ask_room(middle), tip)) return false;
+    const Couple tip{Couple::With::kWorkspace, 0, 0, kWorkspaceMargin};
+    if (shapes_.robot.workspace && !note(check_workspace(middle), tip)) return false;
     for (std::size_t i = 0; i < shapes_.movers.size(); ++i) {
       const Couple couple{Couple::With::kTable, i, 0, shapes_.movers[i].table_padding};
       if (shapes_.movers[i].sees_table && !note(ask(middle, placed_[i], couple), couple)) return false;
     }
     for (const auto& group : shapes_.groups) {
-      const bool hand_is_far =
-          has_hand && apart(hand.box, group.box, shapes_.hand.reach + hand.shift + group.hand_padding);
-      const std::size_t last = hand_is_far ? shapes_.first_hand : shapes_.movers.size();
+      const bool gripper_is_far =
+          has_gripper &&
+          apart(gripper.box, group.box, shapes_.gripper.reach + gripper.shift + group.gripper_padding);
+      const std::size_t last = gripper_is_far ? shapes_.first_gripper : shapes_.movers.size();
       for (std::size_t i = 0; i < last; ++i) {
         const double reach = shapes_.movers[i].core.reach + group.padding[i] + placed_[i].shift;
         if (group.sees[i] == 0 || apart(placed_[i].box, group.box, reach)) continue;
@@ -130,7 +131,7 @@ class Proof {
   }
 
   bool note(Answer answer, const Couple& couple) {
-    if (answer == Answer::kInDoubt) doubts_.push_back(couple);
+    if (answer == Answer::kUndecided) undecided_.push_back(couple);
     return answer != Answer::kHit;
   }
 
@@ -140,17 +141,17 @@ class Proof {
         return ask_table(middle, placed, couple);
       case Couple::With::kPiece:
         return ask_piece(middle, placed, couple);
-      case Couple::With::kRoom:
-        return ask_room(middle);
+      case Couple::With::kWorkspace:
+        return check_workspace(middle);
       default:
         return ask_mover(middle, placed, couple);
     }
   }
 
-  [[nodiscard]] Answer ask_room(const Middle& middle) const {
+  [[nodiscard]] Answer check_workspace(const Middle& middle) const {
     const Eigen::Vector3d p_R = middle.pose[6] * tip_of_link(shapes_);
-    const double shift = largest_shift(middle.pose, middle.turn, {p_R, p_R}, 0.0, 6);
-    return answer(room_left(shapes_, middle.pose), kRoomMargin, shift);
+    const double shift = max_shift(middle.pose, middle.turn, {p_R, p_R}, 0.0, 6);
+    return answer(workspace_left(shapes_, middle.pose), kWorkspaceMargin, shift);
   }
 
   [[nodiscard]] Answer ask_table(const Middle& middle, const Placed& placed, const Couple& couple) const {
@@ -175,7 +176,7 @@ class Proof {
     if (squared_distance(placed.axis, piece.centre) > ball * ball) return Answer::kClear;
     if (squared_distance_to_box(placed.axis, piece.box.low, piece.box.high) > bound * bound)
       return Answer::kClear;
-    if (placed.shift > kCoarse) return Answer::kInDoubt;
+    if (placed.shift > kCoarse) return Answer::kUndecided;
     const double hulls =
         hull_distance(mover.core, to_bullet(middle.pose[mover.link]), piece.core, btTransform::getIdentity());
     return answer(hulls, mover.core.radius + couple.padding, placed.shift);
@@ -190,12 +191,12 @@ class Proof {
     const double axes = squared_distance(axis, placed.axis);
     const double far = reach + placed.shift;
     if (axes > far * far) return Answer::kClear;
-    const double shift = largest_shift(middle.pose, middle.turn, placed.axis, b.core.reach, b.link, a.link);
+    const double shift = max_shift(middle.pose, middle.turn, placed.axis, b.core.reach, b.link, a.link);
     const double near = reach + shift;
     if (axes > near * near) return Answer::kClear;
     // Between capsules of the arm these are the distances.
     if (b.part == Mover::Part::kArm) return answer(std::sqrt(axes), reach, shift);
-    if (shift > kCoarse) return Answer::kInDoubt;
+    if (shift > kCoarse) return Answer::kUndecided;
     if (b.part == Mover::Part::kGripper) {
       const Pose T_T_R = (middle.pose[6] * shapes_.T_6_T).inverse();
       const Segment axis_T{T_T_R * axis.a, T_T_R * axis.b};
@@ -209,21 +210,21 @@ class Proof {
 
   const CollisionShapes& shapes_;
   double resolution_;
-  std::array<Placed, CollisionShapes::kMostMovers> placed_;
-  std::vector<Couple> doubts_;
+  std::array<Placed, CollisionShapes::kMaxMovers> placed_;
+  std::vector<Couple> undecided_;
 };
 
 }  // namespace
 
-double room_left(const CollisionShapes& shapes, const std::array<Pose, 7>& pose) {
-  if (!shapes.robot.room) return std::numeric_limits<double>::infinity();
-  const ToolRoom& room = *shapes.robot.room;
-  const Eigen::Vector3d p_W = room.T_W_R * (pose[6] * tip_of_link(shapes));
-  return std::min((p_W - room.box.min()).minCoeff(), (room.box.max() - p_W).minCoeff());
+double workspace_left(const CollisionShapes& shapes, const std::array<Pose, 7>& pose) {
+  if (!shapes.robot.workspace) return std::numeric_limits<double>::infinity();
+  const ToolWorkspace& workspace = *shapes.robot.workspace;
+  const Eigen::Vector3d p_W = workspace.T_W_R * (pose[6] * tip_of_link(shapes));
+  return std::min((p_W - workspace.box.min()).minCoeff(), (workspace.box.max() - p_W).minCoeff());
 }
 
-double largest_shift(const std::array<Pose, 7>& pose, const Joints& turn, const Segment& axis, double reach,
-                     std::size_t link, std::size_t base) {
+double max_shift(const std::array<Pose, 7>& pose, const Joints& turn, const Segment& axis, double reach,
+                 std::size_t link, std::size_t base) {
   double shift = 0.0;
   for (std::size_t j = link; j > base; --j) {
     const Eigen::Vector3d p = pose[j].translation(), z = pose[j].linear().col(2);
@@ -233,7 +234,8 @@ double largest_shift(const std::array<Pose, 7>& pose, const Joints& turn, const 
   return shift;
 }
 
-bool is_proven_free(const CollisionShapes& shapes, const Joints& a, const Joints& b, double resolution) {
+bool is_free_continuously(const CollisionShapes& shapes, const Joints& a, const Joints& b,
+                          double resolution) {
   constexpr double kPiece = 0.2;  // rad: within longer ones something could nearly always reach an obstacle
   const double pieces = std::max(1.0, std::ceil((b - a).cwiseAbs().maxCoeff() / kPiece));
   Proof proof(shapes, resolution);

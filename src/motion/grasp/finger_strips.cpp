@@ -12,9 +12,9 @@ double palm_front(const GripperModel& gripper) {
   return front;
 }
 
-HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
-                   const Eigen::Matrix3d& R_O_T) {
-  HandView view{R_O_T, std::vector<Eigen::Vector3d>(surface.size()), 0.0};
+GripperView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
+                      const Eigen::Matrix3d& R_O_T) {
+  GripperView view{R_O_T, std::vector<Eigen::Vector3d>(surface.size()), 0.0};
   const Eigen::Matrix3d R_T_O = R_O_T.transpose();
   for (std::size_t i = 0; i < view.p_T.size(); ++i) {
     view.p_T[i] = R_T_O * (surface[i].point - p_O_M);
@@ -39,7 +39,7 @@ double FingerStrip::height(double low, double high) const {
   return h;
 }
 
-std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const HandView& view, double y) {
+std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const GripperView& view, double y) {
   const double half_spacing = gripper.finger_spacing / 2, half_width = gripper.finger_width / 2;
   std::array<FingerStrip, 3> strips;
   for (std::size_t f = 0; f < 3; ++f) {
@@ -53,7 +53,7 @@ std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const HandVie
   return strips;
 }
 
-std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const HandView& view, double tip) {
+std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const GripperView& view, double tip) {
   const double half_width = gripper.finger_width / 2;
   const std::array<double, 2> y{gripper.finger_spacing / 2, -gripper.finger_spacing / 2};
   const int first = FingerStrip::first_slice(tip - gripper.pad_length), last = FingerStrip::last_slice(tip);
@@ -72,7 +72,7 @@ double pad_height(const GripperModel& gripper, const FingerStrip& strip, double 
 }
 
 PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> surface, double softness,
-                 const HandView& view, const FingerStrip& strip, double tip) {
+                 const GripperView& view, const FingerStrip& strip, double tip) {
   PadTouch touch;
   touch.height = pad_height(gripper, strip, tip);
   double area = 0.0;

@@ -14,13 +14,13 @@ namespace stonestack::motion {
 inline constexpr double kNoStone = -1e300;  ///< a height where there is nothing [m]
 
 /// The surface from the hand's side: points about the centre of mass in T's axes.
-struct HandView {
+struct GripperView {
   Eigen::Matrix3d R_O_T;
   std::vector<Eigen::Vector3d> p_T;
   double back = 0.0;  ///< z of the point nearest to the palm [m]
 };
-[[nodiscard]] HandView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
-                                 const Eigen::Matrix3d& R_O_T);
+[[nodiscard]] GripperView view_from(std::span<const SurfaceSample> surface, const Eigen::Vector3d& p_O_M,
+                                    const Eigen::Matrix3d& R_O_T);
 
 /// Profile that one finger can meet: the highest point of the stone, along x towards the finger, in each
 /// slice of z.
@@ -40,12 +40,12 @@ struct FingerStrip {
   [[nodiscard]] double height(double low, double high) const;
 };
 /// Cuts the profiles that fingers A, B and C can meet with the hand shifted by `y`.
-[[nodiscard]] std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const HandView& view,
+[[nodiscard]] std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const GripperView& view,
                                                     double y);
 /// Where the pad of one finger stops when the finger tips are at `tip`.
 [[nodiscard]] double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip);
 /// Returns the heights of fingers B and C alone, the hand not shifted: cheaper than to cut strips for it.
-[[nodiscard]] std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const HandView& view,
+[[nodiscard]] std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const GripperView& view,
                                                        double tip);
 
 /// Contact of a pad, in O.
@@ -55,6 +55,7 @@ struct PadTouch {
 };
 /// `softness` m: how far below the highest point the pad still touches. `view` is of that surface.
 [[nodiscard]] PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> surface,
-                               double softness, const HandView& view, const FingerStrip& strip, double tip);
+                               double softness, const GripperView& view, const FingerStrip& strip,
+                               double tip);
 
 }  // namespace stonestack::motion

@@ -31,8 +31,8 @@ std::vector<Eigen::Vector3d> sphere_directions(int count) {
 std::vector<Eigen::Vector3d> approaches(const GraspOptions& options) {
   std::vector<Eigen::Vector3d> directions = sphere_directions(options.directions);
   if (options.n_O_towards.isZero()) return directions;
-  const double least = std::cos(options.cone);
-  std::erase_if(directions, [&](const auto& z) { return z.dot(options.n_O_towards) < least; });
+  const double min = std::cos(options.cone);
+  std::erase_if(directions, [&](const auto& z) { return z.dot(options.n_O_towards) < min; });
   return directions;
 }
 
@@ -47,7 +47,7 @@ struct Sampler {
   double palm_front = 0.0;  ///< z of the palm's front in T (negative) [m]
 };
 
-HandView seen_from(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
+GripperView seen_from(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
   return view_from(s.surface, s.stone.mass.p_O_M, R_O_T);
 }
 
@@ -81,8 +81,8 @@ void judge(Sampler& s, Grasp grasp, const std::array<PadTouch, 3>& touch) {
     return;
   }
   grasp.force_per_weight = *force;
-  const double least = *std::min_element(force->begin(), force->end());
-  if (s.options.force_factor * least * s.stone.mass.mass * kGravity > s.gripper.force) {
+  const double min = *std::min_element(force->begin(), force->end());
+  if (s.options.force_factor * min * s.stone.mass.mass * kGravity > s.gripper.force) {
     ++s.set.too_heavy;
     return;
   }
@@ -91,7 +91,7 @@ void judge(Sampler& s, Grasp grasp, const std::array<PadTouch, 3>& touch) {
 }
 
 /// One orientation, sideways shift and depth.
-void try_grasp(Sampler& s, const HandView& view, const std::array<FingerStrip, 3>& strips, double y,
+void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip, 3>& strips, double y,
                double tip) {
   ++s.set.tried;
   std::array<double, 3> height{};
@@ -105,10 +105,10 @@ void try_grasp(Sampler& s, const HandView& view, const std::array<FingerStrip, 3
   Grasp grasp;
   grasp.spacing = s.gripper.finger_spacing;
   grasp.opening = left - right;
-  grasp.pre_opening = std::min(s.gripper.largest_opening, grasp.opening + 2 * s.options.finger_clearance);
+  grasp.pre_opening = std::min(s.gripper.max_opening, grasp.opening + 2 * s.options.finger_clearance);
   if (s.set.narrowest == 0.0 || grasp.opening < s.set.narrowest) s.set.narrowest = grasp.opening;
-  const double widest = s.gripper.largest_opening - s.options.finger_clearance;
-  if (grasp.opening < s.gripper.smallest_object || grasp.opening > widest) {
+  const double widest = s.gripper.max_opening - s.options.finger_clearance;
+  if (grasp.opening < s.gripper.min_object || grasp.opening > widest) {
     ++s.set.too_wide;
     return;
   }
@@ -116,7 +116,7 @@ void try_grasp(Sampler& s, const HandView& view, const std::array<FingerStrip, 3
   for (std::size_t i = 0; i < 3; ++i)
     in_stone |= strips[i].height(view.back, tip - s.gripper.pad_length) > height[i] + s.options.pad_softness;
   if (in_stone) {
-    ++s.set.hand_in_stone;
+    ++s.set.gripper_in_stone;
     return;
   }
   grasp.T_O_T.linear() = view.R_O_T;
@@ -134,14 +134,13 @@ double tip_depth(const GraspOptions& o, int step) {
 
 /// Turns the hand about its approach until B and C meet the stone together, by at most half a yaw step.
 Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
-  const double most = std::numbers::pi / s.options.yaws;
+  const double max = std::numbers::pi / s.options.yaws;
   double turned = 0.0;
   const double tip = tip_depth(s.options, s.options.depths / 2);
   for (int round = 0; round < kEqualiseRounds; ++round) {
     const auto [b, c] = heights_of_b_and_c(s.gripper, seen_from(s, R_O_T), tip);
     if (b == kNoStone || c == kNoStone) break;
-    const double angle =
-        std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -most, most) - turned;
+    const double angle = std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -max, max) - turned;
     if (std::abs(angle) < 0.005) break;
     turned += angle;
     R_O_T = R_O_T * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -151,7 +150,7 @@ Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
 
 /// All depths of one orientation, and sideways shifts where the middle gives nothing.
 void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
-  const HandView view = seen_from(s, R_O_T);
+  const GripperView view = seen_from(s, R_O_T);
   const std::size_t before = s.set.grasps.size();
   for (const double y : {0.0, -s.options.sideways, s.options.sideways}) {
     if (y != 0.0 && s.set.grasps.size() > before) break;
@@ -175,7 +174,7 @@ void try_direction(Sampler s, const Eigen::Vector3d& z) {
 void append(const GraspSet& part, GraspSet& all) {
   all.grasps.insert(all.grasps.end(), part.grasps.begin(), part.grasps.end());
   for (const auto count : {&GraspSet::tried, &GraspSet::too_wide, &GraspSet::no_contact,
-                           &GraspSet::hand_in_stone, &GraspSet::slips, &GraspSet::too_heavy})
+                           &GraspSet::gripper_in_stone, &GraspSet::slips, &GraspSet::too_heavy})
     all.*count += part.*count;
   if (part.narrowest > 0.0 && (all.narrowest == 0.0 || part.narrowest < all.narrowest))
     all.narrowest = part.narrowest;

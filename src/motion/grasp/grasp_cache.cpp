@@ -34,7 +34,7 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
   key.add(stone.mass.mass);
   key.add(stone.mass.p_O_M);
   for (const double v :
-       {gripper.largest_opening, gripper.smallest_object, gripper.finger_width, gripper.finger_spacing,
+       {gripper.max_opening, gripper.min_object, gripper.finger_width, gripper.finger_spacing,
         gripper.narrow_spacing, gripper.pad_length, gripper.force, gripper.friction})
     key.add(v);
   key.add(palm_front(gripper));  // all that sampling asks of the boxes: a camera beside the palm changes none
@@ -50,7 +50,7 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
 
 std::shared_ptr<const GraspSet> cached_grasps(const Stone& stone, const GripperModel& gripper,
                                               const GraspOptions& options) {
-  static RecentlyUsed<GraspSet> made(kMostGraspSets);
+  static RecentlyUsed<GraspSet> made(kMaxGraspSets);
   const std::uint64_t key = key_of(stone, gripper, options);
   if (auto known = made.find(key)) return known;
   return made.keep(key, std::make_shared<const GraspSet>(grasp_candidates(stone, gripper, options)));

@@ -124,12 +124,13 @@ GraspCheck check_grasps(const PlanningScene& scene, const PickAndPlaceTask& task
   return GraspFinder(scene, *task.stone, task.object, task.T_W_O_pick, options).check(task.T_W_O_place);
 }
 
-bool hand_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options) {
+bool gripper_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task,
+                       const MotionOptions& options) {
   require(task.stone != nullptr, "a task needs a stone");
   const auto set = cached_grasps(*task.stone, scene.gripper);
   const GraspEnd end(scene, *task.stone, task.object, options);
   return std::any_of(set->grasps.begin(), set->grasps.end(), [&](const Grasp& grasp) {
-    return !end.hand_fault(grasp, task.T_W_O_pick) && !end.hand_fault(grasp, task.T_W_O_place);
+    return !end.gripper_fault(grasp, task.T_W_O_pick) && !end.gripper_fault(grasp, task.T_W_O_place);
   });
 }
 

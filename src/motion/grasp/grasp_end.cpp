@@ -36,7 +36,7 @@ bool turn_into_limits(const RobotModel& robot, Joints& q) {
 }
 
 /// The closed fingers fill nothing but the space of the stone between them, so this checker sees the arm and
-/// the palm; HandCheck sees the open fingers against objects, `open_hand` against the arm.
+/// the palm; GripperCheck sees the open fingers against objects, `open_gripper` against the arm.
 CollisionRules arm_rules(const MotionOptions& options, int object) {
   CollisionRules rules;
   rules.padding = options.approach_padding;
@@ -47,16 +47,16 @@ CollisionRules arm_rules(const MotionOptions& options, int object) {
 
 /// The arm itself and its hand, which at a steep tilt comes near to the forearm, at openings up to the
 /// largest. Objects are not seen; the table is, as near as the arm may come to it at a grasp.
-std::vector<CollisionChecker> open_hand(const PlanningScene& scene, const MotionOptions& options) {
+std::vector<CollisionChecker> open_gripper(const PlanningScene& scene, const MotionOptions& options) {
   PlanningScene empty = scene;
   empty.objects.clear();
   CollisionRules rules;
   rules.padding = options.approach_padding;
   rules.gripper_may_touch = {kTableObject};
   std::vector<CollisionChecker> checkers;
-  const double largest = scene.gripper.largest_opening;
-  for (double opening = kOpeningStep; opening < largest + kOpeningStep; opening += kOpeningStep) {
-    rules.opening = std::min(opening, largest);
+  const double widest = scene.gripper.max_opening;
+  for (double opening = kOpeningStep; opening < widest + kOpeningStep; opening += kOpeningStep) {
+    rules.opening = std::min(opening, widest);
     checkers.emplace_back(empty, rules);
   }
   return checkers;
@@ -72,11 +72,11 @@ bool has_branch(const IkBranches& all, int branch) {
 
 GraspEnd::GraspEnd(const PlanningScene& scene, const Stone& stone, int object, const MotionOptions& options)
     : scene_(scene), stone_(stone), options_(options) {
-  make_hands(scene, object);
-  for (Hand& hand : hands_) {
+  make_grippers(scene, object);
+  for (SpacedGripper& gripper : grippers_) {
     PlanningScene spaced = scene;
-    spaced.gripper = with_spacing(scene.gripper, hand.spacing);
-    hand.open = open_hand(spaced, options);
+    spaced.gripper = with_spacing(scene.gripper, gripper.spacing);
+    gripper.open = open_gripper(spaced, options);
   }
 }
 
@@ -90,49 +90,50 @@ GraspEnd::GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects)
   scene.table_z = scene_.table_z;
   scene.paddings = scene_.paddings;
   scene.objects.assign(objects.begin(), objects.end());
-  make_hands(scene, -1);
+  make_grippers(scene, -1);
 }
 
 GraspEnd GraspEnd::among(std::span<const SceneObject> objects) const {
   return {*this, objects};
 }
 
-void GraspEnd::make_hands(const PlanningScene& scene, int object) {
+void GraspEnd::make_grippers(const PlanningScene& scene, int object) {
   const auto add = [&](double spacing) {
     PlanningScene spaced = scene;
     spaced.gripper = with_spacing(scene.gripper, spacing);
-    hands_.push_back({spacing,
-                      HandCheck(spaced, options_.approach, object),
-                      CollisionChecker(spaced, arm_rules(options_, object)),
-                      {}});
+    grippers_.push_back({spacing,
+                         GripperCheck(spaced, options_.approach, object),
+                         CollisionChecker(spaced, arm_rules(options_, object)),
+                         {}});
   };
   add(scene.gripper.finger_spacing);
   if (scene.gripper.narrow_spacing > 0) add(scene.gripper.narrow_spacing);
 }
 
-const GraspEnd::Hand& GraspEnd::hand(const Grasp& grasp) const {
-  return hands_.size() > 1 && grasp.spacing == hands_[1].spacing ? hands_[1] : hands_[0];
+const GraspEnd::SpacedGripper& GraspEnd::gripper(const Grasp& grasp) const {
+  return grippers_.size() > 1 && grasp.spacing == grippers_[1].spacing ? grippers_[1] : grippers_[0];
 }
 
 bool GraspEnd::too_weak(const Grasp& grasp, const Pose& T_W_T) const {
   const Eigen::Vector3d n_T_down = -T_W_T.linear().row(2).transpose();
   const double weight = kGravity * stone_.mass.mass;
-  const double most = scene_.gripper.force / GraspOptions{}.force_factor;
-  return holding_force(grasp, weight, n_T_down) > most &&  // a quick bound
-         exact_holding_force(grasp, stone_.mass.p_O_M, scene_.gripper.friction, weight, n_T_down) > most;
+  const double max = scene_.gripper.force / GraspOptions{}.force_factor;
+  return holding_force(grasp, weight, n_T_down) > max &&  // a quick bound
+         exact_holding_force(grasp, stone_.mass.p_O_M, scene_.gripper.friction, weight, n_T_down) > max;
 }
 
-std::optional<EndFault> GraspEnd::hand_fault(const Grasp& grasp, const Pose& T_W_O) const {
+std::optional<EndFault> GraspEnd::gripper_fault(const Grasp& grasp, const Pose& T_W_O) const {
   const Pose T_W_T = T_W_O * grasp.T_O_T;
-  const HandCheck::Hit hit = hand(grasp).check.sweep(T_W_T, grasp.pre_opening, options_.approach_padding);
-  if (hit.what == HandCheck::Hit::What::kTableObject) return EndFault::kTable;
-  if (hit.what == HandCheck::Hit::What::kObject) return EndFault::kObject;
+  const GripperCheck::Hit hit =
+      gripper(grasp).check.sweep(T_W_T, grasp.pre_opening, options_.approach_padding);
+  if (hit.what == GripperCheck::Hit::What::kTableObject) return EndFault::kTable;
+  if (hit.what == GripperCheck::Hit::What::kObject) return EndFault::kObject;
   if (too_weak(grasp, T_W_T)) return EndFault::kTooWeak;
   return std::nullopt;
 }
 
 bool GraspEnd::arm_is_free(const Grasp& grasp, const Joints& q) const {
-  const Hand& at = hand(grasp);
+  const SpacedGripper& at = gripper(grasp);
   if (at.arm.collides(q)) return false;
   if (at.open.empty()) return true;
   const auto wide = static_cast<std::size_t>(grasp.pre_opening / kOpeningStep);
@@ -159,7 +160,7 @@ std::optional<EndFault> GraspEnd::arm_fault(const Grasp& grasp, const Pose& T_W_
 }
 
 std::optional<EndFault> GraspEnd::fault(const Grasp& grasp, const Pose& T_W_O) const {
-  if (const auto hand = hand_fault(grasp, T_W_O)) return hand;
+  if (const auto gripper = gripper_fault(grasp, T_W_O)) return gripper;
   return arm_fault(grasp, T_W_O * grasp.T_O_T);
 }
 
@@ -175,12 +176,12 @@ std::vector<int> GraspEnd::serving(std::span<const Grasp> grasps, std::span<cons
 
 bool GraspEnd::all_blocked(std::span<const Grasp> grasps, const Pose& T_W_O,
                            const Eigen::Vector3d& n_O_towards, double cone) const {
-  const double least = std::cos(cone);
+  const double min = std::cos(cone);
   std::size_t seen = 0;
   for (const Grasp& grasp : grasps) {
-    if (grasp.T_O_T.linear().col(2).dot(n_O_towards) < least) continue;
+    if (grasp.T_O_T.linear().col(2).dot(n_O_towards) < min) continue;
     ++seen;
-    const HandCheck& check = hand(grasp).check;
+    const GripperCheck& check = gripper(grasp).check;
     if (!check.touches_object(T_W_O * grasp.T_O_T, grasp.pre_opening, options_.approach_padding))
       return false;
   }
@@ -195,7 +196,7 @@ std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone&
   const std::size_t serving = end.serving(usual->grasps, all, T_W_O_pick, kFewOverTable).size();
   if (serving >= kFewOverTable) return usual;
   const auto over_table = std::count_if(usual->grasps.begin(), usual->grasps.end(), [&](const Grasp& grasp) {
-    const auto fault = end.hand_fault(grasp, T_W_O_pick);
+    const auto fault = end.gripper_fault(grasp, T_W_O_pick);
     return fault != EndFault::kTable && fault != EndFault::kTooWeak;
   });
   GraspOptions more;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "motion/collision.hpp"
-#include "motion/grasp/hand_check.hpp"
+#include "motion/grasp/gripper_check.hpp"
 #include "motion/grasp_check.hpp"
 
 namespace stonestack::motion {
@@ -26,7 +26,7 @@ class GraspEnd {
   [[nodiscard]] std::optional<EndFault> fault(const Grasp& grasp, const Pose& T_W_O) const;
   /// The first tests alone: hand against table and objects, and the grip's strength. They do not change when
   /// the stone is turned about the vertical on an empty table.
-  [[nodiscard]] std::optional<EndFault> hand_fault(const Grasp& grasp, const Pose& T_W_O) const;
+  [[nodiscard]] std::optional<EndFault> gripper_fault(const Grasp& grasp, const Pose& T_W_O) const;
   /// With these joints the arm meets nothing and itself nowhere, while the hand is at the grasp and open.
   [[nodiscard]] bool arm_is_free(const Grasp& grasp, const Joints& q) const;
   /// Returns the check for the same robot and gripper with these objects in place of the scene's.
@@ -41,24 +41,24 @@ class GraspEnd {
 
  private:
   /// The hand at one spacing of its fingers.
-  struct Hand {
+  struct SpacedGripper {
     double spacing = 0.0;
-    HandCheck check;
+    GripperCheck check;
     CollisionChecker arm;
     std::vector<CollisionChecker>
         open;  ///< arm against open fingers, kOpeningStep more each; empty: not asked
   };
-  [[nodiscard]] const Hand& hand(const Grasp& grasp) const;
+  [[nodiscard]] const SpacedGripper& gripper(const Grasp& grasp) const;
   [[nodiscard]] bool too_weak(const Grasp& grasp, const Pose& T_W_T) const;
   [[nodiscard]] std::optional<EndFault> arm_fault(const Grasp& grasp, const Pose& T_W_T) const;
 
   GraspEnd(const GraspEnd& other, std::span<const SceneObject> objects);
-  void make_hands(const PlanningScene& scene, int object);
+  void make_grippers(const PlanningScene& scene, int object);
 
   const PlanningScene& scene_;  // its objects are not looked at again
   const Stone& stone_;
   MotionOptions options_;
-  std::vector<Hand> hands_;
+  std::vector<SpacedGripper> grippers_;
 };
 
 /// The grasps of a stone to pick it up with where it lies. Where hardly any of the usual ones serves, more

@@ -40,7 +40,7 @@ double closing_force(const Eigen::MatrixXd& G, const Eigen::VectorXd& f) {
 }
 
 /// Least closing force that balances a unit pull at the centre of mass; empty if none does.
-std::optional<double> least_closing_force(const Eigen::MatrixXd& G, const Eigen::Vector3d& pull) {
+std::optional<double> min_closing_force(const Eigen::MatrixXd& G, const Eigen::Vector3d& pull) {
   // All forces push, so the square of their sum along x is a weight on the grip force itself.
   Eigen::MatrixXd A(7, G.cols());
   A.topRows(6) = G;
@@ -70,7 +70,7 @@ std::optional<std::array<double, 6>> force_per_weight(const GraspContacts& conta
   for (std::size_t d = 0; d < 6; ++d) {
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();
     pull[static_cast<Eigen::Index>(d / 2)] = d % 2 == 0 ? 1.0 : -1.0;
-    const auto needed = least_closing_force(G, pull);
+    const auto needed = min_closing_force(G, pull);
     if (!needed) return std::nullopt;
     force[d] = *needed;
   }
@@ -90,7 +90,7 @@ GraspContacts contacts_in_T(const Grasp& grasp, const Eigen::Vector3d& p_O_M) {
 
 double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, double friction, double weight,
                            const Eigen::Vector3d& n_T_down) {
-  const auto needed = least_closing_force(wrench_columns(contacts_in_T(grasp, p_O_M), friction), n_T_down);
+  const auto needed = min_closing_force(wrench_columns(contacts_in_T(grasp, p_O_M), friction), n_T_down);
   return needed ? weight * *needed : std::numeric_limits<double>::infinity();
 }
 

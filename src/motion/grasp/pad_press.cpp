@@ -8,18 +8,18 @@ namespace {
 
 constexpr double kGravity = 9.81;
 constexpr std::array<double, 3> kSide{1.0, -1.0, -1.0};
-constexpr double kLeastFacing = 0.2;  ///< cosine: steeper surface lies beside the pad, not on it
-constexpr double kReach = 0.008;      ///< m before a pad: what may come to lie on it
-constexpr double kBehind = 10.0;  ///< times the rubber's stiffness: the finger behind it, which only slides
+constexpr double kMinFacing = 0.2;  ///< cosine: steeper surface lies beside the pad, not on it
+constexpr double kReach = 0.008;    ///< m before a pad: what may come to lie on it
+constexpr double kBehind = 10.0;    ///< times the rubber's stiffness: the finger behind it, which only slides
 constexpr double kSlipStiffness = 0.02;  ///< share of the shear stiffness that a slipping sample counts with
 constexpr int kSqueezeRounds = 12;
 constexpr int kIterations = 12;
-constexpr double kUnbalanced = 0.03;                         ///< share of the load
-constexpr double kLargestMove = 0.003, kLargestTurn = 0.06;  ///< rad [m]: further, it counts as lost
-constexpr double kLength = 0.05;                             ///< makes torques comparable with forces [m]
-constexpr double kLoadStep = 0.5;                            ///< of the weight
-constexpr double kDeepest = 0.02;                            ///< that a stone is pressed into a pad [m]
-constexpr int kHalvings = 24;                                ///< of that
+constexpr double kUnbalanced = 0.03;                 ///< share of the load
+constexpr double kMaxMove = 0.003, kMaxTurn = 0.06;  ///< rad [m]: further, it counts as lost
+constexpr double kLength = 0.05;                     ///< makes torques comparable with forces [m]
+constexpr double kLoadStep = 0.5;                    ///< of the weight
+constexpr double kDeepest = 0.02;                    ///< that a stone is pressed into a pad [m]
+constexpr int kHalvings = 24;                        ///< of that
 
 /// Adds J^T diag(along, across, across) J to the lower triangle of `K`, where J = (1, -[r]x) is how a point
 /// at `r` follows the stone's shift and turn. Written out: most of the time of a press is spent here.
@@ -57,7 +57,7 @@ PadPress::PadPress(const std::vector<SurfaceSample>& surface, const MassProperti
     const Eigen::Vector3d p = T_T_O * s.point;
     if (p.z() > 0 || p.z() < -gripper.pad_length || std::abs(p.x()) < half_open - kReach) continue;
     const double side = p.x() > 0 ? 1.0 : -1.0, facing = side * (T_T_O.linear() * s.normal).x();
-    if (facing < kLeastFacing) continue;
+    if (facing < kMinFacing) continue;
     for (int f = side > 0 ? 0 : 1; f < (side > 0 ? 1 : 3); ++f) {
       const double y = f == 0 ? 0.0 : f == 1 ? 0.5 * spacing : -0.5 * spacing;
       if (std::abs(p.y() - y) < half_width) samples_.push_back({p, p - p_T_M, s.area * facing, f});
@@ -132,8 +132,7 @@ bool PadPress::settle(State& state, const Vector6& load) const {
     const double far = std::max(step.head<3>().norm() / 0.001, step.tail<3>().norm() / 0.02);
     if (far > 1) step /= far;
     state.u += step;
-    if (state.u.head<3>().norm() > 2 * kLargestMove || state.u.tail<3>().norm() > 2 * kLargestTurn)
-      return false;
+    if (state.u.head<3>().norm() > 2 * kMaxMove || state.u.tail<3>().norm() > 2 * kMaxTurn) return false;
   }
   const Vector6 rest = forces(state, nullptr) + load;
   return rest.head<3>().norm() + rest.tail<3>().norm() / kLength < 2 * kUnbalanced * scale;
@@ -157,16 +156,16 @@ double PadPress::deepest(int finger) const {
   return depth;
 }
 
-PadPress::Load PadPress::bear(const Eigen::Vector3d& n_T_down, double most) const {
+PadPress::Load PadPress::bear(const Eigen::Vector3d& n_T_down, double max) const {
   Load load;
   if (!holds_) return load;
   State state = gripped_;
-  for (double share = kLoadStep; share <= most + 1e-9; share += kLoadStep) {
+  for (double share = kLoadStep; share <= max + 1e-9; share += kLoadStep) {
     Vector6 pull = Vector6::Zero();
     pull.head<3>() = share * weight_ * n_T_down;
     if (!settle(state, pull)) break;
     const Vector6 moved = state.u - gripped_.u;
-    if (moved.head<3>().norm() > kLargestMove || moved.tail<3>().norm() > kLargestTurn) break;
+    if (moved.head<3>().norm() > kMaxMove || moved.tail<3>().norm() > kMaxTurn) break;
     load.share = share;
     if (std::abs(share - 1.0) < 1e-9) {
       load.moved = moved.head<3>().norm();

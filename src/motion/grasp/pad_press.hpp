@@ -23,8 +23,8 @@ class PadPress {
     double moved = 0.0;   ///< centre of mass in the hand under the weight itself [m]
     double turned = 0.0;  ///< the same [rad]
   };
-  /// With gravity along the unit vector `n_T_down`; loads up to `most` times the weight are tried.
-  [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double most) const;
+  /// With gravity along the unit vector `n_T_down`; loads up to `max` times the weight are tried.
+  [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double max) const;
   /// False: the stone slips out while the hand closes; no load is borne.
   [[nodiscard]] bool holds() const { return holds_; }
   /// by which closing the hand turns the stone [rad].

@@ -10,7 +10,7 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr int kMostHalvings = 8;  ///< of a piece; smooth motions need two or three
+constexpr int kMaxHalvings = 8;  ///< of a piece; smooth motions need two or three
 
 /// A straight motion of the tool, asked by its share s in [0, 1].
 struct Line {
@@ -51,15 +51,15 @@ std::optional<JointPath> straight_path(const RobotModel& robot, const Pose& T_F_
           "tolerances of a straight path must be positive");
   const Line line{
       robot, T_F_T, options, forward(robot, q_from) * T_F_T, T_R_T_goal, branch_of(robot, q_from)};
-  const PoseDifference way = difference(line.T_R_T_from, T_R_T_goal);
+  const PoseDifference change = difference(line.T_R_T_from, T_R_T_goal);
   // A turn counts like the way of a point 0.1 m from the tool's tip.
   const int pieces =
-      std::max(1, static_cast<int>(std::ceil((way.translation + 0.1 * way.angle) / options.longest)));
+      std::max(1, static_cast<int>(std::ceil((change.translation + 0.1 * change.angle) / options.longest)));
   JointPath path{q_from};
   for (int i = 0; i < pieces; ++i) {
     const double s1 = static_cast<double>(i + 1) / pieces;
     const IkOnBranch next = line.solve(s1, path.back());
-    if (!next.found || !refine(line, path, static_cast<double>(i) / pieces, s1, next.q, kMostHalvings))
+    if (!next.found || !refine(line, path, static_cast<double>(i) / pieces, s1, next.q, kMaxHalvings))
       return std::nullopt;
   }
   return path;

@@ -20,7 +20,7 @@ struct Stretch {
 };
 
 /// Largest factor with which every |values[j]| keeps its limit.
-double room(const Joints& values, const Joints& limits) {
+double headroom(const Joints& values, const Joints& limits) {
   double factor = std::numeric_limits<double>::infinity();
   for (int j = 0; j < 6; ++j)
     if (const double v = std::abs(values[j]); v > 1e-12) factor = std::min(factor, limits[j] / v);
@@ -31,10 +31,10 @@ double room(const Joints& values, const Joints& limits) {
 /// linear.
 double fastest_on(const PathPiece& piece, const TimingLimits& limits) {
   const Joints jerk = Joints::Constant(limits.jerk);
-  double v = std::cbrt(room(piece.third, jerk));
+  double v = std::cbrt(headroom(piece.third, jerk));
   for (const double s : {0.0, piece.length}) {
-    v = std::min(v, room(piece.tangent_at(s), limits.velocity));
-    v = std::min(v, std::sqrt(room(piece.curvature_at(s), limits.acceleration)));
+    v = std::min(v, headroom(piece.tangent_at(s), limits.velocity));
+    v = std::min(v, std::sqrt(headroom(piece.curvature_at(s), limits.acceleration)));
   }
   return v;
 }
@@ -43,8 +43,8 @@ std::vector<Stretch> stretches(const JointPath& path, const TimingLimits& limits
   std::vector<Stretch> out;
   const double longest = tool != nullptr ? kToolLine : std::numeric_limits<double>::infinity();
   for (const PathPiece& piece : smooth_pieces(path, limits.blend, longest, Corner::kEven)) {
-    Stretch next{piece, fastest_on(piece, limits), room(piece.tangent, limits.acceleration),
-                 room(piece.tangent, Joints::Constant(limits.jerk))};
+    Stretch next{piece, fastest_on(piece, limits), headroom(piece.tangent, limits.acceleration),
+                 headroom(piece.tangent, Joints::Constant(limits.jerk))};
     if (tool != nullptr) {
       next.fastest = std::min(next.fastest, fastest_with_tool(piece, *tool));
       next.fastest = std::pow(kSpeedStep, std::floor(std::log(next.fastest) / std::log(kSpeedStep)));
@@ -75,13 +75,13 @@ Change change(const Stretch& s, double from, double to) {
   if (dv * s.jerk < s.acceleration * s.acceleration) return {std::sqrt(dv / s.jerk), 0.0};
   return {s.acceleration / s.jerk, dv / s.acceleration - s.acceleration / s.jerk};
 }
-double way(const Stretch& s, double from, double to) {
+double distance(const Stretch& s, double from, double to) {
   return 0.5 * (from + to) * change(s, from, to).seconds();
 }
 
 /// The largest speed in [low, high] for which `fits`; `low` if none is.
 template <class Fits>
-double largest(double low, double high, const Fits& fits) {
+double max_fitting(double low, double high, const Fits& fits) {
   if (fits(high)) return high;
   for (int k = 0; k < kHalvings; ++k) {
     const double middle = 0.5 * (low + high);
@@ -93,15 +93,15 @@ double largest(double low, double high, const Fits& fits) {
 /// The largest speed up to `wanted` on one side of `s` that `other` on its other side allows.
 double reachable(const Stretch& s, double other, double wanted) {
   if (wanted <= other || !s.piece.is_line()) return std::min(wanted, other);
-  return largest(other, wanted, [&](double v) { return way(s, other, v) <= s.piece.length; });
+  return max_fitting(other, wanted, [&](double v) { return distance(s, other, v) <= s.piece.length; });
 }
 
 /// ds/dt between stretches, zero at both ends: first what the way behind allows, then the way ahead.
 std::vector<double> speeds(const std::vector<Stretch>& all) {
   std::vector<double> v(all.size() + 1, 0.0);
   for (std::size_t i = 1; i < all.size(); ++i) {
-    const double most = std::min(all[i - 1].fastest, all[i].fastest);
-    v[i] = all[i - 1].piece.stop_after ? 0.0 : reachable(all[i - 1], v[i - 1], most);
+    const double max = std::min(all[i - 1].fastest, all[i].fastest);
+    v[i] = all[i - 1].piece.stop_after ? 0.0 : reachable(all[i - 1], v[i - 1], max);
   }
   for (std::size_t i = all.size(); i-- > 1;) v[i] = reachable(all[i], v[i + 1], v[i]);
   return v;
@@ -118,12 +118,12 @@ class Writer {
   }
   void line(const Stretch& stretch, double v0, double v1) {
     const double length = stretch.piece.length;
-    const double peak = largest(std::max(v0, v1), stretch.fastest, [&](double v) {
-      return way(stretch, v0, v) + way(stretch, v, v1) <= length;
+    const double peak = max_fitting(std::max(v0, v1), stretch.fastest, [&](double v) {
+      return distance(stretch, v0, v) + distance(stretch, v, v1) <= length;
     });
     double s = 0.0, v = v0;
     run(stretch, s, v, peak);
-    const double cruise = length - s - way(stretch, peak, v1);
+    const double cruise = length - s - distance(stretch, peak, v1);
     if (cruise > 0.0) phase(stretch, s, v, cruise / peak, 0.0, 0.0);
     run(stretch, s, v, v1);
     out_.q.back() = stretch.piece.at(length);

@@ -182,7 +182,7 @@ Tree rrt_connect(const CollisionChecker& checker, const Joints& start, std::span
   // A turn of the planner without a motion check (a sample on a tree) is counted as well, so that it ends.
   long turns = 0;
   planner.solve(ob::PlannerTerminationCondition([&] {
-    return interrupt_noted() || motions->count > limits.most_motions || ++turns > 20 * limits.most_motions;
+    return interrupt_noted() || motions->count > limits.max_motions || ++turns > 20 * limits.max_motions;
   }));
   throw_if_interrupted();
   Tree tree{{}, motions->count};

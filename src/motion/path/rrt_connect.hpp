@@ -10,7 +10,7 @@ namespace stonestack::motion {
 /// Limits of a tree.
 struct TreeLimits {
   double resolution = 0.0;  ///< at which edges are certified [rad]; 0: they are only sampled
-  long most_motions = 0;    ///< motion checks
+  long max_motions = 0;     ///< motion checks
   double longest = 0.0;     ///< only samples that a path of this length could pass are drawn [rad]; 0: all
 };
 struct Tree {

@@ -9,15 +9,15 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kRepeat = 1e-9;       // rad: way points nearer than that are one
-constexpr double kLeastGain = 1e-6;    // rad
+constexpr double kMinGain = 1e-6;      // rad
 constexpr double kPartialGain = 0.01;  // rad: a partial shortcut adds way points, so it has to be worth it
-constexpr double kLeastPull = 0.2;     // of the way to the line
+constexpr double kMinPull = 0.2;       // of the way to the line
 constexpr double kPullNoise = 0.3;     // of that way, one sigma a joint
 constexpr int kMendTries = 12;
-constexpr int kMendDepth = 2;  // a piece is halved so often
-constexpr double kMendShare =
-    0.15;                          // of the piece's length, by which its middle is moved (one sigma, a joint)
-constexpr double kMendMost = 0.3;  // rad
+constexpr int kRepairDepth = 2;  // a piece is halved so often
+constexpr double kRepairShare =
+    0.15;  // of the piece's length, by which its middle is moved (one sigma, a joint)
+constexpr double kMaxRepair = 0.3;  // rad
 
 /// Path length at every way point.
 std::vector<double> lengths(const JointPath& path) {
@@ -75,7 +75,7 @@ void attempt(JointPath& path, const MotionTest& is_free, bool partial, Random& r
     }
   }
   stretch.push_back(b.q);
-  if (length(stretch) > to - from - (partial ? kPartialGain : kLeastGain)) return;
+  if (length(stretch) > to - from - (partial ? kPartialGain : kMinGain)) return;
   if (all_free(stretch, is_free)) path = spliced(path, a, b, stretch);
 }
 
@@ -87,31 +87,31 @@ void pull(JointPath& path, const MotionTest& is_free, Random& random) {
   const Joints along = b - a;
   const double length2 = along.squaredNorm();
   const double t = length2 > 0.0 ? std::clamp((path[i] - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  const Joints way = a + t * along - path[i];
-  const double share = random.uniform(kLeastPull, 1.0), noise = kPullNoise * way.norm();
+  const Joints shift = a + t * along - path[i];
+  const double share = random.uniform(kMinPull, 1.0), noise = kPullNoise * shift.norm();
   const bool some = random.uniform() < 0.5;
   Joints moved = path[i];
   for (Eigen::Index j = 0; j < 6; ++j) {
     if (!some)
-      moved[j] += share * way[j] + random.normal(0.0, noise);
+      moved[j] += share * shift[j] + random.normal(0.0, noise);
     else if (random.uniform() < 0.5)
-      moved[j] += share * way[j];
+      moved[j] += share * shift[j];
   }
   const double before = (path[i] - a).norm() + (b - path[i]).norm();
-  if ((moved - a).norm() + (b - moved).norm() > before - kLeastGain) return;
+  if ((moved - a).norm() + (b - moved).norm() > before - kMinGain) return;
   if (is_free(a, moved) && is_free(moved, b)) path[i] = moved;
 }
 
 /// Appends a free way from `a` to `b`, without `a`.
-bool mend(const Joints& a, const Joints& b, const MotionTest& is_free, int depth, Random& random,
-          JointPath& out) {
+bool repair(const Joints& a, const Joints& b, const MotionTest& is_free, int depth, Random& random,
+            JointPath& out) {
   if (is_free(a, b)) {
     out.push_back(b);
     return true;
   }
   if (depth == 0) return false;
   const Joints middle = 0.5 * (a + b);
-  const double sigma = std::min(kMendMost, kMendShare * (b - a).norm());
+  const double sigma = std::min(kMaxRepair, kRepairShare * (b - a).norm());
   for (int k = 0; k < kMendTries; ++k) {
     Joints moved = middle;
     for (auto& angle : moved) angle += random.normal(0.0, sigma);
@@ -120,7 +120,8 @@ bool mend(const Joints& a, const Joints& b, const MotionTest& is_free, int depth
     out.push_back(b);
     return true;
   }
-  return mend(a, middle, is_free, depth - 1, random, out) && mend(middle, b, is_free, depth - 1, random, out);
+  return repair(a, middle, is_free, depth - 1, random, out) &&
+         repair(middle, b, is_free, depth - 1, random, out);
 }
 
 }  // namespace
@@ -144,10 +145,10 @@ JointPath shortcut(JointPath path, const MotionTest& is_free, int attempts, Rand
   return path;
 }
 
-JointPath mended(const JointPath& path, const MotionTest& is_free, Random& random) {
+JointPath repaired(const JointPath& path, const MotionTest& is_free, Random& random) {
   JointPath out{path.front()};
   for (std::size_t i = 1; i < path.size(); ++i)
-    if (!mend(path[i - 1], path[i], is_free, kMendDepth, random, out)) return {};
+    if (!repair(path[i - 1], path[i], is_free, kRepairDepth, random, out)) return {};
   return out;
 }
 

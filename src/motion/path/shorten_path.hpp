@@ -21,6 +21,6 @@ using MotionTest = std::function<bool(const Joints&, const Joints&)>;
 
 /// The path with way points moved in beside pieces that are not free; empty where a few tries do not help.
 /// All pieces of the result are free.
-[[nodiscard]] JointPath mended(const JointPath& path, const MotionTest& is_free, Random& random);
+[[nodiscard]] JointPath repaired(const JointPath& path, const MotionTest& is_free, Random& random);
 
 }  // namespace stonestack::motion

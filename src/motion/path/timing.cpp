@@ -15,7 +15,7 @@ namespace {
 constexpr int kBlendCells = 16;  ///< measured: 64 shorten a motion by less than 0.1 %
 constexpr double kUnbounded = 1e12;
 constexpr double kShortestJudged = 1e-5;  ///< [s]
-constexpr double kLeastJerk = 1.0;        ///< rad/s^3: with less a plan of a minute becomes one of many
+constexpr double kMinJerk = 1.0;          ///< rad/s^3: with less a plan of a minute becomes one of many
 
 /// A stretch of the path between two grid points, and the squared path speeds x = (ds/dt)^2 at its ends.
 /// On it d2s/dt2 is constant; on a line it may also be a trapezoid with `acceleration` and `fastest`.
@@ -82,9 +82,9 @@ std::array<HalfPlane, 24> half_planes(const Cell& cell, const Joints& accelerati
   return planes;
 }
 
-/// Largest x with a y in [0, largest_y] that keeps every half plane: clips a rectangle.
-double largest_start(const Cell& cell, const Joints& acceleration, double largest_y) {
-  std::vector<Eigen::Vector2d> polygon{{0, 0}, {cell.fastest, 0}, {cell.fastest, largest_y}, {0, largest_y}};
+/// Largest x with a y in [0, max_y] that keeps every half plane: clips a rectangle.
+double max_start(const Cell& cell, const Joints& acceleration, double max_y) {
+  std::vector<Eigen::Vector2d> polygon{{0, 0}, {cell.fastest, 0}, {cell.fastest, max_y}, {0, max_y}};
   std::vector<Eigen::Vector2d> clipped;
   for (const HalfPlane& h : half_planes(cell, acceleration)) {
     clipped.clear();
@@ -101,9 +101,9 @@ double largest_start(const Cell& cell, const Joints& acceleration, double larges
   return x;
 }
 
-/// Largest y in [0, largest_y] that can follow x.
-double largest_end(const Cell& cell, const Joints& acceleration, double x, double largest_y) {
-  double y = largest_y;
+/// Largest y in [0, max_y] that can follow x.
+double max_end(const Cell& cell, const Joints& acceleration, double x, double max_y) {
+  double y = max_y;
   for (const HalfPlane& h : half_planes(cell, acceleration))
     if (h.b > 1e-12) y = std::min(y, (h.c - h.a * x) / h.b);
   return std::max(y, 0.0);
@@ -117,14 +117,14 @@ std::vector<double> squared_speeds(const std::vector<Cell>& cells, const Joints&
     const Cell& c = cells[i];
     const double end = c.stop_after ? 0.0 : std::min(x[i + 1], c.fastest);
     x[i + 1] = end;
-    x[i] = c.line ? std::min(c.fastest, end + 2 * c.acceleration * c.length)
-                  : largest_start(c, acceleration, end);
+    x[i] =
+        c.line ? std::min(c.fastest, end + 2 * c.acceleration * c.length) : max_start(c, acceleration, end);
   }
   x.front() = 0.0;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Cell& c = cells[i];
     x[i + 1] = c.line ? std::min(x[i + 1], x[i] + 2 * c.acceleration * c.length)
-                      : largest_end(c, acceleration, x[i], x[i + 1]);
+                      : max_end(c, acceleration, x[i], x[i + 1]);
   }
   return x;
 }
@@ -220,8 +220,8 @@ TimingLimits timing_limits(const RobotModel& robot, const MotionOptions& options
   TimingLimits limits;
   limits.velocity = options.speed_scale * robot.velocity;
   limits.acceleration = robot.acceleration.cwiseMin(options.acceleration);
-  require(options.jerk == 0 || options.jerk >= kLeastJerk, "motion.jerk must be 0 (no limit) or at least ",
-          kLeastJerk, " rad/s^3, got ", options.jerk);
+  require(options.jerk == 0 || options.jerk >= kMinJerk, "motion.jerk must be 0 (no limit) or at least ",
+          kMinJerk, " rad/s^3, got ", options.jerk);
   limits.jerk = options.jerk;
   return limits;
 }
@@ -234,9 +234,9 @@ JointTrajectory time_path(const JointPath& path, const TimingLimits& limits) {
 JointTrajectory time_path(const JointPath& path, const TimingLimits& limits, const RobotModel& robot,
                           const Pose& T_F_T, const ToolSpeed& tool_speed) {
   if (limits.tool_speed == 0 && !tool_speed) return timed(path, limits, nullptr);
-  const double most = limits.tool_speed > 0 ? limits.tool_speed : std::numeric_limits<double>::infinity();
+  const double max = limits.tool_speed > 0 ? limits.tool_speed : std::numeric_limits<double>::infinity();
   const ToolLimit tool{robot, T_F_T,
-                       [&](const Joints& q) { return tool_speed ? std::min(most, tool_speed(q)) : most; }};
+                       [&](const Joints& q) { return tool_speed ? std::min(max, tool_speed(q)) : max; }};
   return timed(path, limits, &tool);
 }
 

@@ -20,20 +20,20 @@ constexpr double kResolution =
 constexpr std::size_t kDirectGoals = 16;      // solves most picks
 constexpr double kDetour = 1.3;               // a straight motion this much longer than the nearest goal's
 constexpr double kDetourMore = 0.3;           // rad, and this, is taken without looking for another way
-constexpr std::size_t kMostGoals = 64;        // nearest ones; further turns of a wrist are never shorter
+constexpr std::size_t kMaxGoals = 64;         // nearest ones; further turns of a wrist are never shorter
 constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_effort stands for
 // Effort is counted in motion checks of trees. Where the path is hardly longer than the straight way to the
 // nearest goal there is little to gain; measured (bench motion), effort in proportion to the excess shortens
 // the long paths at half the time that equal effort takes.
-constexpr long kMostPerTree = 4000;  // then another tree: some start badly
-constexpr long kEffort = 4000;       // after it no further tree is grown once a path is known
+constexpr long kMaxPerTree = 4000;  // then another tree: some start badly
+constexpr long kEffort = 4000;      // after it no further tree is grown once a path is known
 // Checks since the last gain, by the relative excess: more than in proportion, for the long ones have most to
 // gain and are few.
 constexpr double kStalePerExcess = 1500.0, kStalePerSquare = 4500.0;
-constexpr double kStaleLeast = 150.0, kStaleMost = 2000.0;
-constexpr double kGain = 0.97;      // a shorter path than that much of the shortest is a gain
-constexpr long kLeastMotions = 20;  // of a tree, so that it can begin at all
-constexpr int kTries = 40;          // trees, most
+constexpr double kMinStale = 150.0, kMaxStale = 2000.0;
+constexpr double kGain = 0.97;    // a shorter path than that much of the shortest is a gain
+constexpr long kMinMotions = 20;  // of a tree, so that it can begin at all
+constexpr int kTries = 40;        // trees, most
 // Shortcuts by length. Where only samples are looked at, many of them press a path into what samples miss.
 constexpr double kRoughShortcuts = 6.0;  // a rad of each tree's path, before the shortest is chosen
 constexpr double kShortcuts = 20.0;      // a rad of the chosen path
@@ -54,8 +54,8 @@ class PathSearch {
         start_(start),
         goals_(goals),
         seed_(static_cast<std::uint64_t>(options.seed)),
-        most_(motions_in(options.planning_effort)),
-        most_first_(motions_in(std::min(first_seconds, options.planning_effort))) {}
+        max_(motions_in(options.planning_effort)),
+        max_first_(motions_in(std::min(first_seconds, options.planning_effort))) {}
 
   /// `known`: length of a path that is known already; only shorter ones are looked for.
   [[nodiscard]] std::optional<JointPath> shortest(double known) {
@@ -64,7 +64,7 @@ class PathSearch {
                      [](const JointPath& a, const JointPath& b) { return length(a) < length(b); });
     for (const JointPath& rough : found_) {
       Random random = Random::stream(seed_, kTries);
-      const JointPath path = mended(rough, certified_, random);
+      const JointPath path = repaired(rough, certified_, random);
       if (!path.empty()) return shortened(path, shortcut_, kShortcuts, random);
     }
     return std::isfinite(known) ? std::nullopt : grow_certified();
@@ -77,14 +77,14 @@ class PathSearch {
     double best = known;
     long gained = 0;  // checks spent at the last gain
     for (std::uint64_t k = 0; k < kTries; ++k) {
-      const long most = std::isfinite(best) ? most_ : most_first_;
-      if (used_ >= most) return;
+      const long max = std::isfinite(best) ? max_ : max_first_;
+      if (used_ >= max) return;
       TreeLimits limits;
-      limits.most_motions = std::min(most - used_, kMostPerTree);
+      limits.max_motions = std::min(max - used_, kMaxPerTree);
       if (std::isfinite(best)) {
         const long left = std::min(kEffort - used_, patience(best) - (used_ - gained));
         if (left <= 0) return;
-        limits.most_motions = std::max(left, kLeastMotions);
+        limits.max_motions = std::max(left, kMinMotions);
         limits.longest = best;
       }
       const Tree tree = rrt_connect(checker_, start_, goals_within(best), limits, Random::stream(seed_, k));
@@ -107,12 +107,12 @@ class PathSearch {
     const double nearest = (goals_.front() - start_).norm();
     const double excess = best / nearest - 1.0;
     return std::lround(
-        std::clamp((kStalePerExcess + kStalePerSquare * excess) * excess, kStaleLeast, kStaleMost));
+        std::clamp((kStalePerExcess + kStalePerSquare * excess) * excess, kMinStale, kMaxStale));
   }
 
   /// Where samples do not do: every edge is certified.
   [[nodiscard]] std::optional<JointPath> grow_certified() {
-    const TreeLimits limits{kResolution, most_first_, 0.0};
+    const TreeLimits limits{kResolution, max_first_, 0.0};
     const Tree tree = rrt_connect(checker_, start_, goals_, limits, Random::stream(seed_, "certified tree"));
     if (tree.path.empty()) return std::nullopt;
     Random random = Random::stream(seed_, "certified path");
@@ -136,8 +136,8 @@ class PathSearch {
   const Joints start_;
   const JointPath& goals_;
   std::uint64_t seed_;
-  long most_;        ///< motion checks
-  long most_first_;  ///< until there is a path
+  long max_;        ///< motion checks
+  long max_first_;  ///< until there is a path
   long used_ = 0;
   std::vector<JointPath> found_;
   MotionTest sampled_ = [this](const Joints& a, const Joints& b) { return checker_.samples_are_free(a, b); };
@@ -157,7 +157,7 @@ JointPath free_goals(const CollisionChecker& checker, const Joints& start, std::
   });
   JointPath free;
   for (const auto& goal : sorted) {
-    if (free.size() == kMostGoals) break;
+    if (free.size() == kMaxGoals) break;
     if (!checker.collides(goal)) free.push_back(goal);
   }
   return free;

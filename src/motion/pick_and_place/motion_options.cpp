@@ -22,7 +22,7 @@ FieldList fields(MotionOptions& o) {
       field("approach_padding", o.approach_padding, {0, 0.1}, "m", "clearance on straight approaches"),
       user(field("approach_speed", o.approach_speed, {0.005, 1}, "m/s",
                  "of the tool on straight approaches, lifts and retreats")),
-      user(field("least_threshold", o.least_threshold, {0.5, 100}, "N",
+      user(field("min_threshold", o.min_threshold, {0.5, 100}, "N",
                  "smallest force that counts as contact during the guarded descent")),
       field("early_threshold", o.early_threshold, {1, 100}, "N",
             "force that counts as contact while a stone is lowered towards the guarded descent"),

@@ -24,7 +24,7 @@ constexpr double kInTable = 0.003;  ///< what a scan and a measured pose may err
 
 using Status = PickAndPlacePlan::Status;
 
-constexpr std::size_t kMostHard = 8;     ///< ways whose transit is hard to find, before one gets much effort
+constexpr std::size_t kMaxHard = 8;      ///< ways whose transit is hard to find, before one gets much effort
 constexpr double kNearGrasp = 0.020;     ///< a grasp that near to one that failed would fail as well [m]
 constexpr double kNearGraspTurn = 0.35;  ///< [rad]
 
@@ -37,22 +37,22 @@ PickAndPlacePlan refused(Status status, std::string reason) {
 
 /// Why a stone has no grasp at all, wherever it lies.
 PickAndPlacePlan no_grasp(const PlanningScene& scene, const Stone& stone, const GraspSet& set) {
-  const GripperModel& hand = scene.gripper;
+  const GripperModel& gripper = scene.gripper;
   if (set.too_heavy > 0)
     return refused(Status::kTooHeavy,
                    concat(stone.name, " weighs ", stone.mass.mass, " kg; all ", set.too_heavy,
-                          " ways to hold it need more than ", hand.force, " N a finger"));
-  if (set.too_wide > std::max(set.slips, set.hand_in_stone)) {
-    const double widest = hand.largest_opening - GraspOptions{}.finger_clearance;
+                          " ways to hold it need more than ", gripper.force, " N a finger"));
+  if (set.too_wide > std::max(set.slips, set.gripper_in_stone)) {
+    const double widest = gripper.max_opening - GraspOptions{}.finger_clearance;
     return refused(Status::kTooWide,
                    concat(stone.name, " is at least ", set.narrowest,
-                          " m wide between the pads; the hand takes ", hand.smallest_object, " to ", widest,
-                          " m, so that it opens to ", hand.largest_opening, " m beside it"));
+                          " m wide between the pads; the hand takes ", gripper.min_object, " to ", widest,
+                          " m, so that it opens to ", gripper.max_opening, " m beside it"));
   }
   return refused(Status::kNoGrasp,
                  concat(stone.name, " offers no grasp: of ", set.tried, " samples ", set.no_contact,
                         " touch with less than three pads, ", set.too_wide, " are too wide, ",
-                        set.hand_in_stone, " bring the hand into the stone, ", set.slips, " slip"));
+                        set.gripper_in_stone, " bring the hand into the stone, ", set.slips, " slip"));
 }
 
 /// Some grasps exist, but none serves both ends.
@@ -67,12 +67,12 @@ PickAndPlacePlan none_usable(const Stone& stone, const GraspCheck& check) {
 /// How many candidates failed on which part of the way.
 class FaultCounts {
  public:
-  void add(WayFault fault) { ++counts_[static_cast<std::size_t>(fault)]; }
+  void add(PathFault fault) { ++counts_[static_cast<std::size_t>(fault)]; }
   [[nodiscard]] std::string text() const {
     std::string parts;
     for (std::size_t i = 1; i < counts_.size(); ++i)
       if (counts_[i] > 0)
-        parts += concat(parts.empty() ? "" : ", ", counts_[i], " ", to_text(static_cast<WayFault>(i)));
+        parts += concat(parts.empty() ? "" : ", ", counts_[i], " ", to_text(static_cast<PathFault>(i)));
     return parts;
   }
 
@@ -83,8 +83,8 @@ class FaultCounts {
 /// Which grasps failed each time where the stone lies, so that another target does not help them.
 class PickFaults {
  public:
-  void add(int grasp, WayFault fault) {
-    const bool at_pick = fault == WayFault::kApproach || fault == WayFault::kLift;
+  void add(int grasp, PathFault fault) {
+    const bool at_pick = fault == PathFault::kApproach || fault == PathFault::kLift;
     const auto [it, is_new] = only_at_pick_.try_emplace(grasp, at_pick);
     if (!is_new) it->second = it->second && at_pick;
   }
@@ -137,7 +137,7 @@ std::string outside_limits(const RobotModel& robot, const Joints& q) {
     if (q[i] < robot.lower[i] - kSlack || q[i] > robot.upper[i] + kSlack)
       return concat("the arm starts outside its limits: joint ", kJoints[i], " at ", q[i], " rad, limits ",
                     robot.lower[i], " to ", robot.upper[i], " rad");
-  const std::string outside = describe_outside_room(robot, q, -kRoomMargin);
+  const std::string outside = describe_outside_workspace(robot, q, -kWorkspaceMargin);
   return outside.empty() ? "" : "the arm starts where it must not be: " + outside;
 }
 
@@ -151,15 +151,15 @@ double total_seconds(const std::vector<PlanStep>& steps) {
 /// plans as an idle one does.
 double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) {
   constexpr double kStraight = 0.002, kFound = 0.03, kLittle = 0.1, kMuch = 0.5;
-  if (result.fault == WayFault::kNone) return kFound;
-  const bool transit = result.fault == WayFault::kTransit || result.fault == WayFault::kCarry;
+  if (result.fault == PathFault::kNone) return kFound;
+  const bool transit = result.fault == PathFault::kTransit || result.fault == PathFault::kCarry;
   return !transit ? kStraight : effort == PickAttempt::Effort::kMuch ? kMuch : kLittle;
 }
 
 /// Tries candidates in order until enough have a free way; the quickest wins. Those whose transit is hard to
 /// find give way to the others, and get much effort where none of these led anywhere, or many were as hard.
-PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& task,
-                           const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
+PickAndPlacePlan plan_paths(const PlanningScene& scene, const PickAndPlaceTask& task,
+                            const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
   FaultCounts faults;
   PickFaults pick_faults;
   PickAndPlacePlan best = refused(Status::kNoTransit, "");
@@ -172,7 +172,7 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     throw_if_interrupted();
     in_time = spent <= options.planning_effort;
     if (!in_time) break;
-    const bool enough_hard = found == 0 && hard.size() - again >= kMostHard;
+    const bool enough_hard = found == 0 && hard.size() - again >= kMaxHard;
     auto candidate = enough_hard ? std::nullopt : candidates.next();
     auto effort = PickAttempt::Effort::kLittle;
     if (!candidate && found == 0 && again < hard.size()) {
@@ -189,14 +189,15 @@ PickAndPlacePlan plan_ways(const PlanningScene& scene, const PickAndPlaceTask& t
     if (first) {
       faults.add(result.fault);
       pick_faults.add(candidate->grasp, result.fault);
-      if (result.fault == WayFault::kTransit || result.fault == WayFault::kCarry) hard.push_back(*candidate);
+      if (result.fault == PathFault::kTransit || result.fault == PathFault::kCarry)
+        hard.push_back(*candidate);
     }
-    if (result.fault != WayFault::kNone) continue;
+    if (result.fault != PathFault::kNone) continue;
     ++found;
     PickAndPlacePlan plan;
     plan.T_O_T = grasp.T_O_T;
     plan.spacing = grasp.spacing;
-    plan.steps = timed_steps(scene, task, options, grasp, result.way);
+    plan.steps = timed_steps(scene, task, options, grasp, result.paths);
     plan.seconds = total_seconds(plan.steps);
     if (best.status == Status::kPlanned && plan.seconds + candidate->price >= best_cost) continue;
     best_cost = plan.seconds + candidate->price;
@@ -249,9 +250,9 @@ PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPl
   const GraspCheck check = finder.check(task.T_W_O_place);
   if (check.usable.empty()) return none_usable(stone, check);
   PickAndPlacePlan plan =
-      plan_ways(scene, task, options, finder.set(),
-                PickCandidates(scene, task, options, finder.set(), check,
-                               [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
+      plan_paths(scene, task, options, finder.set(),
+                 PickCandidates(scene, task, options, finder.set(), check,
+                                [&](int grasp, const Joints& q) { return finder.arm_is_free(grasp, q); }));
   if (plan.status == Status::kNoTransit)
     // Asked when no plan was found: which grasps do not lift the stone is worth knowing all the same.
     if (const std::string stands = start_problem(scene, task.q_start); !stands.empty())

@@ -4,9 +4,9 @@
 #include <array>
 
 #include "motion/cartesian.hpp"
+#include "motion/clearance_below.hpp"
 #include "motion/constants.hpp"
 #include "motion/path/round_corners.hpp"
-#include "motion/room_below.hpp"
 #include "motion/timing.hpp"
 #include "motion/transit.hpp"
 
@@ -51,19 +51,19 @@ PlanningScene spaced(PlanningScene scene, double spacing) {
 
 }  // namespace
 
-const char* to_text(WayFault fault) {
+const char* to_text(PathFault fault) {
   switch (fault) {
-    case WayFault::kApproach:
+    case PathFault::kApproach:
       return "have no free straight approach";
-    case WayFault::kLift:
+    case PathFault::kLift:
       return "cannot be lifted straight";
-    case WayFault::kLower:
+    case PathFault::kLower:
       return "cannot be lowered straight";
-    case WayFault::kRetreat:
+    case PathFault::kRetreat:
       return "have no free retreat";
-    case WayFault::kTransit:
+    case PathFault::kTransit:
       return "have no way to the stone";
-    case WayFault::kCarry:
+    case PathFault::kCarry:
       return "have no way to carry the stone";
     default:
       return "are free";
@@ -87,16 +87,16 @@ PickAttempt::PickAttempt(const PlanningScene& scene, const PickAndPlaceTask& tas
       opening_(grasp.pre_opening),
       holding_(grasp.opening),
       open_(scene_, rules(options.approach_padding, grasp.pre_opening, task.object)),
-      open_wide_([this] { return empty_hand(options_.transit_padding); }),
-      open_tight_([this] { return empty_hand(options_.approach_padding); }),
-      held_([this] { return full_hand(options_.approach_padding); }),
-      held_wide_([this] { return full_hand(options_.transit_padding); }) {}
+      open_wide_([this] { return empty_gripper(options_.transit_padding); }),
+      open_tight_([this] { return empty_gripper(options_.approach_padding); }),
+      held_([this] { return loaded_gripper(options_.approach_padding); }),
+      held_wide_([this] { return loaded_gripper(options_.transit_padding); }) {}
 
-CollisionChecker PickAttempt::empty_hand(double padding) const {
+CollisionChecker PickAttempt::empty_gripper(double padding) const {
   return CollisionChecker(scene_, rules(padding, opening_, -1));
 }
 
-CollisionChecker PickAttempt::full_hand(double padding) const {
+CollisionChecker PickAttempt::loaded_gripper(double padding) const {
   const HeldObject held{task_.stone->name, task_.stone->pieces, T_T_O_};
   return CollisionChecker(scene_, rules(padding, holding_, task_.object), &held);
 }
@@ -132,8 +132,8 @@ std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
 }
 
 std::optional<JointPath> PickAttempt::descend_past(const Joints& q) const {
-  const double room = room_below(scene_, q, holding_, task_.object, options_.descent_past);
-  return straight(q, raised(T_W_T_place_, -room));
+  const double clearance = clearance_below(scene_, q, holding_, task_.object, options_.descent_past);
+  return straight(q, raised(T_W_T_place_, -clearance));
 }
 
 std::optional<JointPath> PickAttempt::retreat(const Joints& q) const {
@@ -159,34 +159,34 @@ PlanningScene PickAttempt::placed_alone() const {
 }
 
 /// The parts with straight tool motion: where the arm may be in them is given, so they fail early.
-WayFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const {
+PathFault PickAttempt::straight_parts(const Joints& q_pick, const Joints& q_place, PickPaths& paths) const {
   const double zone = std::min(kContactZone, kLiftHeight);
   const auto back = straight(q_pick, backed(T_W_T_pick_, options_.approach));
-  if (!back || !is_free(open_, *back)) return WayFault::kApproach;
+  if (!back || !is_free(open_, *back)) return PathFault::kApproach;
   const auto lift = lifted(q_pick);
-  if (!lift) return WayFault::kLift;
+  if (!lift) return PathFault::kLift;
 
   const auto near = straight(q_place, raised(T_W_T_place_, zone));
-  if (!near || !is_free(open_, *near)) return WayFault::kLower;
+  if (!near || !is_free(open_, *near)) return PathFault::kLower;
   const auto high = raised_straight(near->back(), T_W_T_place_);
-  if (!high) return WayFault::kLower;
+  if (!high) return PathFault::kLower;
   const auto back_out = retreat(q_place);
-  if (!back_out) return WayFault::kRetreat;
+  if (!back_out) return PathFault::kRetreat;
   // The guarded part starts at a way point of its own, so that it can be timed by itself.
   const auto start = straight(q_place, raised(T_W_T_place_, kDescentLength));
-  if (!start) return WayFault::kLower;
+  if (!start) return PathFault::kLower;
   const auto past = descend_past(q_place);
-  if (!past) return WayFault::kLower;
+  if (!past) return PathFault::kLower;
   const auto lower = straight(high->back(), raised(T_W_T_place_, kDescentLength));
-  if (!lower) return WayFault::kLower;
+  if (!lower) return PathFault::kLower;
 
-  way.approach = reversed(*back);
-  way.lift = *lift;
-  way.lower = *lower;
-  way.descent = joined(reversed(*start), *past);
-  way.descent.front() = way.lower.back();
-  way.retreat = *back_out;
-  return WayFault::kNone;
+  paths.approach = reversed(*back);
+  paths.lift = *lift;
+  paths.lower = *lower;
+  paths.descent = joined(reversed(*start), *past);
+  paths.descent.front() = paths.lower.back();
+  paths.retreat = *back_out;
+  return PathFault::kNone;
 }
 
 std::optional<Transit> PickAttempt::transit(const LazyChecker& wide, const LazyChecker& tight,
@@ -209,18 +209,18 @@ std::optional<Transit> PickAttempt::transit(const LazyChecker& wide, const LazyC
 PickAttempt::Result PickAttempt::try_joints(const Joints& q_pick, const Joints& q_place,
                                             Effort effort) const {
   Result result;
-  result.fault = straight_parts(q_pick, q_place, result.way);
-  if (result.fault != WayFault::kNone) return result;
-  Way& way = result.way;
-  const auto to_pick = transit(open_wide_, open_tight_, task_.q_start, way.approach.front(), effort);
+  result.fault = straight_parts(q_pick, q_place, result.paths);
+  if (result.fault != PathFault::kNone) return result;
+  PickPaths& paths = result.paths;
+  const auto to_pick = transit(open_wide_, open_tight_, task_.q_start, paths.approach.front(), effort);
   const auto carry =
-      to_pick ? transit(held_wide_, held_, way.lift.back(), way.lower.front(), effort) : std::nullopt;
+      to_pick ? transit(held_wide_, held_, paths.lift.back(), paths.lower.front(), effort) : std::nullopt;
   if (!carry) {
-    result.fault = to_pick ? WayFault::kCarry : WayFault::kTransit;
+    result.fault = to_pick ? PathFault::kCarry : PathFault::kTransit;
     return result;
   }
-  way.to_pick = *to_pick;
-  way.carry = *carry;
+  paths.to_pick = *to_pick;
+  paths.carry = *carry;
   return result;
 }
 

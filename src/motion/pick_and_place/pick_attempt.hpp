@@ -11,8 +11,8 @@
 namespace stonestack::motion {
 
 /// Where a way failed; also how the reason counts them.
-enum class WayFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarry };
-[[nodiscard]] const char* to_text(WayFault fault);
+enum class PathFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarry };
+[[nodiscard]] const char* to_text(PathFault fault);
 
 /// A path between straight motions, and how far its corners may be cut.
 struct Transit {
@@ -21,7 +21,7 @@ struct Transit {
 };
 
 /// The joint paths of one pick and place, all free of collision.
-struct Way {
+struct PickPaths {
   Transit to_pick;     ///< q_start to where the approach begins
   JointPath approach;  ///< to the grasp
   JointPath lift;      ///< grasp, straight up
@@ -55,16 +55,16 @@ class PickAttempt {
   PickAttempt& operator=(const PickAttempt&) = delete;
   /// The whole way with these joint angles at the grasp and at the target; `fault` says what failed.
   struct Result {
-    WayFault fault = WayFault::kNone;
-    Way way;
+    PathFault fault = PathFault::kNone;
+    PickPaths paths;
   };
   /// `effort`: how long is looked for a way where there seems to be none.
   enum class Effort { kLittle, kMuch };
   [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place, Effort effort) const;
 
  private:
-  [[nodiscard]] CollisionChecker empty_hand(double padding) const;
-  [[nodiscard]] CollisionChecker full_hand(double padding) const;
+  [[nodiscard]] CollisionChecker empty_gripper(double padding) const;
+  [[nodiscard]] CollisionChecker loaded_gripper(double padding) const;
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
   /// From where the stone lies out along PickAndPlaceTask::n_W_lift, then up.
   [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
@@ -77,7 +77,7 @@ class PickAttempt {
   [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
   /// The stone at its target and nothing else.
   [[nodiscard]] PlanningScene placed_alone() const;
-  [[nodiscard]] WayFault straight_parts(const Joints& q_pick, const Joints& q_place, Way& way) const;
+  [[nodiscard]] PathFault straight_parts(const Joints& q_pick, const Joints& q_place, PickPaths& paths) const;
   [[nodiscard]] std::optional<Transit> transit(const LazyChecker& wide, const LazyChecker& tight,
                                                const Joints& a, const Joints& b, Effort effort) const;
 
@@ -98,6 +98,6 @@ class PickAttempt {
 /// Times a way. `pick` is the opening with the stone between the pads.
 [[nodiscard]] std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                 const MotionOptions& options, const Grasp& grasp,
-                                                const Way& way);
+                                                const PickPaths& paths);
 
 }  // namespace stonestack::motion

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest free inverse solutions looked at, each grasp
 constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
-constexpr std::size_t kWaysPerGrasp = 2;
+constexpr std::size_t kPathsPerGrasp = 2;
 constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
 constexpr double kSpacing = 0.003;   ///< between samples of the surface that pads press on [m]
 
@@ -26,7 +26,7 @@ constexpr double kSlipCost = 40.0;                     ///< what a stone that sl
 // In the simulated cell closing turns a stone by twice of what PadPress says (bench hold --every, 0.3 to 2.4
 // deg), and it is set down turned by that.
 constexpr double kStraight = 0.0035, kTurnCost = 570.0;  ///< rad that cost nothing; s a rad: 10 s a degree
-constexpr double kMostLoad = 1.5;                        ///< times the weight that a grasp should bear
+constexpr double kMaxLoad = 1.5;                         ///< times the weight that a grasp should bear
 constexpr std::size_t kParts = 3;                        ///< of what is looked at of a grasp's firmness
 
 /// 0 up to `low`, 1 from `high` on.
@@ -35,7 +35,7 @@ double ramp(double value, double low, double high) {
 }
 
 /// Seconds at the joints' full speed, without acceleration: a lower bound.
-double least_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
+double min_seconds(const Joints& a, const Joints& b, const Joints& velocity) {
   return (a - b).cwiseAbs().cwiseQuotient(velocity).maxCoeff();
 }
 
@@ -53,23 +53,22 @@ PickCandidates::PickCandidates(const PlanningScene& scene, const PickAndPlaceTas
     const Grasp& grasp = set.grasps[static_cast<std::size_t>(index)];
     if (is_near_grasp(task.avoid, grasp.T_O_T) || is_near_grasp(task.no_pick, grasp.T_O_T)) continue;
     std::vector<PickCandidate> own;
-    const auto solutions = [&](const Pose& T_W_O, const Joints& seed, std::size_t most) {
+    const auto solutions = [&](const Pose& T_W_O, const Joints& seed, std::size_t max) {
       std::vector<Joints> free;
       for (const IkSolution& s : inverse(scene.robot, T_R_W * T_W_O * grasp.T_O_T * T_T_F, seed))
-        if (free.size() < most && arm_is_free(index, s.q)) free.push_back(s.q);
+        if (free.size() < max && arm_is_free(index, s.q)) free.push_back(s.q);
       return free;
     };
     for (const Joints& pick : solutions(task.T_W_O_pick, task.q_start, kSolutionsAtPick)) {
       for (const Joints& place : solutions(task.T_W_O_place, pick, kSolutionsAtPlace)) {
-        const double seconds =
-            least_seconds(task.q_start, pick, velocity) + least_seconds(pick, place, velocity);
+        const double seconds = min_seconds(task.q_start, pick, velocity) + min_seconds(pick, place, velocity);
         const double price = kScoreWorth * (1.0 - grasp.score);
         own.push_back({index, pick, place, price, seconds + price});
       }
     }
     const auto cheaper = [](const PickCandidate& a, const PickCandidate& b) { return a.cost < b.cost; };
     std::stable_sort(own.begin(), own.end(), cheaper);
-    own.resize(std::min(own.size(), kWaysPerGrasp));
+    own.resize(std::min(own.size(), kPathsPerGrasp));
     for (const PickCandidate& candidate : own) push({candidate});
   }
 }
@@ -97,10 +96,10 @@ void PickCandidates::add_part(const Grasp& grasp, Looseness& looseness) const {
   } else {
     const Pose& T_W_O = looseness.cost.size() == kParts ? task_.T_W_O_place : task_.T_W_O_pick;
     const Eigen::Vector3d n_T_down = -(T_W_O * grasp.T_O_T).linear().row(2).transpose();
-    const PadPress::Load load = looseness.pads->bear(n_T_down, kMostLoad);
-    const double own = load.share < kMostLoad ? 1.0
-                                              : 0.6 * ramp(load.moved, kFirm, kLoose) +
-                                                    0.2 * ramp(load.turned, kTurned, kFarTurned);
+    const PadPress::Load load = looseness.pads->bear(n_T_down, kMaxLoad);
+    const double own = load.share < kMaxLoad ? 1.0
+                                             : 0.6 * ramp(load.moved, kFirm, kLoose) +
+                                                   0.2 * ramp(load.turned, kTurned, kFarTurned);
     looseness.risk = std::max(looseness.risk, own);
   }
   looseness.cost.push_back(kSlipCost * (looseness.risk + looseness.pressed) + looseness.turned);

@@ -11,11 +11,11 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kLeastForce = 50.0;  ///< the gripper can do 15 to 60 N a finger (Robotiq) [N]
+constexpr double kMinForce = 50.0;  ///< the gripper can do 15 to 60 N a finger (Robotiq) [N]
 
 using Kind = PlanStep::Kind;
 
-PlanStep hand_step(Kind kind, std::string name, double opening, double speed) {
+PlanStep gripper_step(Kind kind, std::string name, double opening, double speed) {
   PlanStep step;
   step.kind = kind;
   step.name = std::move(name);
@@ -26,7 +26,7 @@ PlanStep hand_step(Kind kind, std::string name, double opening, double speed) {
 
 /// Enough for the weight as the stone hangs at both ends, with the factor that grasps were judged by.
 double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, const Grasp& grasp) {
-  double force = kLeastForce;
+  double force = kMinForce;
   for (const Pose& T_W_O : {task.T_W_O_pick, task.T_W_O_place}) {
     const Eigen::Vector3d n_T_down = -(T_W_O * grasp.T_O_T).linear().row(2).transpose();
     force = std::max(force, GraspOptions{}.force_factor *
@@ -50,7 +50,7 @@ class StepWriter {
   StepWriter(const PlanningScene& scene, const MotionOptions& options)
       : scene_(scene), limits_(timing_limits(scene.robot, options)) {}
 
-  void hand(PlanStep step) { steps_.push_back(std::move(step)); }
+  void gripper(PlanStep step) { steps_.push_back(std::move(step)); }
   void transit(std::string name, const Transit& transit, const ToolSpeed& tool_speed) {
     TimingLimits limits = limits_;
     limits.blend = transit.blend;
@@ -86,30 +86,30 @@ class StepWriter {
 
 double contact_threshold(double mass, const MotionOptions& options) {
   require(std::isfinite(mass) && mass > 0, "a stone's mass must be positive, got ", mass, " kg");
-  return std::max({options.least_threshold, 6 * options.force_noise, kThresholdShare * kGravity * mass});
+  return std::max({options.min_threshold, 6 * options.force_noise, kThresholdShare * kGravity * mass});
 }
 
 std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
-                                  const MotionOptions& options, const Grasp& grasp, const Way& way) {
+                                  const MotionOptions& options, const Grasp& grasp, const PickPaths& paths) {
   const std::string& name = task.stone->name;
   StepWriter out(scene, options);
-  out.hand(hand_step(Kind::kOpen, "open the hand", grasp.pre_opening, kFingerSpeed));
+  out.gripper(gripper_step(Kind::kOpen, "open the hand", grasp.pre_opening, kFingerSpeed));
   out.steps().back().spacing = grasp.spacing;
-  out.transit("move to " + name, way.to_pick, transit_speed(scene, options));
-  out.straight(Kind::kApproach, "approach " + name, way.approach, options.approach_speed);
-  out.hand(hand_step(Kind::kGrasp, "grasp " + name, grasp.opening, kGripSpeed));
+  out.transit("move to " + name, paths.to_pick, transit_speed(scene, options));
+  out.straight(Kind::kApproach, "approach " + name, paths.approach, options.approach_speed);
+  out.gripper(gripper_step(Kind::kGrasp, "grasp " + name, grasp.opening, kGripSpeed));
   out.steps().back().force = close_force(scene, task, grasp);
-  out.straight(Kind::kLift, "lift " + name, way.lift, options.approach_speed);
-  out.transit("carry " + name + " above its place", way.carry,
+  out.straight(Kind::kLift, "lift " + name, paths.lift, options.approach_speed);
+  out.transit("carry " + name + " above its place", paths.carry,
               transit_speed(scene, options, task.object, reach_of(*task.stone, grasp)));
-  out.straight(Kind::kApproach, "lower " + name, way.lower, options.approach_speed);
+  out.straight(Kind::kApproach, "lower " + name, paths.lower, options.approach_speed);
   out.steps().back().threshold = options.early_threshold;
-  out.straight(Kind::kDescent, "set " + name + " down", way.descent, options.descent_speed);
+  out.straight(Kind::kDescent, "set " + name + " down", paths.descent, options.descent_speed);
   out.steps().back().threshold = contact_threshold(task.stone->mass.mass, options);
   const double loose = std::min(grasp.pre_opening, grasp.opening + kLoosen);
-  out.hand(hand_step(Kind::kRelease, "let go of " + name, loose, kGripSpeed));
-  out.hand(hand_step(Kind::kRelease, "open the hand", grasp.pre_opening, kFingerSpeed));
-  out.straight(Kind::kRetreat, "retreat from " + name, way.retreat, options.approach_speed);
+  out.gripper(gripper_step(Kind::kRelease, "let go of " + name, loose, kGripSpeed));
+  out.gripper(gripper_step(Kind::kRelease, "open the hand", grasp.pre_opening, kFingerSpeed));
+  out.straight(Kind::kRetreat, "retreat from " + name, paths.retreat, options.approach_speed);
   return std::move(out.steps());
 }
 

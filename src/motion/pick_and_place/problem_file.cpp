@@ -11,10 +11,10 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr std::size_t kLargestFile = std::size_t{1} << 22;
-constexpr std::size_t kMostObjects = 10000, kMostProblems = 100000;
-constexpr double kFurthest = 100.0;    ///< nothing a robot plans with is larger or further away [m]
-constexpr double kHandLength = 0.264;  ///< flange to tip of the hand that a file has by default [m]
+constexpr std::size_t kMaxFile = std::size_t{1} << 22;
+constexpr std::size_t kMaxObjects = 10000, kMaxProblems = 100000;
+constexpr double kFurthest = 100.0;       ///< nothing a robot plans with is larger or further away [m]
+constexpr double kGripperLength = 0.264;  ///< flange to tip of the hand that a file has by default [m]
 
 /// The statements of one line and where it stands, for messages.
 class Line {
@@ -78,7 +78,7 @@ class Line {
 /// A shape statement; false if `word` names none.
 bool read_shape(const std::string& word, Line& line, PlanningScene& scene) {
   if (word != "box" && word != "sphere" && word != "cylinder" && word != "capsule") return false;
-  if (scene.objects.size() >= kMostObjects) line.refuse(concat("is object ", kMostObjects + 1, ", too many"));
+  if (scene.objects.size() >= kMaxObjects) line.refuse(concat("is object ", kMaxObjects + 1, ", too many"));
   SceneObject object;
   object.name = line.word();
   if (object.name.empty()) line.refuse(concat("a ", word, " lacks its name"));
@@ -105,9 +105,10 @@ void read_statement(const std::string& word, Line& line, MotionProblems& out) {
       line.refuse(concat("'", robot, "' names no robot of data/robots"));
     out.scene.robot = read_robot(robot);
   } else if (word == "hand" && !begun) {
-    const std::string hand = line.word();
-    if (hand != "none" && hand != "robotiq_3f") line.refuse(concat("hand '", hand, "' is not known"));
-    if (hand == "none") out.scene.gripper.boxes.clear();
+    const std::string gripper = line.word();
+    if (gripper != "none" && gripper != "robotiq_3f")
+      line.refuse(concat("hand '", gripper, "' is not known"));
+    if (gripper == "none") out.scene.gripper.boxes.clear();
   } else if (word == "tool") {
     out.scene.T_F_T = line.pose();
   } else if (word == "base") {
@@ -117,8 +118,8 @@ void read_statement(const std::string& word, Line& line, MotionProblems& out) {
   } else if (word == "padding") {
     out.padding = line.number("padding", 0.0, 1.0);
   } else if (word == "start") {
-    if (out.problems.size() >= kMostProblems)
-      line.refuse(concat("is problem ", kMostProblems + 1, ", too many"));
+    if (out.problems.size() >= kMaxProblems)
+      line.refuse(concat("is problem ", kMaxProblems + 1, ", too many"));
     out.problems.push_back({line.joints(out.scene.robot), {}});
   } else if (word == "goal") {
     if (!begun) line.refuse("a goal comes after its start");
@@ -147,13 +148,13 @@ MotionProblems parse_motion_problems(const std::string& text, const std::string&
   for (std::size_t i = 0; i < out.problems.size(); ++i)
     if (out.problems[i].goals.empty())
       throw FileError(name, concat("problem ", i + 1, " has no goal"), "see docs/motion-problems.md");
-  if (!has_tool && !out.scene.gripper.boxes.empty()) out.scene.T_F_T.translation().z() = kHandLength;
+  if (!has_tool && !out.scene.gripper.boxes.empty()) out.scene.T_F_T.translation().z() = kGripperLength;
   if (out.problems.empty()) throw FileError(name, "has no start", "see docs/motion-problems.md");
   return out;
 }
 
 MotionProblems read_motion_problems(const std::string& path) {
-  return parse_motion_problems(read_file(path, kLargestFile), path);
+  return parse_motion_problems(read_file(path, kMaxFile), path);
 }
 
 }  // namespace stonestack::motion

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSure = 6;     ///< grasps that lead on from a place are sought first
 constexpr std::size_t kEnough = 24;  ///< grasps that serve one link: more do not make it surer
-constexpr std::size_t kMostTests =
+constexpr std::size_t kMaxTests =
     40'000;  ///< of grasps at places, over all chains, either time: about a second
 
 PlanningScene with_stone_at(PlanningScene scene, const PickAndPlaceTask& task, const Pose& T_W_O) {
@@ -38,7 +38,7 @@ class RegraspSearch {
 
  private:
   [[nodiscard]] bool over() const {
-    return attempts_ >= regrasp_.attempts || tests_ >= most_tests_ || plan_.planned;
+    return attempts_ >= regrasp_.attempts || tests_ >= max_tests_ || plan_.planned;
   }
   void place_next(const std::vector<int>& chain, const std::vector<int>& arriving);
   void make_plans();
@@ -51,11 +51,11 @@ class RegraspSearch {
   PickSide pick_;
   SetDownPlaces places_;
   RestGraph graph_;
-  std::vector<int> to_;            ///< grasps that serve at the target
-  std::vector<Pose> between_;      ///< the places of a chain so far
-  std::vector<double> tilts_;      ///< of the poses of rest at these places
-  std::size_t least_leaving_ = 1;  ///< grasps that lead on from a place
-  std::size_t most_tests_ = 0;
+  std::vector<int> to_;          ///< grasps that serve at the target
+  std::vector<Pose> between_;    ///< the places of a chain so far
+  std::vector<double> tilts_;    ///< of the poses of rest at these places
+  std::size_t min_leaving_ = 1;  ///< grasps that lead on from a place
+  std::size_t max_tests_ = 0;
   std::size_t tests_ = 0;  ///< of grasps
   int attempts_ = 0;
   RegraspPlan plan_;
@@ -72,11 +72,11 @@ RegraspPlan RegraspSearch::plan() {
   const auto from = pick_.end.serving(pick_.set->grasps, allowed, task_.T_W_O_pick);
   to_ = pick_.end.serving(pick_.set->grasps, all, task_.T_W_O_place);
   graph_ = make_rest_graph(scene_, *task_.stone, pick_.set->grasps, options_, regrasp_);
-  const auto chains = rest_chains(graph_, from, to_, regrasp_.most);
+  const auto chains = rest_chains(graph_, from, to_, regrasp_.max_set_downs);
   // What is set down lies a little otherwise than planned, so that one grasp alone may not lead on.
-  for (const std::size_t least : {kSure, std::size_t{1}}) {
-    least_leaving_ = least;
-    most_tests_ += kMostTests;
+  for (const std::size_t min : {kSure, std::size_t{1}}) {
+    min_leaving_ = min;
+    max_tests_ += kMaxTests;
     for (const auto& chain : chains) {
       if (over()) break;
       place_next(chain, from);
@@ -102,7 +102,7 @@ void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<
     if (pick_.end.serving(pick_.set->grasps, in, T_W_O, 1).empty()) continue;
     tests_ += out.size();
     const auto leaving = pick_.end.serving(pick_.set->grasps, out, T_W_O, kEnough);
-    if (leaving.size() < least_leaving_) continue;
+    if (leaving.size() < min_leaving_) continue;
     between_.push_back(T_W_O);
     tilts_.push_back(rest.tilt);
     place_next(chain, leaving);
@@ -148,15 +148,15 @@ std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t cha
 FieldList fields(RegraspOptions& o) {
   return {field("rest_margin", o.rest_margin, {0, 0.1}, "m", "ours: a stone set down a little askew stays"),
           field("rest_tilt", o.rest_tilt, {0, 1.5}, "rad", "measured: bench rest"),
-          field("least_margin", o.least_margin, {0, 0.1}, "m",
+          field("min_margin", o.min_margin, {0, 0.1}, "m",
                 "ours: a stone that falls over lies in another pose, and is looked at again"),
-          field("least_tilt", o.least_tilt, {0, 1.5}, "rad", "measured: bench rest"),
+          field("min_tilt", o.min_tilt, {0, 1.5}, "rad", "measured: bench rest"),
           field("flat", o.flat, {0, 0.02}, "m", "ours"),
           field("turns", o.turns, {1, 64}, "", "ours"),
           field("around", o.around, {0, 2}, "m", "ours"),
           field("spacing", o.spacing, {0.005, 1}, "m", "ours"),
           field("apart", o.apart, {0, 0.2}, "m", "ours"),
-          field("most", o.most, {1, 4}, "", "measured: bench grasp"),
+          field("max_set_downs", o.max_set_downs, {1, 4}, "", "measured: bench grasp"),
           field("attempts", o.attempts, {1, 1000}, "", "ours")};
 }
 
@@ -167,8 +167,7 @@ RegraspPlan plan_regrasp(const PlanningScene& scene, const PickAndPlaceTask& tas
           " are not poses: ", geometry::to_text(task.T_W_O_pick), " and ",
           geometry::to_text(task.T_W_O_place));
   RegraspPlan firm = RegraspSearch(scene, task, options, regrasp).plan();
-  if (firm.planned ||
-      (regrasp.least_margin >= regrasp.rest_margin && regrasp.least_tilt >= regrasp.rest_tilt))
+  if (firm.planned || (regrasp.min_margin >= regrasp.rest_margin && regrasp.min_tilt >= regrasp.rest_tilt))
     return firm;
   return RegraspSearch(scene, task, options, with_shaky_rests(regrasp)).plan();
 }

@@ -10,12 +10,12 @@
 namespace stonestack::motion {
 namespace {
 
-/// The grasps of all poses of rest that at most `most` set-downs lead to, ascending: those that can be taken
-/// last.
-std::vector<int> grasps_at_last(const RestGraph& graph, std::vector<int> taken, int most) {
+/// The grasps of all poses of rest that at most `max_set_downs` set-downs lead to, ascending: those that can
+/// be taken last.
+std::vector<int> grasps_at_last(const RestGraph& graph, std::vector<int> taken, int max_set_downs) {
   std::vector<int> last;
   std::vector<bool> reached(graph.grasps.size(), false);
-  for (int k = 0; k < most; ++k) {
+  for (int k = 0; k < max_set_downs; ++k) {
     for (std::size_t rest = 0; rest < graph.grasps.size(); ++rest) {
       if (reached[rest] || common(taken, graph.grasps[rest]).empty()) continue;
       reached[rest] = true;
@@ -49,7 +49,7 @@ RegraspFinder::RegraspFinder(const PlanningScene& scene, const Stone& stone, int
   first = parts_->end.serving(grasps, first, T_W_O_pick);
   if (first.empty()) return;
   const RestGraph graph = make_rest_graph(scene, stone, grasps, options, with_shaky_rests(regrasp));
-  parts_->last = grasps_at_last(graph, std::move(first), regrasp.most);
+  parts_->last = grasps_at_last(graph, std::move(first), regrasp.max_set_downs);
 }
 RegraspFinder::~RegraspFinder() = default;
 RegraspFinder::RegraspFinder(RegraspFinder&&) noexcept = default;

@@ -12,8 +12,8 @@ namespace {
 /// Grows chains one pose at a time.
 class ChainSearch {
  public:
-  ChainSearch(const RestGraph& graph, const std::vector<int>& from, const std::vector<int>& to, int most)
-      : most_(static_cast<std::size_t>(most)) {
+  ChainSearch(const RestGraph& graph, const std::vector<int>& from, const std::vector<int>& to, int max)
+      : max_(static_cast<std::size_t>(max)) {
     const std::size_t count = graph.grasps.size();
     shared_.assign(count, std::vector<std::size_t>(count, 0));
     for (std::size_t a = 0; a < count; ++a) {
@@ -38,13 +38,13 @@ class ChainSearch {
     if (chain.scarcest == 0) return;
     chain.rests.push_back(static_cast<int>(next));
     if (out_[next] > 0) found_.push_back({chain.rests, std::min(chain.scarcest, out_[next])});
-    if (chain.rests.size() == most_) return;
+    if (chain.rests.size() == max_) return;
     for (std::size_t after = 0; after < into_.size(); ++after)
       if (std::find(chain.rests.begin(), chain.rests.end(), static_cast<int>(after)) == chain.rests.end())
         extend({chain.rests, std::min(chain.scarcest, shared_[next][after])}, after);
   }
 
-  std::size_t most_;
+  std::size_t max_;
   std::vector<std::size_t> into_, out_;           ///< grasps that lead from the start, and to the target
   std::vector<std::vector<std::size_t>> shared_;  ///< grasps that two poses share
   std::vector<Chain> found_;
@@ -59,8 +59,8 @@ std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b) {
 }
 
 RegraspOptions with_shaky_rests(RegraspOptions regrasp) {
-  regrasp.rest_margin = std::min(regrasp.rest_margin, regrasp.least_margin);
-  regrasp.rest_tilt = std::min(regrasp.rest_tilt, regrasp.least_tilt);
+  regrasp.rest_margin = std::min(regrasp.rest_margin, regrasp.min_margin);
+  regrasp.rest_tilt = std::min(regrasp.rest_tilt, regrasp.min_tilt);
   return regrasp;
 }
 
@@ -74,15 +74,15 @@ RestGraph make_rest_graph(const PlanningScene& scene, const Stone& stone, const 
     const Pose T_W_O = standing(stone, rest.R_W_O, Eigen::Vector2d::Zero(), scene.table_z);
     std::vector<int> held;
     for (std::size_t i = 0; i < grasps.size(); ++i)
-      if (!end.hand_fault(grasps[i], T_W_O)) held.push_back(static_cast<int>(i));
+      if (!end.gripper_fault(grasps[i], T_W_O)) held.push_back(static_cast<int>(i));
     graph.grasps.push_back(std::move(held));
   }
   return graph;
 }
 
 std::vector<std::vector<int>> rest_chains(const RestGraph& graph, const std::vector<int>& from,
-                                          const std::vector<int>& to, int most) {
-  auto chains = ChainSearch(graph, from, to, most).all();
+                                          const std::vector<int>& to, int max) {
+  auto chains = ChainSearch(graph, from, to, max).all();
   std::stable_sort(chains.begin(), chains.end(), [](const auto& a, const auto& b) {
     return a.rests.size() != b.rests.size() ? a.rests.size() < b.rests.size() : a.scarcest > b.scarcest;
   });

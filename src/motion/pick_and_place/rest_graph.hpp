@@ -20,10 +20,10 @@ struct RestGraph {
 /// Options with the less firm resting poses that are allowed where no firm one leads on.
 [[nodiscard]] RegraspOptions with_shaky_rests(RegraspOptions regrasp);
 
-/// Sequences of 1 to `most` poses (indices, none twice) that lead from the grasps `from` to the grasps `to`:
+/// Sequences of 1 to `max` poses (indices, none twice) that lead from the grasps `from` to the grasps `to`:
 /// neighbours share a grasp. Shortest first; of equal length the one whose scarcest link has most grasps.
 [[nodiscard]] std::vector<std::vector<int>> rest_chains(const RestGraph& graph, const std::vector<int>& from,
-                                                        const std::vector<int>& to, int most);
+                                                        const std::vector<int>& to, int max);
 
 /// Returns the elements that both ascending lists have.
 [[nodiscard]] std::vector<int> common(const std::vector<int>& a, const std::vector<int>& b);

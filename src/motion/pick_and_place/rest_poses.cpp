@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSame = 0.97;  // cosine (14 deg): faces this alike give one way to stand
 
-bool like(const Eigen::Vector3d& n_O_up, const std::vector<Eigen::Vector3d>& list) {
+bool is_listed(const Eigen::Vector3d& n_O_up, const std::vector<Eigen::Vector3d>& list) {
   return std::any_of(list.begin(), list.end(),
                      [&](const Eigen::Vector3d& n) { return n_O_up.dot(n) > kSame; });
 }
@@ -30,10 +30,10 @@ Stand stand_on(const Mesh& hull, const Eigen::Vector3d& p_O_M, const Eigen::Vect
   double lowest = n_O_up.dot(hull.vertices.front());
   for (const auto& v : hull.vertices) lowest = std::min(lowest, n_O_up.dot(v));
   const Eigen::Vector3d x = n_O_up.unitOrthogonal(), y = n_O_up.cross(x);
-  std::vector<Eigen::Vector2d> feet;
+  std::vector<Eigen::Vector2d> base_points;
   for (const auto& v : hull.vertices)
-    if (n_O_up.dot(v) - lowest <= flat) feet.emplace_back(x.dot(v), y.dot(v));
-  return {n_O_up, margin(convex_hull(std::move(feet)), {x.dot(p_O_M), y.dot(p_O_M)}),
+    if (n_O_up.dot(v) - lowest <= flat) base_points.emplace_back(x.dot(v), y.dot(v));
+  return {n_O_up, margin(convex_hull(std::move(base_points)), {x.dot(p_O_M), y.dot(p_O_M)}),
           n_O_up.dot(p_O_M) - lowest};
 }
 
@@ -53,7 +53,7 @@ std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& optio
                    [](const Stand& a, const Stand& b) { return a.margin > b.margin; });
   std::vector<Stand> kept;
   for (const auto& stand : stands)
-    if (!like(stand.n_O_up, options.n_O_not_up) &&
+    if (!is_listed(stand.n_O_up, options.n_O_not_up) &&
         std::none_of(kept.begin(), kept.end(),
                      [&](const Stand& k) { return k.n_O_up.dot(stand.n_O_up) > kSame; }))
       kept.push_back(stand);

@@ -55,7 +55,7 @@ SetDownPlaces::SetDownPlaces(const PlanningScene& scene, const PickAndPlaceTask&
   taken_.push_back(footprint(task.stone->pieces, task.T_W_O_place));
 }
 
-bool SetDownPlaces::has_room(const Polygon2& print, const Eigen::Vector2d& p_W_shift) const {
+bool SetDownPlaces::has_clearance(const Polygon2& print, const Eigen::Vector2d& p_W_shift) const {
   return std::all_of(taken_.begin(), taken_.end(), [&](const Polygon2& other) {
     return side_parts(other, print, p_W_shift, options_.apart) ||
            side_parts(print, other, -p_W_shift, options_.apart);
@@ -73,7 +73,7 @@ std::vector<Pose> SetDownPlaces::poses(const Eigen::Quaterniond& R_W_O) const {
   std::vector<Pose> all;
   for (const Eigen::Vector2d& spot : spots_)
     for (std::size_t k = 0; k < turned.size(); ++k)
-      if (has_room(prints[k], spot)) {
+      if (has_clearance(prints[k], spot)) {
         all.push_back(turned[k]);
         all.back().translation().head<2>() += spot;
       }

@@ -20,7 +20,7 @@ class SetDownPlaces {
   [[nodiscard]] std::vector<Pose> poses(const Eigen::Quaterniond& R_W_O) const;
 
  private:
-  [[nodiscard]] bool has_room(const Polygon2& print, const Eigen::Vector2d& p_W_shift) const;
+  [[nodiscard]] bool has_clearance(const Polygon2& print, const Eigen::Vector2d& p_W_shift) const;
 
   const PlanningScene& scene_;
   const PickAndPlaceTask& task_;

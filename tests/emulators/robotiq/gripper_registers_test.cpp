@@ -77,7 +77,7 @@ TEST(GripperRegisters, OpenReportsItsSoftwareLimitNotZero) {
   EXPECT_EQ(bench.byte(4), 6U);
 }
 
-TEST(GripperRegisters, OneFingerStoppedEarlyIsTold) {
+TEST(GripperRegisters, OneFingerStoppedEarlyIsReported) {
   Bench bench;
   bench.activate();
   bench.plant.set_obstacles({256, 100, 256, 256});
@@ -153,7 +153,7 @@ TEST(GripperRegisters, AnAutomaticReleaseNeedsAReset) {
   EXPECT_EQ(bench.byte(2), 0U);
 }
 
-TEST(GripperRegisters, KeepsStandingWhenTheGoBitIsTakenAway) {
+TEST(GripperRegisters, StopsWhenTheGoBitIsCleared) {
   Bench bench;
   bench.activate();
   bench.write({0x0900, 0x00FF, 0xFFFF});

@@ -146,11 +146,11 @@ TEST(GripperSimulator, LibmodbusDrivesItOverTcpInBothLayouts) {
 // What the command line says to mbpoll, whose addresses count from 0 with -0.
 std::string mbpoll(const std::string& arguments) {
   FILE* pipe = ::popen(("mbpoll -0 -1 -q -o 5 " + arguments + " 2>&1").c_str(), "r");
-  std::string said;
+  std::string message;
   std::array<char, 256> piece{};
-  while (pipe && std::fgets(piece.data(), static_cast<int>(piece.size()), pipe)) said += piece.data();
+  while (pipe && std::fgets(piece.data(), static_cast<int>(piece.size()), pipe)) message += piece.data();
   if (pipe) ::pclose(pipe);
-  return said;
+  return message;
 }
 
 TEST(GripperSimulator, MbpollDrivesItOnBothWires) {
@@ -160,12 +160,12 @@ TEST(GripperSimulator, MbpollDrivesItOnBothWires) {
   const std::string tcp = concat("-m tcp -a 2 -p ", simulator.endpoint().port, ' '), host = " 127.0.0.1";
   const std::string rtu = "-m rtu -b 115200 -P none -a 9 ", line = ' ' + simulator.serial_path();
   const auto until = [](const std::string& wanted, const std::string& arguments) {
-    std::string said;
+    std::string message;
     for (const Deadline limit = Deadline::in(kLong); !limit.over();) {
-      said = mbpoll(arguments);
-      if (said.find(wanted) != std::string::npos) break;
+      message = mbpoll(arguments);
+      if (message.find(wanted) != std::string::npos) break;
     }
-    return said;
+    return message;
   };
   EXPECT_THAT(mbpoll(tcp + "-t 4 -r 0" + host + " -- 256 0 0"), HasSubstr("Written 3 references"));
   EXPECT_THAT(until("0x3100", tcp + "-t 3:hex -r 0 -c 8" + host), HasSubstr("[0]: \t0x3100"));

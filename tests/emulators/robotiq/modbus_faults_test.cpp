@@ -198,7 +198,7 @@ TEST(GripperFaults, ALostRequestIsSentOnceMoreThenReported) {
               ThrowsMessage<DeviceError>(HasSubstr("does not echo it")));
 }
 
-TEST(GripperFaults, AnOldStatusIsNotTakenForTheNewOne) {
+TEST(GripperFaults, AnOldStatusIsNotReportedAsTheNewOne) {
   // The gripper still stands at its last request and says so until it acts upon the next one.
   const Bench bench;
   ThreeFingerGripper gripper = bench.ready();

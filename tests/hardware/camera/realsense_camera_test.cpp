@@ -61,7 +61,7 @@ TEST_F(Realsense, FramesFromBeforeTheCallAreDropped) {
   EXPECT_THAT([&] { (void)camera->capture(); }, ThrowsMessage<DeviceError>(HasSubstr("stale")));
 }
 
-TEST_F(Realsense, SaysWhatIsWrong) {
+TEST_F(Realsense, NamesTheFault) {
   RealsenseCameraOptions other = options();
   other.serial = "1";
   EXPECT_THAT([&] { (void)open_realsense(other); },

@@ -160,7 +160,7 @@ TEST_F(Recorded, RefusesListsThatLieOrLeaveTheFolder) {
     EXPECT_THROW((void)parse(text), FileError) << text;
 }
 
-TEST_F(Recorded, SaysWhenThereIsNoRecording) {
+TEST_F(Recorded, ReportsWhenThereIsNoRecording) {
   EXPECT_THROW(RecordedCamera{options}, FileError);
   write_file((folder / "depth.txt").string(), "# none\n");
   options.camera.depth_scale = 1000;

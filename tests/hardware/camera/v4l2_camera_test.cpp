@@ -278,7 +278,7 @@ TEST(V4l2Camera, EqualImagesPassWhereTheOptionAllowsThem) {
   EXPECT_EQ(stream.capture().number, 2);
 }
 
-TEST(V4l2Camera, SilenceEndsAtTheDeadlineAndTellsOfDamagedFrames) {
+TEST(V4l2Camera, SilenceEndsAtTheDeadlineAndReportsDamagedFrames) {
   Bench bench;
   bench.script.frames = {{100.1, V4L2_BUF_FLAG_ERROR, 12, kRaw}};
   V4l2Stream stream = bench.open();
@@ -286,7 +286,7 @@ TEST(V4l2Camera, SilenceEndsAtTheDeadlineAndTellsOfDamagedFrames) {
               ThrowsMessage<DeviceError>(HasSubstr("no frame within 0.1 s, 1 damaged")));
 }
 
-TEST(V4l2Camera, SaysWhatIsWrongWithTheNode) {
+TEST(V4l2Camera, NamesTheFaultOfTheNode) {
   const auto open_with = [](auto change, const char* text) {
     Bench bench;
     change(bench);

@@ -93,7 +93,7 @@ TEST(ModbusClient, TalksToLibmodbusOverTcp) {
 
 TEST(ModbusClient, TalksToLibmodbusOverASerialLine) {
   // Two pseudo terminals back to back: libmodbus opens one, we the other.
-  PseudoTerminal theirs = PseudoTerminal::open(), ours = PseudoTerminal::open();
+  PseudoTerminal theirs = PseudoTerminal::open(), own = PseudoTerminal::open();
   std::atomic<bool> stop = false;
   const auto copy = [&stop](ByteStream& from, ByteStream& to) {
     std::array<std::uint8_t, 256> bytes;
@@ -106,12 +106,12 @@ TEST(ModbusClient, TalksToLibmodbusOverASerialLine) {
   ForeignSlave slave(context);
   modbus_set_slave(context, 9);
   ASSERT_EQ(modbus_connect(context), 0);
-  std::thread there([&] { copy(ours, theirs); }), back([&] { copy(theirs, ours); });
+  std::thread there([&] { copy(own, theirs); }), back([&] { copy(theirs, own); });
   std::thread server([&] { slave.serve(stop); });
   {
     ModbusOptions options;
     options.link = "rtu";
-    options.device = ours.path();
+    options.device = own.path();
     options.unit = 9;
     options.reply_timeout = 5.0;
     ModbusClient client("slave", options);

@@ -43,8 +43,8 @@ class GripperPlant {
 
 /// Fingers that move at once with constant speed, and stop at what is in their way.
 struct IdealGripperOptions {
-  double least = 6.0;            ///< counts, software limit when open
-  double most = 241.0;           ///< counts, when closed
+  double min_count = 6.0;        ///< counts, software limit when open
+  double max_count = 241.0;      ///< counts, when closed
   double scissor = 137.0;        ///< counts, where it starts
   double moving_current = 0.15;  ///< A
 };

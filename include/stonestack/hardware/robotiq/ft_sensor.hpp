@@ -20,8 +20,8 @@ struct FtSensorOptions {
   double start_timeout = 3.0;         ///< s until the first reading
   double listen = 0.16;               ///< s that a serial line is listened to before it is spoken to
   double stale = 0.05;                ///< an older reading is an error [s]
-  double largest_force = 150.0;       ///< N on an axis: FT150; 300 for the FT300
-  double largest_torque = 15.0;       ///< Nm on an axis: FT150; 30 for the FT300
+  double max_force = 150.0;           ///< N on an axis: FT150; 300 for the FT300
+  double max_torque = 15.0;           ///< Nm on an axis: FT150; 30 for the FT300
   int stuck_samples = 100;            ///< equal readings running that mean a dead sensor; 0: never
   double yaw = 0.0;                   ///< rad about z, from the flange's axes to the sensor's
 };

@@ -31,7 +31,7 @@ struct ThreeFingerOptions {
   ModbusOptions modbus;              ///< `link` and `unit` follow the preset unless `unit` is given
   int unit = -1;                     ///< -1: of the preset
   std::string mode = "basic";        ///< fingers for `move`: basic, pinch, wide or scissor
-  double largest_opening = 0.155;    ///< m between the pads at `open_count`
+  double max_opening = 0.155;        ///< m between the pads at `open_count`
   double open_count = 0.0;           ///< request that opens fully
   double closed_count = 255.0;       ///< request at which the pads meet
   double narrow_count = 220.0;       ///< of the scissor

@@ -4,6 +4,6 @@
 /// Private to stacking/: a motion run backwards, as fast.
 namespace stonestack::stacking {
 
-[[nodiscard]] JointTrajectory reversed(const JointTrajectory& way);
+[[nodiscard]] JointTrajectory reversed(const JointTrajectory& trajectory);
 
 }  // namespace stonestack::stacking

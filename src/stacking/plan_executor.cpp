@@ -1,4 +1,4 @@
-#include "stacking/hands.hpp"
+#include "stacking/plan_executor.hpp"
 
 #include <cmath>
 
@@ -6,7 +6,7 @@
 #include "motion/timing.hpp"
 #include "stacking/constants.hpp"
 #include "stacking/record.hpp"
-#include "stacking/way_back.hpp"
+#include "stacking/reversed_trajectory.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
@@ -28,23 +28,23 @@ using Status = ExecutionResult::Status;
 
 }  // namespace
 
-void Hands::intend(const PlanStep& step) const {
+void PlanExecutor::intend(const PlanStep& step) const {
   record(journal, StepBegun{step.name});
 }
 
-void Hands::set_payload(bool holding) const {
-  const HandMass hand = carried_hand(scene.gripper, cell.layout);
-  const HandMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
-  stacking::set_payload(cell.arm, holding ? together(hand, held) : hand);
+void PlanExecutor::set_payload(bool holding) const {
+  const GripperMass gripper = carried_gripper_mass(scene.gripper, cell.layout);
+  const GripperMass held{stone.mass.mass, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M)};
+  stacking::set_payload(cell.arm, holding ? together(gripper, held) : gripper);
 }
 
-ExecutionResult Hands::follow(const PlanStep& step) const {
+ExecutionResult PlanExecutor::follow(const PlanStep& step) const {
   const MotionResult moved = cell.arm.follow(step.trajectory);
   if (moved.status == MotionResult::Status::kDone) return {};
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
 }
 
-ExecutionResult Hands::grasp(const PlanStep& step) const {
+ExecutionResult PlanExecutor::grasp(const PlanStep& step) const {
   const double speed = step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed;
   try {
     const GripperState held = cell.gripper.move(0.0, speed, step.force > 0 ? step.force : kFingerForce);
@@ -56,14 +56,14 @@ ExecutionResult Hands::grasp(const PlanStep& step) const {
   return {};
 }
 
-ExecutionResult Hands::give_up(const PlanStep& step, const std::string& why) const {
-  cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+ExecutionResult PlanExecutor::give_up(const PlanStep& step, const std::string& why) const {
+  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
   const ExecutionResult back = go_back(step, options.approach);
   if (back.status == Status::kStopped) return back;
   return {Status::kNotPicked, 0.0, why};
 }
 
-ExecutionResult Hands::check_hold(const PlanStep& lift) const {
+ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
   const WristLoad load = wrist.feel();
   const double expected = kGravity * stone.mass.mass;
   const double off = swing(load);
@@ -72,29 +72,29 @@ ExecutionResult Hands::check_hold(const PlanStep& lift) const {
     const std::string why =
         concat("slipped out of the hand: ", load.weight, " N hang there, not ", expected, " N");
     // What still hangs is set down; what lies below already must not be met from above.
-    return load.weight > kEmptyHand * expected ? put_back(lift, why) : let_go(why);
+    return load.weight > kEmptyGripper * expected ? put_back(lift, why) : release(why);
   }
   if (off > kMaxSwing) return put_back(lift, turned(off));
   return {};
 }
 
-double Hands::swing(const WristLoad& load) const {
+double PlanExecutor::swing(const WristLoad& load) const {
   return beside(load, p_F(plan.T_O_T.inverse() * stone.mass.p_O_M));
 }
 
-std::string Hands::turned(double off) {
+std::string PlanExecutor::turned(double off) {
   return concat("turned in the hand: it pulls ", std::lround(1e3 * off), " mm beside where it should");
 }
 
-ExecutionResult Hands::check_carried(const PlanStep* lift, const PlanStep& next) {
+ExecutionResult PlanExecutor::check_carried(const PlanStep* lift, const PlanStep& next) {
   if (lift == nullptr) return {};
   const double expected = kGravity * stone.mass.mass;
   const CarriedLoad carried = feel_carried(wrist, cell, expected, kMinHeldShare);
   const double off = swing(carried.load);
-  hangs = carried.load.weight;
-  record(journal, CarriedMeasured{hangs, expected, off, carried.load.doubt, carried.held});
+  carried_weight = carried.load.weight;
+  record(journal, CarriedMeasured{carried_weight, expected, off, carried.load.uncertainty, carried.held});
   // What has swung would not come to stand where it is let go of.
-  if (carried.held && off > kMaxSwing + carried.load.doubt) {
+  if (carried.held && off > kMaxSwing + carried.load.uncertainty) {
     const ExecutionResult home = go_home({lift + 1, &next});
     return home.status == Status::kStopped ? home : put_back(*lift, turned(off));
   }
@@ -102,12 +102,12 @@ ExecutionResult Hands::check_carried(const PlanStep* lift, const PlanStep& next)
   set_payload(false);
   const ExecutionResult home = go_home({lift + 1, &next});
   if (home.status == Status::kStopped) return home;
-  cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
   return {Status::kLost, 0.0,
-          concat("lost on the way: ", hangs, " N hang in the hand, not ", expected, " N")};
+          concat("lost on the way: ", carried_weight, " N hang in the hand, not ", expected, " N")};
 }
 
-ExecutionResult Hands::go_home(std::span<const PlanStep> carried) const {
+ExecutionResult PlanExecutor::go_home(std::span<const PlanStep> carried) const {
   for (auto step = carried.rbegin(); step != carried.rend(); ++step) {
     PlanStep back = *step;
     back.trajectory = reversed(step->trajectory);
@@ -117,13 +117,13 @@ ExecutionResult Hands::go_home(std::span<const PlanStep> carried) const {
   return {};
 }
 
-ExecutionResult Hands::let_go(const std::string& why) const {
-  cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+ExecutionResult PlanExecutor::release(const std::string& why) const {
+  cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
   set_payload(false);
   return {Status::kNotPicked, 0.0, why};
 }
 
-ExecutionResult Hands::put_back(const PlanStep& lift, const std::string& why) const {
+ExecutionResult PlanExecutor::put_back(const PlanStep& lift, const std::string& why) const {
   GuardedMotion down;
   down.trajectory = reversed(lift.trajectory);
   down.threshold = options.early_threshold;
@@ -136,21 +136,21 @@ ExecutionResult Hands::put_back(const PlanStep& lift, const std::string& why) co
   return give_up(lift, why);
 }
 
-Eigen::Vector3d Hands::tip(const Joints& q) const {
+Eigen::Vector3d PlanExecutor::tip(const Joints& q) const {
   return (cell.layout.T_W_R * forward(scene.robot, q) * scene.T_F_T).translation();
 }
 
-double Hands::above_end(const PlanStep& step) const {
+double PlanExecutor::above_end(const PlanStep& step) const {
   if (step.trajectory.q.empty()) return 0.0;
   return (tip(cell.arm.state().q) - tip(step.trajectory.q.back())).z();
 }
 
-ExecutionResult Hands::feel_table(const PlanStep& step) const {
+ExecutionResult PlanExecutor::feel_table(const PlanStep& step) const {
   GuardedMotion motion;
   motion.trajectory = step.trajectory;
   motion.threshold = step.threshold;
-  const JointPath& way = step.trajectory.q;
-  if (way.size() > 1) motion.n_W_direction = (tip(way.back()) - tip(way.front())).normalized();
+  const JointPath& route = step.trajectory.q;
+  if (route.size() > 1) motion.n_W_direction = (tip(route.back()) - tip(route.front())).normalized();
   const MotionResult moved = cell.arm.follow_guarded(motion);
   if (moved.status == MotionResult::Status::kNoContact) return {};
   if (moved.status != MotionResult::Status::kContact)
@@ -159,7 +159,7 @@ ExecutionResult Hands::feel_table(const PlanStep& step) const {
   return go_back(step, kOffTable);
 }
 
-ExecutionResult Hands::feel_down(const PlanStep& step, bool* touched) const {
+ExecutionResult PlanExecutor::feel_down(const PlanStep& step, bool* touched) const {
   GuardedMotion motion;
   motion.trajectory = step.trajectory;
   motion.threshold = step.threshold;
@@ -171,27 +171,27 @@ ExecutionResult Hands::feel_down(const PlanStep& step, bool* touched) const {
   return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
 }
 
-void Hands::open(const PlanStep& step) const {
+void PlanExecutor::open(const PlanStep& step) const {
   cell.gripper.move(step.opening, step.finger_speed > 0 ? step.finger_speed : kStrokeSpeed, kFingerForce);
 }
 
-ExecutionResult Hands::retreat(const PlanStep& step) const {
-  const JointPath& way = step.trajectory.q;
-  if (way.empty()) return go_back(step, options.approach);
-  const Pose T_R_T_from = forward(scene.robot, way.front()) * scene.T_F_T;
-  const Pose T_R_T_to = forward(scene.robot, way.back()) * scene.T_F_T;
+ExecutionResult PlanExecutor::retreat(const PlanStep& step) const {
+  const JointPath& route = step.trajectory.q;
+  if (route.empty()) return go_back(step, options.approach);
+  const Pose T_R_T_from = forward(scene.robot, route.front()) * scene.T_F_T;
+  const Pose T_R_T_to = forward(scene.robot, route.back()) * scene.T_F_T;
   return go_back(step, difference(T_R_T_from, T_R_T_to).translation);
 }
 
-ExecutionResult Hands::check_empty(const PlanStep& step, bool may_open) const {
-  const double most = most_in_empty_hand(kGravity * stone.mass.mass);
+ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) const {
+  const double max = max_in_empty_gripper(kGravity * stone.mass.mass);
   double left = wrist.feel().weight;
-  const auto empty = [&] { return left <= most && !cell.gripper.state().object; };
+  const auto empty = [&] { return left <= max && !cell.gripper.state().object; };
   if (!empty() && may_open) {
-    cell.gripper.move(scene.gripper.largest_opening, kStrokeSpeed, kFingerForce);
+    cell.gripper.move(scene.gripper.max_opening, kStrokeSpeed, kFingerForce);
     left = wrist.feel().weight;
   }
-  record(journal, ReleaseMeasured{left, most});
+  record(journal, ReleaseMeasured{left, max});
   if (empty()) return {};
   set_payload(true);
   return {Status::kStopped, 0.0,
@@ -199,13 +199,13 @@ ExecutionResult Hands::check_empty(const PlanStep& step, bool may_open) const {
                  stone.name, " out of the fingers")};
 }
 
-ExecutionResult Hands::clear_table(const PlanStep& step) const {
+ExecutionResult PlanExecutor::clear_table(const PlanStep& step) const {
   const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
   if ((cell.layout.T_W_R * T_R_T).translation().z() > kNearTable) return {};
   return go_back(step, kBackOff);
 }
 
-ExecutionResult Hands::go_back(const PlanStep& step, double distance) const {
+ExecutionResult PlanExecutor::go_back(const PlanStep& step, double distance) const {
   const Joints q = cell.arm.state().q;
   const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
   const Pose T_R_T_goal = T_R_T * Eigen::Translation3d(0, 0, -distance);

@@ -1,5 +1,5 @@
 // Stones that look like themselves turned, and what is said of their poses.
-#include "detection/judge/likeness.hpp"
+#include "detection/judge/alternatives.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ Stone block(const Eigen::Vector3d& size) {
   return stone;
 }
 
-TEST(Likeness, ACubeHas23TurnsOntoItselfAnIrregularStoneNone) {
+TEST(Alternatives, ACubeHas23TurnsOntoItselfAnIrregularStoneNone) {
   const auto turns = turns_onto_itself(make_detection_model(block({0.08, 0.08, 0.08}), {}));
   EXPECT_EQ(turns.size(), 23U);
   for (const auto& T : turns)
@@ -27,7 +27,7 @@ TEST(Likeness, ACubeHas23TurnsOntoItselfAnIrregularStoneNone) {
   EXPECT_TRUE(turns_onto_itself(make_detection_model(test::make_test_stone(1), {})).empty());
 }
 
-TEST(Likeness, ACubesPoseIsOneOf24AndTheCovarianceSaysSo) {
+TEST(Alternatives, ACubesPoseIsOneOf24AndTheCovarianceShowsIt) {
   const std::vector<Stone> stones{block({0.08, 0.08, 0.08}), test::make_test_stone(2)};
   const DetectionModels models(stones);
   const Pose T_W_C = test::make_camera_pose(0.5, 0.3);
@@ -49,9 +49,9 @@ TEST(Likeness, ACubesPoseIsOneOf24AndTheCovarianceSaysSo) {
       continue;
     }
     EXPECT_LT(d.certainty, 0.2);
-    EXPECT_GT(d.likes.size(), 8U);
+    EXPECT_GT(d.alternatives.size(), 8U);
     double sum = d.certainty;
-    for (const auto& like : d.likes) sum += like.weight;
+    for (const auto& alternative : d.alternatives) sum += alternative.weight;
     EXPECT_NEAR(sum, 1.0, 0.2) << "but for those that hardly count";
     EXPECT_GT(turn, 0.5);
   }
@@ -64,7 +64,7 @@ DepthImage image_of(const Stone& there, const Pose& T_W_C) {
                           1);
 }
 
-TEST(Identity, WhichOfTwoTwinsItIsIsAsUncertainAsItLooks) {
+TEST(Identity, TheUncertaintyBetweenTwoTwinsIsReported) {
   std::vector<Stone> stones{test::make_test_stone(1), test::make_test_stone(1), test::make_test_stone(2)};
   for (auto& p : stones[1].mesh.vertices) p *= 1.004;  // 0.3 mm: no camera tells
   stones[1].name = "twin";
@@ -75,10 +75,10 @@ TEST(Identity, WhichOfTwoTwinsItIsIsAsUncertainAsItLooks) {
   const Detection& d = found[0];
   ASSERT_LT(d.stone, 2);
   EXPECT_LT(d.certainty, 0.9);
-  ASSERT_EQ(d.likes.size(), 1U);
-  EXPECT_EQ(d.likes[0].stone, 1 - d.stone);
-  EXPECT_NEAR(d.certainty + d.likes[0].weight, 1.0, 1e-9);
-  EXPECT_LT(difference(d.likes[0].T_C_O, d.T_C_O).translation, 0.003) << "at the same place";
+  ASSERT_EQ(d.alternatives.size(), 1U);
+  EXPECT_EQ(d.alternatives[0].stone, 1 - d.stone);
+  EXPECT_NEAR(d.certainty + d.alternatives[0].weight, 1.0, 1e-9);
+  EXPECT_LT(difference(d.alternatives[0].T_C_O, d.T_C_O).translation, 0.003) << "at the same place";
   EXPECT_LT(std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()), 0.05)
       << "of this stone the pose is known";
 }

@@ -1,4 +1,4 @@
-#include "detection/judge/likeness.hpp"
+#include "detection/judge/alternatives.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -20,7 +20,7 @@ constexpr std::size_t kRefined = 120;         // turns of the first look that ge
 constexpr double kFar = 0.008;                // m: distances count up to this
 constexpr double kAlike = 0.0025;             // m, mean distance: looks much the same
 constexpr double kApart = 0.3;                // rad
-constexpr std::size_t kMostTurns = 24;
+constexpr std::size_t kMaxTurns = 24;
 constexpr double kHiddenWeight = 0.1;  // as in the search
 
 /// A turn about the model's centre, and how far it leaves the surface from itself.
@@ -29,10 +29,10 @@ struct Turned {
   double off = 0.0;
 };
 
-std::vector<int> evenly(std::size_t count, std::size_t most) {
+std::vector<int> evenly(std::size_t count, std::size_t max) {
   std::vector<int> chosen;
-  most = std::min(most, count);
-  for (std::size_t k = 0; k < most; ++k) chosen.push_back(static_cast<int>(k * count / most));
+  max = std::min(max, count);
+  for (std::size_t k = 0; k < max; ++k) chosen.push_back(static_cast<int>(k * count / max));
   return chosen;
 }
 
@@ -97,7 +97,7 @@ std::vector<Pose> turns_onto_itself(const DetectionModel& model) {
   std::stable_sort(turns.begin(), turns.end(), nearer);
   std::vector<Pose> kept;
   for (const auto& turn : turns) {
-    if (turn.off > kAlike || kept.size() == kMostTurns) break;
+    if (turn.off > kAlike || kept.size() == kMaxTurns) break;
     if (angle_of(turn.T_O_S.linear()) > kApart && std::all_of(kept.begin(), kept.end(), [&](const Pose& T) {
           return difference(T, turn.T_O_S).angle > kApart;
         }))
@@ -106,10 +106,10 @@ std::vector<Pose> turns_onto_itself(const DetectionModel& model) {
   return kept;
 }
 
-std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
-                                    const DetectionScene& alone) {
+std::vector<Detection> judged_alternatives(const Detection& d, const DetectionModel& model,
+                                           const DetectionScene& alone) {
   std::vector<Pose> poses{d.T_C_O};
-  for (const auto& T_O_S : model.likes) poses.push_back(d.T_C_O * T_O_S);
+  for (const auto& T_O_S : model.symmetries) poses.push_back(d.T_C_O * T_O_S);
   std::vector<Detection> judged(poses.size());
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t k) {
     const auto candidate = judge_pose(model, d.stone, poses[k], alone, kHiddenWeight);
@@ -118,24 +118,24 @@ std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& mo
   std::erase_if(judged, [](const Detection& one) { return one.stone < 0; });
   std::stable_sort(judged.begin(), judged.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
-  std::vector<Detection> likes;
+  std::vector<Detection> alternatives;
   for (const auto& one : judged)
-    if (std::all_of(likes.begin(), likes.end(),
+    if (std::all_of(alternatives.begin(), alternatives.end(),
                     [&](const Detection& l) { return difference(l.T_C_O, one.T_C_O).angle > 0.5 * kApart; }))
-      likes.push_back(one);
-  return likes;
+      alternatives.push_back(one);
+  return alternatives;
 }
 
-void widen_by_likes(Detection& d) {
+void widen_by_alternatives(Detection& d) {
   Eigen::Matrix<double, 6, 6> spread = Eigen::Matrix<double, 6, 6>::Zero();
   double own = d.certainty;
-  for (const auto& like : d.likes) {
-    if (like.stone != d.stone) continue;
-    own += like.weight;
-    const Eigen::AngleAxisd turn(like.T_C_O.linear() * d.T_C_O.linear().transpose());
+  for (const auto& alternative : d.alternatives) {
+    if (alternative.stone != d.stone) continue;
+    own += alternative.weight;
+    const Eigen::AngleAxisd turn(alternative.T_C_O.linear() * d.T_C_O.linear().transpose());
     Eigen::Matrix<double, 6, 1> off;
-    off << like.T_C_O.translation() - d.T_C_O.translation(), turn.angle() * turn.axis();
-    spread += like.weight * off * off.transpose();
+    off << alternative.T_C_O.translation() - d.T_C_O.translation(), turn.angle() * turn.axis();
+    spread += alternative.weight * off * off.transpose();
   }
   d.covariance += spread / own;
 }

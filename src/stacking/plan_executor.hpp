@@ -2,22 +2,22 @@
 #include <span>
 #include <string>
 
-#include "stacking/hand_load.hpp"
+#include "stacking/gripper_mass.hpp"
 #include "stacking/wrist.hpp"
 #include "stonestack/stacking/execute.hpp"
 
 namespace stonestack::stacking {
 
 /// The steps of one plan, carried through one by one, and what to do when one goes otherwise than planned.
-struct Hands {
+struct PlanExecutor {
   const PickAndPlacePlan& plan;
   const Stone& stone;
   const PlanningScene& scene;
   Cell& cell;
   const MotionOptions& options;
   Journal* journal;
-  double hangs = 0.0;  ///< when the stone was carried last [N]
-  Wrist wrist{cell, scene.robot, sensed_hand(scene.gripper, cell.layout)};
+  double carried_weight = 0.0;  ///< when the stone was carried last [N]
+  Wrist wrist{cell, scene.robot, sensed_gripper_mass(scene.gripper, cell.layout)};
 
   void intend(const PlanStep& step) const;
   [[nodiscard]] Eigen::Vector3d p_F(const Eigen::Vector3d& p_T) const { return cell.layout.T_F_T * p_T; }
@@ -40,7 +40,7 @@ struct Hands {
   /// fingers open there and not over the tower.
   [[nodiscard]] ExecutionResult go_home(std::span<const PlanStep> carried) const;
   /// Opens where the hand is.
-  [[nodiscard]] ExecutionResult let_go(const std::string& why) const;
+  [[nodiscard]] ExecutionResult release(const std::string& why) const;
   /// Down again the way it was lifted, until it touches; then lets go.
   [[nodiscard]] ExecutionResult put_back(const PlanStep& lift, const std::string& why) const;
   /// W [m].

@@ -1,4 +1,4 @@
-#include "motion/room_below.hpp"
+#include "motion/clearance_below.hpp"
 
 #include <algorithm>
 
@@ -21,8 +21,8 @@ bool is_kept_off_table(const PlanningScene& scene) {
 
 }  // namespace
 
-double room_below(const PlanningScene& scene, const Joints& q, double opening, int object, double most) {
-  require(most >= 0, "a descent goes down by something, not by ", most, " m");
+double clearance_below(const PlanningScene& scene, const Joints& q, double opening, int object, double max) {
+  require(max >= 0, "a descent goes down by something, not by ", max, " m");
   CollisionRules rules;
   rules.padding = kDescentPadding;
   rules.opening = opening;
@@ -31,18 +31,18 @@ double room_below(const PlanningScene& scene, const Joints& q, double opening, i
   const CollisionChecker checker(scene, rules);
   const Pose T_R_T = forward(scene.robot, q) * scene.T_F_T;
   const Eigen::Vector3d n_R_down = -(scene.T_W_R.linear().transpose() * Eigen::Vector3d::UnitZ());
-  const auto has_room = [&](double down) {
+  const auto has_clearance = [&](double down) {
     const Pose T_R_T_low = Eigen::Translation3d(down * n_R_down) * T_R_T;
     const auto path = straight_path(scene.robot, scene.T_F_T, q, T_R_T_low);
     return path && is_free(checker, *path);
   };
-  if (has_room(most)) return most;
-  double room = 0.0;
-  for (double taken = most; taken - room > kFineness;) {
-    const double middle = 0.5 * (room + taken);
-    (has_room(middle) ? room : taken) = middle;
+  if (has_clearance(max)) return max;
+  double clearance = 0.0;
+  for (double taken = max; taken - clearance > kFineness;) {
+    const double middle = 0.5 * (clearance + taken);
+    (has_clearance(middle) ? clearance : taken) = middle;
   }
-  return room;
+  return clearance;
 }
 
 }  // namespace stonestack::motion

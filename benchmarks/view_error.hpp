@@ -10,13 +10,13 @@ namespace stonestack::bench {
 
 /// By how much the believed pose of a stone is beside the true one, as after a look of the camera: one sigma
 /// along and about each axis.
-struct LookError {
+struct ViewError {
   double shift = 0.0007;                       ///< along each axis, m
   double turn = 0.5 * std::numbers::pi / 180;  ///< about each axis, rad
 
   void add_options(CLI::App& bench);
   /// Where a stone at T_W_O is thought to be.
-  [[nodiscard]] Pose believed(const Pose& T_W_O, Random& random) const;
+  [[nodiscard]] Pose estimated(const Pose& T_W_O, Random& random) const;
 };
 
 }  // namespace stonestack::bench

@@ -1,8 +1,8 @@
-#include "look_error.hpp"
+#include "view_error.hpp"
 
 namespace stonestack::bench {
 
-void LookError::add_options(CLI::App& bench) {
+void ViewError::add_options(CLI::App& bench) {
   bench.add_option("--shift", shift, "m, one sigma of the believed place along each axis")
       ->check(CLI::Range(0.0, 0.02))
       ->capture_default_str();
@@ -11,7 +11,7 @@ void LookError::add_options(CLI::App& bench) {
       ->capture_default_str();
 }
 
-Pose LookError::believed(const Pose& T_W_O, Random& random) const {
+Pose ViewError::estimated(const Pose& T_W_O, Random& random) const {
   const auto triple = [&] { return Eigen::Vector3d(random.normal(), random.normal(), random.normal()); };
   Pose T = T_W_O;
   T.pretranslate(shift * triple());

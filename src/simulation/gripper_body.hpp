@@ -12,19 +12,19 @@ namespace stonestack::simulation {
 inline constexpr int kFingers = 3;
 
 /// Where the hand is: tool frame, and how far each finger's pad stands from the plane x = 0 of T.
-struct HandPose {
+struct GripperPose {
   Pose T_W_T = Pose::Identity();
   std::array<double, kFingers> finger{};  ///< 0 when closed [m]
   double narrowed = 0.0;                  ///< by which B and C stand closer than the model has them [m]
 };
 /// The hand over time, by seconds from the start of a motion.
-using HandPath = std::function<HandPose(double seconds)>;
+using GripperPath = std::function<GripperPose(double seconds)>;
 
 /// Distance between the pads: of A from the middle of B and C, m.
-[[nodiscard]] double opening(const HandPose& hand);
+[[nodiscard]] double opening(const GripperPose& gripper_pose);
 
 /// A rigid part of the hand.
-struct HandBox {
+struct GripperPart {
   Eigen::Vector3d size = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_T_centre = Eigen::Vector3d::Zero();  ///< fingers closed
   int finger = -1;                                       ///< moves with that finger; -1: fixed
@@ -35,21 +35,21 @@ struct HandBox {
 
 /// The hand as the world meets it: rigid boxes, and on each finger a pad of rubber that stands out from the
 /// box by its thickness, so that rubber and bone never act twice.
-struct HandModel {
+struct GripperBody {
   GripperModel gripper;
   PadOptions pad;
-  std::vector<HandBox> boxes;
+  std::vector<GripperPart> boxes;
 };
 /// The rubber is not the one that plans count on (GripperModel): its own values are in `pad`.
-[[nodiscard]] HandModel make_hand(const GripperModel& gripper);
+[[nodiscard]] GripperBody make_gripper_body(const GripperModel& gripper);
 
-[[nodiscard]] Pose box_pose(const HandBox& box, const HandPose& hand);
+[[nodiscard]] Pose box_pose(const GripperPart& box, const GripperPose& gripper_pose);
 /// T_W_P of a finger's pad.
-[[nodiscard]] Pose pad_pose(const HandModel& model, int finger, const HandPose& hand);
+[[nodiscard]] Pose pad_pose(const GripperBody& model, int finger, const GripperPose& gripper_pose);
 /// Distance from a point to the nearest box, 0 inside, m.
-[[nodiscard]] double distance_to_hand(const HandModel& model, const HandPose& hand,
-                                      const Eigen::Vector3d& p_W);
+[[nodiscard]] double distance_to_gripper(const GripperBody& model, const GripperPose& gripper_pose,
+                                         const Eigen::Vector3d& p_W);
 /// Height of the hand's lowest corner over the table, m, and where it is.
-[[nodiscard]] Eigen::Vector3d lowest_corner(const HandModel& model, const HandPose& hand);
+[[nodiscard]] Eigen::Vector3d lowest_corner(const GripperBody& model, const GripperPose& gripper_pose);
 
 }  // namespace stonestack::simulation

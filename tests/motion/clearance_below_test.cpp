@@ -1,4 +1,4 @@
-#include "motion/room_below.hpp"
+#include "motion/clearance_below.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,32 +26,32 @@ struct OverATower {
     seed << 0.0, -1.8, 1.8, -1.57, -1.57, 0.0;
     q = inverse(scene.robot, scene.T_W_R.inverse() * T_W_T * scene.T_F_T.inverse(), seed).front().q;
   }
-  [[nodiscard]] double room(double most = 0.015, double opening = 0.08) const {
-    return room_below(scene, q, opening, -1, most);
+  [[nodiscard]] double clearance(double max = 0.015, double opening = 0.08) const {
+    return clearance_below(scene, q, opening, -1, max);
   }
 };
 
-TEST(RoomBelow, EndsAboveWhatFingersWouldMeet) {
+TEST(ClearanceBelow, EndsAboveWhatFingersWouldMeet) {
   const OverATower wide(0.20);
   const double clear = 0.012 - kDescentPadding;
-  EXPECT_LE(wide.room(), clear);
-  EXPECT_GE(wide.room(), clear - 0.001);
-  EXPECT_EQ(wide.room(0.010), 0.010) << "no further than asked for";
+  EXPECT_LE(wide.clearance(), clear);
+  EXPECT_GE(wide.clearance(), clear - 0.001);
+  EXPECT_EQ(wide.clearance(0.010), 0.010) << "no further than asked for";
 }
 
-TEST(RoomBelow, IsWholeWhereFingersPassBeside) {
+TEST(ClearanceBelow, IsWholeWhereFingersPassBeside) {
   const OverATower narrow(0.05);
-  EXPECT_EQ(narrow.room(), 0.015);
-  EXPECT_LT(narrow.room(0.015, 0.03), 0.013) << "closed further they come down on it";
+  EXPECT_EQ(narrow.clearance(), 0.015);
+  EXPECT_LT(narrow.clearance(0.015, 0.03), 0.013) << "closed further they come down on it";
 }
 
-TEST(RoomBelow, FingersMayFeelTheTable) {
+TEST(ClearanceBelow, FingersMayFeelTheTable) {
   const OverATower none(0.20, 0.0);
-  EXPECT_EQ(none.room(), 0.015);
+  EXPECT_EQ(none.clearance(), 0.015);
   OverATower kept = none;
   kept.scene.paddings = {{"hand", "table", 0.007}};
-  EXPECT_LE(kept.room(), 0.005) << "12 mm above it, and 7 are asked for";
-  EXPECT_THROW((void)none.room(-0.001), InvalidArgument);
+  EXPECT_LE(kept.clearance(), 0.005) << "12 mm above it, and 7 are asked for";
+  EXPECT_THROW((void)none.clearance(-0.001), InvalidArgument);
 }
 
 }  // namespace

@@ -8,10 +8,11 @@ namespace stonestack::motion {
 
 /// The hand alone, as it comes straight along its own z to a grasp (or leaves it), against table and objects.
 /// Cheaper than the whole arm, and asked for hundreds of grasps. Built once for a scene.
-class HandCheck {
+class GripperCheck {
  public:
-  /// `way` m: length of the straight approach; `left_out`: index of an object that does not count, or -1.
-  HandCheck(const PlanningScene& scene, double way, int left_out);
+  /// `approach` m: length of the straight approach; `left_out`: index of an object that does not count, or
+  /// -1.
+  GripperCheck(const PlanningScene& scene, double approach, int left_out);
 
   /// Object nearer to the gripper than `padding`.
   struct Hit {

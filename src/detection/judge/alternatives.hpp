@@ -11,10 +11,10 @@ namespace stonestack::detection {
 [[nodiscard]] std::vector<Pose> turns_onto_itself(const DetectionModel& model);
 
 /// The detection's own pose and those that the turns of its model lead to, judged alike; best score first.
-[[nodiscard]] std::vector<Detection> judged_likes(const Detection& d, const DetectionModel& model,
-                                                  const DetectionScene& alone);
+[[nodiscard]] std::vector<Detection> judged_alternatives(const Detection& d, const DetectionModel& model,
+                                                         const DetectionScene& alone);
 
 /// The covariance of the mixture: of the pose itself, and of the poses that the same stone may as well have.
-void widen_by_likes(Detection& detection);
+void widen_by_alternatives(Detection& detection);
 
 }  // namespace stonestack::detection

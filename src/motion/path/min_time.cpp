@@ -1,4 +1,4 @@
-#include "motion/path/least_time.hpp"
+#include "motion/path/min_time.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 namespace stonestack::motion {
 
-double least_time(const JointPath& path, const TimingLimits& limits) {
+double min_time(const JointPath& path, const TimingLimits& limits) {
   constexpr double kStep = 0.0005;  // rad
   const JointPath p = rounded(path, limits, kStep);
   const std::size_t n = p.size();

@@ -6,14 +6,14 @@
 namespace stonestack::stacking {
 
 /// Gripper and camera: what the force sensor feels always.
-[[nodiscard]] HandMass sensed_hand(const GripperModel& gripper, const CellLayout& layout);
+[[nodiscard]] GripperMass sensed_gripper_mass(const GripperModel& gripper, const CellLayout& layout);
 /// With the sensor itself: what the arm carries always.
-[[nodiscard]] HandMass carried_hand(const GripperModel& gripper, const CellLayout& layout);
+[[nodiscard]] GripperMass carried_gripper_mass(const GripperModel& gripper, const CellLayout& layout);
 /// Both as one.
-[[nodiscard]] HandMass together(const HandMass& a, const HandMass& b);
+[[nodiscard]] GripperMass together(const GripperMass& a, const GripperMass& b);
 
 /// Tells the arm what it carries. Throws DeviceError when the arm refuses, also for more than it bears: a
 /// plan is made for less, so whoever comes here has no wrong command line to mend.
-void set_payload(Arm& arm, const HandMass& carried);
+void set_payload(Arm& arm, const GripperMass& carried);
 
 }  // namespace stonestack::stacking

@@ -1,4 +1,4 @@
-#include "motion/grasp/hand_check.hpp"
+#include "motion/grasp/gripper_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,14 +13,14 @@ double chosen(double users, double padding) {
 
 }  // namespace
 
-HandCheck::HandCheck(const PlanningScene& scene, double way, int left_out)
+GripperCheck::GripperCheck(const PlanningScene& scene, double approach, int left_out)
     : table_z_(scene.table_z), table_padding_(padding_between(scene, "hand", "hand", "table", kNoPadding)) {
   for (const GripperBox& box : scene.gripper.boxes) {
     std::vector<Eigen::Vector3d> corners;
     for (int i = 0; i < 8; ++i) {
       const Eigen::Vector3d sign(i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5, i & 4 ? 0.5 : -0.5);
       corners.push_back(box.p_T_centre + sign.cwiseProduct(box.size));
-      if (sign.z() < 0) corners.back().z() -= way;
+      if (sign.z() < 0) corners.back().z() -= approach;
     }
     parts_.push_back({make_core(std::move(corners), 0.0), box.finger_side});
   }
@@ -37,27 +37,27 @@ HandCheck::HandCheck(const PlanningScene& scene, double way, int left_out)
   }
 }
 
-bool HandCheck::near(const Part& part, const Pose& T_W_part, const Piece& piece, double padding) const {
+bool GripperCheck::near(const Part& part, const Pose& T_W_part, const Piece& piece, double padding) const {
   const Segment axis{T_W_part * part.core.axis.a, T_W_part * part.core.axis.b};
   const double reach = part.core.reach + piece.radius + padding;
   if (squared_distance(axis, piece.centre) > reach * reach) return false;
   return hull_distance(part.core, to_bullet(T_W_part), piece.core, btTransform::getIdentity()) <= padding;
 }
 
-HandCheck::Hit HandCheck::sweep(const Pose& T_W_T, double opening, double padding) const {
+GripperCheck::Hit GripperCheck::sweep(const Pose& T_W_T, double opening, double padding) const {
   // Most grasps of a stone fall here, so only heights are worked out.
   const Eigen::RowVector3d up_T = T_W_T.linear().row(2);
   for (const Part& part : parts_) {
-    const double least = table_z_ + chosen(table_padding_, padding) - T_W_T.translation().z() -
-                         up_T.x() * part.finger_side * opening / 2;
+    const double min = table_z_ + chosen(table_padding_, padding) - T_W_T.translation().z() -
+                       up_T.x() * part.finger_side * opening / 2;
     for (const Eigen::Vector3d& p : part.core.points)
-      if (up_T.dot(p) < least) return {Hit::What::kTableObject, -1};
+      if (up_T.dot(p) < min) return {Hit::What::kTableObject, -1};
   }
   const int object = first_object(T_W_T, opening, padding);
   return object < 0 ? Hit{} : Hit{Hit::What::kObject, object};
 }
 
-int HandCheck::first_object(const Pose& T_W_T, double opening, double padding) const {
+int GripperCheck::first_object(const Pose& T_W_T, double opening, double padding) const {
   for (const Part& part : parts_) {
     const Pose T_W_part = T_W_T * Pose(Eigen::Translation3d(part.finger_side * opening / 2, 0, 0));
     for (const Piece& piece : pieces_)
@@ -66,7 +66,7 @@ int HandCheck::first_object(const Pose& T_W_T, double opening, double padding) c
   return -1;
 }
 
-bool HandCheck::touches_object(const Pose& T_W_T, double opening, double padding) const {
+bool GripperCheck::touches_object(const Pose& T_W_T, double opening, double padding) const {
   return first_object(T_W_T, opening, padding) >= 0;
 }
 

@@ -8,7 +8,7 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kStep = 0.02;      // m
-constexpr int kMostSteps = 6;       // of them
+constexpr int kMaxSteps = 6;        // of them
 constexpr double kNearer = 0.0002;  // m that a sample may be nearer than the one before
 
 /// Does every point of the path stay as clear as the one before, or clear of everything, and the last so?
@@ -26,8 +26,8 @@ bool comes_away(const CollisionChecker& checker, const JointPath& path) {
 
 }  // namespace
 
-std::optional<JointPath> way_out(const PlanningScene& scene, const Joints& start,
-                                 const MotionOptions& options) {
+std::optional<JointPath> escape_path(const PlanningScene& scene, const Joints& start,
+                                     const MotionOptions& options) {
   CollisionRules rules;
   rules.padding = std::min(options.approach_padding, options.transit_padding);
   rules.self_padding = std::min(rules.self_padding, rules.padding);
@@ -37,7 +37,7 @@ std::optional<JointPath> way_out(const PlanningScene& scene, const Joints& start
   const Pose T_R_T = forward(scene.robot, start) * scene.T_F_T;
   const Eigen::Vector3d back = -T_R_T.linear().col(2);
   const Eigen::Vector3d up = scene.T_W_R.linear().transpose() * Eigen::Vector3d::UnitZ();
-  for (int steps = 1; steps <= kMostSteps; ++steps)
+  for (int steps = 1; steps <= kMaxSteps; ++steps)
     for (const Eigen::Vector3d& along : {back, up, Eigen::Vector3d((back + up).normalized())}) {
       const Pose T_R_T_goal = Eigen::Translation3d(steps * kStep * along) * T_R_T;
       const auto path = straight_path(scene.robot, scene.T_F_T, start, T_R_T_goal);

@@ -45,16 +45,16 @@ const SceneObject& neighbour() {
   return made;
 }
 
-TEST(WayOut, AHandThatIsClearStaysWhereItIs) {
+TEST(EscapePath, AGripperThatIsClearStaysWhereItIs) {
   const PlanningScene scene = scene_with({});
   const Joints start = above(scene, {0.7, 0.0, 0.15});
-  const auto way = way_out(scene, start);
-  ASSERT_TRUE(way.has_value());
-  ASSERT_EQ(way->size(), 1U);
-  EXPECT_EQ(way->front(), start);
+  const auto path = escape_path(scene, start);
+  ASSERT_TRUE(path.has_value());
+  ASSERT_EQ(path->size(), 1U);
+  EXPECT_EQ(path->front(), start);
 }
 
-TEST(WayOut, AFingerBesideANeighbourIsTakenBackAsFarAsNeeded) {
+TEST(EscapePath, AFingerBesideANeighbourIsRetractedAsFarAsNeeded) {
   const PlanningScene scene = scene_with({neighbour()});
   const Joints start = above(scene, {0.7, 0.0, 0.02});
   CollisionRules rules;
@@ -64,20 +64,20 @@ TEST(WayOut, AFingerBesideANeighbourIsTakenBackAsFarAsNeeded) {
   ASSERT_TRUE(checker.collides(start)) << checker.clearance(start).distance;
   const Joints goal = above(scene, {0.4, 0.4, 0.4});
   EXPECT_FALSE(plan_transit(scene, start, goal, {}).has_value()) << "no transit begins there";
-  const auto way = way_out(scene, start);
-  ASSERT_TRUE(way.has_value());
-  EXPECT_FALSE(checker.collides(way->back()));
-  const Eigen::Vector3d moved = tip(scene, way->back()) - tip(scene, start);
+  const auto path = escape_path(scene, start);
+  ASSERT_TRUE(path.has_value());
+  EXPECT_FALSE(checker.collides(path->back()));
+  const Eigen::Vector3d moved = tip(scene, path->back()) - tip(scene, start);
   EXPECT_LT(moved.head<2>().norm(), 1e-3) << "back is up here";
   EXPECT_GT(moved.z(), 0.01);
   EXPECT_LE(moved.z(), 0.121);
-  EXPECT_TRUE(plan_transit(scene, way->back(), goal, {}).has_value());
+  EXPECT_TRUE(plan_transit(scene, path->back(), goal, {}).has_value());
 }
 
-TEST(WayOut, NoneLeadsDeeperOrPastWhatIsAbove) {
+TEST(EscapePath, NoneLeadsDeeperOrPastWhatIsAbove) {
   const SceneObject lid = box_at("lid", {0.5, 0.5, 0.02}, {0.7, 0.0, 0.22});
   const PlanningScene scene = scene_with({neighbour(), lid});
-  EXPECT_FALSE(way_out(scene, above(scene, {0.7, 0.0, 0.02})).has_value());
+  EXPECT_FALSE(escape_path(scene, above(scene, {0.7, 0.0, 0.02})).has_value());
 }
 
 }  // namespace
