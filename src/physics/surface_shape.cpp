@@ -8,7 +8,7 @@ namespace stonestack::physics {
 namespace {
 
 constexpr std::size_t kMaxTouches = 16;  // a pair
-constexpr double kTable = 1e3;           // m: half width of the table's bounding box
+constexpr double kTableSpan = 1e3;           // m: half width of the table's bounding box
 
 const SurfaceShape& shape_of(const btCollisionObject& object) {
   return static_cast<const SurfaceShape&>(*object.getCollisionShape());
@@ -31,8 +31,8 @@ SurfaceShape::SurfaceShape() {
 
 void SurfaceShape::getAabb(const btTransform& t, btVector3& low, btVector3& high) const {
   if (is_table()) {
-    low = btVector3(-kTable, -kTable, -kTable);
-    high = btVector3(kTable, kTable, 0.0);
+    low = btVector3(-kTableSpan, -kTableSpan, -kTableSpan);
+    high = btVector3(kTableSpan, kTableSpan, 0.0);
     return;
   }
   const Pose T_W_O = to_eigen(t) * T_P_O_;

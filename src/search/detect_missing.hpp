@@ -1,5 +1,4 @@
 #pragma once
-#include "core/export.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::search {
@@ -7,9 +6,7 @@ namespace stonestack::search {
 /// Detects once more, among the models that `first` did not find, in what its stones leave unexplained. A
 /// stone that must be there, because it carries one that was found, is accepted at a lower score.
 /// @return the stones of `first` and the further ones.
-[[nodiscard]] STONESTACK_EXPORT DetectionResult detect_missing(const DepthImage& image,
-                                                               const DetectionModels& models,
-                                                               const DetectionResult& first,
-                                                               const DetectionOptions& options);
+[[nodiscard]] DetectionResult detect_missing(const DepthImage& image, const DetectionModels& models,
+                                             const DetectionResult& first, const DetectionOptions& options);
 
 }  // namespace stonestack::search

@@ -126,7 +126,7 @@ std::optional<EndFault> GraspEnd::gripper_fault(const Grasp& grasp, const Pose& 
   const Pose T_W_T = T_W_O * grasp.T_O_T;
   const GripperCheck::Hit hit =
       gripper(grasp).check.sweep(T_W_T, grasp.pre_opening, options_.approach_padding);
-  if (hit.what == GripperCheck::Hit::What::kTableObject) return EndFault::kTable;
+  if (hit.what == GripperCheck::Hit::What::kTheTable) return EndFault::kTable;
   if (hit.what == GripperCheck::Hit::What::kObject) return EndFault::kObject;
   if (too_weak(grasp, T_W_T)) return EndFault::kTooWeak;
   return std::nullopt;

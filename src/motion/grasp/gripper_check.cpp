@@ -51,7 +51,7 @@ GripperCheck::Hit GripperCheck::sweep(const Pose& T_W_T, double opening, double 
     const double min = table_z_ + chosen(table_padding_, padding) - T_W_T.translation().z() -
                        up_T.x() * part.finger_side * opening / 2;
     for (const Eigen::Vector3d& p : part.core.points)
-      if (up_T.dot(p) < min) return {Hit::What::kTableObject, -1};
+      if (up_T.dot(p) < min) return {Hit::What::kTheTable, -1};
   }
   const int object = first_object(T_W_T, opening, padding);
   return object < 0 ? Hit{} : Hit{Hit::What::kObject, object};

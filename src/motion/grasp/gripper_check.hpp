@@ -16,7 +16,7 @@ class GripperCheck {
 
   /// Object nearer to the gripper than `padding`.
   struct Hit {
-    enum class What { kNothing, kTableObject, kObject };
+    enum class What { kNothing, kTheTable, kObject };
     What what = What::kNothing;
     int object = -1;
   };
