@@ -65,7 +65,7 @@ struct GraspSet {
 };
 /// Samples grasps over the whole stone. Deterministic. Contacts come from the scan.
 ///
-/// Fingers B and C are `finger_spacing` apart, or drawn together to `narrow_spacing`: that hand is 62 mm
+/// Fingers B and C are `finger_spacing` apart, or drawn together to `narrow_spacing`: that gripper is 62 mm
 /// smaller across and comes nearer to the table at a tilt. Both fingers must touch, so a stone has to be
 /// about 50 mm long across the closing direction, or 30 mm; there is no two-point pinch. Throws
 /// InvalidArgument for a stone without scan or mass.

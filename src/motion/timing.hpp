@@ -18,7 +18,7 @@ struct TimingLimits {
 /// Largest speed (m/s, positive) of T's origin where the joints are at q.
 using ToolSpeed = std::function<double(const Joints& q)>;
 
-/// Joint limits of the robot, scaled and bounded as the options say; no tool speed limit. Throws
+/// Joint limits of the robot, scaled and bounded by the options; no tool speed limit. Throws
 /// InvalidArgument for a jerk limit so small that motions would not end in any reasonable time.
 [[nodiscard]] TimingLimits timing_limits(const RobotModel& robot, const MotionOptions& options);
 

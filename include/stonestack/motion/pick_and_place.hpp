@@ -28,8 +28,8 @@ struct MotionOptions {
   double min_threshold = 5.0;       ///< contact at the descent [N]
   double early_threshold = 20.0;    ///< contact while the stone is lowered towards the guarded descent [N]
   double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
-  bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
-  double planning_effort = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
+  bool press_pads = true;           ///< the cost of a grasp includes its firmness by the elastic pad model
+  double planning_effort = 5.0;     ///< effort for a whole plan, at most; counted, so no clock decides a plan
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(MotionOptions& options);
@@ -74,7 +74,7 @@ struct PickAndPlaceTask {
   int support = -1;  ///< object that it is to touch at the target; -1: the table
   Pose T_W_O_pick = Pose::Identity();
   Pose T_W_O_place = Pose::Identity();
-  /// Unit, W: the way on which the stone leaves where it lies, before it is lifted straight up. Up, unless it
+  /// Unit, W: direction in which the stone leaves its place before it is lifted straight up. Up, unless it
   /// leans on something.
   Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();
   Joints q_start = Joints::Zero();
@@ -86,7 +86,7 @@ struct PickAndPlaceTask {
 /// quickest. Deterministic for a seed. Throws InvalidArgument for a task that cannot be (no stone, poses that
 /// are none).
 ///
-/// The guarded descent ends where the force says, not where the plan says: retreat by `plan_retreat` then.
+/// The guarded descent ends at contact, not at the planned end: retreat by `plan_retreat` then.
 [[nodiscard]] PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                    const MotionOptions& options = {});
 

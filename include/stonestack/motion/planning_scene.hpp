@@ -65,7 +65,7 @@ struct SceneObject {
   Pose T_W_object = Pose::Identity();
 };
 
-/// Everything that a motion must not touch, as the program believes it to be.
+/// Everything that a motion must not touch, as estimated.
 struct PlanningScene {
   RobotModel robot;
   GripperModel gripper = make_robotiq_3f();
@@ -88,7 +88,7 @@ struct PlanningScene {
 [[nodiscard]] double min_width_at_rest(const Stone& stone);
 
 /// Why no grasp from above picks the stone up, however it lies: "162 mm across, the fingers open 155 mm";
-/// empty if its weight and its width do not stand in the way. Throws InvalidArgument as `rest_poses`.
+/// empty if its weight and its width allow it. Throws InvalidArgument as `rest_poses`.
 [[nodiscard]] std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper);
 
 /// Checks the arm that carries gripper and stone, too: "1.7 kg, ur5 carries 5 kg, 3.35 kg of them the gripper

@@ -138,7 +138,7 @@ bool PadPress::settle(State& state, const Vector6& load) const {
   return rest.head<3>().norm() + rest.tail<3>().norm() / kLength < 2 * kUnbalanced * scale;
 }
 
-// The fingers close until each has its force; the stone gives way meanwhile.
+// The fingers close until each has its force; the stone yields meanwhile.
 void PadPress::squeeze() {
   for (int round = 0; round < kSqueezeRounds; ++round) {
     for (int f = 0; f < 3; ++f) close(gripped_, f);

@@ -7,10 +7,10 @@
 
 namespace stonestack::motion {
 
-/// A closed gripper round a stone, as the planner believes it to press: each pad is an elastic foundation
+/// The planner's model of a gripper closed on a stone: each pad is an elastic foundation
 /// with friction, the stone its scan, the fingers stay where their force was reached. What three contact
-/// points with mean normals cannot tell, it can: how large a touched patch is, how it shrinks while the stone
-/// turns in the gripper, and how far the stone hangs from where it was grasped. Elastic constants:
+/// points with mean normals cannot predict, it can: how large a touched patch is, how it shrinks while the
+/// stone turns in the gripper, and how far the stone sags from where it was grasped. Elastic constants:
 /// GripperModel.
 class PadPress {
  public:

@@ -23,8 +23,8 @@ constexpr double kFirm = 0.0006, kLoose = 0.0012;  ///< m that the stone moves i
 constexpr double kShallow = 0.0038, kDeep = 0.006;     ///< m into a pad: its rubber is 5 mm thick
 constexpr double kTurned = 0.010, kFarTurned = 0.035;  ///< [rad]
 constexpr double kSlipCost = 40.0;                     ///< what a stone that slips costs [s]
-// In the simulated cell closing turns a stone by twice of what PadPress says (bench hold --every, 0.3 to 2.4
-// deg), and it is set down turned by that.
+// In the simulated cell closing turns a stone by twice the prediction of PadPress (bench hold --every, 0.3
+// to 2.4 deg), and it is set down turned by that.
 constexpr double kStraight = 0.0035, kTurnCost = 570.0;  ///< rad that cost nothing; s a rad: 10 s a degree
 constexpr double kMaxLoad = 1.5;                         ///< times the weight that a grasp should bear
 constexpr std::size_t kParts = 3;                        ///< of what is looked at of a grasp's firmness

@@ -24,7 +24,7 @@ PlanStep gripper_step(Kind kind, std::string name, double opening, double speed)
   return step;
 }
 
-/// Enough for the weight as the stone hangs at both ends, with the factor that grasps were judged by.
+/// Sufficient for the stone's weight at both ends, with the factor that grasps were judged by.
 double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, const Grasp& grasp) {
   double force = kMinForce;
   for (const Pose& T_W_O : {task.T_W_O_pick, task.T_W_O_place}) {
