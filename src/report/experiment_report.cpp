@@ -20,7 +20,7 @@ constexpr std::array<int, 5> kPaperHeights{0, 0, 3, 6, 2};
 constexpr double kPaperRun = 271.0;          // s
 constexpr double kPaperManipulation = 0.61;  // share of it
 
-/// printf-style text for the tables.
+/// Printf-style text for the tables.
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
   std::array<char, 512> buffer{};

@@ -29,7 +29,7 @@ json placement_entry(const PlacementRecord& record) {
           {"note", record.note}};
 }
 
-/// printf-style text for the table.
+/// Printf-style text for the table.
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
   std::array<char, 512> buffer{};

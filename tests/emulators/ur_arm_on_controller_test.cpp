@@ -148,7 +148,7 @@ TEST(UrScripts, GuardedMotionEndsAtContactOrSilence) {
 /// State of an arm whose program is paused, which is then moved by hand, and resumed.
 struct Resumed {
   int end = 0;
-  double fastest = 0.0;  ///< rad/s of any joint, after the pause
+  double fastest = 0.0;  ///< speed [rad/s] of any joint, after the pause
 };
 
 /// `knots`: paused once so many are passed. `shift`: rad, of every joint.

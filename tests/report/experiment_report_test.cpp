@@ -140,7 +140,7 @@ TEST(ExperimentReport, FigureHasAMarkForEachSelectedPose) {
   EXPECT_EQ(rings, 3u + 1u);  // and one in the legend
 }
 
-/// a, b and c stand; c is taken off and put back, d falls and takes c with it, then c and d go up again.
+/// a, b and c stand; c is unstacked and put back, d falls and takes c with it, then c and d go up again.
 Experiment with_a_return() {
   Experiment experiment;
   experiment.runs.push_back(

@@ -28,9 +28,9 @@ class PadPress {
   [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double max) const;
   /// False: the stone slips out while the gripper closes; no load is borne.
   [[nodiscard]] bool holds() const { return holds_; }
-  /// by which closing the gripper turns the stone [rad].
+  /// Amount by which closing the gripper turns the stone [rad].
   [[nodiscard]] double squeeze_turn() const { return gripped_.u.tail<3>().norm(); }
-  /// how deep the stone presses into the pad of finger A, B or C [m].
+  /// Depth by which the stone presses into the pad of finger A, B or C [m].
   [[nodiscard]] double deepest(int finger) const;
 
  private:

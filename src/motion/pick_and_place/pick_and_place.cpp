@@ -100,7 +100,7 @@ class PickFaults {
   std::map<int, bool> only_at_pick_;
 };
 
-/// by which the stone at its target would reach into the table [m].
+/// Amount by which the stone at its target would reach into the table [m].
 double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) {
   double lowest = scene.table_z;
   for (const Eigen::Vector3d& p : task.stone->scan.vertices)
@@ -148,7 +148,7 @@ double total_seconds(const std::vector<PlanStep>& steps) {
   return seconds;
 }
 
-/// a rough guess of what that attempt took [s]: it is what planning_effort counts, so that a busy machine
+/// A rough guess of what that attempt took [s]: it is what planning_effort counts, so that a busy machine
 /// plans as an idle one does.
 double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) {
   constexpr double kStraight = 0.002, kFound = 0.03, kLittle = 0.1, kMuch = 0.5;
