@@ -164,7 +164,7 @@ TEST(ExperimentReport, FigureShowsTheLevelThatAStoneWasMeantFor) {
   EXPECT_EQ(figure5_csv(experiment), csv);
   const auto json = nlohmann::json::parse(experiment_json(experiment));
   EXPECT_EQ(json["runs"][0]["placements"][4]["level"], 3);
-  placements[5].level = 5;  // whatever is told is drawn within the axes
+  placements[5].level = 5;  // any value is drawn within the axes
   EXPECT_THAT(figure5_svg(experiment), HasSubstr("'middle'>5</text>"));
 }
 
