@@ -6,9 +6,9 @@
 
 namespace stonestack::bench {
 
-/// Judges configurations as CollisionChecker does, by another way: link poses from the kinematics, every pair
-/// by CGAL's Polytope_distance_d in exact arithmetic (a quadratic program over the vertices, Gaertner and
-/// Schoenherr). Slow.
+/// Judges configurations as CollisionChecker does, by another method: link poses from the kinematics, every
+/// pair by CGAL's Polytope_distance_d in exact arithmetic (a quadratic program over the vertices, Gaertner
+/// and Schoenherr). Slow.
 class CollisionReference {
  public:
   CollisionReference(const PlanningScene& scene, const CollisionRules& rules);

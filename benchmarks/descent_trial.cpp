@@ -26,7 +26,7 @@ constexpr double kSeenShift = 0.0007,
                  kSeenTurn = 0.009;  // m, rad; one sigma an axis, as in stonestack-bench hold
 constexpr double kMinSpeed = 0.003, kMaxSpeed = 0.007;   // m/s, the default is 0.005
 constexpr double kCheckPeriod = 0.05;                    // s, along a descent
-constexpr double kPushed = 0.0001, kPushedTurn = 0.001;  // m, rad: a support that gave way was touched
+constexpr double kPushed = 0.0001, kPushedTurn = 0.001;  // m, rad: a support that moved was touched
 
 double lowest(const Stone& stone, const Pose& T_W_O) {
   double z = 1e9;
@@ -79,7 +79,7 @@ bool DescentTrial::descend(bool on_stone, DescentTally& tally) {
     simulated_.place(1, T_W_O);
     simulated_.wait(0.5);
     support = highest(stones_[1], simulated_.truth().T_W_O[1]);
-  } else {  // out of the way, where it was
+  } else {  // out of the workspace, where it was
     simulated_.place(1, T_W_aside_);
     simulated_.wait(0.5);
   }
@@ -190,7 +190,8 @@ void DescentTrial::print(const DescentTally& tally, const DescentEnds& ends, con
                                                    : "";
   const PoseDifference after = moved_in_gripper();
   tally.results->note(
-      "  stone %d, descent %d, %.2f kg%s: %s; nearest to the gripper: %s; in the gripper it had moved %.1f mm, "
+      "  stone %d, descent %d, %.2f kg%s: %s; nearest to the gripper: %s; in the gripper it had moved %.1f "
+      "mm, "
       "%.1f deg, and %.1f mm, %.1f deg afterwards",
       static_cast<int>(tally.stone), descent_, stones_[0].mass.mass, kind, end.c_str(),
       nearest_to_gripper(cell_.arm.state().q).c_str(), 1e3 * before.translation, before.angle / kDegree,

@@ -56,7 +56,7 @@ class DescentTrial {
   bool go_down(double by);
   /// The descent itself, from `far` (m) above the table.
   void measure(double far, DescentTally& tally);
-  /// How far down (m, at most `max`) a program would go that believes the support where a camera sees it.
+  /// How far down (m, at most `max`) a program would go with the support as estimated by the camera.
   [[nodiscard]] double clearance(double max);
   /// Where the last descent ended, for --list.
   void print(const DescentTally& tally, const DescentEnds& ends, const std::string& end,

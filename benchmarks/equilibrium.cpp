@@ -1,4 +1,4 @@
-// Does the equilibrium say what the simulation says? Random stacks, most of them settled and then pushed
+// Agreement of the equilibrium with the simulation. Random stacks, most of them settled and then pushed
 // aside, are judged by both; apart from a band around the edge they must agree. Also how long a verdict
 // takes.
 #include <algorithm>

@@ -33,10 +33,10 @@ struct AngleTally {
 
 struct Tally {
   int tasks = 0, graspable = 0, planned = 0, quick = 0, quick_with = 0;
-  std::array<int, 4> set_down{};  ///< plans with that many stops on the way
+  std::array<int, 4> set_down{};  ///< plans with that many set-downs
   std::array<AngleTally, kAngles> angles{};
   std::vector<double> check_ms, plan_ms, motion_s, regrasp_ms;
-  std::vector<double> tilts;  ///< tilt beyond which a stone topples that is set down on the way, rad
+  std::vector<double> tilts;  ///< tilt beyond which a stone topples that is set down in between, rad
   std::array<long, kGraspFaults> refused{};  ///< grasps of all tasks, by test
   long grasps = 0;
   std::map<std::string, int> reasons;

@@ -93,7 +93,7 @@ GraspProblem make_grasp_problem(const std::vector<Stone>& stones, Random& random
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
   random.shuffle(order.begin(), order.end());
   const auto stone = [&](int i) -> const Stone& { return stones[static_cast<std::size_t>(i)]; };
-  constexpr double kGap = 0.005;  // m: they lie as they fell, nobody made room for fingers
+  constexpr double kGap = 0.005;  // m: they lie as they fell, without clearance for fingers
   for (std::size_t n = 1; n < order.size() && n <= 6; ++n) {
     const Stone& s = stone(order[n]);
     for (int attempt = 0; attempt < 60; ++attempt) {

@@ -128,7 +128,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
     what = result.reason;
   } else if (off.translation > kLost) {
     ++tally.dropped;
-    what = "dropped on the way";
+    what = "dropped in transit";
   } else {
     tally.slide.push_back(off.translation);
     tally.turn.push_back(off.angle);
@@ -147,7 +147,7 @@ void report(const std::string& name, const Tally& t, Results& results) {
                deg(0.9), deg(1.0)});
 }
 
-/// The lifts of every stone, with grasps that are chosen in one of two ways.
+/// The lifts of every stone, with grasps that are chosen by one of two strategies.
 void measure(const Catalogue& catalogue, const Settings& settings, bool press_pads, Results& results) {
   MotionOptions options;
   options.press_pads = press_pads;

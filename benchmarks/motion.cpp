@@ -45,7 +45,7 @@ PlanningScene thirteen_objects(std::uint64_t seed) {
   return scene;
 }
 
-/// Two towers, a post and two bars between loose stones and site, 4 cm apart from the shortest ways.
+/// Two towers, a post and two bars between loose stones and site, 4 cm apart from the shortest paths.
 PlanningScene hard_scene() {
   PlanningScene scene = ur10_scene();
   const auto box = [&](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
@@ -136,7 +136,7 @@ void measure_transit(int problems, std::uint64_t seed, Results& results) {
                                                {"longer_than_1.2_times_best", long_ones}});
 }
 
-/// "finger and post are 3.1 mm apart": what stands in the way of a configuration.
+/// "finger and post are 3.1 mm apart": the pair that obstructs a configuration.
 std::string nearest(const CollisionChecker& checker, const Joints& q) {
   const Clearance c = checker.clearance(q);
   const auto millimetres = std::round(1e4 * std::abs(c.distance)) / 10;

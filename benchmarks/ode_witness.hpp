@@ -4,7 +4,7 @@
 
 namespace stonestack::bench {
 
-/// How the Open Dynamics Engine judges: an engine that shares nothing with ours but the scans.
+/// Verdict of the Open Dynamics Engine, which shares only the scans with this library's engine.
 struct OdeOptions {
   double friction = 0.1;
   double seconds = 5.0;        ///< simulated

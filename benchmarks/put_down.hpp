@@ -13,7 +13,7 @@ struct PlacementNoise {
   double turn = 0.0;   ///< about each axis, rad
   double com = 0.0;    ///< of every centre of mass, m
   double friction = 0.1;
-  double stands = 5.0;  ///< s simulated afterwards, every stone dynamic
+  double stands = 5.0;  ///< time [s] simulated afterwards, every stone dynamic
 };
 
 /// Puts a stone down beside its target and lets everything come to rest: the stack then, or nothing if a

@@ -23,10 +23,10 @@ namespace stonestack::bench {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kToppled = 15 * kDegree;                    // between the stone's ups: it lies another way
-constexpr double kLater = 3.0;                               // s that it is looked at after the gripper left
+constexpr double kToppled = 15 * kDegree;  // between the stone's up directions: it lies in another pose
+constexpr double kLater = 3.0;             // s that it is looked at after the gripper left
 constexpr std::array kTilts = {2, 4, 6, 8, 12, 16, 24, 90};  // deg, upper ends of the ranges
-constexpr int kStarts = 6;                                   // ways it may lie before, until a grasp leads on
+constexpr int kStarts = 6;                                   // initial poses, until a grasp leads on
 
 struct Settings {
   std::string catalogue = data_path("stones");
@@ -44,7 +44,7 @@ double between_ups(const Pose& a, const Pose& b) {
   return std::acos(std::clamp(a.linear().row(2).dot(b.linear().row(2)), -1.0, 1.0));
 }
 
-/// One stone in a cell of its own, to be set down in one way.
+/// One stone in a cell of its own, to be set down in one pose.
 class Trial {
  public:
   Trial(const Stone& stone, const RestPose& rest, const Settings& settings, int number)
@@ -55,7 +55,7 @@ class Trial {
         simulated_(stones_, {0}, robot_, layout_, simulation(number)),
         cell_(simulated_.cell()) {}
 
-  /// False if no grasp leads to the pose from any of the ways in which the stone was laid.
+  /// False if no grasp leads to the pose from any of the stone's initial poses.
   bool plan() {
     for (int start = 0; start < kStarts; ++start) {
       if (start > 0) {

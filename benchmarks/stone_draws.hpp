@@ -11,8 +11,8 @@
 /// Stones that benchmarks draw from, and the draws.
 namespace stonestack::bench {
 
-/// Options of benchmarks of the search alone, by their protocol: stones any way up, exact centres of mass,
-/// placements within 1 mm and 0.5 deg.
+/// Options of benchmarks of the search alone, by their protocol: stones in any attitude, exact centres of
+/// mass, placements within 1 mm and 0.5 deg.
 [[nodiscard]] inline SearchOptions search_without_robot() {
   SearchOptions options;
   options.max_tilt = M_PI;

@@ -3,10 +3,10 @@
 namespace stonestack::bench {
 
 void ViewError::add_options(CLI::App& bench) {
-  bench.add_option("--shift", shift, "m, one sigma of the believed place along each axis")
+  bench.add_option("--shift", shift, "Position error, one sigma along each axis [m]")
       ->check(CLI::Range(0.0, 0.02))
       ->capture_default_str();
-  bench.add_option("--turn", turn, "rad, one sigma of the believed attitude about each axis")
+  bench.add_option("--turn", turn, "Attitude error, one sigma about each axis [rad]")
       ->check(CLI::Range(0.0, 0.2))
       ->capture_default_str();
 }

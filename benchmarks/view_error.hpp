@@ -8,7 +8,7 @@
 
 namespace stonestack::bench {
 
-/// By how much the believed pose of a stone is beside the true one, as after a look of the camera: one sigma
+/// Error of a stone's estimated pose, as after a view of the camera: one sigma
 /// along and about each axis.
 struct ViewError {
   double shift = 0.0007;                       ///< along each axis, m

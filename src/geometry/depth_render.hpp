@@ -9,7 +9,7 @@ namespace stonestack::geometry {
 
 /// Hit of a ray.
 struct RayHit {
-  double distance = 0.0;   ///< m along the unit ray
+  double distance = 0.0;   ///< distance [m] along the unit ray
   int instance = -1;       ///< index of `add`, in order
   Eigen::Vector3d normal;  ///< of the hit face, unit, towards the outside of its mesh, world frame
 };

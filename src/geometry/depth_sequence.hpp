@@ -12,7 +12,7 @@ struct DepthRecord {
   std::string path;   ///< 16-bit PNG
   int number = 0;     ///< in the recording (BOP: the image's number)
   double time = 0.0;  ///< as recorded [s]; 0 if the layout has none
-  double unit = 0.0;  ///< m a count
+  double unit = 0.0;  ///< metres per count
   CameraIntrinsics camera;
   std::optional<Pose> T_W_C;
 };
@@ -26,7 +26,7 @@ struct DepthSequence {
 /// Camera data that a recording leaves out. Nothing is guessed: TUM has neither intrinsics nor a depth scale
 /// in its files, Open3D often no scale.
 struct DepthSequenceInput {
-  double unit = 0.0;                       ///< m a count; 0: it must stand in the files
+  double unit = 0.0;                       ///< metres per count; 0: it must stand in the files
   std::optional<CameraIntrinsics> camera;  ///< replaces the files' intrinsics
 };
 

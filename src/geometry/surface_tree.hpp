@@ -11,7 +11,7 @@ struct SurfacePoint {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
   /// Unit pseudonormal of the nearest face, edge or vertex (Baerentzen and Aanaes 2005).
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  /// negative inside a closed mesh [m]; the limit when nothing is within it.
+  /// Signed distance, negative inside a closed mesh [m]; the limit when nothing is within it.
   double distance = 0.0;
   int face = -1;  ///< -1: nothing within the limit
 };

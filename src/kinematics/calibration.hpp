@@ -14,7 +14,7 @@ struct DhRow {
 };
 /// A joint's frame in its parent's at zero angle, as ROS' ur_calibration writes it.
 struct JointOrigin {
-  double x = 0.0, y = 0.0, z = 0.0, roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< rad [m]
+  double x = 0.0, y = 0.0, z = 0.0, roll = 0.0, pitch = 0.0, yaw = 0.0;  ///< [rad] and [m]
 };
 
 /// Content of a calibration file: numbers that it leaves out stay the robot's own.

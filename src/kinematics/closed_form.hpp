@@ -7,8 +7,9 @@
 namespace stonestack::kinematics {
 
 inline constexpr double kClamp = 5e-10;  ///< how far outside the reach a pose may lie and still be met [m]
-/// m that a solution may be off before it is polished: where the wrist is over the base, rounding leaves 1e-8
-/// rad of the base's angle, and with wrist 2 in line to within that no more is left of wrist 3 than a guess.
+/// Distance [m] that a solution may be off before it is polished: where the wrist is over the base, rounding
+/// leaves 1e-8 rad of the base's angle, and with wrist 2 in line to within that no more is left of wrist 3
+/// than a guess.
 inline constexpr double kGuess = 1e-6;
 
 /// Pose of the last DH frame, and the wrist's centre, in the DH base.

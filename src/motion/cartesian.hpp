@@ -15,7 +15,7 @@ struct CartesianOptions {
 /// Joint path that moves the tool from where `q_from` has it along a straight line (rotation spherical) to
 /// T_R_T_goal, on the inverse kinematic branch of `q_from`. Waypoints are added until the tool is within the
 /// tolerances midway between all of them, so a jump cannot hide. Empty: out of reach, a joint limit or a
-/// singularity in the way.
+/// singularity on the line.
 [[nodiscard]] std::optional<JointPath> straight_path(const RobotModel& robot, const Pose& T_F_T,
                                                      const Joints& q_from, const Pose& T_R_T_goal,
                                                      const CartesianOptions& options = {});

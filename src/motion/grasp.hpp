@@ -43,7 +43,8 @@ struct Grasp {
   std::array<Eigen::Vector3d, 3> p_O_contact{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
                                              Eigen::Vector3d::Zero()};
   std::array<Eigen::Vector3d, 3> n_O_contact = p_O_contact;
-  /// N at finger A per N of weight that pulls along +x, -x, +y, -y, +z, -z of T: least that friction needs.
+  /// Force [N] at finger A per N of weight that pulls along +x, -x, +y, -y, +z, -z of T: least that friction
+  /// needs.
   std::array<double, 6> force_per_weight{};
   double score = 0.0;  ///< in [0, 1], larger is better: normals along the closing axis, B and C touching
                        ///< together, centre of mass between the pads, little force
@@ -65,7 +66,7 @@ struct GraspSet {
 };
 /// Samples grasps over the whole stone. Deterministic. Contacts come from the scan.
 ///
-/// Fingers B and C are `finger_spacing` apart, or drawn together to `narrow_spacing`: that hand is 62 mm
+/// Fingers B and C are `finger_spacing` apart, or drawn together to `narrow_spacing`: that gripper is 62 mm
 /// smaller across and comes nearer to the table at a tilt. Both fingers must touch, so a stone has to be
 /// about 50 mm long across the closing direction, or 30 mm; there is no two-point pinch. Throws
 /// InvalidArgument for a stone without scan or mass.

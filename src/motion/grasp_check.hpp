@@ -38,7 +38,7 @@ struct GraspCheck {
 };
 
 /// Answers for one loose stone whether it can be grasped where it lies and set down at a target: inverse
-/// kinematics and collision at both ends, not the way between. The pick side is worked out once; a target
+/// kinematics and collision at both ends, not the path between. The pick side is worked out once; a target
 /// then costs about a millisecond. Const methods may be called from several threads.
 class GraspFinder {
  public:
@@ -75,7 +75,7 @@ class GraspFinder {
 [[nodiscard]] GraspCheck check_grasps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                       const MotionOptions& options = {});
 /// True if some grasp is clear of table and objects, and strong enough, at both ends: what the gripper alone
-/// could do, carried by any arm. Where it is false no planner finds a way in one go.
+/// could do, carried by any arm. Where it is false no planner finds a path in one go.
 [[nodiscard]] bool gripper_can_grasp(const PlanningScene& scene, const PickAndPlaceTask& task,
                                      const MotionOptions& options = {});
 

@@ -13,12 +13,12 @@ struct TimingLimits {
   double blend = 0.005;  ///< [rad] (length of the joint vector) by which a corner may be cut; 0: stop there.
                          ///< 0.005 moves the tip by at most 8 mm, less than the transit padding
   double jerk = 0.0;     ///< rad/s^3, of every joint; 0: no limit
-  double tool_speed = 0.0;  ///< m/s of T's origin; 0: no limit
+  double tool_speed = 0.0;  ///< speed [m/s] of T's origin; 0: no limit
 };
 /// Largest speed (m/s, positive) of T's origin where the joints are at q.
 using ToolSpeed = std::function<double(const Joints& q)>;
 
-/// Joint limits of the robot, scaled and bounded as the options say; no tool speed limit. Throws
+/// Joint limits of the robot, scaled and bounded by the options; no tool speed limit. Throws
 /// InvalidArgument for a jerk limit so small that motions would not end in any reasonable time.
 [[nodiscard]] TimingLimits timing_limits(const RobotModel& robot, const MotionOptions& options);
 

@@ -22,7 +22,7 @@ namespace stonestack::motion {
 /// Where the arm stands too near to something for a transit to begin: a straight path of the tool, back out
 /// of the gripper's direction or up, at most 12 cm, on which it comes away from what it is near until it is
 /// clear of everything by options.approach_padding. The start alone if it is clear already; empty if there is
-/// no such way. The gripper is empty and as wide open as the scene tells.
+/// no such path. The gripper is empty and as wide open as in the scene.
 [[nodiscard]] std::optional<JointPath> escape_path(const PlanningScene& scene, const Joints& start,
                                                    const MotionOptions& options = {});
 

@@ -66,9 +66,9 @@ struct SurfaceFeatures {
   std::vector<int> face_start, face_list, edge_start, edge_list;
 };
 
-/// a feature nearer than this to a point is found by `near` of that point [m].
+/// A feature nearer than this to a point is found by `near` of that point [m].
 inline constexpr double kLookup = 0.0046;
-/// between samples on an edge [m].
+/// Spacing of samples on an edge [m].
 inline constexpr double kEdgeSpacing = 0.003;
 
 /// Throws InvalidArgument if the mesh is not closed.

@@ -8,15 +8,15 @@
 /// millions are asked a second.
 namespace stonestack::physics {
 
-/// features measure depths down to here, below it the signed distance [m].
+/// Deepest distance that features measure; below it the signed distance does [m].
 inline constexpr double kDeepest = 0.003;
-/// m and rad: motion after which candidates are looked for again.
+/// Motion after which candidates are searched again [m and rad].
 inline constexpr double kSlack = 0.002, kTurn = 0.02;
 /// Sine: how far out of a normal cone still counts.
 inline constexpr double kCone = 0.02;
-/// how far beside a face or beyond an edge's end still counts [m].
+/// Distance beside a face or beyond an edge's end that still counts [m].
 inline constexpr double kRim = 1e-5;
-/// the gap up to which candidates are kept [m].
+/// The gap up to which candidates are kept [m].
 inline constexpr double kReach = kTouchGap + kSlack;
 
 inline bool in_face(const FaceFeature& face, const Eigen::Vector3d& p, double beyond) {

@@ -20,8 +20,8 @@ struct SettleResult {
   Pose T_W_O = Pose::Identity();
   std::vector<Contact>
       contacts;  ///< of the new stone, collected over the calm steps; index `above` is the new stone
-  double kinetic_energy = 0.0;  ///< J at the end
-  double travel = 0.0;          ///< m from the start
+  double kinetic_energy = 0.0;  ///< energy [J] at the end
+  double travel = 0.0;          ///< distance [m] from the start
   std::string reason;           ///< when it does not rest
 };
 /// Puts `stone` at T_W_O above the stack and lets go.

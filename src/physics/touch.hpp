@@ -30,8 +30,8 @@ struct Touch {
   double gap = 0.0;                                ///< negative [m]: penetration
   Eigen::Vector3d p_A =
       Eigen::Vector3d::Zero();  ///< the same point in A: what a touch is known by from step to step
-  double impulse = 0.0;         ///< N s, normal
-  Eigen::Vector3d friction = Eigen::Vector3d::Zero();  ///< N s, on A, world axes
+  double impulse = 0.0;         ///< normal impulse [N s]
+  Eigen::Vector3d friction = Eigen::Vector3d::Zero();  ///< impulse [N s] on A, world axes
 };
 
 /// touches are reported up to this gap [m].

@@ -71,7 +71,7 @@ class World {
   [[nodiscard]] int bodies() const;
   [[nodiscard]] Pose pose(int body) const;
   [[nodiscard]] Twist twist(int body) const;
-  /// translation and rotation [J].
+  /// Kinetic energy of translation and rotation [J].
   [[nodiscard]] double kinetic_energy(int body) const;
   /// Contacts of the last step with gap at most `contact_gap`; `below` is the table, else the body with the
   /// lower index. As found at the begin of the step, with the impulses of the step.

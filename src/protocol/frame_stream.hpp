@@ -26,7 +26,7 @@ inline constexpr std::size_t kMaxFramePixels = 4096U * 4096U;
 
 struct FrameHeader {
   CameraIntrinsics camera;
-  double unit = 0.0;  ///< m a count
+  double unit = 0.0;  ///< metres per count
   double device_time = 0.0;
   std::uint64_t number = 0;
   std::uint32_t pixel_bytes = 0;

@@ -14,7 +14,7 @@ constexpr std::uint8_t kFirst = 0x20, kSecond = 0x4E;
 constexpr std::array<double, 6> kCounts{100, 100, 100, 1000, 1000, 1000};  // per N, per Nm
 constexpr std::size_t kLongestText = 160;                                  // bytes between brackets
 constexpr std::size_t kMaxKept = 4096;
-constexpr double kMostPlausible = 1e4;  // N, Nm: more is no reading of any sensor
+constexpr double kMaxPlausible = 1e4;  // N, Nm: more is no reading of any sensor
 
 std::optional<FtReading> decode_frame(std::span<const std::uint8_t> bytes) {
   const auto crc = static_cast<std::uint16_t>(bytes[14] + 256U * bytes[15]);
@@ -36,7 +36,7 @@ std::optional<FtReading> decode_text(std::string_view text) {
     while (!word.empty() && word.back() == ' ') word.remove_suffix(1);
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), reading[i]);
     if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-    if (!std::isfinite(reading[i]) || std::abs(reading[i]) > kMostPlausible) return std::nullopt;
+    if (!std::isfinite(reading[i]) || std::abs(reading[i]) > kMaxPlausible) return std::nullopt;
     text.remove_prefix(std::min(text.size(), comma + 1));
   }
   return reading;

@@ -19,7 +19,7 @@ struct Point {
 };
 
 /// The level a stone was meant for is one above what then stood; an attempt after a fall, or after stones
-/// were taken off, starts lower again. Older records do not contain it: there, a stone that is handled again
+/// were unstacked, starts lower again. Older records do not contain it: there, a stone that is handled again
 /// had come off, with all above it.
 std::vector<Point> points(const ExperimentRun& run) {
   using Outcome = PlacementRecord::Outcome;

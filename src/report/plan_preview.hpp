@@ -10,10 +10,10 @@ namespace stonestack::report {
 
 /// One moment of a plan's motions, which follow each other without the time that the gripper takes.
 struct PlanMoment {
-  double time = 0.0;     ///< s of motion since the start
+  double time = 0.0;     ///< time [s] of motion since the start
   std::size_t step = 0;  ///< index in plan.steps
   Joints q = Joints::Zero();
-  double tool_speed = 0.0;  ///< m/s of T's origin
+  double tool_speed = 0.0;  ///< speed [m/s] of T's origin
   double clearance =
       0.0;  ///< the smallest distance between things that must not touch [m]; negative: overlap.
             ///< Left out are what is touched on purpose: the fingers and the stone to grasp (or

@@ -13,7 +13,8 @@ constexpr float kPadding = -1e9F;
 constexpr float kOffLine = 0.0137F;
 constexpr double kViolation = 1e-5;      ///< [m]
 constexpr double kArtificialRim = 0.12;  ///< radius of the three artificial cells [m]
-constexpr double kDeepestStart = 0.1;    ///< m below the largest gap: deeper cells carry no information
+constexpr double kDeepestStart =
+    0.1;  ///< distance [m] below the largest gap: deeper cells carry no information
 constexpr int kMaxPivots = 60;
 
 using Run = Eigen::Array<float, kRun, 1>;

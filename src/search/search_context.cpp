@@ -16,7 +16,7 @@ namespace {
 constexpr double kStandSeconds = 2.0;
 constexpr double kNearShift = 0.005;  ///< [m]
 constexpr double kNearTurn = 0.0873;  ///< [rad]
-/// m and rad: what moves more until it rests was given above or askew of its contacts (`rests_of` asks the
+/// Motion [m and rad] beyond which a stone was given above or askew of its contacts (`rests_of` asks the
 /// scans within 0.8 mm); what moves less keeps its pose exactly.
 constexpr double kAtRestShift = 1e-4;
 constexpr double kAtRestTurn = 2e-3;

@@ -38,9 +38,9 @@ inline constexpr const char* kTimeOver = "the time was over before a pose was fo
 [[nodiscard]] inline const char* why_interrupted() {
   return time_is_over() ? kTimeOver : "interrupted before a pose was found";
 }
-/// m in 0.1 s: what moves less in a verdict has come to rest (10 um in 10 s).
+/// Motion in 0.1 s [m] below which a stone is at rest in a verdict (10 um in 10 s).
 inline constexpr double kStill = 1e-7;
-/// the step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact) [s].
+/// The step of the search's verdicts, as good as finer ones (docs/measurements.md, Contact) [s].
 inline constexpr double kVerdictStep = 1.0 / 480.0;
 
 /// Throws InvalidArgument for stones and options that cannot be.

@@ -47,7 +47,7 @@ struct Rest {
 struct Interface {
   Rest rest;
   double mass_above = 0.0;      ///< [kg]
-  Eigen::Vector3d moment_above  ///< kg m: mass times centre of mass
+  Eigen::Vector3d moment_above  ///< mass times centre of mass [kg m]
       = Eigen::Vector3d::Zero();
 };
 /// A stack, and where the lowest of its stones rest as far as that is known. Where it is not, as with stones

@@ -16,7 +16,7 @@ constexpr double kAgain = 3.0;
 /// best is known (docs/measurements.md, Search).
 constexpr double kUntried = 0.9;
 
-/// g and stones: a reserve beyond it is not worth a stone that may fall.
+/// Reserve [g and stones] beyond which more is not worth a stone that may fall.
 constexpr double kReserve = 0.1;
 
 /// Lowest new stone and top stone: they identify a tower.

@@ -13,9 +13,10 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kDrop = 0.001;        ///< m above the first touch
-constexpr double kNearlyStill = 1e-6;  ///< m in 0.1 s: 2 % of what a stone may move in displaced worlds
-constexpr int kFewer = 50;             ///< iterations, in displaced worlds
+constexpr double kDrop = 0.001;  ///< distance [m] above the first touch
+constexpr double kNearlyStill =
+    1e-6;                   ///< motion in 0.1 s [m]: 2 % of what a stone may move in displaced worlds
+constexpr int kFewer = 50;  ///< iterations, in displaced worlds
 
 /// How a placement fares where it is displaced and centres of mass are not where they seem.
 enum class Fate { kStands, kFalls, kUndecidable };

@@ -7,7 +7,7 @@ namespace stonestack::simulation {
 /// One finger's worm drive: it pushes until its force is reached, then holds its place; nothing pushes it
 /// back.
 struct FingerDriveState {
-  double target = 0.0;  ///< m from the plane x = 0 of T
+  double target = 0.0;  ///< distance [m] from the plane x = 0 of T
   double speed = 0.0;   ///< [m/s]
   double force = 0.0;   ///< [N]
   /// Pushes on when the held stone yields, as the gripper does while rGTO is set: the request stays active,

@@ -73,7 +73,7 @@ PadLoad PadContact::press(const MovingFrame& pad, const MovingFrame& stone) {
         elastic > 0 ? std::max(0.0, elastic - options_.stiffness * options_.damping * v_P.z()) : 0.0;
     const double limit = options_.friction * pressure;
     Eigen::Vector2d stretch = p_P.head<2>() - bristle.anchor;
-    if (options_.shear * stretch.norm() > limit) {  // slips: the bristle's foot is dragged along
+    if (options_.shear * stretch.norm() > limit) {  // slips: the bristle's base is dragged along
       stretch *= limit / (options_.shear * stretch.norm());
       bristle.anchor = p_P.head<2>() - stretch;
     }

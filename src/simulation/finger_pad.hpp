@@ -12,7 +12,7 @@ namespace stonestack::simulation {
 struct PadOptions {
   double width = 0.031;      ///< along y of P [m]
   double length = 0.040;     ///< along x of P [m]
-  double thickness = 0.005;  ///< m of rubber; behind it lies the rigid finger
+  double thickness = 0.005;  ///< thickness of rubber [m]; behind it lies the rigid finger
   double stiffness = 1.5e8;  ///< N/m^3, normal
   double shear = 5e7;        ///< N/m^3, sideways: a third of it, as for rubber
   double damping = 4e-4;     ///< viscous part of both [s]: stress = stiffness (d + damping d')

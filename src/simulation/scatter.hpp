@@ -7,7 +7,7 @@ namespace stonestack::simulation {
 struct StoneField {
   Eigen::Vector2d centre;
   Eigen::Vector2d size;    ///< [m]
-  double clearance = 0.0;  ///< m between two stones' outlines seen from above
+  double clearance = 0.0;  ///< distance [m] between two stones' outlines seen from above
 };
 
 /// Drops the world's stones, one after the other, from just above the table at random places and in random

@@ -12,7 +12,7 @@ namespace stonestack::simulation {
 struct SensorModel {
   std::string name = "ideal";
   CameraIntrinsics camera;        ///< as the device reports it
-  double unit = 0.000125;         ///< m a count of the depth image
+  double unit = 0.000125;         ///< metres per count of the depth image
   double nearest = 0.2;           ///< [m]
   double farthest = 1.5;          ///< [m]
   double sigma = 0.0;             ///< standard deviation of depth at z = 0 ... [m]

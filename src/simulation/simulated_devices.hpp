@@ -19,7 +19,7 @@ struct TrueMounting {
 /// Draws the errors that the options ask for; the arm's as large as they ask where it stands at `q`.
 [[nodiscard]] TrueMounting draw_mounting(const CellLayout& assumed, const SimulationOptions& options,
                                          const RobotModel& robot, const Joints& q);
-/// of each joint, that moves the tool's tip by `tip_error` (m, root of the mean square) at `q` [rad].
+/// Offset of each joint that moves the tool's tip by `tip_error` (m, root of the mean square) at `q` [rad].
 [[nodiscard]] double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
                                  const Joints& q);
 

@@ -79,9 +79,9 @@ TEST_F(BenchCommand, ScoresADataSetOfTheBopLayout) {
   EXPECT_EQ(rows_of(of_target, "default")[0]["detections"], 1);
   EXPECT_EQ(rows_of(of_target, "true poses found by default").back()["present"], 1)
       << "the other is no target";
-  EXPECT_EQ(run("detection --bop bop --bop-csv ours_bop-test.csv --methods paper,default").code, 0);
-  EXPECT_TRUE(fs::exists(folder_ + "/paper-ours_bop-test.csv"));
-  EXPECT_TRUE(fs::exists(folder_ + "/default-ours_bop-test.csv"));
+  EXPECT_EQ(run("detection --bop bop --bop-csv own_bop-test.csv --methods paper,default").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ + "/paper-own_bop-test.csv"));
+  EXPECT_TRUE(fs::exists(folder_ + "/default-own_bop-test.csv"));
   expect_refusal("detection --bop bop --bop-split train", 3, {"bop/train", "--bop-split"});
   expect_refusal("detection --bop nowhere", 3, {"nowhere/models"});
   write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 9, "inst_count": 1}])");

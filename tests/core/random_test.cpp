@@ -20,7 +20,7 @@ TEST(Random, StreamsAreReproducibleAndIndependent) {
   EXPECT_EQ(equal, 0);
 }
 
-// Golden: fixes the generator for good; every seeded result in the project hangs on it.
+// Golden: fixes the generator for good; every seeded result in the project depends on it.
 TEST(Random, FirstNumbersNeverChange) {
   Random random(1);
   EXPECT_EQ(random.bits(), 0xb3f2af6d0fc710c5ULL);

@@ -1,4 +1,4 @@
-// Stones that look like themselves turned, and what is said of their poses.
+// Stones with ambiguous poses, and the reported alternatives.
 #include "detection/judge/alternatives.hpp"
 
 #include <gmock/gmock.h>
@@ -66,7 +66,7 @@ DepthImage image_of(const Stone& there, const Pose& T_W_C) {
 
 TEST(Identity, TheUncertaintyBetweenTwoTwinsIsReported) {
   std::vector<Stone> stones{test::make_test_stone(1), test::make_test_stone(1), test::make_test_stone(2)};
-  for (auto& p : stones[1].mesh.vertices) p *= 1.004;  // 0.3 mm: no camera tells
+  for (auto& p : stones[1].mesh.vertices) p *= 1.004;  // 0.3 mm: below any camera's resolution
   stones[1].name = "twin";
   const DetectionModels models(stones);
   EXPECT_EQ(models.data().rivals, (std::vector<std::vector<int>>{{1}, {0}, {}}));

@@ -12,7 +12,7 @@
 namespace stonestack::detection {
 namespace {
 
-/// at a pixel [m]; standard deviation 0.5 mm.
+/// Depth error at a pixel [m]; standard deviation 0.5 mm.
 double bias_at(int u, int v) {
   return 0.001 * std::sin(0.055 * u + 0.4) * std::cos(0.06 * v - 0.7);
 }

@@ -166,7 +166,7 @@ TEST_F(Detect, PaperModeSearchesOnceWithItsOwnDescriptorAndNoSweep) {
   for (const char* descriptor : {"rops", "iss", "shot"}) all.insert(matches(descriptor, "voxel"));
   EXPECT_EQ(all.size(), 3U) << "each descriptor is a choice";
   EXPECT_TRUE(all.insert(matches("shot", "iss")).second) << "and so are the keypoints";
-  EXPECT_EQ(all.count({}), 0U) << "looks once";
+  EXPECT_EQ(all.count({}), 0U) << "searches once";
 }
 
 TEST_F(Detect, AMirroredSceneShowsNoStone) {

@@ -80,7 +80,7 @@ TEST(DevicesInTheWorld, TheGripperHoldsAStoneOverModbus) {
   EXPECT_GT(held.opening, 0.03);
   bench.world.stop();
   const auto gripper_pose = bench.world.lock().world.gripper_pose();
-  EXPECT_NEAR(held.opening, opening(gripper_pose), 0.001) << "what Modbus tells is what the fingers do";
+  EXPECT_NEAR(held.opening, opening(gripper_pose), 0.001) << "Modbus reports the true finger positions";
   bench.put_tool({0, 0, 0.25});
   EXPECT_GT(bench.world.lock().world.centre_of_mass(0).z(), 0.2) << "the stone comes along";
   bench.world.start(kSpeed);

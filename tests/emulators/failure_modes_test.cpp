@@ -43,7 +43,7 @@ TEST(FailureModes, EverySwitchIsListedAndEveryTestIsThere) {
   const std::regex named(R"(`([A-Z]\w+\.[A-Z]\w+)`)");
   int shown = 0;
   for (std::sregex_iterator it(text.begin(), text.end(), named), end; it != end; ++it, ++shown)
-    EXPECT_TRUE(tests.count((*it)[1].str()) > 0) << (*it)[1].str() << " is no test of ours";
+    EXPECT_TRUE(tests.count((*it)[1].str()) > 0) << (*it)[1].str() << " is no test here";
   EXPECT_GT(shown, 60);
 }
 

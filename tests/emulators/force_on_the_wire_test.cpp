@@ -56,7 +56,7 @@ struct Bench {
     arm = std::make_unique<UrArm>(robot, o, Pose::Identity(), Pose(Eigen::Translation3d(0, 0, 0.264)),
                                   sensor.get());
   }
-  /// Presses the gripper upwards, N, on top of the sensor's offset along the same way.
+  /// Presses the gripper upwards, N, on top of the sensor's offset in the same direction.
   void push(double force) {
     const Eigen::Matrix3d R_F_R = forward(robot, ScriptBench::start()).rotation().transpose();
     Wrench wrench;

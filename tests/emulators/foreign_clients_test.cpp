@@ -142,7 +142,7 @@ class Obstructed final : public Plant {
 };
 
 TEST(UrForeignClients, AnArmThatHitSomethingCanBeMovedAwayOnceItsStopIsAcknowledged) {
-  // UR's control loop example moves to fixed poses; in the simulated cell a table may be in the way.
+  // UR's control loop example moves to fixed poses; in the simulated cell a table may obstruct them.
   const RobotModel robot = read_robot("ur10");
   Obstructed plant;
   UrController controller(ScriptBench::options("3.15.8.106339", {}), robot, plant);
@@ -256,7 +256,7 @@ std::string packet(char type, const std::string& payload) {
   return {std::string{static_cast<char>(size >> 8), static_cast<char>(size & 0xFF), type} + payload};
 }
 
-// A mask says what this package sets. It does not set it again with every later package of anybody.
+// A mask selects what this package sets. It does not set it again with every later package of anybody.
 TEST(UrForeignClients, AMaskHoldsForItsOwnPackage) {
   ScriptBench bench;
   InputOwners owners;

@@ -1,6 +1,6 @@
 // Scripts as foreign client libraries build them: a resident command loop over RTDE registers, and one that
-// dials back to the host and is fed over sockets. The scripts here are ours; what they do is what those
-// libraries' do.
+// dials back to the host and is fed over sockets. The scripts here were written for these tests; they do what
+// those libraries' do.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The RTDE client against the simulated controller: sessions that end in every way that users report, one
+// The RTDE client against the simulated controller: all session ends that users report, one
 // after the other, for as long as a working day has minutes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST(RtdeOnController, ABootingControllerIsWaitedFor) {
   faults.boot_seconds = 60.0;
   Controller running(faults);
   const RtdeClient at_once(running.rtde(), recipe, patient());
-  EXPECT_LT(at_once.counts().accepted, 100) << "its clock says that it booted long ago";
+  EXPECT_LT(at_once.counts().accepted, 100) << "by its clock it booted long ago";
 }
 
 long open_files() {

@@ -36,7 +36,7 @@ struct ScriptBench {
       run(controller.period());
     return controller.uptime() - begin;
   }
-  /// Starts it; what textmsg said, lines joined by |, until it ended.
+  /// Runs a script to its end; returns its textmsg output, lines joined by |.
   std::string output(const std::string& source, double max = 5.0) {
     texts.clear();
     exceptions.clear();

@@ -148,7 +148,7 @@ TEST(UrScripts, GuardedMotionEndsAtContactOrSilence) {
 /// State of an arm whose program is paused, which is then moved by hand, and resumed.
 struct Resumed {
   int end = 0;
-  double fastest = 0.0;  ///< rad/s of any joint, after the pause
+  double fastest = 0.0;  ///< speed [rad/s] of any joint, after the pause
 };
 
 /// `knots`: paused once so many are passed. `shift`: rad, of every joint.
@@ -386,7 +386,7 @@ TEST(UrArmOnController, AnEmergencyStopIsEndedByPeople) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     moved = cell.arm->follow(planned(0.1));
   } while (!limit.over() && moved.reason.find("re-armed") == std::string::npos);
-  EXPECT_EQ(moved.status, Status::kRefused) << "powered, brakes released, but nobody has said that he looked";
+  EXPECT_EQ(moved.status, Status::kRefused) << "powered, brakes released, but nobody has confirmed a check";
   cell.arm->rearm();
   while (!limit.over() && !cell.arm->state().can_move)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));

@@ -74,7 +74,7 @@ TEST(UrServer, ProgramsRunAndReportOnThePrimaryPort) {
   EXPECT_NE(primary.until("PROGRAM_XXX_STARTEDtest_fun"), "");
   EXPECT_NE(primary.until("still running"), "");
   EXPECT_NE(primary.until("PROGRAM_XXX_STOPPEDtest_fun"), "");
-  EXPECT_NE(second.until("PROGRAM_XXX_STOPPEDtest_fun"), "") << "every primary client is told";
+  EXPECT_NE(second.until("PROGRAM_XXX_STOPPEDtest_fun"), "") << "every primary client receives it";
   primary.send("def illegal_fun():\n  calldoesntexist()\nend\n");
   EXPECT_NE(primary.until("compile_error_name_not_found:calldoesntexist:"), "");
   primary.send("def endless():\n  while True:\n");

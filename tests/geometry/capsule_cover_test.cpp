@@ -88,7 +88,7 @@ TEST(CapsuleCover, SplitsABracketAtItsJoints) {
   // Its three tubes, closed, hold 0.0047 + 0.0028 + 0.0020 m^3.
   EXPECT_LT(total(six), 0.0145);
   EXPECT_GT(total(one), 0.015);
-  EXPECT_GT(out_of_all(six, {-0.3, 0, 0.0}), 0.03) << "the room between the joints is free";
+  EXPECT_GT(out_of_all(six, {-0.3, 0, 0.0}), 0.03) << "the space between the joints is free";
 }
 
 TEST(CapsuleCover, TakesFlatAndTinyMeshes) {

@@ -63,7 +63,7 @@ TEST(FitCamera, DistinguishesAMirroredCloudFromATurnedOne) {
   EXPECT_TRUE(is_mirrored(scaled(-1, 1)));
   EXPECT_TRUE(is_mirrored(scaled(1, -1)));
   EXPECT_FALSE(is_mirrored(scaled(-1, -1))) << "turned upside down";
-  EXPECT_FALSE(is_mirrored(without_gaps(scaled(-1, 1)))) << "without rows nobody can tell";
+  EXPECT_FALSE(is_mirrored(without_gaps(scaled(-1, 1)))) << "unobservable without rows";
 }
 
 TEST(CameraFor, TakesInAWideCloudAndFillsItsPixels) {

@@ -55,7 +55,7 @@ TEST_F(CellLimitsFile, NarrowWhatTheRobotCan) {
   ASSERT_TRUE(robot.workspace);
   EXPECT_EQ(robot.workspace->box.min().x(), 0.2);
   EXPECT_EQ(robot.workspace->box.max().z(), 1.1);
-  EXPECT_LT(robot.workspace->box.min().y(), -5.0) << "no end that way";
+  EXPECT_LT(robot.workspace->box.min().y(), -5.0) << "unbounded in that direction";
   EXPECT_EQ(robot.workspace->T_W_R.translation().x(), 0.1);
 }
 

@@ -9,7 +9,7 @@
 
 namespace stonestack::hardware {
 
-/// A UR controller that understands nothing: it shows fields over RTDE and does to them what the test says
+/// A UR controller that understands nothing: it shows fields over RTDE and changes them as the test asks
 /// when a script arrives. Every millisecond it sends a state that is 8 ms later.
 class FakeUr {
  public:

@@ -1,5 +1,5 @@
-// Peers that never stop talking, trickle, or say nothing: every call ends at its deadline with an error, and
-// at Ctrl-C. The walls of time are no measurement: they tell an end from a hang.
+// Peers that never stop talking, trickle, or send nothing: every call ends at its deadline with an error, and
+// at Ctrl-C. The walls of time are no measurement: they distinguish an end from a hang.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,7 +88,7 @@ TEST(HostilePeers, RtdeTextsWithoutEndInsteadOfData) {
   });
   EXPECT_THAT(error_of([&] { RtdeClient(server.endpoint(), recipe, quick_rtde()); }),
               AllOf(HasSubstr("boot"), HasSubstr("127.0.0.1")));
-  EXPECT_GE(server.connections(), 2) << "no data is a lost link, whatever else is said";
+  EXPECT_GE(server.connections(), 2) << "no data is a lost link, whatever else arrives";
 }
 
 ModbusOptions quick_modbus(int port) {
@@ -176,7 +176,7 @@ void expect_interrupted(const Call& call) {
       ExitedWithCode(130), "");
 }
 
-/// Accepts connections by its backlog and never says anything.
+/// Accepts connections by its backlog and never sends anything.
 struct Silence {
   TcpListener listener{ListenOptions{}};
   [[nodiscard]] int port() const { return listener.endpoint().port; }

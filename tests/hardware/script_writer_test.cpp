@@ -163,7 +163,7 @@ TEST(ScriptGate, KeepsTheLimitsOfTheCell) {
   robot.workspace->T_F_T.translation().x() = 0.5;
   EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context), HasSubstr("leaves the workspace"));
   robot.workspace->T_F_T.translation().x() = 0.0;
-  // Both ends inside, the way not: what happens between the knots counts.
+  // Both ends inside, the path between not: what happens between the knots counts.
   JointTrajectory round = move;
   round.q.back() = round.q.front();
   robot.workspace->box = Eigen::AlignedBox3d(a - half * 0.01, a + half * 0.01);
@@ -177,7 +177,7 @@ TEST(ScriptGate, KeepsTheLimitsOfTheCell) {
   EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context), HasSubstr("limits"));
 }
 
-// small_move begins with 1.2 rad/s^2; a cell may allow less. Nor may it begin or end on the way.
+// small_move begins with 1.2 rad/s^2; a cell may allow less. Nor may it begin or end in between.
 TEST(ScriptGate, KeepsTheAccelerations) {
   const ScriptContext context = context_of(kCb3);
   RobotModel robot = ur10();

@@ -82,7 +82,7 @@ TEST(UrArm, FollowsToTheEnd) {
   EXPECT_NEAR(moved.q[5], 0.1, 1e-12);
   EXPECT_THAT(bench.robot.scripts(), HasSubstr("stk_to(1, 0.5"));
   EXPECT_EQ(bench.robot.count("def stonestack_1()"), 1);
-  EXPECT_EQ(bench.robot.count("set_payload"), 0) << "nobody has said what hangs on the flange";
+  EXPECT_EQ(bench.robot.count("set_payload"), 0) << "the payload on the flange is unknown";
 }
 
 TEST(UrArm, EndsOnlyWithRunIdAndNoProgramAndEndState) {
@@ -289,7 +289,7 @@ TEST(UrArm, APausedProgramThatDoesNotObeyAStopLosesItsHeartbeat) {
   const MotionResult given_up = bench.arm.follow(small_move());
   EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
   const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // what was under way has arrived
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // packets in transit have arrived
   const auto before = beats();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   EXPECT_EQ(beats(), before) << "the watchdog ends it when somebody plays it";
@@ -388,7 +388,7 @@ TEST(UrArm, AStopThatCannotBeSentLeavesTheArmToTheWatchdog) {
   EXPECT_THROW(bench.arm.stop(), DeviceError);
   moving.join();
   const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // what was under way has arrived
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // packets in transit have arrived
   const auto before = beats();
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   EXPECT_EQ(beats(), before) << "a heartbeat keeps the program, and the arm, going";
@@ -450,7 +450,7 @@ TEST(UrArm, HeartbeatRises) {
   }
 }
 
-/// Reads (1, 2, 3) N in F, a new sample every call until told otherwise.
+/// Reads (1, 2, 3) N in F, a new sample every call until changed.
 struct FakeSensor : ForceTorqueSensor {
   [[nodiscard]] Wrench read() override {
     if (broken) throw DeviceError("sensor", "reading is old", "look at the cable");

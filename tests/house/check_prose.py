@@ -1,15 +1,37 @@
 """check_prose.py ROOT: plain English in docstrings and documents (CONTRIBUTING.md, "Plain English").
 
-Fails on docstrings that begin with That, What, Who, Those, The same or a bare unit; on references to files that
-are not in the repository; on words of a lab notebook in documents; on documents wider than they should be.
+Fails on docstrings that begin with That, What, Who, Those, The same or a unit; on words for which the field has a
+standard term (WORDS, but ALLOWED) in names, comments, messages and documents; on references to files that are not in
+the repository; on words of a lab notebook in documents; on documents wider than they should be.
 """
 import pathlib
 import re
 import sys
 
 BAD_START = re.compile(r"^(That|What|Who|Whom|Whose|Those|The same)\b")
-UNITS = r"(?:m|mm|s|ms|us|rad|deg|kg|N|Nm|g|Hz|px|J|m/s|rad/s|m\^2|m\^3|kg/m\^3|N/m)"
-BARE_UNIT = re.compile(r"^" + UNITS + r"(?:[,;:.]|$|\s\()")
+UNITS = r"(?:m|mm|s|ms|us|rad|deg|kg|N|Nm|Hz|px|J|N s|m/s|rad/s|m\^2|m\^3|kg/m\^3|N/m|kg m)"
+BARE_UNIT = re.compile(r"^" + UNITS + r"(?:[\s,;:.]|$)")
+# word as a pattern: the standard term. Words in English and in names: `hand` is found in grip_hand and HandPose, not in handle.
+NAME = r"(?<![A-Za-z])(?:%s)(?![a-z])"
+WORDS = {
+    NAME % "[Hh]ands?": "gripper",
+    NAME % "[Bb]elie(?:fs?|ve[sd]?)": "estimate, assumed",
+    NAME % "[Oo]urs": "design choice",
+    NAME % "[Dd]oubt(?:s|ed)?": "uncertainty",
+    NAME % "[Mm]end(?:s|ed|ing)?": "repair, correct",
+    NAME % "[Ss]teadied|[Ss]eated|[Oo]utlook": "settled, expected height",
+    NAME % "[Ww]ay[ _-]points?": "waypoint",
+    r"\bposes? of rest\b": "resting pose",
+    r"\bto the letter\b": "exactly",
+    r"\b(?:the|each|every|a) look\b(?!-)": "view, observation",
+    r"\b(?:turn(?:s|ed|ing)? over the|turned over)\b": "reorient",
+    r"\b(?:least|most|largest|smallest)_(?!squares\b|likely\b|violated\b)\w+|\bk(?:Least|Most|Largest|Smallest)[A-Z]\w*": "min_x, max_x",
+    r"\b(?:outside|tool|no|has)_room\b|\bToolRoom\b": "workspace, clearance",
+}
+# standard terms, keys of files and schemas that keep their name, and names of random streams
+ALLOWED = re.compile(r"[Hh]and[-_ /]?[Ee]ye|kOnHand|OnHand|on_hand|[Bb]y[ _]?[Hh]and|HandBy|right[- _][Hh]and|other hand|first hand"
+                     r"|Random::stream\(.*|\"(?:hand|doubt|least_friction)\"|\b[ab]: '?hands?|'hands'|arm, `?hand`?, `?held|`?hand `?(?:none|robotiq_3f|claw)"
+                     r"|hand '|`hand`|hand: FILE|^hand none|\"believed pose\"|\"steadied\"|\"paths of ten way points\"")
 REFERENCE = re.compile(r"((?<![/\w])(?:docs|facts|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")
 NOTEBOOK = re.compile(r"(the day before|machine (?:was )?shared|a load of \d|beside (?:builds|tests|other work)|scratch (?:program|build|library)"
                       r"|looked at before|never looked at|\bhelpers?'? (?:build|work))", re.IGNORECASE)
@@ -30,6 +52,20 @@ def docstrings(path):
         block = True if start else None
 
 
+TERMS = [(re.compile(word), term) for word, term in WORDS.items()]
+
+
+def bad_start(text):
+    """True for a docstring that does not begin with a noun or a verb."""
+    return bool(BAD_START.match(text) or BARE_UNIT.match(text))
+
+
+def bad_words(line):
+    """(word, standard term) of each word of a line that has a standard term."""
+    line = ALLOWED.sub(" ", line)
+    return [(found.group(0), term) for word, term in TERMS if (found := word.search(line))]
+
+
 def main(root):
     faults = []
     sources = [p for top in ("include", "src", "apps", "benchmarks", "examples", "tests") for p in sorted((root / top).rglob("*"))
@@ -39,8 +75,13 @@ def main(root):
         sys.exit(f"only {len(sources)} sources and {len(documents)} documents below {root}: is ROOT right?")
     for path in sources:
         for number, text in docstrings(path):
-            if BAD_START.match(text) or BARE_UNIT.match(text):
+            if bad_start(text):
                 faults.append(f"{path.relative_to(root)}:{number}: a docstring begins with '{text[:40]}': begin with a noun or a verb")
+    for path in sources + documents:
+        if path.name == "CHANGELOG.md" or "apps" in path.relative_to(root).parts:
+            continue
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            faults += [f"{path.relative_to(root)}:{number}: '{word}': the standard term is: {term}" for word, term in bad_words(line)]
     for path in sources + documents:
         base = path.parent
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
@@ -62,4 +103,5 @@ def main(root):
     print(f"{len(sources)} sources and {len(documents)} documents read")
 
 
-main(pathlib.Path(sys.argv[1]))
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]))

@@ -93,7 +93,7 @@ TEST(CameraMount, TheTableAloneGivesTiltAndHeight) {
 
 TEST(CameraMount, UnobservableDirectionsStayAsTheyWere) {
   Scene scene;
-  MountView view = scene.view(0.0, false);  // marks seen once tell nothing
+  MountView view = scene.view(0.0, false);  // marks seen once carry no information
   const MountRefinement found = refine_camera_mount(std::vector{view}, scene.T_T_C);
   EXPECT_LT(found.shift, 1e-12);
   EXPECT_LT(found.turn, 1e-12);

@@ -19,7 +19,7 @@ TEST(Forward, Ur10AtZeroLiesAlongX) {
   EXPECT_NEAR(T_R_F.translation().x(), 0.612 + 0.5723, 1e-12);
   EXPECT_NEAR(T_R_F.translation().y(), 0.163941 + 0.0922, 1e-12);
   EXPECT_NEAR(T_R_F.translation().z(), 0.1273 - 0.1157, 1e-12);
-  EXPECT_NEAR(T_R_F.linear().col(2).y(), 1.0, 1e-12) << "the flange looks sideways, along +y";
+  EXPECT_NEAR(T_R_F.linear().col(2).y(), 1.0, 1e-12) << "the flange points sideways, along +y";
 }
 
 // Straight up: both links add to the height; wrist 1 at -90 deg keeps the gripper's sideways offset.

@@ -70,7 +70,7 @@ TEST_F(MountReadings, IdentifiesTheFrameOfTheNumbers) {
 }
 
 /// A camera that looks straight down from halfway between flange and finger tips: T_T_C and T_C_F have the
-/// same height. One view of a plane cannot tell them apart, one with the gripper tilted can.
+/// same height. One view of a plane cannot distinguish them, one with the gripper tilted can.
 TEST_F(MountReadings, AViewThatCannotDecideDoesNotDecide) {
   T_T_C = make_pose({0.0, 0.11, -0.132});
   const Pose inverted = (T_F_T * T_T_C).inverse();

@@ -27,7 +27,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(at, what.size(), by);
 }
 
-/// Writes `text` to a file and returns what read_robot says about it; "read" when it was taken.
+/// Writes `text` to a file and returns read_robot's error; "read" when it was accepted.
 std::string answer(const std::string& text) {
   // Of this test alone: others run at the same time and remove theirs.
   const std::string path = concat(testing::TempDir(), "robot_model_",

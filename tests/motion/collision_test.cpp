@@ -339,7 +339,7 @@ TEST(Collision, AgreesWithASampledReference) {
   EXPECT_LT(hits, decided * 9 / 10);
 }
 
-/// The yes-or-no answer and the distance are computed along different ways; they must agree.
+/// The yes-or-no answer and the distance are computed by different methods; they must agree.
 TEST(Collision, AnswerAndClearanceAgree) {
   const PlanningScene scene = cluttered_scene();
   const HeldObject stone{"stone", {make_sphere(0.05, 1)}, Pose::Identity()};

@@ -100,7 +100,7 @@ TEST(PickCandidates, AFirmGraspComesBeforeALooseOneThatScoresMore) {
   }
   EXPECT_GE(given, 2) << "the loose one is the last resort, but it is there";
 
-  // The nearest way to bring the gripper there is barred: other inverse solutions take its place.
+  // The nearest inverse solution is blocked: other inverse solutions take its place.
   const auto free = [&](int, const Joints& q) { return (q - first->q_place).norm() > 1e-6; };
   PickCandidates others(scene, task, {}, set, check, free);
   int left = 0;

@@ -242,7 +242,7 @@ TEST(PickAndPlace, NamesTheGraspsThatDoNotLiftTheStoneWhateverTheTarget) {
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
   EXPECT_EQ(plan.status, PickAndPlacePlan::Status::kNoTransit) << plan.reason;
   EXPECT_GT(plan.no_pick.size(), 20U) << plan.reason;
-  // The other way about it can be picked up, by most of them.
+  // In the opposite pose it can be picked up, by most of them.
   std::swap(cell.task.T_W_O_pick, cell.task.T_W_O_place);
   cell.scene.objects[0].T_W_object = cell.task.T_W_O_pick;
   const PickAndPlacePlan other = plan_pick_and_place(cell.scene, cell.task);
@@ -268,7 +268,7 @@ TEST(PickAndPlace, ContactThresholdGrowsWithTheStone) {
   noisy.force_noise = 2.0;
   EXPECT_DOUBLE_EQ(contact_threshold(0.3, noisy), 12.0);
   EXPECT_THROW((void)contact_threshold(0.0), InvalidArgument);
-  Workplace cell;  // and that is what a plan says
+  Workplace cell;  // and the plan reports it
   cell.stone = block("block", {0.10, 0.08, 0.07}, 3500.0);
   const PickAndPlacePlan plan = plan_pick_and_place(cell.scene, cell.task);
   ASSERT_EQ(plan.status, PickAndPlacePlan::Status::kPlanned) << plan.reason;
@@ -365,7 +365,7 @@ TEST(GraspFinder, WhatWillStandThereByThenIsNotMet) {
   const Pose& T_W_O = cell.task.T_W_O_place;
   const GraspCheck alone = finder.check(T_W_O);
   ASSERT_FALSE(alone.usable.empty());
-  // Two walls that only leave room for the stone itself.
+  // Two walls that only leave space for the stone itself.
   std::vector<SceneObject> walls;
   for (const double side : {-1.0, 1.0}) {
     const Pose T_W_wall = Eigen::Translation3d(0.0, side * 0.09, 0.0) * T_W_O;

@@ -36,7 +36,7 @@ struct UnderABoard {
 
   [[nodiscard]] Pose tool(const Joints& q) const { return forward(scene.robot, q) * scene.T_F_T; }
 
-  /// A way with one of the grasps that point down, and how it ended.
+  /// An attempt with one of the grasps that point down, and how it ended.
   struct Tried {
     double opening = 0.0;  ///< of the open gripper [m]
     double spacing = 0.0;

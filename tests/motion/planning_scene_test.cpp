@@ -84,7 +84,7 @@ TEST(Gripper, ReachesFromFlangeToTip) {
 TEST(CameraMount, LooksForwardWithImageAxesAsDocumented) {
   const Pose T_T_C = CellLayout::make_default_T_T_C();
   EXPECT_NEAR(T_T_C.linear().col(0).x(), 1.0, 1e-12) << "image x along x of T";
-  EXPECT_GT(T_T_C.linear().col(2).z(), 0.95) << "looks out of the gripper";
+  EXPECT_GT(T_T_C.linear().col(2).z(), 0.95) << "points out of the gripper";
   EXPECT_LT(T_T_C.linear().col(2).y(), -0.1) << "tilted towards the tool axis";
 }
 

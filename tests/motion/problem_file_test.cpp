@@ -85,7 +85,7 @@ TEST(ProblemFile, NoHullIsInsideItsShape) {
   }
 }
 
-/// The gripper of the project begins where the flange ends, unless the file says otherwise.
+/// The gripper of the project begins where the flange ends, unless the file changes it.
 TEST(ProblemFile, TheGripperIsMountedOnTheFlange) {
   const std::string problem = "start 0 -1.57 1.57 -1.57 -1.57 0\ngoal 0.5 -1.57 1.57 -1.57 -1.57 0\n";
   const MotionProblems file = parse_motion_problems(problem, "problems.txt");

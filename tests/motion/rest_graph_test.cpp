@@ -17,7 +17,7 @@ RestGraph ladder() {
 TEST(RestGraph, ShortestChainsComeFirst) {
   EXPECT_EQ(rest_chains(ladder(), {0}, {1, 2}, 1), (Chains{{0}}));
   const Chains chains = rest_chains(ladder(), {0, 1}, {3}, 2);
-  // 1 is entered by grasp 1 and left by 3; over 0 it takes one more stop, and so does the way on to 2.
+  // 1 is entered by grasp 1 and left by 3; over 0 it takes one more stop, and so does the chain to 2.
   ASSERT_FALSE(chains.empty());
   EXPECT_EQ(chains.front(), (std::vector<int>{1}));
   for (std::size_t i = 1; i < chains.size(); ++i) EXPECT_GE(chains[i].size(), chains[i - 1].size());

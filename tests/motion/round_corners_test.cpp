@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kChord = 3e-5;  // m: chords of the curves are certified, the curves lie within 0.01 mrad
 
-/// A gripper between two walls and two towers, a post and bars on its way.
+/// A gripper between two walls and two towers, a post and bars on its path.
 PlanningScene slot_scene(double x, double gap, double height) {
   PlanningScene scene = test::hard_scene();
   const auto box = [&](const char* name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
@@ -34,7 +34,7 @@ CollisionChecker checker_at(const PlanningScene& scene, double padding) {
   return CollisionChecker(scene, rules);
 }
 
-/// Where only the padding of an approach leaves a way, corners were cut by 8 mm all the same.
+/// Where only the padding of an approach leaves a path, corners were cut by 8 mm all the same.
 TEST(RoundCorners, ATightTransitKeepsItsPadding) {
   int found = 0;
   for (std::uint64_t k = 0; k < 60; ++k) {

@@ -16,7 +16,7 @@ Joints at(double x, double y) {
   return q;
 }
 
-/// Around the end of a wall: the shortest way touches it, and straight cuts come near it only slowly.
+/// Around the end of a wall: the shortest path touches it, and straight cuts come near it only slowly.
 TEST(Shortcut, PullsAWaypointTowardsAnObstacle) {
   const MotionTest over_the_wall = [](const Joints& a, const Joints& b) {
     if ((a[0] < 0.0) == (b[0] < 0.0)) return true;

@@ -21,7 +21,7 @@ Joints turned(double base) {
   return q;
 }
 
-/// A tower under the way of the gripper from turned(-0.9) to turned(0.9).
+/// A tower under the path of the gripper from turned(-0.9) to turned(0.9).
 struct Passing {
   PlanningScene scene;
   Eigen::AlignedBox3d tower;

@@ -83,7 +83,7 @@ TEST(Transit, StaysInTheWorkspaceOfTheCell) {
   const auto free = find();
   ASSERT_TRUE(free);
   const double over = highest(*free);
-  ASSERT_GT(over, 0.45) << "the wall is in the way";
+  ASSERT_GT(over, 0.45) << "the wall obstructs the path";
   scene.robot.workspace = ToolWorkspace{
       {Eigen::Vector3d(-2, -2, 0), Eigen::Vector3d(2, 2, over + 0.05)}, scene.T_W_R, scene.T_F_T};
   const auto low = find();
@@ -91,7 +91,7 @@ TEST(Transit, StaysInTheWorkspaceOfTheCell) {
   EXPECT_LT(highest(*low), over + 0.05);
   scene.robot.workspace->box.max().z() = 0.40;
   scene.robot.workspace->box.min().x() = 0.3;  // nor behind the robot's back
-  EXPECT_FALSE(find()) << "over the wall, and no other way";
+  EXPECT_FALSE(find()) << "over the wall, and no other path";
 }
 
 TEST(Transit, GoesStraightWhereNothingObstructs) {
@@ -122,7 +122,7 @@ TEST(Transit, GoesAroundObstaclesAndIsFreeAtTenTimesTheResolution) {
     expect_free(checker, *path);
     bent += path->size() > 2 ? 1 : 0;
   }
-  EXPECT_GT(bent, 3) << "the scene is meant to be in the way";
+  EXPECT_GT(bent, 3) << "the scene must obstruct the path";
 }
 
 TEST(Transit, SameSeedSamePath) {
@@ -209,7 +209,7 @@ TEST(Transit, ReachesAGoalThatNearlyCollides) {
   expect_free(checker, *path);
 }
 
-/// Fingers that let go beside another stone are no further open than there was room.
+/// Fingers that let go beside another stone are no further open than there was clearance.
 TEST(Transit, LeavesWithTheGripperAsFarOpenAsItIs) {
   PlanningScene scene = empty_scene();
   const Joints start = tool_down();
@@ -234,7 +234,7 @@ TEST(Transit, IsTimedFromStartToGoal) {
   const Pose reached = forward(scene.robot, trajectory->q.back());
   EXPECT_TRUE(reached.isApprox(T_W_F, 1e-9));
   EXPECT_TRUE(trajectory->qd.back().isZero(1e-9));
-  // Corners are rounded within the padding: nothing is touched on the way.
+  // Corners are rounded within the padding: nothing is touched in between.
   CollisionRules bare;
   bare.padding = bare.self_padding = 0.0;
   const CollisionChecker checker(scene, bare);

@@ -140,7 +140,7 @@ TEST(ExperimentReport, FigureHasAMarkForEachSelectedPose) {
   EXPECT_EQ(rings, 3u + 1u);  // and one in the legend
 }
 
-/// a, b and c stand; c is taken off and put back, d falls and takes c with it, then c and d go up again.
+/// a, b and c stand; c is unstacked and put back, d falls and takes c with it, then c and d go up again.
 Experiment with_a_return() {
   Experiment experiment;
   experiment.runs.push_back(
@@ -164,7 +164,7 @@ TEST(ExperimentReport, FigureShowsTheLevelThatAStoneWasMeantFor) {
   EXPECT_EQ(figure5_csv(experiment), csv);
   const auto json = nlohmann::json::parse(experiment_json(experiment));
   EXPECT_EQ(json["runs"][0]["placements"][4]["level"], 3);
-  placements[5].level = 5;  // whatever is told is drawn within the axes
+  placements[5].level = 5;  // any value is drawn within the axes
   EXPECT_THAT(figure5_svg(experiment), HasSubstr("'middle'>5</text>"));
 }
 

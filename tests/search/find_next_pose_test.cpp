@@ -139,7 +139,7 @@ TEST(FindNextPose, TriesTheWholeOfItsBestPlanInDisplacedWorlds) {
   ASSERT_FALSE(result.best.empty()) << result.reason;
   const Placement& best = result.best.front();
   ASSERT_EQ(best.then.size(), 1U);
-  ASSERT_LT(best.expected_height, 1.8);  // else all stand, and nothing is told apart
+  ASSERT_LT(best.expected_height, 1.8);  // else all stand, and nothing is distinguished
   const double followed =
       expected_height(base_stands(), {{best.stone, best.T_W_O}, best.then.front()}, options);
   EXPECT_NEAR(best.expected_height, followed, 0.25);
@@ -238,7 +238,7 @@ TEST(FindNextPose, AsksTheArmAboutTheStackAsItWillHaveGrown) {
   EXPECT_TRUE(heights.contains(stands));
   EXPECT_TRUE(heights.contains(stands + 1)) << "for the stone after the next";
 
-  // An arm that cannot reach over two stones builds one level, and says so of a plan for two.
+  // An arm that cannot reach over two stones builds one level, and reports it for a plan of two.
   problem.reachable = [&](int, const Pose&, const Stack& below) { return below.stones.size() <= stands; };
   for (const Placement& found : find_next_pose(problem, quick()).best) EXPECT_TRUE(found.then.empty());
   const std::vector<PlacedStone> plan{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};

@@ -8,17 +8,18 @@
 namespace stonestack::search {
 namespace {
 
-/// Tips of three feet. A raster of 3 mm about their middle meets the last, and passes the others by 2 mm.
+/// Tips of three base points. A raster of 3 mm about their middle meets the last, and passes the others by 2
+/// mm.
 const std::array<Eigen::Vector2d, 3> kBasePoints = {
     Eigen::Vector2d(0.0285, 0.04071), Eigen::Vector2d(-0.04951, 0.00433), Eigen::Vector2d(0.02101, -0.04504)};
 
-/// A slab 3 cm thick on three feet 3 cm high; feet at z = 0.
+/// A slab 3 cm thick on three points 3 cm high; their tips at z = 0.
 Mesh tripod() {
   constexpr double kHollow = 0.03, kTop = 0.06;
   Mesh mesh;
   const auto add = [&](const Eigen::Vector2d& p, double z) { mesh.vertices.emplace_back(p.x(), p.y(), z); };
   add({0, 0}, kHollow);          // 0: middle of the underside
-  for (int k = 0; k < 3; ++k) {  // 1 to 6: its rim, feet and what is between them
+  for (int k = 0; k < 3; ++k) {  // 1 to 6: its rim, base points and the surface between them
     const Eigen::Vector2d& base = kBasePoints[static_cast<std::size_t>(k)];
     add(base, 0.0);
     add(0.75 * (base + kBasePoints[static_cast<std::size_t>((k + 1) % 3)]), kHollow);

@@ -41,7 +41,7 @@ double gap(const std::vector<Eigen::Vector2d>& a, const std::vector<Eigen::Vecto
   return nearest;
 }
 
-/// A field that three stones just fill: how the first two lie decides whether the third finds room. With the
+/// A field that three stones just fill: how the first two lie decides whether the third fits. With the
 /// seed 6 the third attempt is the first that does.
 TEST(Scatter, StartsOverWhereTheLastStoneDoesNotFit) {
   const StoneField field{{0.4, -0.2}, {0.19, 0.17}, kClearance};
@@ -75,7 +75,7 @@ TEST(Scatter, InAFullFieldStonesLieCloserTogether) {
 }
 
 /// The six stones that come along in the cell's field, with seeds whose first field has no free place for the
-/// last: what lay there then must not be in the way of what is dropped anew.
+/// last: the earlier stones must not obstruct those that are dropped anew.
 TEST(Scatter, WhatLayThereIsGoneWhenItBeginsAnew) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const CellLayout layout;

@@ -32,7 +32,7 @@ TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
   Pose goal = before.T_W_T;
   goal.translation().z() += 0.001;
   EXPECT_TRUE(bench.world.move_arm(goal, 0.008).stopped.empty());
-  EXPECT_EQ(ticks, 4) << "the fingers look every 2 ms";
+  EXPECT_EQ(ticks, 4) << "the fingers' control runs every 2 ms";
   const GripperPose after = bench.world.lock().world.gripper_pose();
   EXPECT_NEAR(after.T_W_T.translation().z(), goal.translation().z(), 1e-12);
   EXPECT_NEAR(after.finger[0], before.finger[0] - 0.02 * 0.008, 1e-12);

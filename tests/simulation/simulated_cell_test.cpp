@@ -66,7 +66,7 @@ struct Bench {
   MotionResult go(const Pose& T_W_T_goal, double speed = 0.25) {
     return cell.arm.follow(line(T_W_T_goal, speed));
   }
-  /// Centre of mass as the catalogue believes it.
+  /// Centre of mass by the catalogue.
   [[nodiscard]] Eigen::Vector3d centre(int stone) const {
     const auto i = static_cast<std::size_t>(stone);
     return simulated.truth().T_W_O[i] * stones[i].mass.p_O_M;

@@ -1,4 +1,4 @@
-// The errors of the cell are as large as its options say, measured where the stones are handled.
+// The errors of the cell are as large as its options state, measured where the stones are handled.
 #include <gtest/gtest.h>
 
 #include "kinematics/inverse.hpp"
@@ -104,7 +104,7 @@ TEST(StatedErrors, SurfacesDeviateFromTheirScansAsStated) {
   const auto faces = static_cast<double>(scanned[0].scan.faces.size());
   EXPECT_NEAR(std::sqrt(squares / faces), 0.0003, 0.00003);
   EXPECT_LT(std::sqrt(steps / faces), 0.00015) << "neighbours err alike";
-  EXPECT_NE(off(0, 0), off(1, 0)) << "each stone in its own way";
+  EXPECT_NE(off(0, 0), off(1, 0)) << "each stone has its own error";
   EXPECT_TRUE(is_closed(real[0].scan));
 
   SimulatedCell cell(scanned, {0, 1}, ur10(), {}, options);  // and the cell has them, not the scans

@@ -188,11 +188,11 @@ TEST(Ahead, AnArmThatStopsOnItsRouteEndsTheRun) {
   lab.arm.before = [&](int motion) -> std::optional<MotionResult> {
     motions = motion + 1;
     if (motion != 1) return std::nullopt;
-    return MotionResult{MotionResult::Status::kStopped, Joints::Zero(), 0.0, "somebody stood in the way"};
+    return MotionResult{MotionResult::Status::kStopped, Joints::Zero(), 0.0, "a person was in the workspace"};
   };
   const RunResult result = lab.build(2);
   EXPECT_EQ(result.end, RunResult::End::kStopped);
-  EXPECT_THAT(result.ended, HasSubstr("somebody stood in the way"));
+  EXPECT_THAT(result.ended, HasSubstr("a person was in the workspace"));
   EXPECT_EQ(motions, 2) << "nothing moves after that";
 }
 

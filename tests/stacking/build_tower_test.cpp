@@ -60,7 +60,7 @@ TEST(BuildTower, WithoutMeasuringAStoneIsEstimatedWhereItWasPlanned) {
     ASSERT_TRUE(placed.T_W_O_measured.has_value());
     EXPECT_EQ(placed.T_W_O_measured->matrix(), stone.T_W_O_seen.matrix());
     EXPECT_GT(difference(*placed.T_W_O_measured, stone.T_W_O_at_rest).translation, 1e-5)
-        << "the record says what was seen, not what physics makes of it";
+        << "the record holds what was seen, not what settling makes of it";
     if (measure)
       EXPECT_GT(off, 1e-5) << "no stone comes to lie exactly as planned";
     else

@@ -17,7 +17,7 @@ namespace {
 
 using namespace simulation;  // the cell that the loop works in here
 
-/// m between the scans of two stones, from samples of the first; negative: they overlap.
+/// Distance [m] between the scans of two stones, from samples of the first; negative: they overlap.
 double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, const Pose& T_W_b) {
   double min_extent = 1.0;
   for (const SurfaceSample& sample : a.samples)

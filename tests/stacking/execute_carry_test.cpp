@@ -12,11 +12,11 @@ namespace {
 using scripted::Kind;
 using Status = MotionResult::Status;
 
-/// A stone of 1 kg is lifted, carried, lowered and set down; `carried_masses` says what of it the wrist feels
-/// after the lift, the carry and the lowering.
+/// A stone of 1 kg is lifted, carried, lowered and set down; `carried_masses` is the part of it that the
+/// wrist measures after the lift, the carry and the lowering.
 struct Carried : scripted::Bench {
   std::vector<double> carried_masses;
-  std::vector<double> beside;  ///< level, from where it should pull [m]; nothing said: 0
+  std::vector<double> beside;  ///< horizontal distance from the planned line of action [m]; empty: 0
 
   explicit Carried(std::vector<double> felt) : carried_masses(std::move(felt)) {
     PlanStep lift, carry;
@@ -95,11 +95,11 @@ TEST(Execute, TheGripperDecidesWhereTheWristIsUncertain) {
   };
   using End = ExecutionResult::Status;
   EXPECT_EQ(ends(0.9, true), End::kReleased);
-  EXPECT_EQ(ends(0.9, false), End::kReleased) << "something as heavy hangs there";
+  EXPECT_EQ(ends(0.9, false), End::kReleased) << "something as heavy is held";
   EXPECT_EQ(ends(0.4, true), End::kReleased) << "slipped, and still held";
   EXPECT_EQ(ends(0.4, true, 3), End::kReleased) << "the fingers close on what slips";
   EXPECT_EQ(ends(0.4, false), End::kLost);
-  EXPECT_EQ(ends(0.05, true), End::kLost) << "a gripper may tell late";
+  EXPECT_EQ(ends(0.05, true), End::kLost) << "a gripper may report late";
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct Released : scripted::Bench {
       hang(retreated ? left_after_retreat : lifted ? 1.0 : 0.0);
     };
     gripper.after_move = [this](double opening) {
-      gripper.object = opening <= 0.0;  // a gripper that was told to open never tells of an object
+      gripper.object = opening <= 0.0;  // a gripper that opens never reports an object
       released = lifted && opening > 0.0;
       if (released) hang(opening > opens_at ? left : 1.0);
     };

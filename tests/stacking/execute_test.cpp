@@ -141,7 +141,7 @@ TEST(Execute, RetreatsAsFarAsThePlanHasClearance) {
     (void)bench.run({Status::kNoContact, Status::kContact});
     return (tool(bench.arm.followed.q.back()).translation() - tool(bench.arm.q).translation()).norm();
   };
-  EXPECT_NEAR(retreated(), MotionOptions{}.approach, 1e-6) << "of a plan that does not say how far";
+  EXPECT_NEAR(retreated(), MotionOptions{}.approach, 1e-6) << "of a plan without a distance";
   const Pose T_R_F_back = tool(bench.arm.q) * Eigen::Translation3d(0, 0, -0.05) * bench.scene.T_F_T.inverse();
   JointTrajectory& planned = bench.plan.steps.back().trajectory;
   planned.time = {0.0, 1.0};

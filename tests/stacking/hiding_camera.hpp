@@ -6,7 +6,7 @@
 
 namespace stonestack::test {
 
-/// A camera that gets no depth around a place: something black or wet, say, or a curtain for one frame.
+/// A camera that gets no depth around a place: something black or wet, or a curtain for one frame.
 struct HidingCamera : DepthCamera {
   Cell cell;
   const RobotModel& robot;

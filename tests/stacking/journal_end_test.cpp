@@ -22,7 +22,7 @@ using namespace simulation;  // the cell that the loop works in here
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-/// The arm of a simulated cell, whose first motion ends as the test says.
+/// The arm of a simulated cell, whose first motion ends as the test asks.
 struct EndingArm : Arm {
   explicit EndingArm(Arm& real) : arm(real) {}
   ArmState state() override { return arm.state(); }

@@ -37,7 +37,7 @@ struct Bench {
 };
 
 /// The last millimetre decides whether a gripper gets hold of a flat stone: where none does with the usual
-/// room under the finger tips, some may with less.
+/// clearance under the finger tips, some may with less.
 TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   const Bench bench;
   double padding = 0.002;
@@ -49,7 +49,7 @@ TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   EXPECT_TRUE(reach.is_low(1));
   EXPECT_TRUE(reach.at_pick(1).can_be_held());
   EXPECT_DOUBLE_EQ(reach.options_for(1).approach_padding, 0.5 * padding);
-  EXPECT_LT(reach.options_for(1).approach_speed, options.approach_speed) << "it feels its way";
+  EXPECT_LT(reach.options_for(1).approach_speed, options.approach_speed) << "it approaches by force";
 
   const MotionOptions usual;
   Reach near = bench.reach(usual);

@@ -10,13 +10,13 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/stacking/observe.hpp"
 
-/// Devices for tests of what carries out plans: they note what they are told and answer as scripted.
+/// Devices for tests of plan execution: they record commands and answer as scripted.
 namespace stonestack::scripted {
 
 using Kind = PlanStep::Kind;
 using Status = MotionResult::Status;
 
-/// Notes what it is told; guarded motions end as scripted.
+/// Records commands; guarded motions end as scripted.
 struct ScriptedArm : Arm {
   Joints q = home_joints();
   std::deque<Status> guarded;
@@ -55,7 +55,7 @@ struct ScriptedArm : Arm {
 struct ScriptedGripper : Gripper {
   std::vector<std::string>* commands;
   bool object = false;
-  int moving = 0;  ///< states, before it says that it rests
+  int moving = 0;  ///< states before it reports rest
   explicit ScriptedGripper(std::vector<std::string>* t) : commands(t) {}
   GripperState state() override {
     GripperState state;

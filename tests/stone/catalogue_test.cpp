@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A catalogue with a box of 10 x 8 x 6 cm, in a folder of its own, and ways to spoil it.
+/// A catalogue with a box of 10 x 8 x 6 cm, in a folder of its own, and functions that corrupt it.
 class CatalogueTest : public testing::Test {
  protected:
   void SetUp() override {

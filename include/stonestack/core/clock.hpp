@@ -18,10 +18,11 @@ class Clock {
 /// std::chrono::steady_clock.
 [[nodiscard]] std::unique_ptr<Clock> make_steady_clock();
 
-/// s of std::chrono::steady_clock, one origin for all of the process: when something reached this host.
+/// Time [s] of std::chrono::steady_clock, one origin for all of the process: when something reached this
+/// host.
 [[nodiscard]] double host_seconds();
 
-/// of all threads of this process so far [s]: what a stage costs, however busy the machine is.
+/// CPU time of all threads of this process so far [s]: what a stage costs, however busy the machine is.
 [[nodiscard]] double processor_seconds();
 
 /// Measures how long a stage took: `Stopwatch watch; ...; watch.seconds()`. Host time.

@@ -95,8 +95,8 @@ struct Rate {
 
 /// Height of a run as its true world held it after the judge's wait: never more than the run reported.
 [[nodiscard]] int judged_height(const ExperimentRun& run);
-/// A pose that was selected and tried: not a stone that the gripper missed or dropped, nor one that was taken
-/// off or turned over.
+/// A pose that was selected and tried: not a stone that the gripper missed or dropped, nor one that was
+/// unstacked or reoriented.
 [[nodiscard]] bool was_tried(const PlacementRecord& record);
 /// How many runs reached height 0, 1, ..., `per_run`.
 [[nodiscard]] std::vector<int> heights(const Experiment& experiment);

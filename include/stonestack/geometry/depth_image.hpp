@@ -35,7 +35,7 @@ struct DepthFrame {
   DepthImage image;
   long number = 0;
   double device_time = 0.0;  ///< [s]
-  double host_time = 0.0;    ///< s of `host_seconds`, when it was here; in a simulated cell of its clock
+  double host_time = 0.0;  ///< time by `host_seconds` [s], when it was here; in a simulated cell of its clock
 };
 
 /// Ray through a pixel centre with z = 1, lens distortion removed.

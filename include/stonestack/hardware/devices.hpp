@@ -37,7 +37,7 @@ struct GuardedMotion {
   JointTrajectory trajectory;
   Eigen::Vector3d n_W_direction =
       -Eigen::Vector3d::UnitZ();  ///< direction of motion; resistance points against it
-  double threshold = 5.0;         ///< N above the reading at its start
+  double threshold = 5.0;         ///< force [N] above the reading at its start
 };
 
 /// A six-joint arm. Every call has a deadline of its own and throws DeviceError when the device does not
@@ -61,7 +61,7 @@ struct GripperState {
   bool moving = false;
   bool object = false;     ///< stopped by an object while closing
   std::string fault;       ///< empty: none
-  double host_time = 0.0;  ///< s of `host_seconds`, when it was read; in a simulated cell of its clock
+  double host_time = 0.0;  ///< time by `host_seconds` [s], when it was read; in a simulated cell of its clock
 };
 
 /// A gripper whose fingers close on one axis (x of T).
@@ -82,7 +82,7 @@ struct Wrench {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   double device_time = 0.0;  ///< [s]
-  double host_time = 0.0;    ///< s of `host_seconds`, when it arrived; in a simulated cell of its clock
+  double host_time = 0.0;  ///< time by `host_seconds` [s], when it arrived; in a simulated cell of its clock
 };
 
 /// A wrist sensor. A reading older than 50 ms is a DeviceError.

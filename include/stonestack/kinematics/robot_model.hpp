@@ -43,7 +43,7 @@ struct RobotModel;
 
 /// Allowed positions of the tool's tip: a box along the axes of W.
 struct ToolWorkspace {
-  Eigen::AlignedBox3d box;        ///< m in W
+  Eigen::AlignedBox3d box;        ///< in W [m]
   Pose T_W_R = Pose::Identity();  ///< as calibrated
   Pose T_F_T = Pose::Identity();  ///< as calibrated
 };

@@ -16,20 +16,20 @@ struct MotionOptions {
   double speed_scale = 0.5;   ///< of the joint velocity limits
   double acceleration = 1.4;  ///< [rad/s^2]
   double jerk = 0.0;  ///< rad/s^3, of every joint in every motion of a plan; 0: no limit, else 1 or more
-  double tool_speed = 1.0;          ///< m/s of the tool, largest, on transits
-  double near_speed = 0.35;         ///< the same where the tool is near a stone or another object [m/s]
-  double near_distance = 0.05;      ///< m between tool (or what it holds) and object that are near
-  double approach = 0.10;           ///< straight approach and retreat [m]
-  double descent_speed = 0.005;     ///< guarded [m/s]
-  double descent_past = 0.015;      ///< m past the expected contact where it gives up at the latest
-  double transit_padding = 0.010;   ///< [m]
+  double tool_speed = 1.0;         ///< largest speed of the tool on transits [m/s]
+  double near_speed = 0.35;        ///< the same where the tool is near a stone or another object [m/s]
+  double near_distance = 0.05;     ///< distance [m] between tool (or what it holds) and object that are near
+  double approach = 0.10;          ///< straight approach and retreat [m]
+  double descent_speed = 0.005;    ///< guarded [m/s]
+  double descent_past = 0.015;     ///< distance [m] past the expected contact where it gives up at the latest
+  double transit_padding = 0.010;  ///< [m]
   double approach_padding = 0.002;  ///< [m]
-  double approach_speed = 0.10;     ///< m/s of the tool on straight approaches, lifts and retreats
+  double approach_speed = 0.10;     ///< speed [m/s] of the tool on straight approaches, lifts and retreats
   double min_threshold = 5.0;       ///< contact at the descent [N]
   double early_threshold = 20.0;    ///< contact while the stone is lowered towards the guarded descent [N]
   double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
-  bool press_pads = true;        ///< a grasp also costs what its elastic pads say about how firmly it holds
-  double planning_effort = 5.0;  ///< effort for a whole plan, at most; counted, so no clock decides a plan
+  bool press_pads = true;           ///< the cost of a grasp includes its firmness by the elastic pad model
+  double planning_effort = 5.0;     ///< effort for a whole plan, at most; counted, so no clock decides a plan
   int seed = 1;
 };
 [[nodiscard]] FieldList fields(MotionOptions& options);
@@ -44,7 +44,7 @@ struct PlanStep {
                          ///< for kGrasp: expected between the pads once closed
   double spacing = 0.0;  ///< of fingers B and C, for kOpen [m]
   double finger_speed = 0.0;  ///< for kOpen, kGrasp and kRelease [m/s]
-  double force = 0.0;         ///< N a finger, for kGrasp
+  double force = 0.0;         ///< force a finger [N], for kGrasp
   double threshold = 0.0;     ///< for kDescent, and for kApproach with a stone in the gripper [N]
 };
 
@@ -74,7 +74,7 @@ struct PickAndPlaceTask {
   int support = -1;  ///< object that it is to touch at the target; -1: the table
   Pose T_W_O_pick = Pose::Identity();
   Pose T_W_O_place = Pose::Identity();
-  /// Unit, W: the way on which the stone leaves where it lies, before it is lifted straight up. Up, unless it
+  /// Unit, W: direction in which the stone leaves its place before it is lifted straight up. Up, unless it
   /// leans on something.
   Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();
   Joints q_start = Joints::Zero();
@@ -86,7 +86,7 @@ struct PickAndPlaceTask {
 /// quickest. Deterministic for a seed. Throws InvalidArgument for a task that cannot be (no stone, poses that
 /// are none).
 ///
-/// The guarded descent ends where the force says, not where the plan says: retreat by `plan_retreat` then.
+/// The guarded descent ends at contact, not at the planned end: retreat by `plan_retreat` then.
 [[nodiscard]] PickAndPlacePlan plan_pick_and_place(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                    const MotionOptions& options = {});
 

@@ -32,22 +32,22 @@ struct GripperModel {
   double finger_spacing = 0.073;  ///< between B and C where their pads are [m]
   double narrow_spacing = 0.042;  ///< the same with B and C drawn together [m]; 0: the gripper cannot
   double pad_length = 0.040;      ///< along z, ends at the tip (z of T = 0) [m]
-  double force = 60.0;            ///< N a finger
+  double force = 60.0;            ///< force a finger [N]
   double friction = 0.5;          ///< rubber on stone
-  double pad_thickness = 0.005;   ///< m of rubber
+  double pad_thickness = 0.005;   ///< thickness of rubber [m]
   double pad_stiffness = 1.5e8;   ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
   double pad_shear = 5e7;         ///< N/m^3, sideways: a third of it
   double mass = 2.5;              ///< of the gripper alone [kg]
   double sensor_mass = 0.65;      ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
   double camera_mass = 0.20;      ///< of camera, bracket and cable [kg]; design choice
-  double payload = 2.5;           ///< kg at the finger tips
+  double payload = 2.5;           ///< mass [kg] at the finger tips
   std::vector<GripperBox> boxes;  ///< fingers, palm, sensor, camera
 };
 /// With its boxes.
 [[nodiscard]] GripperModel make_robotiq_3f();
-/// gripper and camera [kg]: what the force sensor carries without a stone.
+/// Gripper and camera [kg]: what the force sensor carries without a stone.
 [[nodiscard]] double sensed_mass(const GripperModel& gripper);
-/// gripper, camera and sensor [kg]: what the arm carries without a stone.
+/// Gripper, camera and sensor [kg]: what the arm carries without a stone.
 [[nodiscard]] double carried_mass(const GripperModel& gripper);
 /// The gripper with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing
 /// that is not between `narrow_spacing` and `finger_spacing`.
@@ -66,7 +66,7 @@ struct SceneObject {
   Pose T_W_object = Pose::Identity();
 };
 
-/// Everything that a motion must not touch, as the program believes it to be.
+/// Everything that a motion must not touch, as estimated.
 struct PlanningScene {
   RobotModel robot;
   GripperModel gripper = make_robotiq_3f();
@@ -77,13 +77,13 @@ struct PlanningScene {
   std::vector<SceneObject> objects;   ///< loose stones, stack, user's boxes and meshes
   std::vector<PairPadding> paddings;  ///< users', instead of a motion's padding unless that is 0 (contact)
 };
-/// that what moves stays away from what stands [m]: of the user's paddings that name both the last, otherwise
-/// `padding`, which alone counts where it is 0. `part`: "arm", "gripper" or "held"; `link`: "forearm", or the
-/// part again.
+/// Distance that moving parts keep from obstacles [m]: of the user's paddings that name both the last,
+/// otherwise `padding`, which alone counts where it is 0. `part`: "arm", "gripper" or "held"; `link`:
+/// "forearm", or the part again.
 [[nodiscard]] double padding_between(const PlanningScene& scene, const std::string& part,
                                      const std::string& link, const std::string& stands, double padding);
 
-/// narrowest horizontal width of a stone that stands on a table [m]: over its resting poses (`rest_poses`)
+/// Narrowest horizontal width of a stone that stands on a table [m]: over its resting poses (`rest_poses`)
 /// and all turns about the vertical. A gripper from above that is to hold it about its middle opens that wide
 /// at least. 0 for a stone without a firm resting pose. Throws InvalidArgument as `rest_poses`.
 [[nodiscard]] double min_width_at_rest(const Stone& stone);

@@ -19,7 +19,7 @@ struct Contact {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
   double gap = 0.0;      ///< negative [m]: penetration
-  double impulse = 0.0;  ///< N s, normal, of the last step
+  double impulse = 0.0;  ///< normal impulse [N s], of the last step
 };
 
 /// A rigid body for statics.

@@ -32,8 +32,9 @@ struct StandOptions {
   double max_shift = 0.001;     ///< [m]
   double max_turn = 0.0174533;  ///< [rad] (1 deg)
   double touch_gap = 0.001;     ///< nearer counts as touching for the clean rule [m]
-  double still = 0.0;  ///< m of motion in 0.1 s below which, three times running, the rest is not simulated
-  double fall = 1.0;   ///< s that a stack which moved is given to show which stones stay; 0: it is not asked
+  double still = 0.0;  ///< motion in 0.1 s [m] below which, three times running, the rest is not simulated
+  double fall =
+      1.0;  ///< time [s] that a stack which moved is given to show which stones stay; 0: it is not asked
   /// frame O, a level each or none at all [m]: how far from the centre of mass that is known the true one
   /// lies.
   std::vector<Eigen::Vector3d> com_error_O = {};

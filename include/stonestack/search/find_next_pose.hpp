@@ -27,8 +27,8 @@ struct SearchOptions {
   double area_min = 1e-5;           ///< a contact pose on a smaller support polygon is none [m^2]
   int local_solutions = 5;          ///< x
   int restarts = 40;                ///< initial orientations tried for one local solution
-  double initial_gap = 0.002;       ///< m along n_j between stack and stone at the start
-  double contact_seconds = 1.0;     ///< s simulated in which contact must come about
+  double initial_gap = 0.002;       ///< distance [m] along n_j between stack and stone at the start
+  double contact_seconds = 1.0;     ///< simulated time [s] in which contact must come about
   int descent_rounds = 12;          ///< at most
   double descent_tolerance = 0.01;  ///< relative change of the cost that counts as converged
 
@@ -40,8 +40,8 @@ struct SearchOptions {
   int horizon = 4;       ///< levels that find_next_pose plans ahead; 1: greedy
   int beam = 4;          ///< towers that get their next stones, each level and round
   int rounds = 6;        ///< at most; the first that finishes a firm tower ends the search
-  /// between the world's up axis seen from the stone as it lies now and as it will lie [rad]; yaw is free.
-  /// Little as in the paper, as one grasp serves both.
+  /// Angle between the world's up axis seen from the stone as it lies now and as it will lie [rad]; yaw is
+  /// free. Little as in the paper, as one grasp serves both.
   double max_tilt = 1.0;
 
   // Verification, both modes.
@@ -49,14 +49,14 @@ struct SearchOptions {
   double min_margin = 0.02;        ///< a stack below it is not proposed [g]
   double min_success = 0.5;        ///< a placement predicted to succeed less often is dropped
   int alternatives = 6;            ///< placements returned, at most
-  double verdict_seconds = 10.0;   ///< s simulated, whole stack
+  double verdict_seconds = 10.0;   ///< simulated time [s], whole stack
   int perturbations = 8;           ///< k: displaced placements simulated for each verdict
-  double perturbed_seconds = 2.0;  ///< s simulated, each of them
+  double perturbed_seconds = 2.0;  ///< simulated time [s], each of them
   // Measured with the camera refined, planned against measured poses of `stonestack run`: 0.5 to 1.8 mm and
   // 0.4 to 1.2 deg in all for stones that hold at once.
   double placement_sigma_translation = 0.0015;  ///< one sigma along each axis [m]
   double placement_sigma_rotation = 0.015;      ///< one sigma about each axis [rad]
-  /// one sigma of every centre of mass along each axis [m]: known to 2 mm, evenly in a ball, 0.9 mm an
+  /// One sigma of every centre of mass along each axis [m]: known to 2 mm, evenly in a ball, 0.9 mm an
   /// axis
   double com_sigma = 0.001;
 

@@ -13,8 +13,8 @@ namespace stonestack::simulation {
 /// Pose of the camera of a rendered scene: its axis passes through the middle of the field.
 struct SceneOptions {
   SimulationOptions simulation;
-  double distance = 0.7;   ///< m from the camera to the viewed point
-  double tilt = 0.174533;  ///< rad off the vertical (10 deg)
+  double distance = 0.7;   ///< distance [m] from the camera to the viewed point
+  double tilt = 0.174533;  ///< angle [rad] off the vertical (10 deg)
 };
 /// Without those of `simulation`, which have a list of their own.
 [[nodiscard]] FieldList fields(SceneOptions& options);
@@ -22,7 +22,7 @@ struct SceneOptions {
 /// A view of stones on a table, with the truth about it.
 struct SimulatedScene {
   DepthImage depth;
-  double depth_unit = 0.0;  ///< m a count
+  double depth_unit = 0.0;  ///< metres per count
   Pose T_W_C = Pose::Identity();
   std::vector<PlacedStone> stones;  ///< true poses T_W_O
 };

@@ -34,7 +34,7 @@ struct SimulationOptions {
   double pad_friction_spread = 0.0;     ///< half width of the uniform draw per stone
   double pad_stiffness = 1.5e8;         ///< N/m^3, of the fingers' rubber; a third of it sideways
   bool regrip = true;                   ///< fingers close further when the held stone yields (rGTO stays set)
-  double clearance = 0.045;             ///< m between loose stones, for the fingers; less in a full field
+  double clearance = 0.045;  ///< distance [m] between loose stones, for the fingers; less in a full field
 };
 [[nodiscard]] FieldList fields(SimulationOptions& options);
 

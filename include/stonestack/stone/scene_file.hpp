@@ -37,7 +37,7 @@ struct SceneFile {
   std::optional<CameraIntrinsics> camera;
   std::optional<Pose> T_W_C;
   std::string depth_file;   ///< path, resolved against the scene file; empty: none
-  double depth_unit = 0.0;  ///< m a count
+  double depth_unit = 0.0;  ///< metres per count
   std::string cloud_file;
   std::vector<NamedPose> stack;
   std::vector<NamedPose> stones;

@@ -59,7 +59,7 @@ struct CameraSimulatorOptions {
   std::string address = "127.0.0.1";  ///< any 127.x.y.z
   int port = 0;                       ///< 0: a free one
   double rate = 30.0;                 ///< frames/s to clients that asked for a stream
-  double unit = 0.000125;             ///< m a count (SR300)
+  double unit = 0.000125;             ///< metres per count (SR300)
 };
 [[nodiscard]] FieldList fields(CameraSimulatorOptions& options);
 

@@ -48,7 +48,7 @@ struct FtFaults {
   bool stuck = false;      ///< one reading repeated
   bool zeros = false;      ///< all zero
   bool saturated = false;  ///< the largest counts that the frame can carry
-  double spike = 0.0;      ///< N added to Fz of the next frame
+  double spike = 0.0;      ///< force [N] added to Fz of the next frame
   double drift = 0.0;      ///< N/s on Fz
   double rate = 0.0;       ///< readings/s instead of the right rate; 0: right
   std::string firmware;    ///< what another device would answer; empty: the right one

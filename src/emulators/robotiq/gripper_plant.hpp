@@ -41,9 +41,9 @@ class GripperPlant {
 
 /// Fingers that move at once with constant speed, and stop at obstacles.
 struct IdealGripperOptions {
-  double min_count = 6.0;        ///< counts, software limit when open
-  double max_count = 241.0;      ///< counts, when closed
-  double scissor = 137.0;        ///< counts, where it starts
+  double min_count = 6.0;        ///< position [counts], software limit when open
+  double max_count = 241.0;      ///< position [counts], when closed
+  double scissor = 137.0;        ///< position [counts], where it starts
   double moving_current = 0.15;  ///< A
 };
 [[nodiscard]] FieldList fields(IdealGripperOptions& options);

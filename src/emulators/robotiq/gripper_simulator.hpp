@@ -13,7 +13,7 @@ struct GripperFaults {
   bool activation_hangs = false;  ///< the activation never completes
   int fault = 0;                  ///< gFLT that is reported, 0 to 15; 13 to 15 end with a reset
   bool stuck_moving = false;      ///< the axes report motion for ever
-  double echo_delay = 0.0;        ///< s until a write is acted upon and echoed
+  double echo_delay = 0.0;        ///< time [s] until a write is acted upon and echoed
   int ignored_writes = 0;         ///< position commands that are lost (never echoed), from now on
   bool false_object = false;      ///< contact is reported at the requested position
   double slip = 0.0;              ///< counts/s that the closed fingers creep on with a grip on something

@@ -192,7 +192,7 @@ class UrController : public urscript::Host {
   /// Something that the arm touched when a protective stop was acknowledged.
   struct Touched {
     Joints q;
-    double force = 0.0;  ///< N on the flange
+    double force = 0.0;  ///< force [N] on the flange
     double last = 0.0;   ///< uptime of the last touch [s]
   };
 

@@ -20,8 +20,8 @@ struct ForceMode {
   bool active = false;
   Pose T_B_task = Pose::Identity();
   Six selection = Six::Zero();
-  Six wrench = Six::Zero();  ///< Nm that the tool shall press with, task frame [N]
-  Six limits = Six::Zero();  ///< rad/s on the compliant axes [m/s]
+  Six wrench = Six::Zero();  ///< wrench that the tool presses with, task frame [N, Nm]
+  Six limits = Six::Zero();  ///< speed limits on the compliant axes [m/s, rad/s]
 };
 
 /// Makes joint targets, a control step at a time, as the controller's motion functions ask. One command is

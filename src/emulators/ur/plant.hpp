@@ -12,10 +12,10 @@ namespace stonestack::emulators {
 
 /// State of a robot's joints and flange, as its controller measures it.
 struct PlantState {
-  Joints q = Joints::Zero();                           ///< encoders [rad]
-  Joints qd = Joints::Zero();                          ///< [rad/s]
-  Eigen::Vector3d force_R = Eigen::Vector3d::Zero();   ///< N on the flange by all beyond it, axes of R
-  Eigen::Vector3d torque_R = Eigen::Vector3d::Zero();  ///< Nm about the flange's origin, axes of R
+  Joints q = Joints::Zero();                          ///< encoders [rad]
+  Joints qd = Joints::Zero();                         ///< [rad/s]
+  Eigen::Vector3d force_R = Eigen::Vector3d::Zero();  ///< force [N] on the flange by all beyond it, axes of R
+  Eigen::Vector3d torque_R = Eigen::Vector3d::Zero();  ///< torque [Nm] about the flange's origin, axes of R
   std::string hit;  ///< what the arm ran into in the last step; empty: nothing
 };
 

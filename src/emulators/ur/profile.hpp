@@ -6,7 +6,7 @@ namespace stonestack::emulators {
 
 /// Speed along a path: up, steady, down. From and to rest, except for `brake`, which starts at speed.
 struct Profile {
-  double length = 0.0;  ///< m or rad
+  double length = 0.0;  ///< distance or angle [m or rad]
   double speed = 0.0;   ///< of the steady part
   double rise = 0.0;    ///< [s]
   double steady = 0.0;  ///< [s]

@@ -10,7 +10,8 @@ namespace stonestack::hardware {
 /// Meaning of a depth image's numbers, which neither V4L2 nor a PNG contains. The scale is never guessed:
 /// 5000 in place of 1000 is an error by five that looks like a picture.
 struct CameraSettings {
-  double depth_scale = 0.0;  ///< counts a metre: TUM 5000, Open3D and D4xx 1000, SR300 8000; 0: not given
+  double depth_scale =
+      0.0;  ///< depth counts per metre: TUM 5000, Open3D and D4xx 1000, SR300 8000; 0: not given
   int width = 640;
   int height = 480;
   double fx = 0.0;  ///< pixels; 0: not given

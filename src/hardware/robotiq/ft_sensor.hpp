@@ -15,13 +15,13 @@ struct FtSensorOptions {
   int unit = 9;                       ///< serial
   std::string address = "127.0.0.1";  ///< ur_cap: the robot's controller
   int port = 63351;                   ///< ur_cap
-  double start_timeout = 3.0;         ///< s until the first reading
-  double listen = 0.16;               ///< s that a serial line is listened to before it is spoken to
+  double start_timeout = 3.0;         ///< time [s] until the first reading
+  double listen = 0.16;               ///< time [s] that a serial line is listened to before it is spoken to
   double stale = 0.05;                ///< an older reading is an error [s]
-  double max_force = 150.0;           ///< N on an axis: FT150; 300 for the FT300
-  double max_torque = 15.0;           ///< Nm on an axis: FT150; 30 for the FT300
+  double max_force = 150.0;           ///< force [N] on an axis: FT150; 300 for the FT300
+  double max_torque = 15.0;           ///< torque [Nm] on an axis: FT150; 30 for the FT300
   int stuck_samples = 100;            ///< equal readings running that mean a dead sensor; 0: never
-  double yaw = 0.0;                   ///< rad about z, from the flange's axes to the sensor's
+  double yaw = 0.0;                   ///< angle [rad] about z, from the flange's axes to the sensor's
 };
 [[nodiscard]] FieldList fields(FtSensorOptions& options);
 

@@ -17,7 +17,7 @@ struct ModbusOptions {
   int unit = 2;                       ///< unit (slave) id; a reply by another one is refused
   double reply_timeout = 0.3;         ///< each attempt [s]
   int attempts = 3;                   ///< per call, the first one included
-  double quiet = 0.02;                ///< s of silence on a serial line before an attempt is repeated
+  double quiet = 0.02;                ///< time [s] of silence on a serial line before an attempt is repeated
 };
 [[nodiscard]] FieldList fields(ModbusOptions& options);
 

@@ -30,14 +30,14 @@ struct ThreeFingerOptions {
   ModbusOptions modbus;              ///< `link` and `unit` follow the preset unless `unit` is given
   int unit = -1;                     ///< -1: of the preset
   std::string mode = "basic";        ///< fingers for `move`: basic, pinch, wide or scissor
-  double max_opening = 0.155;        ///< m between the pads at `open_count`
+  double max_opening = 0.155;        ///< distance [m] between the pads at `open_count`
   double open_count = 0.0;           ///< request that opens fully
   double closed_count = 255.0;       ///< request at which the pads meet
   double narrow_count = 220.0;       ///< of the scissor
   double activation_timeout = 20.0;  ///< [s]
-  double echo_timeout = 1.0;         ///< s until the gripper must repeat a request; then it is sent once more
-  double move_margin = 2.0;          ///< s beyond stroke / speed
-  double poll = 0.02;                ///< s between readings of the status
+  double echo_timeout = 1.0;  ///< time [s] until the gripper must repeat a request; then it is sent once more
+  double move_margin = 2.0;   ///< time [s] beyond stroke / speed
+  double poll = 0.02;         ///< time [s] between readings of the status
 };
 [[nodiscard]] FieldList fields(ThreeFingerOptions& options);
 
@@ -46,8 +46,8 @@ struct ThreeFingerStatus {
   struct Axis {
     enum class Object { kMoving, kContactOpening, kContactClosing, kAtRequest };
     Object object = Object::kMoving;  ///< valid when `go` is set and `request` repeats the command
-    int request = 0;                  ///< count that the gripper repeats
-    int position = 0;                 ///< count, 0 open
+    int request = 0;                  ///< position [count] that the gripper repeats
+    int position = 0;                 ///< position [count], 0 open
     double current = 0.0;             ///< A
   };
   enum class Stage { kReset, kActivating, kModeChange, kReady };

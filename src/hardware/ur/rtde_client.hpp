@@ -27,11 +27,11 @@ struct RtdeOptions {
   double connect_timeout = 2.0;  ///< [s]
   double reply_timeout = 2.0;    ///< each step of the setup [s]
   double stale_after = 0.1;      ///< age at which a state is refused [s]
-  double silent_after = 1.0;     ///< s without a packet after which the link is set up anew
+  double silent_after = 1.0;     ///< time [s] without a packet after which the link is set up anew
   int attempts = 3;              ///< of the first connection
-  double retry_pause = 0.5;      ///< s between attempts
+  double retry_pause = 0.5;      ///< time [s] between attempts
   int in_use_attempts = 5;       ///< a dying connection frees its registers late
-  double boot_timeout = 10.0;    ///< s for that
+  double boot_timeout = 10.0;    ///< time for that [s]
 };
 [[nodiscard]] FieldList fields(RtdeOptions& options);
 
@@ -42,7 +42,7 @@ class RtdeSample {
   RtdeSample(std::shared_ptr<const std::vector<std::string>> names, std::vector<RtdeValue> values,
              double host_time);
   [[nodiscard]] double device_time() const { return get<double>("timestamp"); }
-  [[nodiscard]] double host_time() const { return host_time_; }  ///< s of `host_seconds`
+  [[nodiscard]] double host_time() const { return host_time_; }  ///< time by `host_seconds` [s]
   [[nodiscard]] bool has(std::string_view name) const { return find(name) != nullptr; }
   /// Throws InvalidArgument for a field that is not in the recipe or of another type.
   template <class T>

@@ -9,7 +9,7 @@ namespace stonestack::hardware {
 struct ProgramOrder {
   std::string script;
   int run = 0;
-  double duration = 0.0;                           ///< s that it takes at full speed
+  double duration = 0.0;                           ///< time [s] that it takes at full speed
   std::function<void(const UrStatus&)> each_turn;  ///< called on every status, e.g. to stream a force
   const std::atomic<bool>* stop_asked = nullptr;
 };

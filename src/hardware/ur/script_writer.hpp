@@ -33,11 +33,11 @@ enum class ScriptEnd {
 
 struct ScriptOptions {
   double stop_acceleration = 2.0;  ///< stopj [rad/s^2]
-  double heartbeat_rate = 10;      ///< Hz below which the controller stops the program
-  double force_stale = 0.05;       ///< s without a new force sample that stop a guarded motion: as old as a
-                                   ///< ForceTorqueSensor's reading may be
-  int contact_samples = 2;         ///< running, above the threshold
-  double comply_time = 0.0;        ///< s of force mode after contact; 0: just stop
+  double heartbeat_rate = 10;      ///< rate [Hz] below which the controller stops the program
+  double force_stale = 0.05;  ///< time [s] without a new force sample that stop a guarded motion: as old as a
+                              ///< ForceTorqueSensor's reading may be
+  int contact_samples = 2;    ///< running, above the threshold
+  double comply_time = 0.0;   ///< time [s] of force mode after contact; 0: just stop
 };
 [[nodiscard]] FieldList fields(ScriptOptions& options);
 

@@ -17,11 +17,11 @@ struct UrArmOptions {
   int secondary_port = 30002;  ///< tried next
   int realtime_port = 30003;   ///< tried last; 0 leaves one out
   int dashboard_port = 29999;
-  double start_timeout = 1.0;  ///< s until a program has written its run id
-  double end_grace = 0.3;      ///< s that a program may be over without an end state
-  double time_slack = 3.0;     ///< s on top
-  double pause_limit = 300.0;  ///< s that a user may pause a motion
-  double stop_timeout = 2.0;   ///< s until the arm stands
+  double start_timeout = 1.0;  ///< time [s] until a program has written its run id
+  double end_grace = 0.3;      ///< time [s] that a program may be over without an end state
+  double time_slack = 3.0;     ///< extra time [s]
+  double pause_limit = 300.0;  ///< time [s] that a user may pause a motion
+  double stop_timeout = 2.0;   ///< time [s] until the arm stands
   RtdeOptions rtde;
   ScriptOptions script;
 };

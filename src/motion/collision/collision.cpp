@@ -63,7 +63,7 @@ bool hits_table(const CollisionShapes& shapes, const Placed& placed, double extr
   return false;
 }
 
-/// The exact distance only where capsule against sphere and against box leave a doubt.
+/// Computes the exact distance only where capsule against sphere and against box do not decide.
 bool hits(const Placed& placed, const Mover& mover, std::size_t i, const ObstaclePiece& obstacle,
           double away) {
   const double bound = mover.core.reach + away;
@@ -152,7 +152,7 @@ bool collides_within(const CollisionShapes& shapes, const Joints& q, double extr
          hits_itself(shapes, placed, extra);
 }
 
-/// Looks at the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
+/// Tests the middle of ever shorter pieces, the middle of the whole first: most motions that are not free
 /// are known at once.
 bool samples_miss(const CollisionShapes& shapes, const Joints& a, const Joints& b, double spacing) {
   const double turn = (b - a).cwiseAbs().cwiseProduct(kSwing).maxCoeff();

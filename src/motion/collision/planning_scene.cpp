@@ -41,7 +41,7 @@ void add_turning_finger(std::vector<GripperBox>& boxes, double width, double y) 
   boxes.back().spread = side * kBaseSpread;
 }
 
-/// The mount that the camera's box was drawn for: CellLayout::make_default_T_T_C(), of a room beside this.
+/// The mount that the camera's box was drawn for: CellLayout::make_default_T_T_C(), in hardware/.
 Pose drawn_mount() {
   constexpr double kTilt = 10.0 * 3.14159265358979323846 / 180.0;
   return Eigen::Translation3d(0.0, 0.110, -0.170) * Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitX());

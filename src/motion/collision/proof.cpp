@@ -48,7 +48,7 @@ Answer answer(double distance, double padding, double shift) {
   return distance > padding + shift ? Answer::kClear : Answer::kUndecided;
 }
 
-/// The tool's tip, a point of link 6 and in its frame; for robots with a room.
+/// The tool's tip, a point of link 6 and in its frame; for robots with a workspace.
 Eigen::Vector3d tip_of_link(const CollisionShapes& shapes) {
   return (shapes.robot.T_6_F * shapes.robot.workspace->T_F_T).translation();
 }
@@ -64,7 +64,7 @@ class Proof {
   }
 
  private:
-  /// The doubts from `first` on were left by the piece between `from` and `to`.
+  /// The undecided pairs from `first` on were left by the piece between `from` and `to`.
   bool halves_hold(const Joints& from, const Joints& to, std::size_t first) {
     const std::size_t last = undecided_.size();
     if (first == last) return true;
@@ -78,7 +78,7 @@ class Proof {
     return true;
   }
 
-  /// Appends those of the doubts [first, last) that remain. False: a collision.
+  /// Appends the pairs of [first, last) that remain undecided. False: a collision.
   bool look_again(const Middle& middle, std::size_t first, std::size_t last) {
     std::size_t placed_mover = std::numeric_limits<std::size_t>::max();
     Placed placed;

@@ -11,19 +11,19 @@ namespace stonestack::motion {
 struct CollisionShapes;
 
 /// How far (m) a point of the capsule around `axis` can get, seen from link `base`, while joint k turns by at
-/// most `turn[k]` either way from where `pose` was taken; the capsule moves with `link`. A turn of one joint
-/// takes a point as far as the point is away from its axis, and further by what the joints behind it have
-/// moved it before.
+/// most `turn[k]` in either direction from where `pose` was taken; the capsule moves with `link`. A turn of
+/// one joint takes a point as far as the point is away from its axis, and further by what the joints behind
+/// it have moved it before.
 [[nodiscard]] double max_shift(const std::array<Pose, 7>& pose, const Joints& turn, const Segment& axis,
                                double reach, std::size_t link, std::size_t base = 0);
 
-/// from the tool's tip to the nearest wall of the room that a cell leaves it, negative outside [m]; infinite
+/// Distance from the tool's tip to the nearest wall of the cell's workspace, negative outside [m]; infinite
 /// where a cell leaves it any.
 [[nodiscard]] double workspace_left(const CollisionShapes& shapes, const std::array<Pose, 7>& pose);
 
 /// True if nothing can touch while the joints go straight from `a` to `b`. Pieces of the motion are halved,
-/// each half asking only of those pairs that its whole left in doubt; a doubt that is left in a piece shorter
-/// than `resolution` (rad, largest joint) counts as a collision.
+/// each half testing only those pairs that its whole left undecided; a pair that is undecided in a piece
+/// shorter than `resolution` (rad, largest joint) counts as a collision.
 [[nodiscard]] bool is_free_continuously(const CollisionShapes& shapes, const Joints& a, const Joints& b,
                                         double resolution);
 

@@ -201,7 +201,7 @@ std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone&
   });
   GraspOptions more;
   const Eigen::Vector3d n_O_down = -T_W_O_pick.linear().row(2).transpose();
-  if (static_cast<std::size_t>(over_table) >= kFewOverTable) {  // what stands beside it is in the way
+  if (static_cast<std::size_t>(over_table) >= kFewOverTable) {  // neighbouring objects obstruct it
     if (serving >= kFew || usual->grasps.empty()) return usual;
     if (end.all_blocked(usual->grasps, T_W_O_pick, n_O_down, std::numbers::pi)) return usual;
     more.directions *= kDenser;
@@ -211,7 +211,7 @@ std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone&
   more.directions *= kDenserFromAbove;
   more.cone = kFromAbove;
   more.finger_clearance = kTightClearance;
-  // Rounded, so that another look at the stone asks for the same ones.
+  // Rounded, so that another view of the stone gives the same ones.
   more.n_O_towards = (8.0 * n_O_down).array().round().matrix().normalized();
   return std::make_shared<const GraspSet>(joined(*usual, *cached_grasps(stone, gripper, more)));
 }

@@ -62,9 +62,9 @@ class GraspEnd {
 };
 
 /// The grasps of a stone to pick it up with where it lies. Where hardly any of the usual ones serves, more
-/// are sampled, once (2 to 9 s of one thread): in all directions where other things are in the way; where it
+/// are sampled, once (2 to 9 s of one thread): in all directions where other objects obstruct; where it
 /// is the table, those from above 24 times as densely, fingers opened less. None are sampled where an object
-/// is in the way of all of many usual ones, whatever the table. Flat stones can be held in few ways as they
+/// obstructs all of many usual ones, whatever the table. Flat stones have few grasps as they
 /// lie: of the sixteen rocks stone_154, stone_156, stone_160, stone_163, stone_177 and stone_178.
 [[nodiscard]] std::shared_ptr<const GraspSet> grasps_to_pick(const GraspEnd& end, const Stone& stone,
                                                              const GripperModel& gripper,

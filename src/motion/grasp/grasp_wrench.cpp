@@ -11,7 +11,7 @@ namespace stonestack::motion {
 namespace {
 
 constexpr int kEdges = 6;           ///< of a friction pyramid
-constexpr double kLength = 0.05;    ///< makes torques comparable with forces for hand-sized stones [m]
+constexpr double kLength = 0.05;    ///< makes torques comparable with forces for stones of graspable size [m]
 constexpr double kResidual = 0.02;  ///< share of the load that may stay unbalanced
 constexpr double kRegularise = 1e-5;
 constexpr double kGripWeight = 1e-4;  ///< of the grip force against the unbalanced load, squared

@@ -20,7 +20,7 @@ class GripperCheck {
     What what = What::kNothing;
     int object = -1;
   };
-  /// Anywhere on the way that ends at T_W_T, with the pads `opening` apart.
+  /// First hit anywhere on the approach that ends at T_W_T, with the pads `opening` apart.
   [[nodiscard]] Hit sweep(const Pose& T_W_T, double opening, double padding) const;
   /// Checks objects alone: true if it comes nearer than that to one, whatever the table.
   [[nodiscard]] bool touches_object(const Pose& T_W_T, double opening, double padding) const;

@@ -9,17 +9,18 @@ namespace {
 constexpr double kGravity = 9.81;
 constexpr std::array<double, 3> kSide{1.0, -1.0, -1.0};
 constexpr double kMinFacing = 0.2;  ///< cosine: steeper surface lies beside the pad, not on it
-constexpr double kReach = 0.008;    ///< m before a pad: what may come to lie on it
+constexpr double kReach = 0.008;    ///< distance [m] before a pad: what may come to lie on it
 constexpr double kBehind = 10.0;    ///< times the rubber's stiffness: the finger behind it, which only slides
 constexpr double kSlipStiffness = 0.02;  ///< share of the shear stiffness that a slipping sample counts with
 constexpr int kSqueezeRounds = 12;
 constexpr int kIterations = 12;
-constexpr double kUnbalanced = 0.03;                 ///< share of the load
-constexpr double kMaxMove = 0.003, kMaxTurn = 0.06;  ///< rad [m]: further, it counts as lost
-constexpr double kLength = 0.05;                     ///< makes torques comparable with forces [m]
-constexpr double kLoadStep = 0.5;                    ///< of the weight
-constexpr double kDeepest = 0.02;                    ///< that a stone is pressed into a pad [m]
-constexpr int kHalvings = 24;                        ///< of that
+constexpr double kUnbalanced = 0.03;  ///< share of the load
+constexpr double kMaxMove = 0.003,
+                 kMaxTurn = 0.06;  ///< limits [rad] and [m]: beyond them the stone counts as lost
+constexpr double kLength = 0.05;   ///< makes torques comparable with forces [m]
+constexpr double kLoadStep = 0.5;  ///< of the weight
+constexpr double kDeepest = 0.02;  ///< that a stone is pressed into a pad [m]
+constexpr int kHalvings = 24;      ///< of that
 
 /// Adds J^T diag(along, across, across) J to the lower triangle of `K`, where J = (1, -[r]x) is how a point
 /// at `r` follows the stone's shift and turn. Written out: most of the time of a press is spent here.
@@ -138,7 +139,7 @@ bool PadPress::settle(State& state, const Vector6& load) const {
   return rest.head<3>().norm() + rest.tail<3>().norm() / kLength < 2 * kUnbalanced * scale;
 }
 
-// The fingers close until each has its force; the stone gives way meanwhile.
+// The fingers close until each has its force; the stone yields meanwhile.
 void PadPress::squeeze() {
   for (int round = 0; round < kSqueezeRounds; ++round) {
     for (int f = 0; f < 3; ++f) close(gripped_, f);

@@ -7,10 +7,10 @@
 
 namespace stonestack::motion {
 
-/// A closed gripper round a stone, as the planner believes it to press: each pad is an elastic foundation
+/// The planner's model of a gripper closed on a stone: each pad is an elastic foundation
 /// with friction, the stone its scan, the fingers stay where their force was reached. What three contact
-/// points with mean normals cannot tell, it can: how large a touched patch is, how it shrinks while the stone
-/// turns in the gripper, and how far the stone hangs from where it was grasped. Elastic constants:
+/// points with mean normals cannot predict, it can: how large a touched patch is, how it shrinks while the
+/// stone turns in the gripper, and how far the stone sags from where it was grasped. Elastic constants:
 /// GripperModel.
 class PadPress {
  public:
@@ -28,9 +28,9 @@ class PadPress {
   [[nodiscard]] Load bear(const Eigen::Vector3d& n_T_down, double max) const;
   /// False: the stone slips out while the gripper closes; no load is borne.
   [[nodiscard]] bool holds() const { return holds_; }
-  /// by which closing the gripper turns the stone [rad].
+  /// Amount by which closing the gripper turns the stone [rad].
   [[nodiscard]] double squeeze_turn() const { return gripped_.u.tail<3>().norm(); }
-  /// how deep the stone presses into the pad of finger A, B or C [m].
+  /// Depth by which the stone presses into the pad of finger A, B or C [m].
   [[nodiscard]] double deepest(int finger) const;
 
  private:

@@ -52,7 +52,7 @@ std::optional<JointPath> straight_path(const RobotModel& robot, const Pose& T_F_
   const Line line{
       robot, T_F_T, options, forward(robot, q_from) * T_F_T, T_R_T_goal, branch_of(robot, q_from)};
   const PoseDifference change = difference(line.T_R_T_from, T_R_T_goal);
-  // A turn counts like the way of a point 0.1 m from the tool's tip.
+  // A turn counts like the displacement of a point 0.1 m from the tool's tip.
   const int pieces =
       std::max(1, static_cast<int>(std::ceil((change.translation + 0.1 * change.angle) / options.longest)));
   JointPath path{q_from};

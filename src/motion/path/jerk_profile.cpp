@@ -96,7 +96,7 @@ double reachable(const Stretch& s, double other, double wanted) {
   return max_fitting(other, wanted, [&](double v) { return distance(s, other, v) <= s.piece.length; });
 }
 
-/// ds/dt between stretches, zero at both ends: first what the way behind allows, then the way ahead.
+/// ds/dt between stretches, zero at both ends: first what the path behind allows, then the path ahead.
 std::vector<double> speeds(const std::vector<Stretch>& all) {
   std::vector<double> v(all.size() + 1, 0.0);
   for (std::size_t i = 1; i < all.size(); ++i) {

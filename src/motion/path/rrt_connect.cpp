@@ -36,7 +36,7 @@ void set_state(const Joints& q, ob::State* state) {
   Eigen::Map<Joints>(state->as<Space::StateType>()->values) = q.cwiseProduct(kWeight);
 }
 
-/// Most samples lie about the straight lines from start to the goals, where a way around a small obstacle
+/// Most samples lie about the straight lines from start to the goals, where a path around a small obstacle
 /// passes; some have the arm anywhere and the wrist nearly on such a line; the rest is uniform. Once a length
 /// is given, most are drawn from all that a path of this length can reach (Gammell et al. 2014).
 class Sampler : public ob::StateSampler {

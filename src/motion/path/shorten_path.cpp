@@ -11,8 +11,8 @@ namespace {
 constexpr double kRepeat = 1e-9;       // rad: waypoints nearer than that are one
 constexpr double kMinGain = 1e-6;      // rad
 constexpr double kPartialGain = 0.01;  // rad: a partial shortcut adds waypoints, so it has to be worth it
-constexpr double kMinPull = 0.2;       // of the way to the line
-constexpr double kPullNoise = 0.3;     // of that way, one sigma a joint
+constexpr double kMinPull = 0.2;       // of the distance to the line
+constexpr double kPullNoise = 0.3;     // of that distance, one sigma a joint
 constexpr int kMendTries = 12;
 constexpr int kRepairDepth = 2;  // a piece is halved so often
 constexpr double kRepairShare =
@@ -80,7 +80,7 @@ void attempt(JointPath& path, const MotionTest& is_free, bool partial, Random& r
 }
 
 /// Moves one waypoint towards the straight line between its neighbours: some joints only, or all with some
-/// noise, so that it slides along what stands in the way.
+/// noise, so that it slides along obstacles.
 void pull(JointPath& path, const MotionTest& is_free, Random& random) {
   const std::size_t i = 1 + random.index(path.size() - 2);
   const Joints &a = path[i - 1], &b = path[i + 1];

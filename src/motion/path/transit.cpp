@@ -15,11 +15,11 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kResolution =
-    0.00001;  // rad: where nothing is nearer than 10 um to the padding, a motion is proven free
+constexpr double kResolution = 0.00001;       // rad: where nothing is nearer than 10 um to the padding, the
+                                              // continuous check finds a motion free
 constexpr std::size_t kDirectGoals = 16;      // solves most picks
 constexpr double kDetour = 1.3;               // a straight motion this much longer than the nearest goal's
-constexpr double kDetourMore = 0.3;           // rad, and this, is taken without looking for another way
+constexpr double kDetourMore = 0.3;           // rad, and this, is taken without searching for another path
 constexpr std::size_t kMaxGoals = 64;         // nearest ones; further turns of a wrist are never shorter
 constexpr double kMotionsPerSecond = 8000.0;  // a low guess: what planning_effort stands for
 // Effort is counted in motion checks of trees. Where the path is hardly longer than the straight path to the
@@ -44,7 +44,7 @@ bool is_inside(const RobotModel& robot, const Joints& q) {
 }
 
 /// The search for one path. Trees are grown with sampled edges, each looking only for shorter paths than
-/// those before; the shortest of their paths is mended where samples missed something, certified and
+/// those before; the shortest of their paths is repaired where samples missed something, certified and
 /// shortened.
 class PathSearch {
  public:
@@ -102,7 +102,7 @@ class PathSearch {
     return shortcut(path, is_free, static_cast<int>(std::lround(per_rad * length(path))), random);
   }
 
-  /// Checks without a gain after which a path of length `best` is believed to be short.
+  /// Checks without a gain after which a path of length `best` is assumed to be short.
   [[nodiscard]] long patience(double best) const {
     const double nearest = (goals_.front() - start_).norm();
     const double excess = best / nearest - 1.0;
@@ -171,7 +171,7 @@ std::optional<JointPath> direct(const CollisionChecker& checker, const Joints& s
   return std::nullopt;
 }
 
-/// Path and time law with the gripper empty and as wide open as the scene tells. Corners are cut only where
+/// Path and time law with the gripper empty and as wide open as in the scene. Corners are cut only where
 /// that keeps the padding with which the path was found.
 std::optional<JointTrajectory> plan(const PlanningScene& scene, const Joints& start,
                                     std::span<const Joints> goals, const MotionOptions& options) {
@@ -209,7 +209,7 @@ std::optional<JointPath> find_path(const CollisionChecker& checker, const Joints
   auto best = direct(checker, start, free);
   const double nearest = (free.front() - start).norm();
   if (best && length(*best) <= kDetour * nearest + kDetourMore) return best;
-  // A straight motion to a far branch may be much longer than a way around to a near one.
+  // A straight motion to a far branch may be much longer than a detour to a near one.
   const double known = best ? length(*best) : std::numeric_limits<double>::infinity();
   if (auto path = PathSearch(checker, start, free, options, first_seconds).shortest(known))
     if (!best || length(*path) < known) best = std::move(path);

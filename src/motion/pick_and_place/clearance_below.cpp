@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kFineness = 0.001;  ///< [m]
 
-/// Did the user say how far gripper and table stay apart?
+/// True if the user set a padding between gripper and table.
 bool is_kept_off_table(const PlanningScene& scene) {
   return std::any_of(scene.paddings.begin(), scene.paddings.end(),
                      [](const PairPadding& pair) { return pair.a == "hand" && pair.b == "table"; });

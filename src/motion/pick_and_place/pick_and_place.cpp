@@ -24,7 +24,8 @@ constexpr double kInTable = 0.003;  ///< what a scan and a measured pose may err
 
 using Status = PickAndPlacePlan::Status;
 
-constexpr std::size_t kMaxHard = 8;      ///< ways whose transit is hard to find, before one gets much effort
+constexpr std::size_t kMaxHard =
+    8;  ///< candidates whose transit is hard to find, before one gets much effort
 constexpr double kNearGrasp = 0.020;     ///< a grasp that near to one that failed would fail as well [m]
 constexpr double kNearGraspTurn = 0.35;  ///< [rad]
 
@@ -41,7 +42,7 @@ PickAndPlacePlan no_grasp(const PlanningScene& scene, const Stone& stone, const 
   if (set.too_heavy > 0)
     return refused(Status::kTooHeavy,
                    concat(stone.name, " weighs ", stone.mass.mass, " kg; all ", set.too_heavy,
-                          " ways to hold it need more than ", gripper.force, " N a finger"));
+                          " grasps of it need more than ", gripper.force, " N a finger"));
   if (set.too_wide > std::max(set.slips, set.gripper_in_stone)) {
     const double widest = gripper.max_opening - GraspOptions{}.finger_clearance;
     return refused(Status::kTooWide,
@@ -64,7 +65,7 @@ PickAndPlacePlan none_usable(const Stone& stone, const GraspCheck& check) {
   return refused(status, concat(stone.name, ": ", check.text()));
 }
 
-/// How many candidates failed on which part of the way.
+/// Number of candidates that failed on each part of the path.
 class FaultCounts {
  public:
   void add(PathFault fault) { ++counts_[static_cast<std::size_t>(fault)]; }
@@ -99,7 +100,7 @@ class PickFaults {
   std::map<int, bool> only_at_pick_;
 };
 
-/// by which the stone at its target would reach into the table [m].
+/// Amount by which the stone at its target would reach into the table [m].
 double depth_in_table(const PlanningScene& scene, const PickAndPlaceTask& task) {
   double lowest = scene.table_z;
   for (const Eigen::Vector3d& p : task.stone->scan.vertices)
@@ -147,7 +148,7 @@ double total_seconds(const std::vector<PlanStep>& steps) {
   return seconds;
 }
 
-/// a rough guess of what that attempt took [s]: it is what planning_effort counts, so that a busy machine
+/// A rough guess of what that attempt took [s]: it is what planning_effort counts, so that a busy machine
 /// plans as an idle one does.
 double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) {
   constexpr double kStraight = 0.002, kFound = 0.03, kLittle = 0.1, kMuch = 0.5;
@@ -157,7 +158,7 @@ double effort_of(const PickAttempt::Result& result, PickAttempt::Effort effort) 
 }
 
 /// Tries candidates in order until enough have a free path; the quickest wins. Those whose transit is hard to
-/// find give way to the others, and get much effort where none of these led anywhere, or many were as hard.
+/// find are postponed, and get much effort where none of the others succeeded, or many were as hard.
 PickAndPlacePlan plan_paths(const PlanningScene& scene, const PickAndPlaceTask& task,
                             const MotionOptions& options, const GraspSet& set, PickCandidates candidates) {
   FaultCounts faults;
@@ -205,8 +206,8 @@ PickAndPlacePlan plan_paths(const PlanningScene& scene, const PickAndPlaceTask& 
   }
   if (best.status == Status::kPlanned) return best;
   best.no_pick = pick_faults.grasps(set);
-  best.reason = concat(task.stone->name, ": of ", tried, " ways tried with usable grasps ", faults.text(),
-                       !in_time ? "; then planning time was over" : "");
+  best.reason = concat(task.stone->name, ": of ", tried, " candidates tried with usable grasps ",
+                       faults.text(), !in_time ? "; then planning time was over" : "");
   return best;
 }
 
@@ -218,7 +219,7 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
   require(task.q_start.allFinite(), "the arm's joints are not finite: ", task.q_start.transpose());
   const int objects = static_cast<int>(scene.objects.size());
   require(std::abs(task.n_W_lift.norm() - 1.0) < 1e-6,
-          "the way out of where the stone lies is not a unit vector: ", task.n_W_lift.transpose());
+          "the lift direction is not a unit vector: ", task.n_W_lift.transpose());
   require(task.object >= -1 && task.object < objects && task.support >= -1 && task.support < objects,
           "the task names object ", task.object, " and support ", task.support, " of ", objects);
   require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");

@@ -16,7 +16,7 @@ namespace {
 constexpr double kTransitSeconds = 0.5;  ///< effort for one transit of one candidate [s]
 constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
 constexpr double kWidestBlend = 0.2;     ///< corners cut, most [rad]
-constexpr std::array kLifts{1.0, 0.5};   ///< of kLiftHeight, where the arm has no room for more
+constexpr std::array kLifts{1.0, 0.5};   ///< of kLiftHeight, where the arm has no clearance for more
 constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out of a lean before it goes up [m]
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
@@ -62,9 +62,9 @@ const char* to_text(PathFault fault) {
     case PathFault::kRetreat:
       return "have no free retreat";
     case PathFault::kTransit:
-      return "have no way to the stone";
+      return "have no path to the stone";
     case PathFault::kCarry:
-      return "have no way to carry the stone";
+      return "have no path to carry the stone";
     default:
       return "are free";
   }
@@ -194,7 +194,7 @@ std::optional<Transit> PickAttempt::transit(const LazyChecker& wide, const LazyC
   // An end that is nearer to something than the padding of a transit leaves no choice.
   const bool near = wide.get().collides(a) || wide.get().collides(b);
   const CollisionChecker& checker = near ? tight.get() : wide.get();
-  MotionOptions options = options_;  // a grasp whose way is hard to find gives way to the next one
+  MotionOptions options = options_;  // a grasp whose path is hard to find is postponed
   options.planning_effort = std::min(options.planning_effort, kTransitSeconds);
   const double first = effort == Effort::kLittle ? kLittleSeconds : kTransitSeconds;
   auto path = find_path(checker, a, std::span(&b, 1), options, first);

@@ -10,7 +10,7 @@
 
 namespace stonestack::motion {
 
-/// Where a way failed; also how the reason counts them.
+/// Part of the path that failed; reasons count by it.
 enum class PathFault { kNone, kApproach, kLift, kLower, kRetreat, kTransit, kCarry };
 [[nodiscard]] const char* to_text(PathFault fault);
 
@@ -28,8 +28,8 @@ struct PickPaths {
   Transit carry;       ///< to above the target
   JointPath lower;     ///< straight down to where the guarded part begins
   JointPath
-      descent;  ///< guarded, through the target to `descent_past` below or where the gripper has no room
-  JointPath retreat;  ///< from the target straight back, as far as there is room
+      descent;  ///< guarded, through the target to `descent_past` below or where the gripper has no clearance
+  JointPath retreat;  ///< from the target straight back, as far as there is clearance
 };
 
 /// A checker that is made when it is first asked for: most attempts fail before they need more than one.
@@ -59,7 +59,7 @@ class PickAttempt {
     PathFault fault = PathFault::kNone;
     PickPaths paths;
   };
-  /// `effort`: how long is looked for a way where there seems to be none.
+  /// `effort`: how long the search for a path lasts where there seems to be none.
   enum class Effort { kLittle, kMuch };
   [[nodiscard]] Result try_joints(const Joints& q_pick, const Joints& q_place, Effort effort) const;
 
@@ -69,12 +69,13 @@ class PickAttempt {
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
   /// From where the stone lies out along PickAndPlaceTask::n_W_lift, then up.
   [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
-  /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more room.
+  /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more
+  /// clearance.
   [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
   /// From the target on down, as far as a stone that has not touched is looked for with the gripper clear.
   [[nodiscard]] std::optional<JointPath> descend_past(const Joints& q) const;
-  /// From the target straight back, or a part of that where the arm has no more room and the open gripper is
-  /// far enough from the stone for a transit all the same.
+  /// From the target straight back, or a part of that where the arm has no more clearance and the open
+  /// gripper is far enough from the stone for a transit all the same.
   [[nodiscard]] std::optional<JointPath> retreat(const Joints& q) const;
   /// The stone at its target and nothing else.
   [[nodiscard]] PlanningScene placed_alone() const;
@@ -96,7 +97,7 @@ class PickAttempt {
 
 /// True if every piece of the path is free.
 [[nodiscard]] bool is_free(const CollisionChecker& checker, const JointPath& path);
-/// Times a way. `pick` is the opening with the stone between the pads.
+/// Times the paths. `pick` is the opening with the stone between the pads.
 [[nodiscard]] std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlaceTask& task,
                                                 const MotionOptions& options, const Grasp& grasp,
                                                 const PickPaths& paths);

@@ -13,21 +13,23 @@ namespace {
 constexpr std::size_t kSolutionsAtPick = 4;   ///< nearest free inverse solutions looked at, each grasp
 constexpr std::size_t kSolutionsAtPlace = 3;  ///< for each of those
 constexpr std::size_t kPathsPerGrasp = 2;
-constexpr double kScoreWorth = 4.0;  ///< s of motion that a perfect grasp is worth over a useless one
+constexpr double kScoreWorth = 4.0;  ///< time [s] of motion that a perfect grasp is worth over a useless one
 constexpr double kSpacing = 0.003;   ///< between samples of the surface that pads press on [m]
 
 // What a loose grasp costs. Measured with `stonestack-bench hold --every` (docs/measurements.md): of 149
 // lifts that PadPress saw move less than 0.65 mm and press less than 4.3 mm deep 2 went wrong, of 156 beyond
 // 0.75 mm or 4.3 mm 63.
-constexpr double kFirm = 0.0006, kLoose = 0.0012;  ///< m that the stone moves in the gripper under its weight
-constexpr double kShallow = 0.0038, kDeep = 0.006;     ///< m into a pad: its rubber is 5 mm thick
+constexpr double kFirm = 0.0006,
+                 kLoose = 0.0012;  ///< distance [m] that the stone moves in the gripper under its weight
+constexpr double kShallow = 0.0038, kDeep = 0.006;     ///< distance [m] into a pad: its rubber is 5 mm thick
 constexpr double kTurned = 0.010, kFarTurned = 0.035;  ///< [rad]
 constexpr double kSlipCost = 40.0;                     ///< what a stone that slips costs [s]
-// In the simulated cell closing turns a stone by twice of what PadPress says (bench hold --every, 0.3 to 2.4
-// deg), and it is set down turned by that.
-constexpr double kStraight = 0.0035, kTurnCost = 570.0;  ///< rad that cost nothing; s a rad: 10 s a degree
-constexpr double kMaxLoad = 1.5;                         ///< times the weight that a grasp should bear
-constexpr std::size_t kParts = 3;                        ///< of what is looked at of a grasp's firmness
+// In the simulated cell closing turns a stone by twice the prediction of PadPress (bench hold --every, 0.3
+// to 2.4 deg), and it is set down turned by that.
+constexpr double kStraight = 0.0035,
+                 kTurnCost = 570.0;  ///< free angle [rad]; cost per angle [s/rad]: 10 s a degree
+constexpr double kMaxLoad = 1.5;     ///< times the weight that a grasp should bear
+constexpr std::size_t kParts = 3;    ///< of what is looked at of a grasp's firmness
 
 /// 0 up to `low`, 1 from `high` on.
 double ramp(double value, double low, double high) {

@@ -47,7 +47,7 @@ class PickCandidates {
     [[nodiscard]] double cost() const { return bare.cost + looseness; }
   };
   struct Later;
-  /// a grasp's looseness from its first `parts` parts [s].
+  /// A grasp's looseness from its first `parts` parts [s].
   [[nodiscard]] double looseness_cost(int grasp, std::size_t parts);
   void add_part(const Grasp& grasp, Looseness& looseness) const;
   void push(Entry entry);

@@ -24,7 +24,7 @@ PlanStep gripper_step(Kind kind, std::string name, double opening, double speed)
   return step;
 }
 
-/// Enough for the weight as the stone hangs at both ends, with the factor that grasps were judged by.
+/// Sufficient for the stone's weight at both ends, with the factor that grasps were judged by.
 double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, const Grasp& grasp) {
   double force = kMinForce;
   for (const Pose& T_W_O : {task.T_W_O_pick, task.T_W_O_place}) {
@@ -35,7 +35,7 @@ double close_force(const PlanningScene& scene, const PickAndPlaceTask& task, con
   return std::min(force, scene.gripper.force);
 }
 
-/// from the tool's tip to the furthest point of the stone that it holds [m].
+/// Distance from the tool's tip to the furthest point of the held stone [m].
 double reach_of(const Stone& stone, const Grasp& grasp) {
   const Pose T_T_O = grasp.T_O_T.inverse();
   double reach = 0.0;
@@ -66,8 +66,8 @@ class StepWriter {
   [[nodiscard]] std::vector<PlanStep>& steps() { return steps_; }
 
  private:
-  /// [rad] waypoints of a straight motion lie so that cutting their corners moves the tool by less than 0.5
-  /// mm.
+  /// Blend [rad]: waypoints of a straight motion lie so that cutting their corners moves the tool by less
+  /// than 0.5 mm.
   static constexpr double kStraightBlend = 0.0003;
 
   void add(Kind kind, std::string name, JointTrajectory trajectory) {

@@ -22,7 +22,7 @@ PlanningScene with_stone_at(PlanningScene scene, const PickAndPlaceTask& task, c
   return scene;
 }
 
-/// Looks for places where the stone can be set down so that grasps lead on, then for plans.
+/// Searches places where the stone can be set down so that grasps lead on, then plans.
 class RegraspSearch {
  public:
   RegraspSearch(const PlanningScene& scene, const PickAndPlaceTask& task, const MotionOptions& options,
@@ -111,7 +111,7 @@ void RegraspSearch::place_next(const std::vector<int>& chain, const std::vector<
   }
 }
 
-/// All plans over the places found; says in `reason` which one there is none for.
+/// Makes all plans over the places found; `reason` names the one that failed.
 void RegraspSearch::make_plans() {
   ++attempts_;
   RegraspPlan plan;
@@ -138,7 +138,7 @@ void RegraspSearch::make_plans() {
 std::string RegraspSearch::why(std::size_t from, std::size_t to, std::size_t chains) const {
   return concat(task_.stone->name, ": ", from, " grasps serve where it lies, ", to,
                 " at the target; over its ", graph_.rests.size(), " resting poses ", chains,
-                " ways join them; ", attempts_,
+                " chains join them; ", attempts_,
                 " of them could be stood on the table with grasps for every part",
                 plan_.reason.empty() ? "" : "; ", plan_.reason);
 }

@@ -6,7 +6,7 @@
 
 namespace stonestack::motion {
 
-/// Resting poses of a stone and the grasps that hand, grip and table allow in each, wherever on an empty
+/// Resting poses of a stone and the grasps that gripper, grip and table allow in each, wherever on an empty
 /// table the stone stands and however it is turned about the vertical. Two poses are joined if they share a
 /// grasp.
 struct RestGraph {

@@ -10,14 +10,14 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kSame = 0.97;  // cosine (14 deg): faces this alike give one way to stand
+constexpr double kSame = 0.97;  // cosine (14 deg): faces this similar give one resting pose
 
 bool is_listed(const Eigen::Vector3d& n_O_up, const std::vector<Eigen::Vector3d>& list) {
   return std::any_of(list.begin(), list.end(),
                      [&](const Eigen::Vector3d& n) { return n_O_up.dot(n) > kSame; });
 }
 
-/// A way to stand: up, seen from the stone.
+/// A resting pose: the up direction in the stone's frame.
 struct Stand {
   Eigen::Vector3d n_O_up;
   double margin = 0.0;  // m

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kOverlap = 0.008;  // m: what stones that are seen may overlap by
 
-/// by which the deepest of `points` lies in a convex body [m]; 0 if none does.
+/// Amount by which the deepest of `points` lies in a convex body [m]; 0 if none does.
 double depth_in(const Mesh& body, const Pose& T_body_points, const std::vector<Eigen::Vector3d>& points) {
   const std::vector<Eigen::Vector3d> normals = face_normals(body);
   double deepest = 0.0;

@@ -11,7 +11,7 @@ using Words = GripperRegisters::Words;
 
 constexpr double kTick = 0.002;  // s
 
-/// A gripper whose time passes when the test says so.
+/// A gripper whose time is advanced by the test.
 struct Bench {
   IdealGripperPlant plant;
   GripperRegisters registers{plant};

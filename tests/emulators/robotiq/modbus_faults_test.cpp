@@ -199,7 +199,7 @@ TEST(GripperFaults, ALostRequestIsSentOnceMoreThenReported) {
 }
 
 TEST(GripperFaults, AnOldStatusIsNotReportedAsTheNewOne) {
-  // The gripper still stands at its last request and says so until it acts upon the next one.
+  // The gripper is still at its last request and reports it until it acts upon the next one.
   const Bench bench;
   ThreeFingerGripper gripper = bench.ready();
   EXPECT_NEAR(gripper.move(0.1, 0.11, 15).opening, 0.1, 0.001);
