@@ -45,7 +45,7 @@ HandEyeFile stations(const CalibrateCommand& command, const std::optional<Pose>&
 
 void write_result(const CalibrateCommand& command, const HandEyeCalibration& done) {
   if (command.out.empty() && command.cell.empty()) return;
-  if (!done.caution.empty() && !command.force)
+  if (!done.uncertainty.empty() && !command.force)
     throw FileError(
         command.pairs_file.empty() ? "--simulate" : command.pairs_file,
         concat("gives no calibration (", to_text(done.chosen.residual), "), so nothing was written to ",

@@ -49,7 +49,7 @@ void set_cell(const PlanCommand& command, ScenePlanTask& task) {
   } else {
     const CellFile file = read_cell(command.cell);
     require(command.robot.empty() || command.robot == file.robot(), "--robot ", command.robot,
-            " is not the robot of ", command.cell, ", ", cell.robot);
+            " is not the robot of ", command.cell, ", ", file.robot());
     task.layout = to_layout(file.cell());
     task.robot = read_cell_robot(file.cell());
   }

@@ -1,3 +1,4 @@
+#include "physics/shape.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
