@@ -68,7 +68,7 @@ void detect(DetectCommand& command) {
     check_level(views.front(), find_table(views.front().image, command.options), first);
   const DetectionResult result = detect_in(views, catalogue, command);
   if (!result.detections.empty() && !result.note.empty()) log_warning(first + ": " + result.note);
-  for (const auto& uncertainty : detection_doubts(result, catalogue, command.options))
+  for (const auto& uncertainty : detection_warnings(result, catalogue, command.options))
     log_warning(uncertainty);
   if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
   std::cout << (command.common.json ? detection_json(result, catalogue, views.front().T_W_C)

@@ -9,8 +9,8 @@
 /// benchmark reports its seed and settings and compares in one run.
 namespace stonestack::bench {
 
-/// Gives a benchmark --json and --record, and runs it with results of its own, which are printed whether it ends, fails or
-/// is interrupted. What --record names is written at the end, with the command.
+/// Gives a benchmark --json and --record, and runs it with results of its own, which are printed whether it
+/// ends, fails or is interrupted. What --record names is written at the end, with the command.
 void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
 
 void add_kinematics(CLI::App& app);

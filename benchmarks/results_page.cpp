@@ -18,14 +18,14 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr const char* kSchema = "stonestack.results/1";
-constexpr std::size_t kLargestRecord = std::size_t{16} << 20U;  // bytes
+constexpr std::size_t kMaxRecord = std::size_t{16} << 20U;  // bytes
 
 [[noreturn]] void refuse(const std::string& path, const std::string& problem) {
   throw FileError(path, problem, "benchmarks/results_page.hpp describes the format");
 }
 
 json read_record(const std::string& path) {
-  json content = json::parse(read_file(path, kLargestRecord), nullptr, false);
+  json content = json::parse(read_file(path, kMaxRecord), nullptr, false);
   if (content.is_discarded()) refuse(path, "not JSON");
   return content;
 }

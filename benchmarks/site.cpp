@@ -11,12 +11,12 @@
 #include "geometry/depth_render.hpp"
 #include "physics/settle.hpp"
 #include "search/detect_missing.hpp"
+#include "search/find_stack.hpp"
 #include "simulation/sensor_noise.hpp"
 #include "stone_draws.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "search/find_stack.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::bench {

@@ -5,7 +5,7 @@
 //
 // Before a byte is parsed the process can have no more than 1 GiB, 10 s of CPU and the three files that it
 // was given: it can open none. Exit code 1 with one line on stderr where the file cannot be read, 0
-// with a line where assimp mended something. What comes out is read again by the strict PLY reader of the
+// with a line where assimp repaired something. What comes out is read again by the strict PLY reader of the
 // library (geometry/mesh_import).
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>

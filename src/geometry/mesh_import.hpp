@@ -17,8 +17,8 @@ struct MeshImport {
 
 /// A file's mesh as PLY, from the helper process `stonestack-import` (geometry/import_program.cpp), which can
 /// open no other file and has 1 GiB and 10 s of CPU. Whatever the file does to it, this process goes on. What
-/// assimp mends is warned of. The result is foreign bytes still: parse it strictly. Throws FileError, naming
-/// `path`; Interrupted.
+/// assimp repairs is warned of. The result is foreign bytes still: parse it strictly. Throws FileError,
+/// naming `path`; Interrupted.
 [[nodiscard]] std::string import_as_ply(const std::string& path, const std::string& extension,
                                         std::string_view content, const MeshImport& how = {});
 

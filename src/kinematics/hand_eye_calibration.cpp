@@ -37,7 +37,7 @@ HandEyeCheck check_file(const std::string& path, const HandEyeFile& stations, co
 }
 
 /// Describes what is wrong with the result, and the remedy; empty if nothing is.
-std::string doubt_of(const HandEyeResult& result, const HandEyeSolution& chosen) {
+std::string fault_of(const HandEyeResult& result, const HandEyeSolution& chosen) {
   if (!result.warning.empty()) return result.warning;
   if (chosen.residual.translation <= kMaxShift && chosen.residual.rotation <= kMaxTurn) return {};
   return concat(to_text(chosen.residual), ", more than ", 1000 * kMaxShift, " mm or ", kMaxTurn / kDegree,
@@ -71,7 +71,7 @@ HandEyeCalibration calibrate_stations(const HandEyeFile& stations, const HandEye
   require(chosen != solutions.end(), "method ", options.method, " has no result for these pairs");
   done.chosen = *chosen;
   if (!options.check.empty()) done.check = check_file(options.check, stations, done.chosen.T_A_C);
-  done.uncertainty = doubt_of(done.result, done.chosen);
+  done.uncertainty = fault_of(done.result, done.chosen);
   if (!done.uncertainty.empty()) done.warnings.push_back(done.uncertainty);
   if (done.check && done.check->inverted)
     done.warnings.push_back(options.check +

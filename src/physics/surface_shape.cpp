@@ -8,7 +8,7 @@ namespace stonestack::physics {
 namespace {
 
 constexpr std::size_t kMaxTouches = 16;  // a pair
-constexpr double kTableSpan = 1e3;           // m: half width of the table's bounding box
+constexpr double kTableSpan = 1e3;       // m: half width of the table's bounding box
 
 const SurfaceShape& shape_of(const btCollisionObject& object) {
   return static_cast<const SurfaceShape&>(*object.getCollisionShape());

@@ -102,20 +102,20 @@ std::string detection_table(const DetectionResult& result, const Catalogue& cata
   return text;
 }
 
-std::vector<std::string> detection_doubts(const DetectionResult& result, const Catalogue& catalogue,
-                                          const DetectionOptions& options) {
-  std::vector<std::string> doubts;
+std::vector<std::string> detection_warnings(const DetectionResult& result, const Catalogue& catalogue,
+                                            const DetectionOptions& options) {
+  std::vector<std::string> warnings;
   for (const auto& found : result.detections) {
     const std::string& name = name_of(catalogue, found.stone);
     if (found.certainty < kCertain)
-      doubts.push_back(concat(name, " ", in_words(found, catalogue),
-                              " (--json lists them); it has a certainty of ", found.certainty));
+      warnings.push_back(concat(name, " ", in_words(found, catalogue),
+                                " (--json lists them); it has a certainty of ", found.certainty));
     if (found.score < options.accept_score)
-      doubts.push_back(concat(name, " is here by its inlier ratio; its score of ", found.score,
-                              " says that the pose is wrong (detection.accept_score ", options.accept_score,
-                              ")"));
+      warnings.push_back(concat(name, " is here by its inlier ratio; its score of ", found.score,
+                                " says that the pose is wrong (detection.accept_score ", options.accept_score,
+                                ")"));
   }
-  return doubts;
+  return warnings;
 }
 
 std::string tracking_json(const TrackResult& result, const Catalogue& catalogue, const Pose& T_W_C) {

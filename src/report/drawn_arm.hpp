@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "stonestack/motion/planning_scene.hpp"
 #include "report/picture.hpp"
+#include "stonestack/motion/planning_scene.hpp"
 
 /// Private to report/: the arm in pictures.
 namespace stonestack::report {

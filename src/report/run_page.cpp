@@ -237,7 +237,7 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
   return {{"t", time}, {"title", text}, {"why", reasons}, {"candidates", candidates}, {"terms", kTerms}};
 }
 
-/// What happened, in order of time: views of the stones, resting towers, decisions, log lines.
+/// Adds events in order of time: views of the stones, resting towers, decisions, log lines.
 void add_events(json& page, const RunReport& report, const Catalogue& catalogue, const Times& times) {
   json views = json::array(), towers = json::array(), decisions = json::array(), events = json::array();
   const ShapeList shapes = make_contact_shapes(catalogue.stones);

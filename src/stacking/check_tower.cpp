@@ -36,7 +36,7 @@ void refuse_impossible(const std::string& path, const ShapeList& shapes, const S
   for (const PlacedStone& placed : stack.stones) {
     const ContactShape& shape = *shapes[static_cast<std::size_t>(placed.stone)];
     const std::string wrong = impossible(shape);
-    if (!wrong.empty()) throw FileError(path, concat("stone ", shape.name, ": ", wrong), "mend the stone");
+    if (!wrong.empty()) throw FileError(path, concat("stone ", shape.name, ": ", wrong), "repair the stone");
   }
   const std::string overlap = overlap_of(shapes, stack, kOverlap);
   if (!overlap.empty()) throw FileError(path, overlap, "give poses at which the stones touch");

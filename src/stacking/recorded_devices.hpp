@@ -9,7 +9,7 @@ namespace stonestack::stacking {
 class RecordedDevices {
  public:
   RecordedDevices(const Cell& cell, Timeline& timeline);
-  /// The same cell with recorded arm, gripper and force sensor.
+  /// Cell with recorded arm, gripper and force sensor.
   [[nodiscard]] Cell cell();
 
  private:

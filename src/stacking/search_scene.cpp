@@ -131,7 +131,7 @@ void refuse_unknown_world(const SceneView& view, const SceneSearchTask& input) {
                    "cell's world (the arm's base is its origin)"));
 }
 
-/// What was found in a view is not all that stands there: no proposal is made on it.
+/// Refuses a view in which not all that stands there was found: no proposal is made on it.
 [[noreturn]] void refuse_incomplete(const SceneSearchTask& input, const std::string& note) {
   throw Error(concat(input.scene, ": ", note, "; take another view, rather from the side, or clear the table",
                      input.site.empty() ? ", or give --site x,y for a tower away from it" : ""),

@@ -23,9 +23,8 @@ std::string problem_of(const std::string& text) {
 }
 
 TEST(PairPadding, ReadsWhoStaysHowFarFromWhat) {
-  const auto list =
-      parse_pair_paddings("- {a: hand, b: table, m: 0.004}\n- {a: wrist 2, b: lamp, m: 0.1}\n",
-                          "cell.yaml", "layout.padding", kObstacles);
+  const auto list = parse_pair_paddings("- {a: hand, b: table, m: 0.004}\n- {a: wrist 2, b: lamp, m: 0.1}\n",
+                                        "cell.yaml", "layout.padding", kObstacles);
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[0].a, "hand");
   EXPECT_EQ(list[0].b, "table");

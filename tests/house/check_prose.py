@@ -29,7 +29,7 @@ WORDS = {
     r"\b(?:outside|tool|no|has)_room\b|\bToolRoom\b": "workspace, clearance",
 }
 # standard terms, keys of files and schemas that keep their name, and names of random streams
-ALLOWED = re.compile(r"[Hh]and[-_ /]?[Ee]ye|kOnHand|OnHand|on_hand|[Bb]y[ _]?[Hh]and|HandBy|right[- _][Hh]and|other hand|first hand"
+ALLOWED = re.compile(r"[Hh]and[-_ /]?[Ee]ye|[Ee]ye[-_ ]in[-_ ][Hh]and|kOnHand|OnHand|on_hand|[Bb]y[ _]?[Hh]and|HandBy|right[- _][Hh]and|other hand|first hand"
                      r"|Random::stream\(.*|\"(?:hand|doubt|least_friction)\"|\b[ab]: '?hands?|'hands'|arm, `?hand`?, `?held|`?hand `?(?:none|robotiq_3f|claw)"
                      r"|hand '|`hand`|hand: FILE|^hand none|\"believed pose\"|\"steadied\"|\"paths of ten way points\"")
 REFERENCE = re.compile(r"((?<![/\w])(?:docs|facts|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")

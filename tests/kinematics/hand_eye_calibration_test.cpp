@@ -50,7 +50,7 @@ TEST_F(HandEyeReports, GoodStationsGiveTheChosenMethodWithoutDoubt) {
   EXPECT_THROW((void)calibrate_stations(stations(), {"none", ""}), InvalidArgument);
 }
 
-TEST_F(HandEyeReports, DoubtsStationsThatDoNotBelongTogether) {
+TEST_F(HandEyeReports, RefusesStationsThatDoNotBelongTogether) {
   HandEyeFile shuffled = stations();
   for (std::size_t i = 0; i + 1 < shuffled.pairs.size(); ++i)
     std::swap(shuffled.pairs[i].T_C_B, shuffled.pairs[i + 1].T_C_B);

@@ -72,13 +72,13 @@ TEST(DetectionResults, ATableOfACloudInTheWorldHasPositionsThere) {
   EXPECT_THAT(table, HasSubstr(" 1.1000  0.0000  0.5000"));
 }
 
-TEST(DetectionResults, DoubtsNameWhatElseAStoneMayBe) {
+TEST(DetectionResults, WarningsNameWhatElseAStoneMayBe) {
   DetectionOptions options;
   options.accept_score = 0.85;
-  const auto doubts = detection_doubts(two_detections(), named({"a", "b"}), options);
-  ASSERT_EQ(doubts.size(), 2U);
-  EXPECT_THAT(doubts[0], HasSubstr("b may be 'a' as well and is nearly symmetric: 1 other poses"));
-  EXPECT_THAT(doubts[1], HasSubstr("its score of 0.8 says that the pose is wrong"));
+  const auto warnings = detection_warnings(two_detections(), named({"a", "b"}), options);
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_THAT(warnings[0], HasSubstr("b may be 'a' as well and is nearly symmetric: 1 other poses"));
+  EXPECT_THAT(warnings[1], HasSubstr("its score of 0.8 says that the pose is wrong"));
 }
 
 TEST(DetectionResults, AreReadBackAsSeenPoses) {

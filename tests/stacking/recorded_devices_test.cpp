@@ -18,7 +18,7 @@ struct TestClock : Clock {
 struct TestArm : Arm {
   TestClock& clock;
   Joints q = Joints::Zero();
-  double contact_after = 1e9;  ///< s
+  double contact_after = 1e9;  ///< of a guarded motion [s]
   explicit TestArm(TestClock& c) : clock(c) {}
   ArmState state() override {
     ArmState state;

@@ -38,12 +38,12 @@ struct Survival {
   int shaken = 0;  ///< stones that are still a clean tower after the worse of the two shakes
 };
 
-/// Judges the tower at the believed site in a world of its own, without the arm and with every stone free,
+/// Judges the tower at the assumed site in a world of its own, without the arm and with every stone free,
 /// for `seconds` (simulated) of the options; friction is the true one of each pair. The tower is the chain of
 /// stones from the one on the table nearest to the site up, each of which rests on the last and nothing else.
 [[nodiscard]] TowerVerdict judge_tower(const SimulatedCell& cell,
                                        const StandOptions& options = tower_bounds());
-/// Lets the tower at the believed site stand, and apart from that shakes it as it is now; `bounds` says how
+/// Simulates the tower at the assumed site at rest, and separately shakes it; `bounds` says how
 /// far a stone may move to count as standing.
 [[nodiscard]] Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options = {},
                                  const StandOptions& bounds = tower_bounds());

@@ -27,9 +27,9 @@ namespace stonestack::report {
                                           const SceneView& view);
 /// Warnings: stones whose shape leaves open which stone it is or how it lies, and poses that the paper's
 /// inlier ratio takes though the visibility-aware score would refuse them.
-[[nodiscard]] std::vector<std::string> detection_doubts(const DetectionResult& result,
-                                                        const Catalogue& catalogue,
-                                                        const DetectionOptions& options);
+[[nodiscard]] std::vector<std::string> detection_warnings(const DetectionResult& result,
+                                                          const Catalogue& catalogue,
+                                                          const DetectionOptions& options);
 
 /// "stonestack.track/1".
 [[nodiscard]] std::string tracking_json(const TrackResult& result, const Catalogue& catalogue,

@@ -25,7 +25,7 @@ namespace stonestack::report {
 [[nodiscard]] std::string experiment_table(const Experiment& experiment);
 /// "stonestack.experiment/1".
 [[nodiscard]] std::string experiment_json(const Experiment& experiment);
-/// Reads a file that experiment_json wrote. Not in it: catalogue, options and belief of the runs. Throws
+/// Reads a file that experiment_json wrote. It omits catalogue, options and estimates of the runs. Throws
 /// FileError.
 [[nodiscard]] Experiment read_experiment(const std::string& path);
 /// A line a run: run, seed, stones, height, end, times.

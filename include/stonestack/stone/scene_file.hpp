@@ -61,7 +61,7 @@ struct SceneView {
 
 /// Data that a depth image, a recording or a cloud does not contain, as a user writes it.
 struct DepthInput {
-  double unit = 0.0;        ///< m a count; 0: it must stand in the files
+  double unit = 0.0;        ///< one count [m]; 0: it must stand in the files
   std::string camera;       ///< fx,fy,cx,cy
   std::string distortion;   ///< none, brown_conrady:k1,k2,p1,p2,k3 or inverse_brown_conrady:...
   int frame = 0;            ///< of a recording
