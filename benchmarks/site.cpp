@@ -121,7 +121,7 @@ struct SiteTally {
   int scenes = 0, right = 0, refused = 0, empty = 0, wrong = 0, again = 0;
 };
 
-enum class Verdict { kRight, kRefused, kEmpty, kWrong };
+enum class Verdict { kCorrect, kRefused, kEmpty, kWrong };
 
 /// Sorts detections and compares them with the truth.
 Verdict judge(const StonePool& pool, const TowerScene& scene, const DetectionResult& seen,
@@ -141,7 +141,7 @@ Verdict judge(const StonePool& pool, const TowerScene& scene, const DetectionRes
       return Verdict::kWrong;
     }
   }
-  return Verdict::kRight;
+  return Verdict::kCorrect;
 }
 
 void measure_pool(const SiteBench& bench, const StonePool& pool, int height, Results& results) {
@@ -177,7 +177,7 @@ void measure_pool(const SiteBench& bench, const StonePool& pool, int height, Res
     if (verdict == Verdict::kRefused) {
       seen = detect_missing(scene.image, models, seen, options);
       verdict = judge(pool, scene, seen, table, T_V_C, &why);
-      if (verdict == Verdict::kRight) ++tally.again;
+      if (verdict == Verdict::kCorrect) ++tally.again;
       if (bench.list) {
         std::string all;
         for (const auto& p : seen.detections)
@@ -185,7 +185,7 @@ void measure_pool(const SiteBench& bench, const StonePool& pool, int height, Res
         results.note("   again %s: %s: %s", words[static_cast<int>(verdict)], all.c_str(), why.c_str());
       }
     }
-    tally.right += verdict == Verdict::kRight ? 1 : 0;
+    tally.right += verdict == Verdict::kCorrect ? 1 : 0;
     tally.refused += verdict == Verdict::kRefused ? 1 : 0;
     tally.empty += verdict == Verdict::kEmpty ? 1 : 0;
     tally.wrong += verdict == Verdict::kWrong ? 1 : 0;

@@ -61,8 +61,10 @@ TEST(TableFrame, ShowsTheSurfaceAboveTheTable) {
   EXPECT_GT(view.above_W.size(), 1200U) << "the top alone has 1600 squares of 5 mm";
   EXPECT_LT(view.above_W.size(), 4000U);
   for (const Eigen::Vector3d& p : view.above_W) {
-    EXPECT_GT(p.x(), -0.005), EXPECT_LT(p.x(), 0.205);
-    EXPECT_GT(p.z(), 0.009), EXPECT_LT(p.z(), 0.105);
+    EXPECT_GT(p.x(), -0.005);
+    EXPECT_LT(p.x(), 0.205);
+    EXPECT_GT(p.z(), 0.009);
+    EXPECT_LT(p.z(), 0.105);
   }
 }
 
