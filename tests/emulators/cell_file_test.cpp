@@ -82,5 +82,28 @@ TEST(ServedCellFile, TheCellFileChoosesWhereBothLinksAreServed) {
   EXPECT_EQ(tcp.force_torque.link, "ur_cap");
 }
 
+TEST(ServedCellFile, TheClientTakesTheUnitsOfWhatIsServedOnSerialLines) {
+  SimulatedServersOptions options = Served::options(false, true);
+  options.gripper.unit = 7;
+  options.force_torque.unit = 11;
+  const Served served(options);
+  CellConfig cell;
+  cell.gripper.preset = "tcp2018";
+  cell.force_torque.link = "ur_cap";
+  connect_to(served.servers, cell);
+  EXPECT_EQ(cell.gripper.unit, 7);
+  const FtSensorOptions& sensor = cell.force_torque;
+  EXPECT_EQ(sensor.unit, 11);
+}
+
+TEST(ServedCellFile, SimulatorsAreSetByTheirNames) {
+  SimulatedServersOptions options;
+  FieldList list = nest("simulators", fields(options));
+  set_field(list, "simulators.arm.model=UR5");
+  EXPECT_EQ(options.arm.model, "UR5");
+  set_field(list, "simulators.camera.unit=0.0005");
+  EXPECT_DOUBLE_EQ(options.camera.unit, 0.0005);
+}
+
 }  // namespace
 }  // namespace stonestack::emulators

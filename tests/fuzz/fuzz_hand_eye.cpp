@@ -29,6 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   EasyHandEye again = read_easy_handeye(path);
   const auto by_key = [](const auto& a, const auto& b) { return a.key < b.key; };
   std::sort(read.parameters.begin(), read.parameters.end(), by_key);
+  std::sort(again.parameters.begin(), again.parameters.end(), by_key);
   check(again.parameters == read.parameters && again.mount == read.mount && again.of_ros2 == read.of_ros2);
   check((again.T_A_C.matrix() - read.T_A_C.matrix()).cwiseAbs().maxCoeff() < 1e-12);
   return 0;

@@ -223,8 +223,8 @@ TEST(Calibration, RefusesWhatCannotBe) {
     }
     return "read";
   };
-  EXPECT_THAT(answer("payload: 5\n"), HasSubstr("which robot"));
-  EXPECT_THAT(answer("robot: other.yaml\n"), HasSubstr("which robot"));
+  EXPECT_THAT(answer("payload: 5\n"), HasSubstr("does not name its robot"));
+  EXPECT_THAT(answer("robot: other.yaml\n"), HasSubstr("does not name its robot"));
   EXPECT_THAT(answer("robot: ur10\ndh: {joint_2: {a: -0.425}}\n"), HasSubstr("of another robot"));
   EXPECT_THAT(answer("robot: ur10\ndh: {joint_2: {a: .nan}}\n"), HasSubstr("dh.joint_2.a"));
   EXPECT_THAT(answer("robot: ur10\ndh: {joint_7: {a: 1}}\n"), HasSubstr("joint_7"));
