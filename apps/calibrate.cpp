@@ -66,7 +66,7 @@ void calibrate(CalibrateCommand& command) {
   if (command.simulate > 0) true_T_A_C = simulated_mount(command);
   const HandEyeFile file = stations(command, true_T_A_C);
   require(command.cell.empty() || file.mount == CameraMount::kOnHand, "--write ", command.cell,
-          ": a cell's camera is on the hand, and this calibration is of one beside the arm");
+          ": a cell's camera is on the gripper, and this calibration is of one beside the arm");
   if (!command.write_pairs.empty()) write_hand_eye_pairs(command.write_pairs, file);
   const HandEyeCalibration done = calibrate_stations(file, command.calibration);
   if (done.check) log_info(to_text(*done.check));
@@ -79,7 +79,7 @@ void calibrate(CalibrateCommand& command) {
 
 void add_calibrate(CLI::App& app) {
   const auto [sub, command] = add_subcommand<CalibrateCommand>(
-      app, "calibrate", "Where the camera sits on the hand, from arm and target poses", calibrate);
+      app, "calibrate", "Where the camera sits on the arm, from arm and target poses", calibrate);
   sub.add_option("PAIRS", command.pairs_file, "YAML of stations: T_R_F from the arm, T_C_B of the target");
   sub.add_option("--simulate", command.simulate, "Simulate that many stations in place of a file")
       ->check(CLI::Range(3, 1000));

@@ -67,7 +67,7 @@ StoneSummary scan_one(const Task& task, const ScanCommand& command) {
                            ? model_limestone(command.seed, task.number, command.options)
                            : model_stone(read_mesh(task.file), task.name, task.file, command.options);
   if (const std::string why = unfit_for_gripper(result.stone, make_robotiq_3f()); !why.empty())
-    result.warnings.push_back("the hand will not pick it up: " + why);
+    result.warnings.push_back("the gripper will not pick it up: " + why);
   for (const auto& warning : result.warnings) log_warning(concat(task.name, ": ", warning));
   write_stone(command.catalogue, result.stone);
   return summary_of(std::move(result));

@@ -71,7 +71,7 @@ void add_track(CLI::App& app) {
            "--json printed")
       ->required();
   sub.add_option("--camera-pose", command.camera_pose, "T_W_C: x,y,z,qx,qy,qz,qw or a scene file");
-  sub.add_option("--held", command.held, "In the hand, comma-separated: not searched on the table");
+  sub.add_option("--held", command.held, "In the gripper, comma-separated: not searched on the table");
   register_depth_input(sub, command.depth);
   command.common.register_on(sub);
   sub.footer(

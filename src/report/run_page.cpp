@@ -304,25 +304,14 @@ json placement_rows(const RunReport& report) {
   return rows;
 }
 
-/// "section.key" of every line of a YAML text of nested maps, with its value.
-std::map<std::string, std::string> flat_options(const std::string& yaml) {
+/// Names and values of the lines "name: value  # description" that `write_fields` writes.
+std::map<std::string, std::string> option_values(const std::string& text) {
   std::map<std::string, std::string> values;
-  std::vector<std::pair<std::size_t, std::string>> sections;
-  std::istringstream lines(yaml);
+  std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
-    const std::size_t indent = line.find_first_not_of(' ');
-    const std::size_t colon = line.find(':');
-    if (indent == std::string::npos || line[indent] == '#' || colon == std::string::npos) continue;
-    while (!sections.empty() && sections.back().first >= indent) sections.pop_back();
-    const std::string key = line.substr(indent, colon - indent);
-    const std::size_t begin = line.find_first_not_of(' ', colon + 1);
-    if (begin == std::string::npos) {
-      sections.emplace_back(indent, key);
-      continue;
-    }
-    std::string name;
-    for (const auto& section : sections) name += section.second + ".";
-    values[name + key] = line.substr(begin);
+    const std::size_t colon = line.find(": ");
+    if (colon != std::string::npos)
+      values[line.substr(0, colon)] = line.substr(colon + 2, line.find("  #", colon) - colon - 2);
   }
   return values;
 }
@@ -330,9 +319,9 @@ std::map<std::string, std::string> flat_options(const std::string& yaml) {
 /// Options that differ from their defaults: name, value, default.
 json changed_options(const std::string& yaml) {
   SimulatedRun defaults;
-  const auto usual = flat_options(write_fields(fields(defaults)));
+  const auto usual = option_values(write_fields(fields(defaults)));
   json rows = json::array();
-  for (const auto& [name, value] : flat_options(yaml)) {
+  for (const auto& [name, value] : option_values(yaml)) {
     const auto known = usual.find(name);
     if (known == usual.end() || known->second != value)
       rows.push_back({name, value, known == usual.end() ? "" : known->second});

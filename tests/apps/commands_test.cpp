@@ -275,12 +275,12 @@ TEST_F(Commands, StonesThatTheGripperCannotCarryAreNotDrawnAndNamed) {
   const Outcome heavy =
       run("scan " + folder_ + "/rocks/limestone_1/scan.ply --name heavy --mass 2.8" + rocks);
   ASSERT_EQ(heavy.code, 0);
-  EXPECT_NE(heavy.err.find("heavy: the hand will not pick it up: 2.8 kg, the fingers carry 2.5 kg"),
+  EXPECT_NE(heavy.err.find("heavy: the gripper will not pick it up: 2.8 kg, the fingers carry 2.5 kg"),
             std::string::npos)
       << heavy.err;
   const Outcome done = run("simulate --per-run 3 --seconds 0.1" + rocks);
   EXPECT_NE(
-      done.err.find("not drawn, for hand or arm cannot hold them: heavy (2.8 kg, the fingers carry 2.5 kg)"),
+      done.err.find("not drawn, for gripper or arm cannot hold them: heavy (2.8 kg, the fingers carry 2.5 kg)"),
       std::string::npos)
       << done.err;
 }

@@ -137,7 +137,7 @@ TEST_F(DoctorHandEye, ReportsWhatCannotBeChecked) {
   // Straight down from half way between flange and finger tips: T_C_F puts the camera as high.
   const std::string halfway = "x: 0.0, y: 0.11, z: -0.132, qx: 0.0, qy: 0.0, qz: 0.0, qw: 1.0";
   EXPECT_THAT(finding("T_T_C: {" + halfway + "}", ", T_T_C: {" + halfway + "}"),
-              ContainsRegex("^note  cell file, hand-eye: .*T_C_F.*tilt the hand"));
+              ContainsRegex("^note  cell file, hand-eye: .*T_C_F.*tilt the gripper"));
   // Without a picture of the table only what cannot be is refused.
   const std::string blind = ", faults: {empty: -1}";
   EXPECT_THAT(finding(concat("T_T_C: {", kStandard, "}"), blind),
