@@ -279,9 +279,9 @@ TEST_F(Commands, StonesThatTheGripperCannotCarryAreNotDrawnAndNamed) {
             std::string::npos)
       << heavy.err;
   const Outcome done = run("simulate --per-run 3 --seconds 0.1" + rocks);
-  EXPECT_NE(
-      done.err.find("not drawn, for gripper or arm cannot hold them: heavy (2.8 kg, the fingers carry 2.5 kg)"),
-      std::string::npos)
+  EXPECT_NE(done.err.find(
+                "not drawn, for gripper or arm cannot hold them: heavy (2.8 kg, the fingers carry 2.5 kg)"),
+            std::string::npos)
       << done.err;
 }
 
