@@ -60,7 +60,7 @@ TEST(ScriptQueue, AShortScriptDoesNotWaitForALongOneOfAnotherClient) {
   EXPECT_EQ(bench.controller.program_name(), "quick") << "a broken program kills none";
 }
 
-TEST(ScriptQueue, WhatOneClientSendsStaysInItsOrder) {
+TEST(ScriptQueue, ScriptsOfOneClientStayInOrder) {
   QueueBench bench;
   bench.queue.put(1, long_program("first", ""));
   bench.queue.put(1, " stop program\r");

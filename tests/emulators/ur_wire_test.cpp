@@ -381,7 +381,7 @@ TEST(UrWire, ProgramsOfTheCellFileAreLoadedAndPlayed) {
   EXPECT_EQ(answer_to("play"), "Failed to execute: play");
 }
 
-TEST(UrWire, WhatIsLoadedIsTheProgramOfTheDashboard) {
+TEST(UrWire, TheDashboardPlaysTheLoadedProgram) {
   // UR's client library waits for "STOPPED <file>" after a load, and loads by other folders' names, too.
   const RobotModel robot = read_robot("ur10");
   IdealPlant plant(ScriptBench::start());

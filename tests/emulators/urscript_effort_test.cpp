@@ -43,7 +43,7 @@ TEST(UrScriptEffort, ManyThreadsTakeNoMoreThanOne) {
   EXPECT_GT(seen_by_many, 45);
 }
 
-TEST(UrScriptEffort, WhatIsCopiedCounts) {
+TEST(UrScriptEffort, CopiesCount) {
   const int plain = turns(busy(60, "x = 1")).first;
   const auto [copies, seen] = turns(busy(60, "x = l", 1000));
   EXPECT_LT(copies, plain / 20);

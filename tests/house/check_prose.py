@@ -1,6 +1,6 @@
 """check_prose.py ROOT: plain English in docstrings and documents (CONTRIBUTING.md, "Plain English").
 
-Fails on docstrings that begin with That, What, Who, Those, The same or a unit; on words for which the field has a
+Fails on docstrings that begin with That, What, Who, Those, The same or a unit, and on names of tests that begin so; on words for which the field has a
 standard term (WORDS, but ALLOWED) in names, comments, messages and documents; on references to files that are not in
 the repository; on words of a lab notebook in documents; on documents wider than they should be.
 """
@@ -32,6 +32,7 @@ WORDS = {
 ALLOWED = re.compile(r"[Hh]and[-_ /]?[Ee]ye|[Ee]ye[-_ ]in[-_ ][Hh]and|kOnHand|OnHand|on_hand|[Bb]y[ _]?[Hh]and|HandBy|right[- _][Hh]and|other hand|first hand"
                      r"|Random::stream\(.*|\"(?:hand|doubt|least_friction)\"|\b[ab]: '?hands?|'hands'|arm, `?hand`?, `?held|`?hand `?(?:none|robotiq_3f|claw)"
                      r"|hand '|`hand`|hand: FILE|^hand none|\"believed pose\"|\"steadied\"|\"paths of ten way points\"")
+TEST_NAME = re.compile(r"^TEST(?:_[FP])?\(\w+,\s*((?:What|Who|Whom|Whose|Those|That|Nobody)[A-Z]\w*)")
 REFERENCE = re.compile(r"((?<![/\w])(?:docs|facts|cmake|tests|src|include|apps|benchmarks|examples)/[\w./-]*\.(?:md|cpp|hpp|cmake|txt|yaml|png|py))\b")
 NOTEBOOK = re.compile(r"(the day before|machine (?:was )?shared|a load of \d|beside (?:builds|tests|other work)|scratch (?:program|build|library)"
                       r"|looked at before|never looked at|\bhelpers?'? (?:build|work))", re.IGNORECASE)
@@ -60,6 +61,12 @@ def bad_start(text):
     return bool(BAD_START.match(text) or BARE_UNIT.match(text))
 
 
+def bad_test_name(line):
+    """Name of a test whose name does not begin with its subject; None: there is none."""
+    found = TEST_NAME.match(line)
+    return found.group(1) if found else None
+
+
 def bad_words(line):
     """(word, standard term) of each word of a line that has a standard term."""
     line = ALLOWED.sub(" ", line)
@@ -77,6 +84,10 @@ def main(root):
         for number, text in docstrings(path):
             if bad_start(text):
                 faults.append(f"{path.relative_to(root)}:{number}: a docstring begins with '{text[:40]}': begin with a noun or a verb")
+    for path in sources:
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            if name := bad_test_name(line):
+                faults.append(f"{path.relative_to(root)}:{number}: a test is called {name}: begin with its subject")
     for path in sources + documents:
         if path.name == "CHANGELOG.md" or "apps" in path.relative_to(root).parts:
             continue

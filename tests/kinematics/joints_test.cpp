@@ -46,7 +46,7 @@ TEST(Joints, SampleRefusesWhatIsNoTrajectory) {
   EXPECT_THROW((void)sample(trajectory, 0.0), InvalidArgument);
 }
 
-TEST(Joints, WhatIsMalformedIsNamed) {
+TEST(Joints, MalformedEntriesAreNamed) {
   EXPECT_EQ(malformed(cubic()), "");
   EXPECT_THAT(malformed({}), HasSubstr("got 0, 0, 0"));
   const auto fault = [](const auto& spoil) {

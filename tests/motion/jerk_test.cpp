@@ -160,7 +160,7 @@ TEST(Jerk, ATransitKeepsItsPaddingOnTheHardSet) {
   }
 }
 
-TEST(Jerk, WhatDoesNotMoveStays) {
+TEST(Jerk, AJointAtRestStaysAtRest) {
   EXPECT_EQ(time_path({Joints::Ones()}, limits_with(10.0)).duration(), 0.0);
   EXPECT_THROW((void)time_path({Joints::Ones()}, limits_with(-1.0)), InvalidArgument);
   EXPECT_THROW((void)time_path({Joints::Ones()}, limits_with(std::nan(""))), InvalidArgument);

@@ -359,7 +359,7 @@ TEST(GraspFinder, AtAGraspTheArmMayComeAsNearToTheTableAsOnAnApproach) {
   }
 }
 
-TEST(GraspFinder, WhatWillStandThereByThenIsNotMet) {
+TEST(GraspFinder, StonesThatWillStandByThenAreAvoided) {
   const Workplace cell;
   const GraspFinder finder(cell.scene, *cell.task.stone, cell.task.object, cell.task.T_W_O_pick);
   const Pose& T_W_O = cell.task.T_W_O_place;

@@ -61,7 +61,7 @@ TEST(RoundCorners, ATightTransitKeepsItsPadding) {
 }
 
 /// The path that is certified is the one that is timed, whatever the corners and with and without jerk limit.
-TEST(RoundCorners, WhatIsCutStaysFree) {
+TEST(RoundCorners, CutCornersStayFree) {
   const PlanningScene scene = slot_scene(0.8, 0.061, 0.1);
   const CollisionChecker checker = checker_at(scene, 0.010), promised = checker_at(scene, 0.010 - kChord);
   const auto starts = test::tool_down_at(scene, {0.8, -0.3, 0.25}, 0.0);

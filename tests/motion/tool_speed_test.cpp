@@ -69,7 +69,7 @@ TEST(ToolSpeed, TransitsAreSlowNearObjectsAndBoundedElsewhere) {
   }
 }
 
-TEST(ToolSpeed, WhatIsHeldIsNotNearAndReachesFurther) {
+TEST(ToolSpeed, AHeldStoneExtendsTheToolAndIsNoObstacle) {
   const PlanningScene scene = Passing().scene;
   MotionOptions options;
   options.near_distance = kAbove - 0.05;

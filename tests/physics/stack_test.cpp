@@ -47,7 +47,7 @@ TEST(JudgeStack, CubesStandAndAreClean) {
   EXPECT_LT(verdict.shift, 1e-4);
 }
 
-TEST(JudgeStack, WhatOverhangsFalls) {
+TEST(JudgeStack, AnOverhangingStoneFalls) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
   const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.032, 0, 0.09)}}};
   StandOptions options;
@@ -160,7 +160,7 @@ std::optional<Stack> balanced_lumps(const ShapeList& lumps, int seed, double fri
   return stack;
 }
 
-TEST(JudgeStack, WhatHasComeToRestStaysAndMayEndEarly) {
+TEST(JudgeStack, AStackAtRestStaysAndMayEndEarly) {
   StandOptions options;
   options.friction = 0.5;
   options.seconds = 3.0;

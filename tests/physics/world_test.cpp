@@ -121,7 +121,7 @@ TEST(World, BoxPushesAStoneAndFixedStonesStay) {
   EXPECT_LT(world.pose(fixed).translation().z(), 0.46);
 }
 
-TEST(World, WhatIsDeeperInAStoneThanItsDistanceIsKnownComesOut) {
+TEST(World, AStoneDeeperThanTheDistanceFieldComesOut) {
   World world;
   world.set_gravity(Eigen::Vector3d::Zero());
   world.add_stone(box(0.1, 0.1, 0.1), at(0, 0, 0), true);

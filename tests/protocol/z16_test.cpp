@@ -48,7 +48,7 @@ TEST(Z16, RefusesWhatDoesNotFit) {
   EXPECT_THROW((void)decode_z16(raw, 0, tiny(1, 1), -1.0), InvalidArgument);
 }
 
-TEST(Z16, WhatDoesNotFitIntoCountsIsNoDepth) {
+TEST(Z16, ValuesBeyondTheCountsBecomeNoDepth) {
   const DepthImage image{tiny(4, 1), {-1.0F, 70.0F, std::numeric_limits<float>::quiet_NaN(), 1.0F}};
   EXPECT_EQ(encode_z16(image, 0.001), (Bytes{0, 0, 0, 0, 0, 0, 0xE8, 0x03}));
 }

@@ -87,7 +87,7 @@ TEST(TowerTree, OfEquallyHighRoutesTheFirmerIsBest) {
   EXPECT_EQ(tree.best_path_from(a), std::vector<int>{firm});
 }
 
-TEST(TowerTree, WhatWasNotTriedIsNeitherCertainNorBehindWhatFallsOften) {
+TEST(TowerTree, UntriedPosesRankBetweenCertainAndUnstableOnes) {
   TowerTree tree = four_stones();
   const int certain = tree.add(0, trial_of(0), 0.1), untried = tree.add(0, trial_of(1), 0.1);
   const int poor = tree.add(0, trial_of(2, 0.1, 0.6), 0.1);

@@ -76,7 +76,7 @@ TEST(Scatter, InAFullFieldStonesLieCloserTogether) {
 
 /// The six stones that come along in the cell's field, with seeds whose first field has no free place for the
 /// last: the earlier stones must not obstruct those that are dropped anew.
-TEST(Scatter, WhatLayThereIsGoneWhenItBeginsAnew) {
+TEST(Scatter, ANewScatterRemovesEarlierStones) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const CellLayout layout;
   for (const int seed : {3, 4, 18}) {

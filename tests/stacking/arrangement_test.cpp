@@ -65,7 +65,7 @@ TEST(EstimateStones, AStoneThatCarriesAnotherHasNotMoved) {
   EXPECT_LT(difference(stones.stack[1].T_W_O_at_rest, expected[1].T_W_O).translation, 1e-9);
 }
 
-TEST(EstimateStones, WhatLiesOnTheTableHasFallen) {
+TEST(EstimateStones, AStoneOnTheTableHasFallen) {
   const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
   const StoneEstimates stones = estimate(expected, {seen(0, on_site(0.025)), seen(1, on_site(0.025, 0.13))});
   EXPECT_EQ(stones.stack.size(), 1U);

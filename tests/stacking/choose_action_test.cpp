@@ -195,7 +195,7 @@ TEST(StateFile, IsReadAsItWasWritten) {
   }
 }
 
-TEST(StateFile, WhatIsNoStateIsRefusedWithItsName) {
+TEST(StateFile, AFileThatIsNoStateIsRefusedByName) {
   const std::string path = testing::TempDir() + "no_state.json";
   for (const char* text :
        {"", "{}", "[1]", R"({"schema": "stonestack.run/1"})", R"({"schema": "stonestack.state/1"})"}) {

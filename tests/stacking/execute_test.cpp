@@ -84,7 +84,7 @@ TEST(Execute, FingersAreSpacedBeforeTheGripperOpens) {
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("open"));
 }
 
-TEST(Execute, WhatTouchesEarlyIsLetGoThere) {
+TEST(Execute, AnEarlyTouchReleasesTheStoneThere) {
   Bench bench;
   const auto done = bench.run({Status::kContact});
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
@@ -92,7 +92,7 @@ TEST(Execute, WhatTouchesEarlyIsLetGoThere) {
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("follow", "lower", "open", "follow"));
 }
 
-TEST(Execute, WhatNeverTouchesIsNotCarriedAround) {
+TEST(Execute, AStoneThatNeverTouchesIsNotCarriedAround) {
   Bench bench;
   const auto done = bench.run({Status::kNoContact, Status::kNoContact});
   EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);

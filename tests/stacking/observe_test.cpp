@@ -79,7 +79,7 @@ TEST(PlanningSceneOfACell, HasTheCameraWhereTheLayoutMountsIt) {
   EXPECT_FALSE(CollisionChecker(make_planning_scene(layout, robot, catalogue, {}), rules).collides(q));
 }
 
-TEST(FindInViews, WhatLiesWhereItWasIsFoundThere) {
+TEST(FindInViews, AnUnmovedStoneIsFoundInPlace) {
   ASSERT_EQ(field().seen.size(), 2U);
   Arrangement before;
   for (const Sighting& s : field().seen)
@@ -103,7 +103,7 @@ TEST(FindInViews, HowCertainItIsWhichStoneItIsComesAlong) {
   for (const Sighting& s : field().seen) EXPECT_GT(s.certainty, 0.9);
 }
 
-TEST(FindInViews, WhatMovedFarIsFoundAnew) {
+TEST(FindInViews, AStoneThatMovedFarIsFoundAnew) {
   Arrangement before;
   for (const Sighting& s : field().seen)
     before.loose.push_back({s.stone, Eigen::Translation3d(0.2, 0, 0) * s.T_W_O});
@@ -112,7 +112,7 @@ TEST(FindInViews, WhatMovedFarIsFoundAnew) {
 
 /// A stone of the stack below one that is in its place is there, though no view shows it: what views like it
 /// in the field is not taken for it.
-TEST(FindInViews, WhatIsHiddenBelowASeenStoneIsNotSoughtElsewhere) {
+TEST(FindInViews, AStoneHiddenBelowASeenOneIsNotSoughtElsewhere) {
   Arrangement before;
   const Pose T_W_hidden = Eigen::Translation3d(0, 0, -0.08) * field().seen[0].T_W_O;
   before.stack = {{field().seen[1].stone, T_W_hidden}, {field().seen[0].stone, field().seen[0].T_W_O}};

@@ -79,7 +79,7 @@ TEST(SettleStack, PosesBesideTheMeasuredOneAreTried) {
   EXPECT_EQ(settled(seen).stones[1].T_W_O.matrix(), resting.stones[1].T_W_O.matrix());
 }
 
-TEST(SettleStack, WhatIsTooFarFromStandingStaysAsItWasSeen) {
+TEST(SettleStack, AnUnstableStackStaysAsItWasSeen) {
   const Stack seen = two(0.05, 0.0);
   EXPECT_EQ(settled(seen).stones[1].T_W_O.matrix(), seen.stones[1].T_W_O.matrix());
 }

@@ -88,7 +88,7 @@ TEST(Site, AnExistingTowerIsBuiltOn) {
   }
 }
 
-TEST(Site, WhatNoViewShowsIsNotBuiltOn) {
+TEST(Site, AnUnseenSiteIsNotBuiltOn) {
   Started lab({1, 2});
   const Cell seeing = lab.world->cell();
   test::HidingCamera blind(seeing, lab.robot);
@@ -103,7 +103,7 @@ TEST(Site, WhatNoViewShowsIsNotBuiltOn) {
   EXPECT_TRUE(result.placements.empty());
 }
 
-TEST(Site, WhatNobodyKnowsIsNotBuiltOn) {
+TEST(Site, AnUnknownObjectIsNotBuiltOn) {
   Started lab({1, 2, 5});
   Pose T_W_O = lab.world->truth().T_W_O[5];  // as it lies, moved to the site
   T_W_O.translation().head<2>() = CellLayout{}.site;

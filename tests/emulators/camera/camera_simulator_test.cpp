@@ -118,7 +118,7 @@ TEST(CameraSimulator, StaleFrozenEmptyAndMisscaledFramesAreRefused) {
   }
 }
 
-TEST(CameraSimulator, NobodyThereIsNamed) {
+TEST(CameraSimulator, AMissingDeviceIsNamed) {
   StreamCameraOptions options;
   {
     const Bench bench;

@@ -267,7 +267,7 @@ TEST(FtSensor, RefusesAnotherDeviceOnTheLine) {
               ThrowsMessage<DeviceError>(HasSubstr("has firmware 'GRI-")));
 }
 
-TEST(FtSensor, NobodyThereEndsAtTheDeadlineWithTheLineAndTheRate) {
+TEST(FtSensor, AMissingSensorEndsAtTheDeadlineWithLineAndRate) {
   Bench bench;
   FtFaults faults;
   faults.silent = true;

@@ -184,7 +184,7 @@ TEST(V4l2Camera, AsksInTheOrderThatTheKernelWants) {
   EXPECT_EQ(bench.script.asked, "SRQQQ+DQ-");
 }
 
-TEST(V4l2Camera, WhatDoesNotStartLeavesNothingMapped) {
+TEST(V4l2Camera, AFailedStartLeavesNothingMapped) {
   Bench bench;
   bench.script.fail_at = ENOSPC;
   EXPECT_THROW((void)bench.open(), DeviceError);
@@ -201,7 +201,7 @@ TEST(V4l2Camera, TimeStampsOfAnotherClockAreRefused) {
 
 // As they came: padding, a damaged one, a short one, one from before the call. The recording gives what the
 // device gave, and the one from before, for nobody waits any more.
-TEST(V4l2Camera, WhatItRecordsPlaysThroughTheSameDecoder) {
+TEST(V4l2Camera, RecordingsPlayThroughTheSameDecoder) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "v4l2_recording";
   std::filesystem::remove_all(folder);
   Bench bench;

@@ -123,7 +123,7 @@ TEST(ModbusClient, TalksToLibmodbusOverASerialLine) {
   back.join();
 }
 
-TEST(ModbusClient, NobodyThereIsNamed) {
+TEST(ModbusClient, AMissingDeviceIsNamed) {
   ModbusOptions options;
   {
     const TcpListener free_port{ListenOptions{}};
