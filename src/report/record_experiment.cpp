@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/memory.hpp"
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
 #include "report/text.hpp"
@@ -137,7 +138,10 @@ class Runs {
       return false;
     }
     Experiment& experiment = done.experiment;
-    experiment.runs.push_back({made.report, made.survival});
+    made.report.result.events.clear();  // in the run's own folder
+    made.report.result.timeline = {};
+    experiment.runs.push_back({std::move(made.report), std::move(made.survival)});
+    core::return_free_memory();
     try {
       write_record(experiment, folder_);
     } catch (const FileError& error) {
@@ -145,7 +149,7 @@ class Runs {
       return false;
     }
     log_info(concat("run ", k, ": height ", judged_height(experiment.runs.back()), "; ",
-                    made.report.result.ended));
+                    experiment.runs.back().report.result.ended));
     return true;
   }
 

@@ -56,7 +56,7 @@ TEST(ExperimentReport, CountsTheHeightThatTheTrueWorldHolds) {
   EXPECT_THAT(experiment_table(sample()), testing::StartsWith("a test (2 done)\n"));
 }
 
-TEST(ExperimentReport, WhatWasNotTriedHasNoRate) {
+TEST(ExperimentReport, UntriedPlacementsHaveNoRate) {
   EXPECT_THAT(experiment_table(sample()), HasSubstr("stand whole after"));
   Experiment untried = sample();
   for (ExperimentRun& run : untried.runs) run.survival = {};
@@ -73,7 +73,7 @@ nlohmann::json to_nine_digits(const nlohmann::json& value) {
   return same;
 }
 
-TEST(ExperimentReport, WhatIsWrittenIsReadAgain) {
+TEST(ExperimentReport, WrittenFilesAreReadBack) {
   Experiment experiment = sample();
   PlacementRecord& first = experiment.runs[0].report.result.placements[0];
   first.planned.T_W_O = make_pose(Eigen::Vector3d(0.1, -0.7, 0.05), Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5));

@@ -53,7 +53,9 @@ struct ExperimentOrder {
 };
 /// An experiment and its record.
 struct RecordedExperiment {
-  Experiment experiment;   ///< runs that are done; of a comparison, those of the last variant
+  /// Runs that are done; of a comparison, those of the last variant. Events and timeline of each are in its
+  /// folder only, so that memory does not grow with the runs.
+  Experiment experiment;
   std::string comparison;  ///< a table with a row for each variant that has runs
   std::string folder;
   bool interrupted = false;  ///< by the user: the run under way is not counted
