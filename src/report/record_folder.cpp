@@ -74,7 +74,7 @@ bool RecordFolder::take(bool only_new) {
     }
     ::close(std::exchange(lock_, -1));
   }
-  refuse(path_, "is made and removed by another program again and again");
+  refuse(path_, "cannot be made: its file system takes no folders, or another program removes it each time");
 }
 
 RecordFolder::RecordFolder(const std::string& path) : RecordFolder() {
