@@ -1,0 +1,44 @@
+#include "core/memory.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <memory>
+#include <thread>
+#include <vector>
+
+namespace stonestack::core {
+namespace {
+
+double resident_megabytes() {
+  std::ifstream statm("/proc/self/statm");
+  long total = 0, resident = 0;
+  statm >> total >> resident;
+  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+/// Every tenth block stays, so that the heap of each thread is full of holes.
+std::vector<std::unique_ptr<char[]>> leave_holes() {
+  std::vector<std::unique_ptr<char[]>> kept;
+  std::vector<std::unique_ptr<char[]>> freed;
+  for (int k = 0; k < 2000; ++k) {
+    auto block = std::make_unique<char[]>(10000);
+    for (int i = 0; i < 10000; i += 1000) block[static_cast<std::size_t>(i)] = 1;
+    (k % 10 == 0 ? kept : freed).push_back(std::move(block));
+  }
+  return kept;
+}
+
+TEST(Memory, ReturnsWhatThreadsHaveFreed) {
+  std::vector<std::vector<std::unique_ptr<char[]>>> kept(4);
+  std::vector<std::thread> threads;
+  for (auto& blocks : kept) threads.emplace_back([&blocks] { blocks = leave_holes(); });
+  for (std::thread& thread : threads) thread.join();
+  const double before = resident_megabytes();
+  return_free_memory();
+  EXPECT_LT(resident_megabytes(), before - 30.0) << "72 MB were freed";
+}
+
+}  // namespace
+}  // namespace stonestack::core
