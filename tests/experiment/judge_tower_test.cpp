@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "stonestack/core/error.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
+
 namespace stonestack::experiment {
 namespace {
 
@@ -47,6 +50,39 @@ TEST(JudgeTower, JudgesATrueTower) {
   verdict = judge_tower(bench.simulated);
   EXPECT_FALSE(verdict.stand.clean);
   EXPECT_LE(verdict.stand.standing, 1);
+}
+
+/// Both engines, on a tower that stands by analysis and on one that does not.
+TEST(JudgeTower, BothEnginesJudge) {
+  Bench bench;
+  const auto site = bench.layout.site;
+  const auto put = [&](int stone, double dx, double z) {
+    bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
+  };
+  put(0, 0, 0.0250);
+  put(1, 0.01, 0.0750);
+  put(2, -0.01, 0.1250);
+  RunResult result;
+  result.height = 3;
+  const TruthReport stands = judge_run(bench.simulated, result);
+  ASSERT_EQ(stands.engines.size(), 2u);
+  EXPECT_EQ(stands.engines[0].engine, "bullet");
+  EXPECT_EQ(stands.engines[1].engine, "ode");
+  for (const EngineVerdict& verdict : stands.engines)
+    EXPECT_EQ(verdict.height, 3) << verdict.engine << ": " << verdict.note;
+  EXPECT_TRUE(stands.stands);
+  EXPECT_EQ(stands.height, 3);
+  EXPECT_FALSE(engines_disagree(stands));
+
+  put(2, 0.085, 0.1250);  // its centre of mass 15 mm beyond the edge of the one below
+  const TruthReport falls = judge_run(bench.simulated, result);
+  for (const EngineVerdict& verdict : falls.engines) {
+    EXPECT_EQ(verdict.height, 2) << verdict.engine << ": " << verdict.note;
+    EXPECT_GT(verdict.shift, 0.02) << verdict.engine;
+  }
+  EXPECT_FALSE(falls.stands);
+  EXPECT_EQ(falls.height, 2);
+  EXPECT_THROW((void)judge_tower(bench.simulated, tower_bounds(), "mujoco"), InvalidArgument);
 }
 
 TEST(JudgeTower, TriesATowerByWaitingAndShaking) {
