@@ -33,8 +33,11 @@ void experiment(ExperimentCommand& command) {
   order.seed = command.common.seed;
   order.variants = variants_of(command);
   order.version = program_version();
+  require(order.new_stones == 0 || command.common.catalogue.empty(), "--new-stones and --catalogue ",
+          command.common.catalogue, ": new stones are drawn from a folder with --new-stones-from");
   const RecordedExperiment done =
-      record_experiment(order, command.common.read(), [](const std::string& row) { std::cerr << row; });
+      record_experiment(order, order.new_stones > 0 ? Catalogue{} : command.common.read(),
+                        [](const std::string& row) { std::cerr << row; });
   const bool whole = !done.interrupted && done.unwritten.empty();
   if (!order.variants.empty()) {
     if (whole) std::cerr << '\n' << done.comparison << "record: " << done.folder << '\n';
@@ -55,8 +58,19 @@ void add_experiment(CLI::App& app) {
       app, "experiment", "The paper's experiment: consecutive runs, heights, figure 5", experiment);
   ExperimentOrder& order = command.order;
   sub.add_option("--runs", order.runs)->check(CLI::Range(1, 100000))->capture_default_str();
-  sub.add_option("--stones", order.stones, "Stones of the catalogue to draw from")
-      ->check(CLI::Range(1, 1000))
+  CLI::Option* const stones = sub.add_option("--stones", order.stones, "Stones of the catalogue to draw from")
+                                  ->check(CLI::Range(1, 1000))
+                                  ->capture_default_str();
+  sub.add_option("--new-stones", order.new_stones,
+                 "Stones that each run has for itself, to draw from: limestones that are generated for it")
+      ->check(CLI::Range(1, 100))
+      ->excludes(stones);
+  add_path(sub, "--new-stones-from", order.new_stones_from,
+           "Draw the new stones from this catalogue; none comes again before all did", "DIR");
+  sub.add_option("--protocol", order.protocol,
+                 "full: until nothing more can be placed; paper: a run ends at the first placement that "
+                 "fails, no stone is unstacked, reoriented or picked twice")
+      ->check(CLI::IsMember({"full", "paper"}))
       ->capture_default_str();
   sub.add_option("--per-run", order.per_run, "Stones in the field of each run")
       ->check(CLI::Range(1, 100))
@@ -81,6 +95,8 @@ void add_experiment(CLI::App& app) {
       "Examples:\n"
       "  stonestack experiment --runs 11 --stones 6 --per-run 4 --seed 1\n"
       "  stonestack experiment --runs 200 --catalogue rocks --stones 16 --out long --continue\n"
+      "  stonestack experiment --runs 100 --new-stones 4 --set simulation.engine=ode\n"
+      "  stonestack experiment --runs 100 --new-stones 4 --new-stones-from rocks --protocol paper\n"
       "  stonestack experiment --runs 20 --compare cell --survival false\n"
       "  stonestack experiment --runs 20 --variant 'as it is:' --variant 'wide: search.beam=6'");
 }

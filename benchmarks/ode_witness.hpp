@@ -17,8 +17,7 @@ struct OdeVerdict {
   double shift = 0.0;  ///< largest of any stone, m
   double turn = 0.0;   ///< largest of any stone, rad
 };
-/// Lets a stack stand with every stone dynamic: concave meshes of the scans against each other (triangle on
-/// triangle), an exact solver (dWorldStep), friction cones cut to four sides along the principal directions.
+/// Lets a stack stand with every stone dynamic (physics: OdeWorld).
 [[nodiscard]] OdeVerdict stand_in_ode(const ShapeList& shapes, const Stack& stack,
                                       const OdeOptions& options = {});
 

@@ -16,25 +16,29 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-void run_at_rest(World& judge, double seconds) {
+void pass(RigidWorld& judge, double step, double seconds) {
+  const long steps = std::max(1L, std::lround(seconds / step));
+  for (long i = 0; i < steps; ++i) judge.step(step);
+}
+
+void run_at_rest(RigidWorld& judge, double step, double seconds) {
   constexpr double kCheckPeriod = 0.5;  // s between two checks for an interrupt
   for (double t = 0; t < seconds; t += kCheckPeriod) {
     throw_if_interrupted();
-    judge.run(std::min(kCheckPeriod, seconds - t));
+    pass(judge, step, std::min(kCheckPeriod, seconds - t));
   }
 }
 
 // In the frame of a shaken table the shaking is a gravity that swings.
-void shake(World& judge, const SurvivalOptions& options, const Eigen::Vector3d& direction) {
-  const Eigen::Vector3d g(0, 0, -judge.options().gravity);
-  const double step = judge.options().step;
+void shake(RigidWorld& judge, double step, const SurvivalOptions& options, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d g(0, 0, -WorldOptions{}.gravity);
   for (double t = 0; t < options.shake_seconds; t += step) {
     const double swing = std::sin(2 * std::numbers::pi * options.shake_frequency * t);
     judge.set_gravity(g - options.shake_acceleration * swing * direction);
-    judge.step();
+    judge.step(step);
   }
   judge.set_gravity(g);
-  judge.run(kRest);
+  pass(judge, step, kRest);
 }
 
 // Stones of the chain, from the table up, that lie where they lay.
@@ -55,7 +59,7 @@ StandOptions tower_bounds() {
   return {.seconds = 60.0, .max_shift = 0.005, .max_turn = 0.0523599};  // 3 deg
 }
 
-TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options) {
+TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options, const std::string& engine) {
   const TrueWorld& world = cell.world();
   TowerVerdict verdict;
   auto& stand = verdict.stand;
@@ -65,9 +69,9 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options)
   verdict.stones = std::move(chain.stones);
   stand.reason = std::move(chain.unclean);
   stand.clean = stand.reason.empty();
-  World judge = world.judge_world(options.step, options.iterations);
-  run_at_rest(judge, options.seconds);
-  const auto after = judged_poses(world, judge);
+  const auto judge = world.judge_world(options.step, options.iterations, engine_named(engine));
+  run_at_rest(*judge, options.step, options.seconds);
+  const auto after = judged_poses(world, *judge);
   const Neighbours touching_after(world, after, options.touch_gap);
   const CleanPart clean = still_clean(world, touching, touching_after, verdict.stones);
   if (!clean.unclean.empty()) stand.reason = clean.unclean;
@@ -96,18 +100,18 @@ Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, co
   const std::vector<int> chain =
       find_chain(world, before, Neighbours(world, before, bounds.touch_gap), cell.site()).stones;
   Survival survival;
-  World judge = world.judge_world(bounds.step, bounds.iterations);
+  const auto judge = world.judge_world(bounds.step, bounds.iterations);
   double t = 0.0;
   for (const double seconds : options.seconds) {
-    run_at_rest(judge, seconds - t);
+    run_at_rest(*judge, bounds.step, seconds - t);
     t = seconds;
-    survival.standing.push_back(count_still(before, judged_poses(world, judge), chain, bounds));
+    survival.standing.push_back(count_still(before, judged_poses(world, *judge), chain, bounds));
   }
   survival.shaken = static_cast<int>(chain.size());
   for (const Eigen::Index axis : {0, 1}) {
-    World shaken = world.judge_world(bounds.step, bounds.iterations);
-    shake(shaken, options, Eigen::Vector3d::Unit(axis));
-    const auto after = judged_poses(world, shaken);
+    const auto shaken = world.judge_world(bounds.step, bounds.iterations);
+    shake(*shaken, bounds.step, options, Eigen::Vector3d::Unit(axis));
+    const auto after = judged_poses(world, *shaken);
     const std::vector<int> left =
         find_chain(world, after, Neighbours(world, after, bounds.touch_gap), cell.site()).stones;
     const auto same =

@@ -69,7 +69,7 @@ std::vector<Pose> true_poses(const TrueWorld& world) {
   return poses_of(world, [&](int body) { return world.pose(world.present()[at(body)]); });
 }
 
-std::vector<Pose> judged_poses(const TrueWorld& world, const World& judge) {
+std::vector<Pose> judged_poses(const TrueWorld& world, const RigidWorld& judge) {
   return poses_of(world, [&](int body) { return judge.pose(body); });
 }
 

@@ -22,7 +22,7 @@ class Neighbours {
 
 /// Poses by stone index, identity for absent stones: as the world stands, or of a judge's world.
 [[nodiscard]] std::vector<Pose> true_poses(const TrueWorld& world);
-[[nodiscard]] std::vector<Pose> judged_poses(const TrueWorld& world, const World& judge);
+[[nodiscard]] std::vector<Pose> judged_poses(const TrueWorld& world, const RigidWorld& judge);
 
 /// Stones of a tower, from the table up.
 struct TowerChain {

@@ -86,6 +86,12 @@ TruthReport truth_of(const json& map, const std::string& path) {
   truth.shift = number_of(map, "shift_m", 0.0, 1e9, path);
   truth.turn = number_of(map, "turn_rad", 0.0, 1e9, path);
   truth.note = text_of(map, "note", path);
+  if (!map.contains("engines")) return truth;  // as older records
+  for (const json& verdict : entry(map, "engines", &json::is_array, path))
+    truth.engines.push_back({text_of(verdict, "engine", path), count_of(verdict, "height", path),
+                             seconds_of(verdict, "seconds", path),
+                             number_of(verdict, "shift_m", 0.0, 1e9, path),
+                             number_of(verdict, "turn_rad", 0.0, 1e9, path), text_of(verdict, "note", path)});
   return truth;
 }
 
@@ -139,6 +145,12 @@ Experiment read_experiment(const std::string& path) {
   Experiment experiment;
   experiment.title = text_of(file, "title", path);
   experiment.per_run = count_of(file, "per_run", path);
+  // Older records have none of these.
+  if (file.contains("protocol")) experiment.protocol = text_of(file, "protocol", path);
+  if (file.contains("new_stones")) {
+    experiment.new_stones = count_of(file, "new_stones", path);
+    experiment.new_stones_from = text_of(file, "new_stones_from", path);
+  }
   for (const json& run : entry(file, "runs", &json::is_array, path)) {
     const RunReport report = report_of(run, path);
     const json& survival = entry(run, "survival", &json::is_object, path);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "experiment/clustered_count.hpp"
 #include "report/csv.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
@@ -60,12 +61,12 @@ std::string cost_line(const Experiment& experiment) {
 }
 
 std::string histogram(const Experiment& experiment) {
-  const auto counts = heights(experiment);
-  std::string text = "height     runs   paper's 11\n";
+  const auto counts = heights(experiment), by_paper = paper_heights(experiment);
+  std::string text = "height     runs   by the paper's protocol   paper's 11\n";
   for (int h = static_cast<int>(counts.size()) - 1; h >= 0; --h) {
     const int count = counts[static_cast<std::size_t>(h)];
     const bool in_paper = experiment.per_run == 4 && h < static_cast<int>(kPaperHeights.size());
-    text += format("%6d %8d   %6s  ", h, count,
+    text += format("%6d %8d   %23d   %6s  ", h, count, by_paper[static_cast<std::size_t>(h)],
                    in_paper ? std::to_string(kPaperHeights[static_cast<std::size_t>(h)]).c_str() : "");
     text += std::string(static_cast<std::size_t>(std::min(60, count)), '#') + "\n";
   }
@@ -78,12 +79,10 @@ std::string survival_lines(const Experiment& experiment) {
     return "survival was not tried\n";
   std::string text;
   const auto whole = [&](const auto& standing) {
-    Rate rate;
-    for (const auto& run : experiment.runs) {
-      ++rate.trials;
-      rate.hits += standing(run) >= run.report.result.height && run.report.result.height > 0 ? 1 : 0;
-    }
-    return rate;
+    ClusteredCount count;
+    for (const auto& run : experiment.runs)
+      count.add(run.report, standing(run) >= run.report.result.height && run.report.result.height > 0);
+    return count.rate();
   };
   for (std::size_t k = 0; k < experiment.survival_seconds.size(); ++k)
     text += format("towers that stand whole after %4.0f s: ", experiment.survival_seconds[k]) +
@@ -106,11 +105,47 @@ std::string calibration_lines(const Experiment& experiment) {
 }
 
 json rate_json(const Rate& rate) {
-  return {{"hits", rate.hits},
-          {"trials", rate.trials},
-          {"share", rate.share()},
-          {"low", rate.low()},
-          {"high", rate.high()}};
+  return {{"hits", rate.hits}, {"trials", rate.trials}, {"share", rate.share()},
+          {"low", rate.low()}, {"high", rate.high()},   {"stone_sets", rate.clusters}};
+}
+
+/// Mean height by `height`, and the share of whole towers.
+std::string height_lines(const Experiment& experiment) {
+  double sum = 0.0, by_paper = 0.0;
+  for (const auto& run : experiment.runs) {
+    sum += judged_height(run);
+    by_paper += paper_height(run.report);
+  }
+  const auto n = std::max<double>(1.0, static_cast<double>(experiment.runs.size()));
+  const int all = experiment.per_run;
+  return format("mean height %.2f; by the paper's protocol %.2f (paper 2.91)\n", sum / n, by_paper / n) +
+         format("towers of %d: ", all) + percent(reached(experiment, all)) +
+         format("\n  by the paper's protocol (no placement failed before): ") +
+         percent(reached_by_paper(experiment, all)) +
+         format("\nsets of stones: %d; intervals count runs of one set as a cluster\n\n",
+                stone_sets(experiment));
+}
+
+/// Towers on which the engines do not agree.
+std::string disagreement_lines(const Experiment& experiment) {
+  std::string text;
+  int judged = 0, number = 0, differ = 0;
+  for (const auto& run : experiment.runs) {
+    ++number;
+    if (!run.report.truth || run.report.truth->engines.empty()) continue;
+    ++judged;
+    if (!engines_disagree(*run.report.truth)) continue;
+    ++differ;
+    text += format("  run %d:", number);
+    for (const auto& verdict : run.report.truth->engines)
+      text += format(" %s %d of %d", verdict.engine.c_str(), verdict.height, run.report.result.height) +
+              (verdict.note.empty() ? "" : " (" + verdict.note + ")") + ";";
+    text.back() = '\n';
+  }
+  if (judged == 0) return "";
+  return format("towers on which the engines disagree (they count as far as both let them stand): %d of %d\n",
+                differ, judged) +
+         text + "\n";
 }
 
 }  // namespace
@@ -118,12 +153,7 @@ json rate_json(const Rate& rate) {
 std::string experiment_table(const Experiment& experiment) {
   std::string text = experiment.title + format(" (%zu done)", experiment.runs.size()) + "\n\n" +
                      histogram(experiment) + "\n";
-  double sum = 0.0;
-  for (const auto& run : experiment.runs) sum += judged_height(run);
-  text += format("mean height %.2f (paper 2.91)\n",
-                 sum / std::max<double>(1.0, static_cast<double>(experiment.runs.size())));
-  text += format("towers of %d: ", experiment.per_run) + percent(reached(experiment, experiment.per_run)) +
-          "\n\n";
+  text += height_lines(experiment) + disagreement_lines(experiment);
   const StageSeconds s = mean_seconds(experiment);
   text += format(
       "seconds a run        here    paper\n  detection, search %7.1f  %7.1f  (with everything but "
@@ -153,6 +183,7 @@ std::string experiment_json(const Experiment& experiment) {
   for (const auto& run : experiment.runs) {
     json entry = json::parse(run_json(run.report));
     entry["judged_height"] = judged_height(run);
+    entry["paper_height"] = paper_height(run.report);
     entry["survival"] = {{"seconds", experiment.survival_seconds},
                          {"standing", run.survival.standing},
                          {"after_shake", run.survival.shaken}};
@@ -167,9 +198,16 @@ std::string experiment_json(const Experiment& experiment) {
   const StageSeconds s = mean_seconds(experiment);
   return json{{"schema", "stonestack.experiment/1"},
               {"title", experiment.title},
+              {"protocol", experiment.protocol},
               {"per_run", experiment.per_run},
+              {"new_stones", experiment.new_stones},
+              {"new_stones_from", experiment.new_stones_from},
+              {"stone_sets", stone_sets(experiment)},
               {"heights", heights(experiment)},
               {"whole", rate_json(reached(experiment, experiment.per_run))},
+              {"by_paper_protocol",
+               {{"heights", paper_heights(experiment)},
+                {"whole", rate_json(reached_by_paper(experiment, experiment.per_run))}}},
               {"calibration", bins},
               {"seconds",
                {{"detection", s.detection},
@@ -184,14 +222,16 @@ std::string experiment_json(const Experiment& experiment) {
 
 std::string runs_csv(const Experiment& experiment) {
   std::string text =
-      "run,seed,stones,height,reported,end,motion_s,detection_s,search_s,planning_s,beside_motion_s\n";
+      "run,seed,stones,height,reported,paper_height,end,motion_s,detection_s,search_s,planning_s,"
+      "beside_motion_s\n";
   int number = 0;
   for (const auto& run : experiment.runs) {
     std::string stones;
     for (const auto& name : run.report.present) stones += (stones.empty() ? "" : " ") + name;
     const auto& r = run.report.result;
     text += format("%d,%d,", ++number, run.report.seed) + csv_field(stones) +
-            format(",%d,%d,", judged_height(run), r.height) + csv_field(r.ended) +
+            format(",%d,%d,%d,", judged_height(run), r.height, paper_height(run.report)) +
+            csv_field(r.ended) +
             format(",%.1f,%.2f,%.2f,%.2f,%.2f\n", r.seconds.motion, r.seconds.detection, r.seconds.search,
                    r.seconds.planning, r.seconds.beside_motion);
   }

@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <sstream>
 #include <utility>
 
 #include "core/memory.hpp"
+#include "experiment/new_stones.hpp"
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
 #include "report/text.hpp"
@@ -25,9 +27,11 @@ std::vector<int> draw(const Catalogue& catalogue, int count, int seed, const Rob
   return draw_stones(catalogue, count, seed, gripper_of(CellLayout{}), robot);
 }
 
-/// The stones of the experiment, drawn by its seed, in the order of the catalogue.
+/// The stones of the experiment, drawn by its seed, in the order of the catalogue; none where each run has
+/// its own.
 Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
   Catalogue chosen{all.path, {}};
+  if (order.new_stones > 0) return chosen;
   for (const int stone : draw(all, order.stones, order.seed, order.robot))
     chosen.stones.push_back(all.stones[static_cast<std::size_t>(stone)]);
   return chosen;
@@ -39,8 +43,15 @@ void check_order(const ExperimentOrder& order, const Catalogue& catalogue) {
   require(order.seed <= (kMax - order.runs) / 1000, "run k of seed S has the seed 1000 S + k, ",
           "which is too large for --seed ", order.seed, "; at most ", (kMax - order.runs) / 1000);
   const auto count = static_cast<int>(catalogue.stones.size());
-  require(order.per_run <= count, "--per-run ", order.per_run, " of ", count,
-          " stones: ask for more with --stones, of a catalogue that has them");
+  if (order.new_stones > 0) {
+    require(order.per_run <= order.new_stones, "--per-run ", order.per_run, " of --new-stones ",
+            order.new_stones, ": ask for as many new stones at least");
+  } else {
+    require(order.new_stones_from.empty(), "--new-stones-from ", order.new_stones_from,
+            ": say how many stones of it a run has, with --new-stones");
+    require(order.per_run <= count, "--per-run ", order.per_run, " of ", count,
+            " stones: ask for more with --stones, of a catalogue that has them");
+  }
   check_variants(order.variants, order.run, order.seed);
   require(!order.continues || !order.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
 }
@@ -79,7 +90,11 @@ class Runs {
  public:
   Runs(const ExperimentOrder& order, const SimulatedRun& settings, const Catalogue& catalogue,
        std::string folder)
-      : order_(order), settings_(settings), catalogue_(catalogue), folder_(std::move(folder)) {}
+      : order_(order), settings_(settings), catalogue_(catalogue), folder_(std::move(folder)) {
+    apply_protocol(settings_, order.protocol);
+    if (order.new_stones > 0)
+      new_stones_.emplace(order.new_stones, order.new_stones_from, order.seed, order.robot);
+  }
 
   /// Performs those that are not done; the reports of a run that the user interrupts, or whose record is not
   /// whole, stay in its folder, but it is not counted.
@@ -88,9 +103,15 @@ class Runs {
     RecordedExperiment done;
     done.folder = folder_;
     Experiment& experiment = done.experiment;
+    experiment.protocol = order_.protocol;
     experiment.per_run = order_.per_run;
-    experiment.title = concat(order_.runs, " runs of ", order_.per_run, " of ", catalogue_.stones.size(),
-                              " stones, ", order_.robot.name, ", seed ", order_.seed);
+    experiment.new_stones = order_.new_stones;
+    experiment.new_stones_from = order_.new_stones_from;
+    experiment.title =
+        concat(order_.runs, " runs of ", order_.per_run, " of ",
+               new_stones_ ? concat(order_.new_stones, " new stones each")
+                           : concat(catalogue_.stones.size(), " stones"),
+               ", ", order_.robot.name, ", protocol ", order_.protocol, ", seed ", order_.seed);
     experiment.survival_seconds = survival_.seconds;
     if (order_.continues) experiment.runs = runs_done();
     // Before the first run ends, too: what --continue must agree with.
@@ -108,19 +129,24 @@ class Runs {
     spread_seed(run);
     return run;
   }
-  [[nodiscard]] std::vector<int> present_in(const SimulatedRun& run) const {
-    return draw(catalogue_, order_.per_run, run.seed, order_.robot);
+  /// The stones that run `k` may draw from.
+  [[nodiscard]] Catalogue stones_of(int k, const SimulatedRun& run) const {
+    return new_stones_ ? new_stones_->of_run(k, run.seed) : catalogue_;
+  }
+  [[nodiscard]] std::vector<int> present_in(const Catalogue& catalogue, const SimulatedRun& run) const {
+    return draw(catalogue, order_.per_run, run.seed, order_.robot);
   }
 
   /// Adds run `k`; false where the experiment ends with it.
   [[nodiscard]] bool perform_one(int k, RecordedExperiment& done) const {
     const SimulatedRun run = run_number(k);
-    const auto present = present_in(run);
     log_info(concat("run ", k, " of ", order_.runs));
     RecordedRun made;
     try {
+      const Catalogue catalogue = stones_of(k, run);
+      const auto present = present_in(catalogue, run);
       const RecordFolder place(run_folder(k));
-      made = perform(run, catalogue_, order_.robot, present, place, order_.version,
+      made = perform(run, catalogue, order_.robot, present, place, order_.version,
                      order_.survival ? &survival_ : nullptr);
       done.unwritten = made.unwritten;
       done.interrupted = interrupt_noted();
@@ -163,7 +189,8 @@ class Runs {
     if (report.seed != run.seed)
       throw FileError(folder_, concat("run ", k, " has the seed ", report.seed, ", not ", run.seed), remedy);
     std::vector<std::string> present;
-    for (const int stone : present_in(run)) present.push_back(name_of(catalogue_, stone));
+    const Catalogue catalogue = stones_of(k, run);
+    for (const int stone : present_in(catalogue, run)) present.push_back(name_of(catalogue, stone));
     if (report.present != present)
       throw FileError(folder_, concat("run ", k, " was made with other stones"), remedy);
     const std::string file = run_folder(k) + "/options.yaml";
@@ -182,6 +209,12 @@ class Runs {
       Experiment there = read_experiment(folder_ + "/experiment.json");
       require(there.per_run == order_.per_run, folder_, " was made with --per-run ", there.per_run, ", not ",
               order_.per_run, "; ", kRepeat);
+      require(there.protocol == order_.protocol, folder_, " was made with --protocol ", there.protocol,
+              ", not ", order_.protocol, "; ", kRepeat);
+      require(there.new_stones == order_.new_stones && there.new_stones_from == order_.new_stones_from,
+              folder_, " was made with --new-stones ", there.new_stones,
+              there.new_stones_from.empty() ? "" : " --new-stones-from " + there.new_stones_from, "; ",
+              kRepeat);
       runs = std::move(there.runs);
     }
     require(runs.size() <= static_cast<std::size_t>(order_.runs), folder_, " holds ", runs.size(),
@@ -195,8 +228,9 @@ class Runs {
   }
 
   const ExperimentOrder& order_;
-  const SimulatedRun& settings_;
+  SimulatedRun settings_;
   const Catalogue& catalogue_;
+  std::optional<NewStones> new_stones_;
   const std::string folder_;
   const SurvivalOptions survival_;
 };
@@ -247,6 +281,8 @@ RecordedExperiment record_experiment(const ExperimentOrder& order, const Catalog
                                      const std::function<void(const std::string& line)>& listener) {
   const Catalogue chosen = choose_stones(order, catalogue);
   check_order(order, chosen);
+  if (order.new_stones > 0)  // before a folder is made
+    (void)NewStones(order.new_stones, order.new_stones_from, order.seed, order.robot);
   const RecordFolder folder = out_folder(order);
   if (!order.variants.empty()) return compare(order, chosen, folder.path(), listener);
   return Runs(order, order.run, chosen, folder.path()).perform_all();

@@ -329,8 +329,14 @@ json changed_options(const std::string& yaml) {
   return rows;
 }
 
-json truth_entry(const TruthReport& truth) {
-  return {{"height", truth.height}, {"stands", truth.stands}, {"seconds", truth.seconds}};
+json truth_facts(const TruthReport& truth) {
+  json engines = json::array();
+  for (const EngineVerdict& verdict : truth.engines) engines.push_back({verdict.engine, verdict.height});
+  return {{"height", truth.height},
+          {"stands", truth.stands},
+          {"seconds", truth.seconds},
+          {"engines", engines},
+          {"disagree", engines_disagree(truth)}};
 }
 
 }  // namespace
@@ -352,9 +358,10 @@ std::string page_data(const RunReport& report, const Catalogue& catalogue, const
       {"version", report.version},
       {"catalogue", report.catalogue},
       {"height", result.height},
+      {"paper_height", paper_height(report)},
       {"present", report.present.empty() ? static_cast<std::size_t>(result.height) : report.present.size()},
       {"ended", to_text(result.end)},
-      {"truth", report.truth ? truth_entry(*report.truth) : json(nullptr)},
+      {"truth", report.truth ? truth_facts(*report.truth) : json(nullptr)},
       {"seconds",
        {{"detection", result.seconds.detection},
         {"search", result.seconds.search},

@@ -35,6 +35,21 @@ json placement_entry(const PlacementRecord& record) {
           {"note", record.note}};
 }
 
+json truth_entry(const TruthReport& truth) {
+  json engines = json::array();
+  for (const EngineVerdict& verdict : truth.engines)
+    engines.push_back({{"engine", verdict.engine},
+                       {"height", verdict.height},
+                       {"seconds", verdict.seconds},
+                       {"shift_m", verdict.shift},
+                       {"turn_rad", verdict.turn},
+                       {"note", verdict.note}});
+  return {{"height", truth.height},   {"stands", truth.stands},
+          {"seconds", truth.seconds}, {"shift_m", truth.shift},
+          {"turn_rad", truth.turn},   {"note", truth.note},
+          {"engines", engines},       {"engines_disagree", engines_disagree(truth)}};
+}
+
 double term(const Placement& placement, const std::string& name) {
   const auto found = placement.terms.find(name);
   return found == placement.terms.end() ? 0.0 : found->second;
@@ -78,6 +93,12 @@ std::string summary(const RunReport& report) {
     text += format("true world: %d stones stacked, %s after %.0f s (largest shift %.2f mm)\n",
                    report.truth->height, report.truth->stands ? "standing" : "not standing",
                    report.truth->seconds, 1000 * report.truth->shift);
+  if (report.truth && engines_disagree(*report.truth))
+    for (const EngineVerdict& verdict : report.truth->engines)
+      text += format("  in %s %d stones stand %.0f s%s\n", verdict.engine.c_str(), verdict.height,
+                     verdict.seconds, verdict.note.empty() ? "" : (": " + verdict.note).c_str());
+  text += format("height by the paper's protocol (before the first placement that failed): %d\n",
+                 paper_height(report));
   const auto& s = report.result.seconds;
   text += format(
       "seconds: detection %.1f, search %.1f, planning %.1f (host; %.1f more while the arm moved); "
@@ -94,6 +115,7 @@ std::string run_json(const RunReport& report) {
   for (const auto& record : result.placements) placements.push_back(placement_entry(record));
   json out = {{"schema", "stonestack.run/1"},
               {"height", result.height},
+              {"paper_height", paper_height(report)},
               {"placements", placements},
               {"ended", to_text(result.end)},
               {"reason", result.ended},
@@ -106,10 +128,7 @@ std::string run_json(const RunReport& report) {
                 {"planning", result.seconds.planning},
                 {"motion", result.seconds.motion},
                 {"beside_motion", result.seconds.beside_motion}}}};
-  if (report.truth)
-    out["truth"] = {{"height", report.truth->height},   {"stands", report.truth->stands},
-                    {"seconds", report.truth->seconds}, {"shift_m", report.truth->shift},
-                    {"turn_rad", report.truth->turn},   {"note", report.truth->note}};
+  if (report.truth) out["truth"] = truth_entry(*report.truth);
   if (!report.version.empty()) out["version"] = report.version;
   if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();
   return out.dump(2) + "\n";

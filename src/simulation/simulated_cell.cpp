@@ -34,6 +34,7 @@ Joints start_joints(const RobotModel& robot, const CellLayout& layout) {
 FieldList fields(SimulationOptions& o) {
   return {
       user(field("seed", o.seed, {0, 2147483647.0}, "", "seed of the simulated world")),
+      field("engine", o.engine, "physics of the true world: bullet or ode; the planner's is Bullet"),
       user(
           field("friction", o.friction, {0.05, 2.0}, "", "true coefficient between stones, mean over pairs")),
       field("friction_spread", o.friction_spread, {0.0, 1.0}, "",

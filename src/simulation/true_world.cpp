@@ -51,7 +51,10 @@ Pose away_pose(int k) {
 
 TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present,
                      const GripperModel& gripper, const SimulationOptions& options)
-    : options_(options), model_(make_gripper_body(gripper)), present_(present) {
+    : options_(options),
+      engine_kind_(engine_named(options.engine)),
+      model_(make_gripper_body(gripper)),
+      present_(present) {
   std::sort(present_.begin(), present_.end());
   present_.erase(std::unique(present_.begin(), present_.end()), present_.end());
   const auto count = stones.size();
@@ -126,38 +129,38 @@ void TrueWorld::put_away(int stone) {
   state(stone).aside = true;
 }
 
-World TrueWorld::make_world(double step, int iterations, double damping,
-                            const std::vector<bool>& in_play) const {
+std::unique_ptr<RigidWorld> TrueWorld::make_world(EngineKind engine, double step, int iterations,
+                                                  double damping, const std::vector<bool>& in_play) const {
   WorldOptions options;
   options.friction = options_.friction;
   options.step = step;
   options.iterations = iterations;
   options.angular_damping = damping;
-  World world(options);
+  auto world = make_rigid_world(engine, options);
   const auto count = states_.size();
   for (std::size_t k = 0; k < present_.size(); ++k) {
     const int i = present_[k];
-    const int body = world.add_stone(shapes_[at(i)], state(i).T_W_O, !in_play[k]);
-    if (in_play[k]) world.place(body, state(i).T_W_O, state(i).twist);
-    world.set_pair_friction(kTable, body, friction_[at(i) * (count + 1) + count]);
+    const int body = world->add_stone(shapes_[at(i)], state(i).T_W_O, !in_play[k]);
+    if (in_play[k]) world->place(body, state(i).T_W_O, state(i).twist);
+    world->set_pair_friction(kTable, body, friction_[at(i) * (count + 1) + count]);
     for (std::size_t other = 0; other < k; ++other)
-      world.set_pair_friction(static_cast<int>(other), body,
-                              friction_[at(i) * (count + 1) + at(present_[other])]);
+      world->set_pair_friction(static_cast<int>(other), body,
+                               friction_[at(i) * (count + 1) + at(present_[other])]);
   }
   return world;
 }
 
-World TrueWorld::judge_world(double step, int iterations) const {
+std::unique_ptr<RigidWorld> TrueWorld::judge_world(double step, int iterations, EngineKind engine) const {
   std::vector<bool> in_play;
   for (const int i : present_) in_play.push_back(!state(i).aside);
-  return make_world(step, iterations, 0.0, in_play);
+  return make_world(engine, step, iterations, 0.0, in_play);
 }
 
 std::vector<Contact> TrueWorld::contacts() const {
-  World world = judge_world(kWorldStep, kIterations);
-  world.step();
+  const auto world = judge_world(kWorldStep, kIterations);
+  world->step(kWorldStep);
   std::vector<Contact> found;
-  for (Contact contact : world.contacts()) {
+  for (Contact contact : world->contacts()) {
     if (contact.below != kTable) contact.below = present_[at(contact.below)];
     if (contact.above != kTable) contact.above = present_[at(contact.above)];
     found.push_back(contact);

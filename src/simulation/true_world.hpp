@@ -1,9 +1,10 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "physics/world.hpp"
+#include "physics/rigid_world.hpp"
 #include "simulation/finger_drive.hpp"
 #include "simulation/gripper_body.hpp"
 #include "stonestack/physics/stack.hpp"
@@ -32,7 +33,8 @@ struct Progress {
 };
 
 /// The one truth: stones of full resolution with their own mass, centre of mass and friction, the table, the
-/// gripper that pushes and grips. Only the simulated devices and the judge see it.
+/// gripper that pushes and grips, in the engine of `options`. Only the simulated devices and the judge see
+/// it.
 ///
 /// Time passes in steps only while something can move; while all stones rest and the gripper is away from
 /// them it just passes. Stones at rest that nothing comes near are held still meanwhile; a verdict never does
@@ -44,6 +46,8 @@ class TrueWorld {
             const SimulationOptions& options);
 
   [[nodiscard]] const SimulationOptions& options() const { return options_; }
+  /// Steps this world.
+  [[nodiscard]] EngineKind engine_kind() const { return engine_kind_; }
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] const GripperBody& gripper_body() const { return model_; }
   [[nodiscard]] const GripperPose& gripper_pose() const { return gripper_pose_; }
@@ -77,7 +81,8 @@ class TrueWorld {
   /// Contacts as they are now, after one step of a world of its own.
   [[nodiscard]] std::vector<Contact> contacts() const;
   /// A world with every stone free and the true frictions, without the gripper. Body i is `present()[i]`.
-  [[nodiscard]] World judge_world(double step, int iterations) const;
+  [[nodiscard]] std::unique_ptr<RigidWorld> judge_world(double step, int iterations,
+                                                        EngineKind engine = EngineKind::kBullet) const;
 
  private:
   static constexpr int kIterations = 50;  // of the contact solver
@@ -91,7 +96,7 @@ class TrueWorld {
   };
   /// The world that is stepped while some stones are in play.
   struct Engine {
-    World world;
+    std::unique_ptr<RigidWorld> world;
     double step = 0.0;          // s
     std::vector<bool> in_play;  // by index into present
     int first_box = 0;          // body of the gripper's first box
@@ -101,8 +106,9 @@ class TrueWorld {
   [[nodiscard]] StoneState& state(int stone);
   [[nodiscard]] std::vector<bool> stones_in_play(const GripperPose& next) const;
   [[nodiscard]] bool pads_near();
-  [[nodiscard]] World make_world(double step, int iterations, double damping,
-                                 const std::vector<bool>& in_play) const;
+  [[nodiscard]] std::unique_ptr<RigidWorld> make_world(EngineKind engine, double step, int iterations,
+                                                       double damping,
+                                                       const std::vector<bool>& in_play) const;
   void prepare_engine(const std::vector<bool>& in_play, double step);
   void step_engine(const GripperPose& wanted);
   [[nodiscard]] GripperPose driven(GripperPose next, double seconds);
@@ -113,6 +119,7 @@ class TrueWorld {
   [[nodiscard]] std::string hard_contact() const;
 
   SimulationOptions options_;
+  EngineKind engine_kind_;
   GripperBody model_;
   std::vector<int> present_;
   ShapeList shapes_;                // by catalogue index, true masses

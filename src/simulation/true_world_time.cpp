@@ -37,11 +37,11 @@ void TrueWorld::prepare_engine(const std::vector<bool>& in_play, double step) {
     engine_->step = step;
     return;
   }
-  engine_.emplace(Engine{make_world(step, kIterations, kRolling, in_play), step, in_play,
+  engine_.emplace(Engine{make_world(engine_kind_, step, kIterations, kRolling, in_play), step, in_play,
                          static_cast<int>(present_.size())});
   for (const auto& box : model_.boxes) {
-    const int body = engine_->world.add_box(box.size, box_pose(box, gripper_pose_));
-    for (int k = 0; k < engine_->first_box; ++k) engine_->world.set_pair_friction(k, body, kGripperFriction);
+    const int body = engine_->world->add_box(box.size, box_pose(box, gripper_pose_));
+    for (int k = 0; k < engine_->first_box; ++k) engine_->world->set_pair_friction(k, body, kGripperFriction);
   }
 }
 
@@ -96,7 +96,7 @@ void TrueWorld::press_pads(const GripperPose& next, double step) {
       const MovingFrame pad{T_W_P, T_W_P.translation(),
                             twist_between(T_W_P, pad_pose(model_, f, next), step)};
       const PadLoad load = it.pads[at(f)].press(pad, {it.T_W_O, p_W_M, it.twist});
-      engine_->world.apply(static_cast<int>(k), load.force, load.moment_about(p_W_M));
+      engine_->world->apply(static_cast<int>(k), load.force, load.moment_about(p_W_M));
       pad_load_.add({-load.force, -load.moment});
       finger_force_[at(f)] += load.normal;
     }
@@ -108,8 +108,8 @@ void TrueWorld::read_stones(double step) {
     auto& it = state(present_[k]);
     it.rest += step;
     if (!engine_->in_play[k]) continue;
-    it.T_W_O = engine_->world.pose(static_cast<int>(k));
-    it.twist = engine_->world.twist(static_cast<int>(k));
+    it.T_W_O = engine_->world->pose(static_cast<int>(k));
+    it.twist = engine_->world->twist(static_cast<int>(k));
     const auto moved = difference(it.T_W_O, it.T_W_O_rest);
     if (moved.translation > kRestShift || moved.angle > kRestTurn) {
       it.T_W_O_rest = it.T_W_O;
@@ -128,7 +128,7 @@ GripperLoad TrueWorld::read_contacts(double step) {
     const auto& box = model_.boxes[at(body - engine_->first_box)];
     if (box.finger >= 0) finger_force_[at(box.finger)] += box.side * x_W.dot(force);
   };
-  for (const auto& contact : engine_->world.contacts()) {
+  for (const auto& contact : engine_->world->contacts()) {
     const Eigen::Vector3d force = contact.impulse / step * contact.n_W;  // on `above`
     add(contact.above, contact.p_W, force);
     add(contact.below, contact.p_W, -force);
@@ -155,8 +155,8 @@ void TrueWorld::step_engine(const GripperPose& wanted) {
   const GripperPose next = driven(wanted, step);
   press_pads(next, step);
   for (std::size_t b = 0; b < model_.boxes.size(); ++b)
-    engine_->world.move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
-  engine_->world.step(step);
+    engine_->world->move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
+  engine_->world->step(step);
   gripper_pose_ = next;
   time_ += step;
   read_stones(step);

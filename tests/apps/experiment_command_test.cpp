@@ -74,6 +74,32 @@ TEST_F(Commands, AVariantWithThePapersDetectionHasAllOfIt) {
     EXPECT_THAT(options, HasSubstr(value));
 }
 
+TEST_F(Commands, EveryRunHasNewStonesAndGoesOnWithThem) {
+  const std::string arguments =
+      "experiment --per-run 1 --new-stones 2 --protocol paper --seed 3 --survival false --json --out record ";
+  const Outcome first = run(arguments + "--runs 1");
+  ASSERT_EQ(first.code, 0) << first.err;
+  const Outcome both = run(arguments + "--runs 2 --continue");
+  ASSERT_EQ(both.code, 0) << both.err;
+  const json runs = both.data()["runs"];
+  ASSERT_EQ(runs.size(), 2U);
+  EXPECT_EQ(both.data()["protocol"], "paper");
+  EXPECT_EQ(both.data()["new_stones"], 2);
+  EXPECT_EQ(both.data()["stone_sets"], 2);
+  EXPECT_EQ(without_last_digits(runs[0]["stones"]), first.data()["runs"][0]["stones"]);
+  EXPECT_THAT(runs[0]["stones"][0].get<std::string>(), testing::StartsWith("limestone_3001_"));
+  EXPECT_THAT(runs[1]["stones"][0].get<std::string>(), testing::StartsWith("limestone_3002_"));
+  EXPECT_THAT(read_file(folder_ + "/record/run-2/options.yaml", 1 << 20), HasSubstr("max_failures: 1"));
+  expect_refusal(
+      "experiment --runs 2 --per-run 1 --new-stones 3 --protocol paper --seed 3 --survival false "
+      "--out record --continue",
+      2, {"record", "--new-stones 2"});
+  expect_refusal(
+      "experiment --runs 2 --per-run 1 --new-stones 2 --seed 3 --survival false --out record "
+      "--continue",
+      2, {"record", "--protocol paper, not full"});
+}
+
 /// An impossible experiment is refused before anything is built, not after the rows before it.
 TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   const std::string arguments = "experiment --runs 1 --per-run 1 --survival false --out record ";
@@ -83,6 +109,12 @@ TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   expect_refusal(arguments + "--variant 'odd: search.seed=9'", 2, {"1000 S + k", "9"});
   expect_refusal(arguments + "--seed 2147483647", 2, {"2147483647", "2147483"});
   expect_refusal("experiment --runs 1 --per-run 7 --out record", 2, {"--per-run 7 of 6 stones", "--stones"});
+  expect_refusal("experiment --runs 1 --per-run 3 --new-stones 2 --out record", 2, {"--new-stones 2"});
+  expect_refusal("experiment --runs 1 --new-stones-from rocks --out record", 2, {"--new-stones-from rocks"});
+  expect_refusal("experiment --runs 1 --new-stones 4 --new-stones-from rocks --out record", 3, {"rocks"});
+  expect_refusal("experiment --runs 1 --new-stones 4 --catalogue rocks --out record", 2, {"--catalogue"});
+  expect_refusal("experiment --runs 1 --new-stones 4 --stones 6 --out record", 2, {"--stones"});
+  expect_refusal("experiment --runs 1 --protocol short --out record", 2, {"--protocol"});
   EXPECT_FALSE(fs::exists(folder_ + "/record"));
 }
 

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "physics/bodies.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/experiment/simulated_run.hpp"
+
 namespace stonestack::experiment {
 namespace {
 
@@ -19,8 +23,9 @@ std::vector<Stone> three_boxes() {
 
 /// A cell with three boxes.
 struct Bench {
+  std::vector<Stone> stones = three_boxes();
   CellLayout layout;
-  SimulatedCell simulated{three_boxes(), {0, 1, 2}, read_robot("ur10"), layout};
+  SimulatedCell simulated{stones, {0, 1, 2}, read_robot("ur10"), layout};
 };
 
 TEST(JudgeTower, JudgesATrueTower) {
@@ -47,6 +52,45 @@ TEST(JudgeTower, JudgesATrueTower) {
   verdict = judge_tower(bench.simulated);
   EXPECT_FALSE(verdict.stand.clean);
   EXPECT_LE(verdict.stand.standing, 1);
+}
+
+/// Both engines, on a tower that stands by analysis and on one that does not.
+TEST(JudgeTower, BothEnginesJudge) {
+  std::vector<Stone> slabs = three_boxes();
+  for (std::size_t k = 0; k < slabs.size(); ++k) {
+    slabs[k].scan = slabs[k].mesh = test::rough_slab({0.12, 0.10, 0.05}, k);
+    slabs[k].mass = mass_properties(slabs[k].scan, 2600);
+  }
+  Bench bench{slabs};
+  const auto site = bench.layout.site;
+  const auto put = [&](int stone, double dx, double z) {
+    bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
+  };
+  put(0, 0, 0.0248);
+  put(1, 0.01, 0.0742);
+  put(2, -0.01, 0.1236);
+  bench.simulated.wait(2.0);
+  RunResult result;
+  result.height = 3;
+  const TruthReport stands = judge_run(bench.simulated, result);
+  ASSERT_EQ(stands.engines.size(), 2u);
+  EXPECT_EQ(stands.engines[0].engine, "bullet");
+  EXPECT_EQ(stands.engines[1].engine, "ode");
+  for (const EngineVerdict& verdict : stands.engines)
+    EXPECT_EQ(verdict.height, 3) << verdict.engine << ": " << verdict.note;
+  EXPECT_TRUE(stands.stands);
+  EXPECT_EQ(stands.height, 3);
+  EXPECT_FALSE(engines_disagree(stands));
+
+  put(2, 0.085, 0.1236);  // its centre of mass 15 mm beyond the edge of the one below
+  const TruthReport falls = judge_run(bench.simulated, result);
+  for (const EngineVerdict& verdict : falls.engines) {
+    EXPECT_EQ(verdict.height, 2) << verdict.engine << ": " << verdict.note;
+    EXPECT_GT(verdict.shift, 0.02) << verdict.engine;
+  }
+  EXPECT_FALSE(falls.stands);
+  EXPECT_EQ(falls.height, 2);
+  EXPECT_THROW((void)judge_tower(bench.simulated, tower_bounds(), "mujoco"), InvalidArgument);
 }
 
 TEST(JudgeTower, TriesATowerByWaitingAndShaking) {

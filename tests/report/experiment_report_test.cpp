@@ -82,6 +82,9 @@ TEST(ExperimentReport, WrittenFilesAreReadBack) {
   first.note = "1 mm and 0 deg from the plan";
   experiment.runs[1].report.result.end = RunResult::End::kPlacementFailed;
   experiment.runs[1].report.result.seconds = {1.0, 2.0, 3.0, 4.0, 5.0};
+  experiment.protocol = "paper";
+  experiment.new_stones = 5;
+  experiment.new_stones_from = "rocks";
   experiment.runs[1].report.robot = "ur10";
   experiment.runs[1].report.version = "0.1.0 (767bf62a1)";  // an experiment may go on with another program
   const std::string path = testing::TempDir() + "experiment_to_read.json", text = experiment_json(experiment);
@@ -178,6 +181,37 @@ TEST(ExperimentReport, TablesForOthersHoldAnyName) {
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
   EXPECT_THAT(csv, HasSubstr("x \"\"so\"\"\","));
   EXPECT_THAT(figure5_csv(experiment), HasSubstr("1,1001,1,\"grey, \"\"flat\"\"\",0.2,1\n"));
+}
+
+TEST(ExperimentReport, ListsTowersOnWhichTheEnginesDisagree) {
+  Experiment experiment = sample();
+  EXPECT_THAT(experiment_table(experiment), testing::Not(HasSubstr("engines disagree")));
+  auto& truth = *experiment.runs[0].report.truth;
+  truth.engines = {{"bullet", 2, 60.0, 0.0001, 0.001, ""}, {"ode", 1, 5.0, 0.03, 0.1, "stone b moved"}};
+  truth.height = 1;
+  truth.stands = false;
+  const std::string table = experiment_table(experiment);
+  EXPECT_THAT(table, HasSubstr("engines disagree (they count as far as both let them stand): 1 of 1"));
+  EXPECT_THAT(table, HasSubstr("run 1: bullet 2 of 2; ode 1 of 2 (stone b moved)"));
+  EXPECT_EQ(judged_height(experiment.runs[0]), 1);
+  const std::string path = testing::TempDir() + "experiment_with_engines.json";
+  write_file(path, experiment_json(experiment));
+  const Experiment same = read_experiment(path);
+  EXPECT_EQ(experiment_table(same), table);
+  const auto json = nlohmann::json::parse(experiment_json(same));
+  EXPECT_EQ(json["runs"][0]["truth"]["engines_disagree"], true);
+  EXPECT_EQ(json["runs"][0]["truth"]["engines"][1]["note"], "stone b moved");
+  EXPECT_EQ(json["runs"][1]["truth"]["engines_disagree"], false);
+}
+
+TEST(ExperimentReport, ShowsTheHeightByThePapersProtocolBesideTheOther) {
+  const Experiment experiment = with_a_return();  // four in the end, three before the first return
+  EXPECT_THAT(experiment_table(experiment), HasSubstr("mean height 4.00; by the paper's protocol 3.00"));
+  const auto json = nlohmann::json::parse(experiment_json(experiment));
+  EXPECT_EQ(json["runs"][0]["paper_height"], 3);
+  EXPECT_EQ(json["heights"], (nlohmann::json{0, 0, 0, 0, 1}));
+  EXPECT_EQ(json["by_paper_protocol"]["heights"], (nlohmann::json{0, 0, 0, 1, 0}));
+  EXPECT_THAT(runs_csv(experiment), HasSubstr("\n1,1001,a b,4,4,3,"));
 }
 
 TEST(ExperimentReport, JsonHoldsEveryRun) {

@@ -41,22 +41,38 @@ struct Survival {
 /// Judges the tower at the assumed site in a world of its own, without the arm and with every stone free,
 /// for `seconds` (simulated) of the options; friction is the true one of each pair. The tower is the chain of
 /// stones from the one on the table nearest to the site up, each of which rests on the last and nothing else.
+/// `engine` is bullet or ode; throws InvalidArgument for another.
 [[nodiscard]] TowerVerdict judge_tower(const SimulatedCell& cell,
-                                       const StandOptions& options = tower_bounds());
+                                       const StandOptions& options = tower_bounds(),
+                                       const std::string& engine = "bullet");
 /// Simulates the tower at the assumed site at rest, and separately shakes it; `bounds` says how
 /// far a stone may move to count as standing.
 [[nodiscard]] Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options = {},
                                  const StandOptions& bounds = tower_bounds());
 
-/// Verdict of the simulated cell's truth on the finished tower; the program under test never sees it.
+/// Verdict of one physics engine on the finished tower.
+struct EngineVerdict {
+  std::string engine;    ///< bullet or ode
+  int height = 0;        ///< stones that rest on the stone below and on nothing else, and stay
+  double seconds = 0.0;  ///< simulated, with the arm away
+  double shift = 0.0;    ///< largest movement of a tower stone in that time [m]
+  double turn = 0.0;     ///< likewise [rad]
+  std::string note;      ///< what ended the tower; empty: its top
+};
+
+/// Verdict of the simulated cell's truth on the finished tower; the program under test never sees it. A stone
+/// counts if it stands in every engine.
 struct TruthReport {
   int height = 0;         ///< stones that rest on the stone below and on nothing else
   bool stands = false;    ///< the tower that the run reports still stands after `seconds`
-  double seconds = 60.0;  ///< simulated, with the arm away
+  double seconds = 60.0;  ///< simulated, with the arm away; of the longest trial
   double shift = 0.0;     ///< largest movement of a tower stone in that time [m]
   double turn = 0.0;      ///< likewise [rad]
   std::string note;
+  std::vector<EngineVerdict> engines;  ///< of the same tower; empty in records of older versions
 };
+/// True where a tower is higher in one engine than in another.
+[[nodiscard]] bool engines_disagree(const TruthReport& truth);
 
 /// Everything that is reported of a run.
 struct RunReport {
@@ -79,15 +95,25 @@ struct ExperimentRun {
 
 /// All runs, in order, and how they were made.
 struct Experiment {
-  std::string title;  ///< "11 runs of 4 of 6 stones, seed 1"
+  std::string title;              ///< "11 runs of 4 of 6 stones, seed 1"
+  std::string protocol = "full";  ///< when a run ends: full or paper (`apply_protocol`)
   int per_run = 4;
+  int new_stones = 0;           ///< stones that each run had for itself; 0: all runs drew from the same
+  std::string new_stones_from;  ///< folder that they were drawn from; empty: generated
   std::vector<double> survival_seconds{5.0, 60.0, 600.0};
   std::vector<ExperimentRun> runs;
 };
 
-/// A share with its 95 % interval (Wilson's score interval).
+/// A share with its 95 % interval: Wilson's score interval at the effective number of trials. Runs that share
+/// a set of stones are a cluster, and so are all placements of such runs: the effective number is
+/// trials / design effect, times (t of trials - 1 / t of clusters - 1)^2 for the few degrees of freedom of
+/// few clusters (Korn and Graubard 1998). The design effect (Kish 1965) is estimated between 1 and its value
+/// where all trials of a cluster end alike; where nothing shows it (no hits, hits only, or one cluster), it
+/// is the latter. With one trial a cluster this is Wilson's interval.
 struct Rate {
   int hits = 0, trials = 0;
+  int clusters = 0;        ///< sets of stones; 0: every trial is on its own
+  double effective = 0.0;  ///< number of trials that count; 0: all of them
   [[nodiscard]] double share() const { return trials > 0 ? static_cast<double>(hits) / trials : 0.0; }
   [[nodiscard]] double low() const;
   [[nodiscard]] double high() const;
@@ -102,6 +128,15 @@ struct Rate {
 [[nodiscard]] std::vector<int> heights(const Experiment& experiment);
 /// Runs that reached at least `height`.
 [[nodiscard]] Rate reached(const Experiment& experiment, int height);
+/// Height of a run by the paper's protocol (§4): stones placed before the first that was not. What the loop
+/// did after that, unstacking, reorienting and a second pick do not count. A run without a failure has its
+/// judged height, if that is less.
+[[nodiscard]] int paper_height(const RunReport& report);
+/// Counts of runs by that height, and runs that reached at least `height`.
+[[nodiscard]] std::vector<int> paper_heights(const Experiment& experiment);
+[[nodiscard]] Rate reached_by_paper(const Experiment& experiment, int height);
+/// How many sets of stones the runs had.
+[[nodiscard]] int stone_sets(const Experiment& experiment);
 
 /// Predicted against observed: placements by predicted success.
 struct CalibrationBin {

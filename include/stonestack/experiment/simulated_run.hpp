@@ -20,7 +20,12 @@ void spread_seed(SimulatedRun& run);
 /// The options of a run: build, simulation.*
 [[nodiscard]] FieldList fields(SimulatedRun& run);
 
-/// Does what the run reports stand in the simulated world's own state, with the arm away?
+/// "full" leaves the options as they are; "paper" (§4) ends a run at the first placement that fails, with no
+/// stone unstacked or reoriented and no second pick. Throws InvalidArgument for another name.
+void apply_protocol(SimulatedRun& run, const std::string& protocol);
+
+/// Does what the run reports stand in the simulated world's own state, with the arm away, in both engines:
+/// 60 s in Bullet and 5 s in ODE?
 [[nodiscard]] TruthReport judge_run(const SimulatedCell& cell, const RunResult& result);
 
 /// One row of a comparison: the experiment with some options set differently.

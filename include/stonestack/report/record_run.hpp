@@ -37,13 +37,17 @@ struct RecordedRun {
 /// @throws InvalidArgument where a run that ended is in the folder; FileError; DeviceError.
 [[nodiscard]] RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue);
 
-/// Consecutive runs of stones that are drawn anew each time.
+/// Consecutive runs of stones that are drawn anew each time: from the catalogue, or with `new_stones` ones
+/// that no other run of the experiment has.
 struct ExperimentOrder {
   SimulatedRun run;  ///< options of all runs
   RobotModel robot;
   int seed = 1;  ///< run k has the seed 1000 seed + k
   int runs = 11;
   int stones = 6;                 ///< of the catalogue, to draw from
+  int new_stones = 0;             ///< stones that each run has for itself; 0: those of the catalogue for all
+  std::string new_stones_from;    ///< catalogue folder that they are drawn from; empty: generated limestones
+  std::string protocol = "full";  ///< when a run ends: full or paper (`apply_protocol`)
   int per_run = 4;                ///< in the field of each run
   bool survival = true;           ///< try each tower further
   bool continues = false;         ///< with what the folder `out` holds

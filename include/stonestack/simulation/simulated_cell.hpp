@@ -18,6 +18,7 @@ class TrueWorld;
 /// How true the simulated cell is. Everything here is hidden from the planner.
 struct SimulationOptions {
   int seed = 1;
+  std::string engine = "bullet";        ///< of the true world: bullet or ode; the planner's is Bullet
   double friction = 0.5;                ///< true, stone on stone and on the table: mean over pairs
   double friction_spread = 0.15;        ///< half width of the uniform draw per pair
   std::string sensor = "sr300";         ///< depth camera: sr300, d435 or ideal
@@ -45,7 +46,7 @@ struct Truth {
   std::vector<Contact> contacts;  ///< between stones and with the table
 };
 
-/// A UR10 with gripper, force sensor and camera over a table with stones, in Bullet, on a simulated clock.
+/// A UR10 with gripper, force sensor and camera over a table with stones, on a simulated clock.
 class SimulatedCell {
  public:
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to

@@ -125,6 +125,9 @@ function fillHead() {
   if (run.truth)
     fact(run.truth.stands ? `${run.truth.height} stand` : 'fell', `after ${run.truth.seconds} s in the true world`,
         run.truth.stands ? 'good' : 'bad');
+  if (run.truth && run.truth.disagree)
+    fact(run.truth.engines.map(([name, height]) => `${name} ${height}`).join(', '), 'stones stand, by engine', 'bad');
+  fact(`${run.paper_height}`, 'height by the paper’s protocol');
   fact(`${fixed(run.seconds.motion, 0)} s`, 'robot time');
   fact(run.ended.replaceAll('_', ' '), 'end of the run');
 }

@@ -1,0 +1,360 @@
+#include "physics/ode_world.hpp"
+
+#include <ode/ode.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "physics/rigid_frame.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::physics {
+namespace {
+
+constexpr int kFound = 256;            // contacts that ODE may report for a pair
+constexpr std::size_t kContacts = 12;  // of these, the deepest and most spread: the solver is cubic in them
+constexpr double kSoftness = 1e-9;     // ODE's CFM: without it redundant contacts have no solution
+constexpr double kRecovery = 0.2;      // ODE's ERP: share of a depth that one step takes away
+constexpr double kFastest = 0.1;       // m/s, while depths are corrected
+constexpr double kLayer = 2e-5;        // m: depth that is left alone, so that resting contacts do not flicker
+constexpr double kSlides = 1e-3;       // m/s: slower counts as at rest
+constexpr unsigned long kTableBits = 1, kStoneBits = 2, kBoxBits = 4;  // boxes meet stones only
+
+using Vector = Eigen::Vector3d;
+
+/// Debian's ODE keeps the state of mesh collisions in the process: one thread at a time may use it.
+std::mutex& collision_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+void start_ode() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    dInitODE2(0);
+    dSetMessageHandler([](int, const char*, va_list) {});  // of its solver, at singular contacts
+  });
+  dAllocateODEDataForThread(dAllocateMaskAll);
+}
+
+Vector to_eigen(const dReal* v) {
+  return {v[0], v[1], v[2]};
+}
+
+Pose body_pose(dBodyID body) {
+  const dReal* q = dBodyGetQuaternion(body);
+  Pose T_W_M = Pose::Identity();
+  T_W_M.translation() = to_eigen(dBodyGetPosition(body));
+  T_W_M.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+  return T_W_M;
+}
+
+void put(dBodyID body, const Pose& T_W_M) {
+  const Eigen::Quaterniond q(T_W_M.linear());
+  const dQuaternion turned{q.w(), q.x(), q.y(), q.z()};
+  dBodySetPosition(body, T_W_M.translation().x(), T_W_M.translation().y(), T_W_M.translation().z());
+  dBodySetQuaternion(body, turned);
+}
+
+void set_twist(dBodyID body, const Twist& twist) {
+  dBodySetLinearVel(body, twist.v.x(), twist.v.y(), twist.v.z());
+  dBodySetAngularVel(body, twist.w.x(), twist.w.y(), twist.w.z());
+}
+
+/// The deepest, then those furthest from all that were taken.
+std::vector<dContactGeom> thinned(const std::vector<dContactGeom>& found) {
+  if (found.size() <= kContacts) return found;
+  std::vector<double> apart(found.size(), 1e9);
+  std::size_t next = 0;
+  for (std::size_t k = 1; k < found.size(); ++k)
+    if (found[k].depth > found[next].depth) next = k;
+  std::vector<dContactGeom> taken;
+  while (taken.size() < kContacts) {
+    taken.push_back(found[next]);
+    const Vector last = to_eigen(found[next].pos);
+    for (std::size_t k = 0; k < found.size(); ++k)
+      apart[k] = std::min(apart[k], (to_eigen(found[k].pos) - last).norm());
+    next = static_cast<std::size_t>(std::max_element(apart.begin(), apart.end()) - apart.begin());
+  }
+  return taken;
+}
+
+}  // namespace
+
+struct OdeWorld::Ode {
+  struct Body {
+    std::shared_ptr<const ContactShape> stone;  ///< empty for a box
+    std::vector<double> vertices;
+    std::vector<dTriIndex> indices;
+    dTriMeshDataID mesh = nullptr;
+    dBodyID body = nullptr;
+    dGeomID geom = nullptr;
+    Vector p_O_M = Vector::Zero();
+    bool led = false;    ///< moves as commanded or not at all
+    bool moves = false;  ///< has a target for the next step
+    Pose T_W_M_target = Pose::Identity();
+  };
+  /// A contact of the last step with the joint that carried it.
+  struct Touch {
+    Contact contact;
+    dJointFeedback load{};
+  };
+
+  explicit Ode(const WorldOptions& o) : options(o), gravity(0, 0, -o.gravity) {
+    start_ode();
+    world = dWorldCreate();
+    space = dSimpleSpaceCreate(nullptr);
+    group = dJointGroupCreate(0);
+    dWorldSetCFM(world, kSoftness);
+    dWorldSetERP(world, kRecovery);
+    dWorldSetContactMaxCorrectingVel(world, kFastest);
+    dWorldSetContactSurfaceLayer(world, kLayer);
+    table = dCreatePlane(space, 0, 0, 1, 0);
+    dGeomSetCategoryBits(table, kTableBits);
+    dGeomSetCollideBits(table, kStoneBits);
+  }
+  Ode(const Ode&) = delete;
+  Ode& operator=(const Ode&) = delete;
+  ~Ode() {
+    const std::lock_guard guard(collision_mutex());
+    dJointGroupDestroy(group);
+    dSpaceDestroy(space);
+    for (auto& body : bodies)
+      if (body->mesh != nullptr) dGeomTriMeshDataDestroy(body->mesh);
+    dWorldDestroy(world);
+  }
+
+  Body& body(int index) {
+    require(index >= 0 && index < static_cast<int>(bodies.size()), "no body ", index, "; there are ",
+            bodies.size());
+    return *bodies[static_cast<std::size_t>(index)];
+  }
+  int add(std::unique_ptr<Body> body, const MassProperties& mass, const Pose& T_W_O, bool fixed);
+  void collide();
+  void meet(dGeomID a, dGeomID b);
+  [[nodiscard]] Vector friction_axis(const Touch& touch, const Body* above, const Body* below) const;
+  [[nodiscard]] double friction_of(int a, int b) const {
+    const auto found = frictions.find({std::min(a, b), std::max(a, b)});
+    return found == frictions.end() ? options.friction : found->second;
+  }
+  void damp(double dt);
+  void lead(double dt);
+  void read_loads(double dt);
+
+  WorldOptions options;
+  Vector gravity;
+  dWorldID world = nullptr;
+  dSpaceID space = nullptr;
+  dJointGroupID group = nullptr;
+  dGeomID table = nullptr;
+  std::map<std::pair<int, int>, double> frictions;
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<std::unique_ptr<Touch>> touches;  ///< ODE writes the loads into them
+};
+
+int OdeWorld::Ode::add(std::unique_ptr<Body> body, const MassProperties& mass, const Pose& T_W_O,
+                       bool fixed) {
+  require(is_valid(T_W_O), "the pose of body ", bodies.size(), " is not a rigid transform");
+  body->p_O_M = mass.p_O_M;
+  body->body = dBodyCreate(world);
+  dMass inertia;
+  const Eigen::Matrix3d& I = mass.I_M;
+  dMassSetParameters(&inertia, mass.mass, 0, 0, 0, I(0, 0), I(1, 1), I(2, 2), I(0, 1), I(0, 2), I(1, 2));
+  dBodySetMass(body->body, &inertia);
+  dBodySetAutoDisableFlag(body->body, 0);  // what sleeps stands by decree
+  dBodySetLinearDampingThreshold(body->body, 0);
+  dBodySetAngularDampingThreshold(body->body, 0);
+  put(body->body, T_W_O * Eigen::Translation3d(body->p_O_M));
+  dGeomSetBody(body->geom, body->body);
+  dGeomSetCategoryBits(body->geom, body->stone ? kStoneBits : kBoxBits);
+  dGeomSetCollideBits(body->geom, body->stone ? kTableBits | kStoneBits | kBoxBits : kStoneBits);
+  dGeomSetData(body->geom, reinterpret_cast<void*>(bodies.size()));
+  body->led = fixed;
+  if (fixed) dBodySetKinematic(body->body);
+  bodies.push_back(std::move(body));
+  return static_cast<int>(bodies.size()) - 1;
+}
+
+/// First axis of the friction pyramid: across the sliding its sides are too far out by up to 41 %, along it
+/// they are where they belong. At rest it is the weight that would set it sliding.
+Vector OdeWorld::Ode::friction_axis(const Touch& touch, const Body* above, const Body* below) const {
+  const Vector& n = touch.contact.n_W;
+  const auto velocity = [&](const Body* body) -> Vector {
+    if (body == nullptr) return Vector::Zero();
+    dVector3 v;
+    const Vector& p = touch.contact.p_W;
+    dBodyGetPointVel(body->body, p.x(), p.y(), p.z(), v);
+    return to_eigen(v);
+  };
+  Vector along = velocity(above) - velocity(below);
+  along -= along.dot(n) * n;
+  if (along.norm() < kSlides) along = gravity - gravity.dot(n) * n;
+  return along.norm() < 1e-6 * std::max(1.0, gravity.norm()) ? n.unitOrthogonal() : along.normalized();
+}
+
+void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
+  const auto index = [&](dGeomID geom) {
+    return geom == table ? kTable : static_cast<int>(reinterpret_cast<std::uintptr_t>(dGeomGetData(geom)));
+  };
+  if (index(a) < index(b)) std::swap(a, b);  // ODE's normals point into the first
+  const int above = index(a), below = index(b);
+  const Body* upper = bodies[static_cast<std::size_t>(above)].get();
+  const Body* lower = below == kTable ? nullptr : bodies[static_cast<std::size_t>(below)].get();
+  if (upper->led && (lower == nullptr || lower->led)) return;
+  std::vector<dContactGeom> found(kFound);
+  const int count = dCollide(a, b, kFound, found.data(), sizeof(dContactGeom));
+  found.resize(static_cast<std::size_t>(std::max(count, 0)));
+  const double friction = friction_of(above, below);
+  for (const dContactGeom& geom : thinned(found)) {
+    auto touch = std::make_unique<Touch>();
+    touch->contact = {below, above, to_eigen(geom.pos), to_eigen(geom.normal), -geom.depth, 0.0};
+    dContact contact{};
+    contact.geom = geom;
+    contact.surface.mode = dContactApprox1 | dContactFDir1;
+    contact.surface.mu = friction;
+    const Vector axis = friction_axis(*touch, upper, lower);
+    std::copy(axis.data(), axis.data() + 3, contact.fdir1);
+    const dJointID joint = dJointCreateContact(world, group, &contact);
+    dJointAttach(joint, upper->body, lower == nullptr ? nullptr : lower->body);
+    dJointSetFeedback(joint, &touch->load);
+    touches.push_back(std::move(touch));
+  }
+}
+
+void OdeWorld::Ode::collide() {
+  const std::lock_guard guard(collision_mutex());
+  touches.clear();
+  dSpaceCollide(space, this, [](void* self, dGeomID a, dGeomID b) { static_cast<Ode*>(self)->meet(a, b); });
+}
+
+/// Bullet's damping: a velocity loses the share 1 - (1 - damping)^dt.
+void OdeWorld::Ode::damp(double dt) {
+  const double linear = 1.0 - std::pow(1.0 - options.linear_damping, dt);
+  const double angular = 1.0 - std::pow(1.0 - options.angular_damping, dt);
+  for (auto& body : bodies)
+    if (!body->led) dBodySetDamping(body->body, linear, angular);
+}
+
+void OdeWorld::Ode::lead(double dt) {
+  for (auto& body : bodies) {
+    if (!body->led) continue;
+    set_twist(body->body,
+              body->moves ? velocity_between(body_pose(body->body), body->T_W_M_target, dt) : Twist{});
+  }
+}
+
+void OdeWorld::Ode::read_loads(double dt) {
+  for (auto& touch : touches)
+    touch->contact.impulse = std::max(0.0, to_eigen(touch->load.f1).dot(touch->contact.n_W)) * dt;
+}
+
+OdeWorld::OdeWorld(const WorldOptions& options) {
+  require(options.friction > 0.0 && std::isfinite(options.friction), "friction must be positive, got ",
+          options.friction);
+  ode_ = std::make_unique<Ode>(options);
+}
+OdeWorld::~OdeWorld() = default;
+
+int OdeWorld::add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_O, bool fixed) {
+  require(shape != nullptr && !shape->scan.faces.empty(), "a stone needs a contact shape");
+  auto body = std::make_unique<Ode::Body>();
+  for (const auto& v : shape->scan.vertices)
+    for (int i = 0; i < 3; ++i) body->vertices.push_back(v[i] - shape->mass.p_O_M[i]);
+  for (const auto& f : shape->scan.faces)
+    for (int i = 0; i < 3; ++i) body->indices.push_back(static_cast<dTriIndex>(f[i]));
+  const MassProperties mass = shape->mass;
+  body->stone = std::move(shape);
+  {
+    const std::lock_guard guard(collision_mutex());
+    body->mesh = dGeomTriMeshDataCreate();
+    dGeomTriMeshDataBuildDouble(body->mesh, body->vertices.data(), 3 * sizeof(double),
+                                static_cast<int>(body->vertices.size() / 3), body->indices.data(),
+                                static_cast<int>(body->indices.size()), 3 * sizeof(dTriIndex));
+    body->geom = dCreateTriMesh(ode_->space, body->mesh, nullptr, nullptr, nullptr);
+  }
+  return ode_->add(std::move(body), mass, T_W_O, fixed);
+}
+
+int OdeWorld::add_box(const Eigen::Vector3d& size, const Pose& T_W_box) {
+  require(size.minCoeff() > 0.0 && size.allFinite(), "a box needs positive sides, got ", size.transpose());
+  auto body = std::make_unique<Ode::Body>();
+  body->geom = dCreateBox(ode_->space, size.x(), size.y(), size.z());
+  MassProperties mass;
+  mass.mass = 1.0;
+  mass.p_O_M.setZero();
+  mass.I_M.setIdentity();
+  return ode_->add(std::move(body), mass, T_W_box, true);
+}
+
+void OdeWorld::move_to(int body, const Pose& T_W_body) {
+  Ode::Body& b = ode_->body(body);
+  require(b.led, "body ", body, " moves by itself; only boxes and fixed stones are led");
+  require(is_valid(T_W_body), "the target of body ", body, " is not a rigid transform");
+  b.moves = true;
+  b.T_W_M_target = T_W_body * Eigen::Translation3d(b.p_O_M);
+}
+
+void OdeWorld::place(int body, const Pose& T_W_body, const Twist& twist) {
+  Ode::Body& b = ode_->body(body);
+  require(is_valid(T_W_body), "the pose of body ", body, " is not a rigid transform");
+  put(b.body, T_W_body * Eigen::Translation3d(b.p_O_M));
+  set_twist(b.body, twist);
+  b.moves = false;
+}
+
+void OdeWorld::set_pair_friction(int a, int b, double friction) {
+  require(friction >= 0.0 && std::isfinite(friction), "friction of bodies ", a, " and ", b,
+          " must not be negative, got ", friction);
+  ode_->frictions[{std::min(a, b), std::max(a, b)}] = friction;
+}
+
+void OdeWorld::apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
+  const Ode::Body& b = ode_->body(body);
+  dBodyAddForce(b.body, force.x(), force.y(), force.z());
+  dBodyAddTorque(b.body, torque.x(), torque.y(), torque.z());
+}
+
+void OdeWorld::set_gravity(const Eigen::Vector3d& g_W) {
+  ode_->gravity = g_W;
+}
+
+void OdeWorld::step(double dt) {
+  require(dt > 0.0 && dt <= 0.1, "a step must be in (0, 0.1] s, got ", dt);
+  start_ode();  // for this thread
+  dWorldSetGravity(ode_->world, ode_->gravity.x(), ode_->gravity.y(), ode_->gravity.z());
+  ode_->damp(dt);
+  ode_->lead(dt);
+  ode_->collide();
+  dWorldStep(ode_->world, dt);
+  ode_->read_loads(dt);
+  dJointGroupEmpty(ode_->group);
+  for (auto& body : ode_->bodies) {
+    if (body->moves) put(body->body, body->T_W_M_target);
+    body->moves = false;
+    require(to_eigen(dBodyGetPosition(body->body)).allFinite(), "ODE lost a body: it has no place any more");
+  }
+}
+
+Pose OdeWorld::pose(int body) const {
+  const Ode::Body& b = ode_->body(body);
+  return body_pose(b.body) * Eigen::Translation3d(-b.p_O_M);
+}
+
+Twist OdeWorld::twist(int body) const {
+  const Ode::Body& b = ode_->body(body);
+  return {to_eigen(dBodyGetLinearVel(b.body)), to_eigen(dBodyGetAngularVel(b.body))};
+}
+
+std::vector<Contact> OdeWorld::contacts() const {
+  std::vector<Contact> out;
+  for (const auto& touch : ode_->touches) out.push_back(touch->contact);
+  std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
+    return std::pair(a.below, a.above) < std::pair(b.below, b.above);
+  });
+  return out;
+}
+
+}  // namespace stonestack::physics

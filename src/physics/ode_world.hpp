@@ -1,0 +1,37 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "physics/rigid_world.hpp"
+
+namespace stonestack::physics {
+
+/// Stones and boxes on a table (z = 0) in the Open Dynamics Engine, which shares nothing with `World` but the
+/// scans: concave triangle meshes against each other, an exact solver (dWorldStep), friction pyramids of four
+/// sides whose axes follow the sliding, or where nothing slides the weight. `WorldOptions::iterations` has no
+/// effect. Stones may sink into each other by 20 um: contacts that last need some depth. Between meshes with
+/// large parallel faces (two boxes) ODE finds no sound contacts; scans of stones have none.
+class OdeWorld final : public RigidWorld {
+ public:
+  explicit OdeWorld(const WorldOptions& options);
+  ~OdeWorld() override;
+
+  int add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_O, bool fixed) override;
+  int add_box(const Eigen::Vector3d& size, const Pose& T_W_box) override;
+  void move_to(int body, const Pose& T_W_body) override;
+  void place(int body, const Pose& T_W_body, const Twist& twist) override;
+  void set_pair_friction(int a, int b, double friction) override;
+  void apply(int body, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) override;
+  void set_gravity(const Eigen::Vector3d& g_W) override;
+  void step(double dt) override;
+
+  [[nodiscard]] Pose pose(int body) const override;
+  [[nodiscard]] Twist twist(int body) const override;
+  [[nodiscard]] std::vector<Contact> contacts() const override;
+
+ private:
+  struct Ode;
+  std::unique_ptr<Ode> ode_;
+};
+
+}  // namespace stonestack::physics
