@@ -46,7 +46,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         result.contact_force = now.contact_force;
         if (!touched) result.reason = "no contact where the stone should touch; let go there";
         if (touched && drags && now.status == Status::kReleased) {
-          now = executor.measure_friction(step);
+          now = executor.measure_friction();
           result.friction = now.friction;
         }
         break;

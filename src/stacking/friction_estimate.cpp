@@ -41,7 +41,7 @@ FrictionEstimate update_estimate(FrictionEstimate estimate, const std::vector<do
   return estimate;
 }
 
-FrictionEstimate update_estimate(FrictionEstimate estimate, double measured) {
+FrictionEstimate update_by_measurement(FrictionEstimate estimate, double measured) {
   std::vector<double>& weights = estimate.weights;
   const double known = std::clamp(measured, estimate.frictions.front(), estimate.frictions.back());
   for (std::size_t level = 0; level < weights.size(); ++level) {

@@ -216,7 +216,7 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
                    const ExecutionResult& done) {
   ++memory.actions;
   if (done.friction) {
-    memory.friction = update_estimate(std::move(memory.friction), *done.friction);
+    memory.friction = update_by_measurement(std::move(memory.friction), *done.friction);
     memory.friction_measured = true;
   }
   if (done.status == Status::kStopped) memory.failure = {RunEnd::kStopped, "the arm stopped: " + done.reason};

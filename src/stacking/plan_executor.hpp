@@ -55,7 +55,7 @@ struct PlanExecutor {
   /// Drags the stone, which rests on the table and is still held, there and back, and compares the forces
   /// along and against the table. The result has no friction where the stone does not press or does not
   /// slide.
-  [[nodiscard]] ExecutionResult measure_friction(const PlanStep& step) const;
+  [[nodiscard]] ExecutionResult measure_friction() const;
   void open(const PlanStep& step) const;
   /// Retreats along the gripper's own axis from the arm's measured pose, as far as the plan found clearance.
   [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const;

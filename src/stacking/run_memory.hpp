@@ -23,7 +23,7 @@ namespace stonestack::stacking {
 [[nodiscard]] FrictionEstimate update_estimate(FrictionEstimate estimate, const std::vector<double>& success);
 
 /// Bayes' rule after the friction of one pair was measured: those of other pairs scatter about it.
-[[nodiscard]] FrictionEstimate update_estimate(FrictionEstimate estimate, double measured);
+[[nodiscard]] FrictionEstimate update_by_measurement(FrictionEstimate estimate, double measured);
 
 /// Mean offset of placed stones from their targets, level, m: hand-eye and arm calibration err the same each
 /// time, and the camera measures by how much.

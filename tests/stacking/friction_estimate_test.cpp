@@ -33,15 +33,15 @@ TEST(FrictionEstimate, AFallThatNoFrictionExplainsChangesNothing) {
 
 TEST(FrictionEstimate, AMeasurementMakesFrictionsNearItLikely) {
   const FrictionEstimate first = first_estimate({0.1, 0.225, 0.35, 0.475});
-  const FrictionEstimate slippery = update_estimate(first, 0.14);
+  const FrictionEstimate slippery = update_by_measurement(first, 0.14);
   // By hand: 1 exp(-0.08), 2 exp(-0.36125), 3 exp(-2.205), 4 exp(-5.61125) of their sum 2.6634.
   EXPECT_NEAR(slippery.weights[0], 0.3466, 1e-3);
   EXPECT_NEAR(slippery.weights[1], 0.5232, 1e-3);
   EXPECT_NEAR(slippery.weights[2], 0.1242, 1e-3);
   EXPECT_NEAR(slippery.weights[3], 0.0055, 1e-3);
-  EXPECT_GT(update_estimate(first, 0.5).weights[3], 0.75);
-  const FrictionEstimate beyond = update_estimate(first, 1.2);
-  EXPECT_EQ(beyond.weights, update_estimate(first, 0.475).weights) << "as much as any that is assumed";
+  EXPECT_NEAR(update_by_measurement(first, 0.475).weights[3], 0.7323, 1e-3);
+  const FrictionEstimate beyond = update_by_measurement(first, 1.2);
+  EXPECT_EQ(beyond.weights, update_by_measurement(first, 0.475).weights) << "as much as any that is assumed";
 }
 
 TEST(FrictionEstimate, WantsASuccessForEach) {

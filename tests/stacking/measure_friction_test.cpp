@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -23,37 +25,44 @@ TEST(FrictionOfDrag, IsHalfTheDifferenceOfBothDirections) {
   EXPECT_FALSE(friction_of_drag({-0.1, -0.1}, {0.1, 0.1})) << "no friction pushes";
 }
 
-/// A table that presses with 6 N along its normal, on which a dragged stone slides.
+/// A table that presses with 6 N, on which a dragged stone slides; when the arm stops, half of the friction
+/// relaxes.
 struct SlidingBench : Bench {
   double friction = 0.3, slope = 0.0, press = 6.0;
   double along = 0.0;  ///< drag so far [m]
 
   SlidingBench() {
-    arm.after_motion = [this] { answer(); };
+    arm.after_motion = [this] {
+      if (arm.commands.back() == "descend") push(0.0);
+    };
+    arm.mean_force = [this](const GuardedMotion& motion) { return slide(motion); };
   }
-  void answer() {
-    if (arm.commands.back() == "descend") return push(0.0);
-    if (arm.followed.q.empty()) return;
+  [[nodiscard]] Eigen::Matrix3d R_W_F() const {
+    return layout.T_W_R.linear() * forward(scene.robot, arm.q).linear();
+  }
+  [[nodiscard]] Eigen::Vector3d n_W_drag() const {
+    Eigen::Vector3d n_W = R_W_F() * scene.T_F_T.linear().col(0);
+    n_W.z() = 0.0;
+    return n_W.normalized();
+  }
+  /// Of the table on the stone, which slides with `share` of the friction along the drag.
+  [[nodiscard]] Eigen::Vector3d f_W(double share) const {
+    return press * (Eigen::Vector3d::UnitZ() - (friction * share + slope) * n_W_drag());
+  }
+  void push(double share) { force.wrench.force = R_W_F().transpose() * f_W(share); }
+  double slide(const GuardedMotion& motion) {
+    if (std::abs(motion.n_W_direction.z()) > 0.5) return 0.0;
+    const double direction = motion.n_W_direction.dot(n_W_drag());
     const Pose T_R_T = forward(scene.robot, arm.q) * scene.T_F_T;
-    const Pose T_R_T_now = forward(scene.robot, arm.followed.q.back()) * scene.T_F_T;
-    const Eigen::Matrix3d R_W_R = layout.T_W_R.linear();
-    Eigen::Vector3d n_W = (R_W_R * T_R_T.linear()).col(0);
-    n_W.z() = 0.0;
-    const double to = (R_W_R * (T_R_T_now.translation() - T_R_T.translation())).dot(n_W.normalized());
-    push(to > along ? 1.0 : -1.0);
-    along = to;
-  }
-  /// `direction` of the drag along the tool's x axis; 0: none.
-  void push(double direction) {
-    const Eigen::Matrix3d R_W_F = layout.T_W_R.linear() * forward(scene.robot, arm.q).linear();
-    Eigen::Vector3d n_W = R_W_F * scene.T_F_T.linear().col(0);
-    n_W.z() = 0.0;
-    n_W.normalize();
-    force.wrench.force =
-        R_W_F.transpose() * (press * (Eigen::Vector3d::UnitZ() - (friction * direction + slope) * n_W));
+    const Pose T_R_T_end = forward(scene.robot, motion.trajectory.q.back()) * scene.T_F_T;
+    along = (layout.T_W_R.linear() * (T_R_T_end.translation() - T_R_T.translation())).dot(n_W_drag());
+    const Eigen::Vector3d before = R_W_F() * force.wrench.force;
+    push(0.5 * direction);
+    return -motion.n_W_direction.dot(f_W(direction) - before);
   }
   ExecutionResult drag() {
     arm.guarded = {Status::kNoContact, Status::kContact};
+    arm.guarded.insert(arm.guarded.end(), 4, Status::kNoContact);
     return execute(plan, stone, scene, cell, {}, nullptr, true);
   }
 };
@@ -81,10 +90,18 @@ TEST(MeasureFriction, AStoneThatDoesNotPressHasNoFriction) {
 
 TEST(MeasureFriction, AStopOfTheArmEndsIt) {
   SlidingBench bench;
-  bench.arm.stops_after = 2;  // the approach, and one drag
-  const ExecutionResult done = bench.drag();
+  bench.arm.guarded = {Status::kNoContact, Status::kContact, Status::kNoContact, Status::kStopped};
+  const ExecutionResult done = execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, nullptr, true);
   EXPECT_EQ(done.status, ExecutionResult::Status::kStopped);
-  EXPECT_THAT(done.reason, testing::HasSubstr("drag"));
+  EXPECT_THAT(done.reason, testing::HasSubstr("dragging"));
+}
+
+TEST(MeasureFriction, AStoneThatIsStoppedIsReleasedWithoutAFriction) {
+  SlidingBench bench;
+  bench.arm.guarded = {Status::kNoContact, Status::kContact, Status::kNoContact, Status::kContact};
+  const ExecutionResult done = execute(bench.plan, bench.stone, bench.scene, bench.cell, {}, nullptr, true);
+  EXPECT_EQ(done.status, ExecutionResult::Status::kReleased);
+  EXPECT_FALSE(done.friction);
 }
 
 TEST(MeasureFriction, ARunMeasuresItBeforeAStoneIsStacked) {

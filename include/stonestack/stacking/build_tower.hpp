@@ -44,7 +44,7 @@ struct BuildOptions {
   /// false: what is seen near where it was planned is taken to lie as planned; for measuring what measuring
   /// is worth
   bool measure_placed = true;
-  /// the first stone is dragged over the table by 7 mm before it is released: a slippery set is known to be
+  /// the first stone is dragged over the table by 16 mm before it is released: a slippery set is known to be
   /// slippery before a stone is stacked
   bool measure_friction = true;
   bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
