@@ -2,6 +2,7 @@
 #include <cmath>
 #include <deque>
 
+#include "hardware/guard_readings.hpp"
 #include "kinematics/jacobian.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
@@ -167,6 +168,7 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
     return sample(trajectory, t).q + (1 - fade) * start_gap;
   };
   int above = 0, tick = 0;
+  GuardReadings readings;
   // What the guard knows is force_delay old; before the motion the force was the one it started with.
   std::deque<double> felt(static_cast<std::size_t>(std::lround(force_delay_ / kTick)), 0.0);
   for (double t = 0; t < duration;) {
@@ -189,12 +191,17 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
       felt.push_back(resistance(*guard) - start_force);
       force = felt.front();
       felt.pop_front();
+      readings.add(force);
     }
     if (!stop_reason_.empty()) return {Status::kStopped, q_, force, "protective stop: " + stop_reason_};
     if (guard) above = force > guard->threshold ? above + 1 : 0;
-    if (above >= 2) return {Status::kContact, q_, force, concat("contact at ", force, " N")};
+    if (above >= 2)
+      return {Status::kContact, q_, force, concat("contact at ", force, " N"),
+              readings.mean_of_second_half()};
   }
-  if (guard) return {Status::kNoContact, q_, force, "no contact up to the end of the motion"};
+  if (guard)
+    return {Status::kNoContact, q_, force, "no contact up to the end of the motion",
+            readings.mean_of_second_half()};
   return {Status::kDone, q_, 0.0, {}};
 }
 

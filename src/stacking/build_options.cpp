@@ -21,6 +21,8 @@ FieldList fields(BuildOptions& o) {
                    "true: the camera's mount is refined from two first views"),
              field("measure_placed", o.measure_placed,
                    "false: placed stones are taken to lie as planned, if they are seen near there"),
+             field("measure_friction", o.measure_friction,
+                   "true: the first stone is dragged over the table to measure the friction"),
              field("correct_aim", o.correct_aim,
                    "true: placements are corrected by the mean error of earlier ones"),
              user(field("max_reoriented", o.max_reoriented, {0, 100}, "",

@@ -192,7 +192,7 @@ struct FrictionSearch {
         if (found.unreachable > 0) break;  // by no friction will it be
         continue;
       }
-      if (level > first &&
+      if ((level > first || memory.friction_measured) &&
           expected_over_frictions(problem, found.best.front(), level) < s.options.sure_success * levels)
         break;
       s.emit(PlanHolds{search.friction});

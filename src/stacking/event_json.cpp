@@ -51,6 +51,9 @@ struct Records {
   Record operator()(const SetDownBegun& e) const {
     return {e.reorients ? "reorient" : "unstack", placement(e.placement)};
   }
+  Record operator()(const FrictionMeasured& e) const {
+    return {"friction", {{"stone", name(e.stone)}, {"on_table", e.friction}}};
+  }
   Record operator()(const PlacementJudged& e) const {
     return {"outcome", {{"stone", e.record.stone}, {"outcome", to_text(e.record.outcome)}}};
   }

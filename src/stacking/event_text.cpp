@@ -127,6 +127,9 @@ struct Words {
     return concat(e.record.stone, ": ", to_text(e.record.outcome),
                   e.record.note.empty() ? "" : ", " + e.record.note);
   }
+  std::string operator()(const FrictionMeasured& e) const {
+    return concat("friction of ", name(e.stone), " on the table: ", std::round(100 * e.friction) / 100);
+  }
   std::string operator()(const FrictionUpdated& e) const {
     std::string text;
     for (std::size_t k = 0; k < e.friction.frictions.size(); ++k)

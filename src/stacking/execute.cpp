@@ -17,7 +17,7 @@ bool leads_to_grasp(const PickAndPlacePlan& plan, const PlanStep& step) {
 }  // namespace
 
 ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const PlanningScene& scene,
-                        Cell& cell, const MotionOptions& options, Journal* journal) {
+                        Cell& cell, const MotionOptions& options, Journal* journal, bool drags) {
   PlanExecutor executor{plan, stone, scene, cell, options, journal};
   using Status = ExecutionResult::Status;
   ExecutionResult result;
@@ -45,6 +45,10 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         lowered = true;
         result.contact_force = now.contact_force;
         if (!touched) result.reason = "no contact where the stone should touch; let go there";
+        if (touched && drags && now.status == Status::kReleased) {
+          now = executor.measure_friction();
+          result.friction = now.friction;
+        }
         break;
       case PlanStep::Kind::kRelease:
         if (loose) now = executor.clear_table(step);

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "stacking/journal.hpp"
@@ -15,6 +16,8 @@ struct ExecutionResult {
   Status status = Status::kReleased;
   double contact_force = 0.0;  ///< at the end of the guarded descent [N]
   std::string reason;          ///< when it was not released
+  /// Friction between the stone and the table, where it was measured before the release.
+  std::optional<double> friction = std::nullopt;
 };
 
 /// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.
@@ -22,9 +25,10 @@ struct ExecutionResult {
 /// is still there; if not, the gripper returns along the same path and opens where the carry began. What
 /// touches while it is lowered, before the guarded descent, is released there: the stone is held otherwise
 /// than planned, and the next view shows how it lies. After contact the retreat is planned anew from the
-/// arm's measured joints. A stop of the arm ends it at once, with the stone held.
+/// arm's measured joints. A stop of the arm ends it at once, with the stone held. `drags`: the stone comes to
+/// rest on the table, and is dragged over it before the release, to measure the friction.
 [[nodiscard]] ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone,
                                       const PlanningScene& scene, Cell& cell, const MotionOptions& options,
-                                      Journal* journal);
+                                      Journal* journal, bool drags = false);
 
 }  // namespace stonestack::stacking

@@ -215,6 +215,10 @@ RunMemory remember_refusal(RunMemory memory, const Action& action, const MotionP
 RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& action, const MotionPlan& plan,
                    const ExecutionResult& done) {
   ++memory.actions;
+  if (done.friction) {
+    memory.friction = update_by_measurement(std::move(memory.friction), *done.friction);
+    memory.friction_measured = true;
+  }
   if (done.status == Status::kStopped) memory.failure = {RunEnd::kStopped, "the arm stopped: " + done.reason};
   if (const auto* view = std::get_if<LookAgain>(&action)) {
     note_view(memory, *view);

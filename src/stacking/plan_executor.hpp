@@ -52,6 +52,10 @@ struct PlanExecutor {
   /// Lowers until the wrist measures contact (paper §4.1: impact on the force-torque sensor). `touched` is
   /// true for contact: above the guarded descent it means a stone that is held otherwise than planned.
   [[nodiscard]] ExecutionResult feel_down(const PlanStep& step, bool* touched) const;
+  /// Drags the stone, which rests on the table and is still held, there and back, and compares the forces
+  /// along and against the table. The result has no friction where the stone does not press or does not
+  /// slide.
+  [[nodiscard]] ExecutionResult measure_friction() const;
   void open(const PlanStep& step) const;
   /// Retreats along the gripper's own axis from the arm's measured pose, as far as the plan found clearance.
   [[nodiscard]] ExecutionResult retreat(const PlanStep& step) const;

@@ -176,7 +176,9 @@ ExecutionResult execute(Workcell& w, const Action& action, const MotionPlan& pla
       done = {ExecutionResult::Status::kStopped, moved.force, "on the route to a view: " + moved.reason};
   } else {
     done = execute(plan.pick_and_place, w.models.stone(plan.placement.stone), plan.scene, w.cell,
-                   w.options.motion, journal);
+                   w.options.motion, journal,
+                   w.options.measure_friction && std::holds_alternative<Place>(action) && stack_before == 0);
+    if (done.friction) w.emit(FrictionMeasured{plan.placement.stone, *done.friction});
   }
   w.seconds.motion += w.cell.clock.now() - start;
   return done;

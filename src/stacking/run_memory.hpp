@@ -22,6 +22,9 @@ namespace stonestack::stacking {
 /// @throws InvalidArgument when the sizes differ.
 [[nodiscard]] FrictionEstimate update_estimate(FrictionEstimate estimate, const std::vector<double>& success);
 
+/// Bayes' rule after the friction of one pair was measured: those of other pairs scatter about it.
+[[nodiscard]] FrictionEstimate update_by_measurement(FrictionEstimate estimate, double measured);
+
 /// Mean offset of placed stones from their targets, level, m: hand-eye and arm calibration err the same each
 /// time, and the camera measures by how much.
 [[nodiscard]] Eigen::Vector3d placing_bias(const std::vector<PlacementRecord>& records);
@@ -75,6 +78,7 @@ struct Failure {
 /// Memory of a run, beside the world.
 struct RunMemory {
   FrictionEstimate friction;
+  bool friction_measured = false;  ///< since the run began, by dragging a stone over the table
   std::vector<PlacementRecord> records;
   std::optional<FollowedPlan> plan;
   int actions = 0;   ///< carried out

@@ -273,6 +273,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
     return list_json(list, [](const Eigen::Vector3d& v) { return vector_json(v); });
   };
   json j{{"friction", {{"frictions", m.friction.frictions}, {"weights", m.friction.weights}}},
+         {"friction_measured", m.friction_measured},
          {"records", list_json(m.records, [&](const PlacementRecord& r) { return w.record(r); })},
          {"actions", m.actions},
          {"failures", m.failures},
@@ -314,6 +315,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
   m.friction.weights = j.at("friction").at("weights").get<std::vector<double>>();
   require(!m.friction.frictions.empty() && m.friction.weights.size() == m.friction.frictions.size(),
           "friction needs as many weights as frictions");
+  m.friction_measured = j.value("friction_measured", false);
   m.records = list_of(j.at("records"), [&](const json& record) { return r.record(record); });
   m.actions = j.at("actions").get<int>();
   m.failures = j.at("failures").get<int>();

@@ -23,6 +23,16 @@ GripperState state_at_rest(Cell& cell) {
   return state;
 }
 
+Wrench mean_reading(Cell& cell) {
+  Wrench mean;
+  for (int i = 0; i < kReadings; ++i) {
+    const Wrench one = cell.force_torque.read();
+    mean.force += one.force / kReadings;
+    mean.torque += one.torque / kReadings;
+  }
+  return mean;
+}
+
 }  // namespace
 
 Eigen::Vector3d Wrist::down() const {
@@ -35,13 +45,12 @@ void Wrist::zero(double carried_weight) {
   n_F_down_at_zero_ = down();
 }
 
+Eigen::Vector3d Wrist::force_W() const {
+  return (cell_.layout.T_W_R * forward(robot_, cell_.arm.state().q)).linear() * mean_reading(cell_).force;
+}
+
 WristLoad Wrist::feel() const {
-  Wrench mean;
-  for (int i = 0; i < kReadings; ++i) {
-    const Wrench one = cell_.force_torque.read();
-    mean.force += one.force / kReadings;
-    mean.torque += one.torque / kReadings;
-  }
+  const Wrench mean = mean_reading(cell_);
   WristLoad load;
   load.n_F_down = down();
   const Eigen::Vector3d f_F_tilt = kGravity * gripper_.mass * (load.n_F_down - n_F_down_at_zero_);

@@ -40,6 +40,8 @@ class Wrist {
   void zero(double carried_weight = 0.0);
   /// Mean of a tenth of a second, at rest.
   [[nodiscard]] WristLoad feel() const;
+  /// Force of the world on the gripper and what it holds since taring, in W [N]. For the pose of taring only.
+  [[nodiscard]] Eigen::Vector3d force_W() const;
 
  private:
   [[nodiscard]] Eigen::Vector3d down() const;

@@ -24,6 +24,7 @@ struct ScriptedArm : Arm {
   int stops_after = -1;      ///< free motions; negative: never
   JointTrajectory followed;  ///< the last one
   std::function<void()> after_motion = [] {};
+  std::function<double(const GuardedMotion&)> mean_force = [](const GuardedMotion&) { return 0.0; };
 
   ArmState state() override {
     ArmState state;
@@ -40,8 +41,9 @@ struct ScriptedArm : Arm {
     commands.push_back(motion.threshold > 10 ? "lower" : "descend");
     const Status status = guarded.front();
     guarded.pop_front();
+    const double mean = mean_force(motion);
     after_motion();
-    return {status, q, 7.0, "scripted"};
+    return {status, q, 7.0, "scripted", mean};
   }
   void stop() override { commands.push_back("stop"); }
   std::vector<double> payloads;  ///< as they were set [kg]

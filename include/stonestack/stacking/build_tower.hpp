@@ -44,6 +44,9 @@ struct BuildOptions {
   /// false: what is seen near where it was planned is taken to lie as planned; for measuring what measuring
   /// is worth
   bool measure_placed = true;
+  /// the first stone is dragged over the table by 16 mm before it is released: a slippery set is known to be
+  /// slippery before a stone is stacked
+  bool measure_friction = true;
   bool correct_aim = true;   ///< aim beside the target by how far earlier stones were seen beside theirs
   int max_unstacked = 6;     ///< stones unstacked to try another tower; the paper never does
   int max_reoriented = 3;    ///< stones reoriented because no grasp served both ends

@@ -119,6 +119,10 @@ struct MotionRefused {
 struct PlacementJudged {
   PlacementRecord record;
 };
+struct FrictionMeasured {  ///< between a stone and the table, by dragging it
+  int stone = -1;
+  double friction = 0.0;
+};
 struct FrictionUpdated {
   FrictionEstimate friction;
 };
@@ -156,8 +160,9 @@ using Event =
                  CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit, StonesNotHeld,
                  SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned, PosesRefused,
                  GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, ActionChosen, PlaceBegun,
-                 SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionUpdated, StoneToppled,
-                 RunEnded, StepBegun, HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
+                 SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionMeasured,
+                 FrictionUpdated, StoneToppled, RunEnded, StepBegun, HoldMeasured, CarriedMeasured,
+                 TouchMeasured, ReleaseMeasured>;
 using Listener = std::function<void(const Event&)>;
 
 /// A line for a person; empty for an event that is for the journal only.

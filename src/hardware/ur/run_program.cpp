@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "hardware/constants.hpp"
+#include "hardware/guard_readings.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
@@ -78,7 +79,7 @@ class Run {
   }
 
   [[nodiscard]] MotionResult result(Status status, const std::string& reason) const {
-    return {status, last_.q, last_.force, reason};
+    return {status, last_.q, last_.force, reason, readings_.mean_of_second_half()};
   }
 
   /// A paused program that a stop does not reach would move when somebody plays it: without the heartbeat,
@@ -143,6 +144,7 @@ class Run {
       return result(Status::kStopped, "another program has taken the controller; end the other client");
     if (!now.program_running && !now.is_held()) return now.end != 0 ? finish(now) : look_for_death();
     ended_for_.reset();
+    if (now.program_running) readings_.add(now.force);
     if (auto moved = look_for_moved_arm(now)) return moved;
     return keep_time(now);
   }
@@ -220,6 +222,7 @@ class Run {
   Hearing hearing_;
   const int sessions_;
   UrStatus last_;
+  GuardReadings readings_;
   std::optional<Stopwatch> ended_for_;
   std::optional<double> before_;
   struct Held {
