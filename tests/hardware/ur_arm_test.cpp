@@ -480,6 +480,7 @@ TEST(UrArm, GuardedMotionStreamsTheForceInTheBaseFrame) {
   const MotionResult moved = arm.follow_guarded(guarded());
   EXPECT_EQ(moved.status, Status::kContact) << moved.reason;
   EXPECT_EQ(moved.force, 6.5);
+  EXPECT_EQ(moved.mean_force, 6.5);
   // -z of W is -y of R here, and the controller's base is half a turn about z from R.
   EXPECT_THAT(robot.scripts(), HasSubstr("+ 1.000000000 * read_input_float_register(25)"));
   const Eigen::Vector3d expected = Eigen::Vector3d(-1, -1, 1).cwiseProduct(
