@@ -24,7 +24,7 @@ std::vector<Stone> three_boxes() {
 /// A cell with three boxes.
 struct Bench {
   std::vector<Stone> stones = three_boxes();
-  CellLayout layout;
+  CellLayout layout = {};
   SimulatedCell simulated{stones, {0, 1, 2}, read_robot("ur10"), layout};
 };
 
