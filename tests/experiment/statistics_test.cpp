@@ -22,7 +22,7 @@ ExperimentRun run_of(int reported, int true_height, std::vector<PlacementRecord>
   ExperimentRun run;
   run.report.result.height = reported;
   run.report.result.placements = std::move(placements);
-  run.report.truth = TruthReport{true_height, true_height >= reported, 60.0, 0.0, 0.0, ""};
+  run.report.truth = TruthReport{true_height, true_height >= reported, 60.0, 0.0, 0.0, "", {}};
   return run;
 }
 

@@ -32,7 +32,7 @@ ExperimentRun run_of(int reported, int true_height, std::vector<PlacementRecord>
   run.report.result.height = reported;
   run.report.result.placements = std::move(placements);
   run.report.result.ended = "it ended";
-  run.report.truth = TruthReport{true_height, true_height >= reported, 60.0, 0.0, 0.0, ""};
+  run.report.truth = TruthReport{true_height, true_height >= reported, 60.0, 0.0, 0.0, "", {}};
   run.survival = {{reported, reported, reported - 1}, reported};
   return run;
 }

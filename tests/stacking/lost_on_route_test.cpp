@@ -36,13 +36,14 @@ class LosingArm : public Arm {
     const Truth truth = world_.truth();
     for (std::size_t k = 0; k < truth.T_W_O.size(); ++k)
       carries = carries || truth.T_W_O[k].translation().z() - before_.T_W_O[k].translation().z() > 0.005;
-    lowered_empty_ += carries ? 0 : 1;
+    const bool descends = motion.n_W_direction.z() < -0.5;  // not along the table, to measure the friction
+    lowered_empty_ += descends && !carries ? 1 : 0;
     return arm_.follow_guarded(motion);
   }
   void stop() override { arm_.stop(); }
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override { arm_.set_payload(mass, p_F_com); }
 
-  /// Guarded motions with nothing in the gripper.
+  /// Guarded descents with nothing in the gripper.
   [[nodiscard]] int lowered_empty() const { return lowered_empty_; }
   [[nodiscard]] int lost() const { return lost_; }
 
