@@ -40,7 +40,12 @@ class SavedDecision {
     apply_protocol(run, protocol);
     WorldEstimate world = state_.world;
     add_resting_stacks(models_, run.build, state_.memory.friction, world);
-    return choose_action(world, state_.memory, models_, run.build).action;
+    RunMemory memory = state_.memory;
+    if (protocol == "paper") {  // a search by the full protocol is not gone on with
+      memory.search.reset();
+      memory.plan.reset();
+    }
+    return choose_action(world, memory, models_, run.build).action;
   }
 
  private:
