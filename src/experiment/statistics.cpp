@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "experiment/clustered_count.hpp"
@@ -18,17 +19,9 @@ double wilson(const Rate& rate, double side) {
   return std::clamp((centre + side * spread) / (1 + z * z / n), 0.0, 1.0);
 }
 
-/// Quantile 0.975 of Student's t distribution: Cornish-Fisher expansion (Abramowitz and Stegun 26.7.5), good
-/// to 0.1 % from three degrees of freedom on.
+/// Quantile 0.975 of Student's t distribution.
 double t_quantile(int degrees) {
-  if (degrees == 1) return 12.7062;
-  if (degrees == 2) return 4.30265;
-  const double n = degrees, z2 = z * z;
-  const double g1 = z * (z2 + 1) / 4;
-  const double g2 = z * (5 * z2 * z2 + 16 * z2 + 3) / 96;
-  const double g3 = z * (((3 * z2 + 19) * z2 + 17) * z2 - 15) / 384;
-  const double g4 = z * ((((79 * z2 + 776) * z2 + 1482) * z2 - 1920) * z2 - 945) / 92160;
-  return z + (g1 + (g2 + (g3 + g4 / n) / n) / n) / n;
+  return boost::math::quantile(boost::math::students_t(degrees), 0.975);
 }
 
 bool held(const PlacementRecord& record) {

@@ -13,8 +13,6 @@ constexpr int kConeEdges = 64;  // of a friction cone; the search makes do with 
 constexpr int kDirections = 16;
 
 Stack read_stack(const std::string& path, const Catalogue& catalogue) {
-  if (!is_scene_file(path))
-    throw FileError(path, "is not a scene file", "give a .yaml file with a stack, as `search --out` writes");
   const SceneFile scene = read_scene_file(path);
   if (scene.stack.empty()) throw FileError(path, "has no stack", "list its stones from the table up");
   Stack stack;

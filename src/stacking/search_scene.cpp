@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/scene/preprocess.hpp"
 #include "physics/shape.hpp"
 #include "search/detect_missing.hpp"
 #include "search/find_stack.hpp"
@@ -206,6 +207,8 @@ SearchStart start_from_view(const SceneSearchTask& input, const Catalogue& catal
                             const DetectionOptions& options) {
   const SceneView view = read_view(input.scene, input.camera_pose, input.world, input.depth);
   refuse_unknown_world(view, input);
+  if (const std::string problem = out_of_range(view.image, options); !problem.empty())
+    throw Error(input.scene + ": nothing detected: " + problem, ExitCode::kNothingDetected);
   const std::optional<Plane> table_C = find_table(view.image, options);
   SearchStart start = frame_of(view, table_C, input);
   log_info("frame: " + start.frame_text);

@@ -89,6 +89,9 @@ std::string camera_text(const CameraIntrinsics& c) {
 }  // namespace
 
 SceneFile read_scene_file(const std::string& path) {
+  if (!is_scene_file(path))
+    throw FileError(path, "is not a scene file",
+                    "give a .yaml file with poses of stones, as `render` and `search --out` write");
   yaml::Map map(yaml::read_file(path), path);
   const std::string schema = map.text("schema");
   if (schema != kSchema)

@@ -140,6 +140,9 @@ TEST_F(SearchCloud, RefusesATowerOfWhichAStoneIsNotRecognised) {
 TEST_F(SearchCloud, PutsTheFirstStoneOnAFreePlaceInView) {
   ASSERT_NO_FATAL_FAILURE(scatter("limestone_1,limestone_3,limestone_5"));
   write_changed("mm.ply", cloud_, [](const Eigen::Vector3f& p) { return Eigen::Vector3f(1000 * p); });
+  const Outcome metres = run(concat("search mm.ply", kQuick));
+  EXPECT_EQ(metres.code, 4);
+  EXPECT_THAT(metres.err, HasSubstr("are these millimetres? (--units"));
   const Outcome outcome = run(concat("search mm.ply --units mm", kQuick));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const json found = outcome.data();

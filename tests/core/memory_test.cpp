@@ -1,22 +1,15 @@
 #include "core/memory.hpp"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <memory>
 #include <thread>
 #include <vector>
 
+#include "resident_memory.hpp"
+
 namespace stonestack::core {
 namespace {
-
-double resident_megabytes() {
-  std::ifstream statm("/proc/self/statm");
-  long total = 0, resident = 0;
-  statm >> total >> resident;
-  return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
-}
 
 /// Every tenth block stays, so that the heap of each thread is full of holes.
 std::vector<std::unique_ptr<char[]>> leave_holes() {
@@ -35,9 +28,9 @@ TEST(Memory, ReturnsWhatThreadsHaveFreed) {
   std::vector<std::thread> threads;
   for (auto& blocks : kept) threads.emplace_back([&blocks] { blocks = leave_holes(); });
   for (std::thread& thread : threads) thread.join();
-  const double before = resident_megabytes();
+  const double before = test::resident_megabytes();
   return_free_memory();
-  EXPECT_LT(resident_megabytes(), before - 30.0) << "72 MB were freed";
+  EXPECT_LT(test::resident_megabytes(), before - 30.0) << "72 MB were freed";
 }
 
 }  // namespace

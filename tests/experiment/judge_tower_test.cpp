@@ -67,9 +67,9 @@ TEST(JudgeTower, BothEnginesJudge) {
     bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
   };
   put(0, 0, 0.0248);
-  put(1, 0, 0.0742);
-  put(2, 0, 0.1236);
-  bench.simulated.wait(10.0);
+  put(1, 0.01, 0.0742);
+  put(2, -0.01, 0.1236);
+  bench.simulated.wait(10.0);  // after 2 s the top still creeps by 0.1 mm/s
   RunResult result;
   result.height = 3;
   const TruthReport stands = judge_run(bench.simulated, result);

@@ -34,18 +34,16 @@ class SavedDecision {
   explicit SavedDecision(const std::string& name)
       : state_(read_state(concat(STONESTACK_SOURCE_DIR, "/tests/data/states/", name, ".json"), catalogue_)) {}
 
-  [[nodiscard]] Action choose(const std::string& protocol) {
+  [[nodiscard]] Decision choose(const std::string& protocol) {
     SimulatedRun run;
     run.build = state_.options;
     apply_protocol(run, protocol);
     WorldEstimate world = state_.world;
     add_resting_stacks(models_, run.build, state_.memory.friction, world);
     RunMemory memory = state_.memory;
-    if (protocol == "paper") {  // a search by the full protocol is not gone on with
-      memory.search.reset();
-      memory.plan.reset();
-    }
-    return choose_action(world, memory, models_, run.build).action;
+    memory.search.reset();  // that of the run which saved the state, by the full protocol
+    memory.plan.reset();
+    return choose_action(world, memory, models_, run.build);
   }
 
  private:
@@ -57,14 +55,20 @@ class SavedDecision {
 
 TEST(Protocol, ThePapersUnstacksNothing) {
   SavedDecision decision("unstack");
-  EXPECT_TRUE(std::holds_alternative<Unstack>(decision.choose("full")));
-  EXPECT_FALSE(std::holds_alternative<Unstack>(decision.choose("paper")));
+  EXPECT_TRUE(std::holds_alternative<Unstack>(decision.choose("full").action));
+  EXPECT_FALSE(std::holds_alternative<Unstack>(decision.choose("paper").action));
 }
 
 TEST(Protocol, ThePapersReorientsNothing) {
   SavedDecision decision("reorient");
-  EXPECT_TRUE(std::holds_alternative<Reorient>(decision.choose("full")));
-  EXPECT_FALSE(std::holds_alternative<Reorient>(decision.choose("paper")));
+  const auto searches_reorienting = [&](const std::string& protocol) {
+    const auto searched = all_of<SearchedAtFriction>(decision.choose(protocol).why);
+    EXPECT_FALSE(searched.empty()) << protocol;
+    return std::any_of(searched.begin(), searched.end(),
+                       [](const SearchedAtFriction& search) { return search.route == Route::kReorienting; });
+  };
+  EXPECT_TRUE(searches_reorienting("full"));
+  EXPECT_FALSE(searches_reorienting("paper"));
 }
 
 /// Runs over slippery stones: whatever fails first is the last that was tried.

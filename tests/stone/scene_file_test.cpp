@@ -75,5 +75,16 @@ TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
               HasSubstr("camera.width is 640.5"));
 }
 
+TEST(SceneFile, ACloudIsNoSceneFile) {
+  const std::string path = testing::TempDir() + "no_scene.ply";
+  write_file(path, "ply\n");
+  try {
+    (void)read_scene_file(path);
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("no_scene.ply: is not a scene file; give a .yaml file"));
+  }
+}
+
 }  // namespace
 }  // namespace stonestack::stone

@@ -45,6 +45,10 @@ struct DetectionScene {
 /// Depths out of range vanish.
 [[nodiscard]] DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options);
 
+/// Why hardly any depth of an image lies within `nearest` and `farthest`, and what unit it may be in; empty if
+/// enough do.
+[[nodiscard]] std::string out_of_range(const DepthImage& image, const DetectionOptions& options);
+
 /// The largest plane that may be a table: seen from above, nothing substantial below. If `expected` is given,
 /// only planes near it. Seeded.
 [[nodiscard]] std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Plane>& expected,

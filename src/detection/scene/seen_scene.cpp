@@ -23,26 +23,11 @@ std::string unusable(const DepthImage& image) {
   return {};
 }
 
-/// Describes what is odd about an image that shows no surface in range.
-std::string nothing_in_range(const DepthImage& raw, const DetectionOptions& options) {
-  std::vector<float> seen;
-  for (const float z : raw.z)
-    if (z > 0) seen.push_back(z);
-  if (seen.empty()) return "no pixel has a depth";
-  const auto within = std::count_if(seen.begin(), seen.end(),
-                                    [&](float z) { return z >= options.nearest && z <= options.farthest; });
-  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
-  std::nth_element(seen.begin(), middle, seen.end());
-  if (within >= kFewestPixels)
-    return concat(within, " pixels have a depth within ", options.nearest, " to ", options.farthest,
-                  " m, but fewer than ", kFewestPixels,
-                  " lie on a surface: they are too far apart, or noise");
-  const std::string range =
-      concat("fewer than ", kFewestPixels, " pixels have a depth within ", options.nearest, " to ",
-             options.farthest, " m; of ", seen.size(), " the middle one is ", *middle, " m");
-  return *middle > kSurelyNotMetres
-             ? range + ": are these millimetres? (--units of a cloud, --depth-unit of pictures)"
-             : range;
+/// Describes what is odd about an image that shows no surface.
+std::string no_surface(const DepthImage& image, const DetectionOptions& options) {
+  if (std::string problem = out_of_range(image, options); !problem.empty()) return problem;
+  return concat("depths within ", options.nearest, " to ", options.farthest, " m are there, but fewer than ",
+                kFewestPixels, " lie on a surface: they are too far apart, or noise");
 }
 
 /// The plane in V of a plane in C.
@@ -91,7 +76,7 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
   view.T_C_V = view.T_C_V_reported = T_C_V;
   view.depth = smooth_depth(image, options);
   const auto valid = std::count_if(view.depth.z.begin(), view.depth.z.end(), [](float z) { return z > 0; });
-  if (valid < kFewestPixels) return nothing_in_range(image, options);
+  if (valid < kFewestPixels) return no_surface(image, options);
   std::optional<Plane> expected_V;
   if (expected_table) expected_V = in_view(*expected_table, T_C_V);
   if (expected_table || look_for_table) view.table_V = find_table(view.depth, expected_V, options);
@@ -110,6 +95,24 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
 }
 
 }  // namespace
+
+std::string out_of_range(const DepthImage& image, const DetectionOptions& options) {
+  std::vector<float> seen;
+  for (const float z : image.z)
+    if (z > 0) seen.push_back(z);
+  if (seen.empty()) return "no pixel has a depth";
+  const auto within = std::count_if(seen.begin(), seen.end(),
+                                    [&](float z) { return z >= options.nearest && z <= options.farthest; });
+  if (within >= kFewestPixels) return {};
+  const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
+  std::nth_element(seen.begin(), middle, seen.end());
+  const std::string range =
+      concat("fewer than ", kFewestPixels, " pixels have a depth within ", options.nearest, " to ",
+             options.farthest, " m; of ", seen.size(), " the middle one is ", *middle, " m");
+  return *middle > kSurelyNotMetres
+             ? range + ": are these millimetres? (--units of a cloud, --depth-unit of pictures)"
+             : range;
+}
 
 void append_points(DetectionScene& scene, const SurfacePoints& more, int view) {
   auto& s = scene.surface;
