@@ -45,8 +45,8 @@ struct DetectionScene {
 /// Depths out of range vanish.
 [[nodiscard]] DepthImage smooth_depth(const DepthImage& raw, const DetectionOptions& options);
 
-/// Why hardly any depth of an image lies within `nearest` and `farthest`, and what unit it may be in; empty if
-/// enough do.
+/// Why hardly any depth of an image lies within `nearest` and `farthest`, and what unit it may be in; empty
+/// if enough do.
 [[nodiscard]] std::string out_of_range(const DepthImage& image, const DetectionOptions& options);
 
 /// The largest plane that may be a table: seen from above, nothing substantial below. If `expected` is given,
