@@ -88,6 +88,11 @@ std::string camera_text(const CameraIntrinsics& c) {
 
 }  // namespace
 
+bool is_scene_file(const std::string& path) {
+  const auto extension = std::filesystem::path(path).extension();
+  return extension == ".yaml" || extension == ".yml";
+}
+
 SceneFile read_scene_file(const std::string& path) {
   if (!is_scene_file(path))
     throw FileError(path, "is not a scene file",

@@ -178,11 +178,6 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
   return numbers;
 }
 
-bool is_scene_file(const std::string& path) {
-  const auto extension = std::filesystem::path(path).extension();
-  return extension == ".yaml" || extension == ".yml";
-}
-
 Pose parse_pose(const std::string& text) {
   if (is_scene_file(text)) {
     const SceneFile scene = read_scene_file(text);
