@@ -18,7 +18,7 @@ struct TrackCommand {
   TrackOptions limits;
 };
 
-/// The stones to look for, in C; those in the hand are left out.
+/// The stones to look for, in C; those in the gripper are left out.
 std::vector<KnownStone> expected_stones(const TrackCommand& command, const Catalogue& catalogue,
                                         const Pose& T_W_C) {
   std::vector<int> held;
@@ -62,7 +62,7 @@ void track(TrackCommand& command) {
 
 void add_track(CLI::App& app) {
   const auto [sub, command] = add_subcommand<TrackCommand>(
-      app, "track", "Look whether stones are where they were: in place, moved, fallen, unseen", track);
+      app, "track", "Check whether stones are where they were: in place, moved, fallen, unseen", track);
   sub.add_option("SCENE", command.input,
                  "What the camera sees now: scene file, cloud, depth PNG or recording, as for detect")
       ->required();
@@ -71,7 +71,7 @@ void add_track(CLI::App& app) {
            "--json printed")
       ->required();
   sub.add_option("--camera-pose", command.camera_pose, "T_W_C: x,y,z,qx,qy,qz,qw or a scene file");
-  sub.add_option("--held", command.held, "In the gripper, comma-separated: not searched on the table");
+  sub.add_option("--held", command.held, "Stones in the gripper, comma-separated: not searched on the table");
   register_depth_input(sub, command.depth);
   command.common.register_on(sub);
   sub.footer(
