@@ -55,16 +55,16 @@ struct TruthReport {
   double seconds = 60.0;  ///< simulated, with the arm away
   double shift = 0.0;     ///< largest movement of a tower stone in that time [m]
   double turn = 0.0;      ///< likewise [rad]
-  std::string note;
+  std::string note;       ///< remark on the verdict, for a person
 };
 
 /// Everything that is reported of a run.
 struct RunReport {
-  RunResult result;
-  std::string version;  ///< of the program that made it; empty: unknown
-  std::string robot;
-  std::string catalogue;
-  int seed = 0;
+  RunResult result;                  ///< result of the loop
+  std::string version;               ///< of the program that made it; empty: unknown
+  std::string robot;                 ///< name of the robot
+  std::string catalogue;             ///< path of the catalogue
+  int seed = 0;                      ///< seed of the run
   std::vector<std::string> present;  ///< names of the stones that were in the field
   std::optional<TruthReport> truth;  ///< simulated cell only
   std::string options_text;          ///< resolved options, YAML
@@ -73,23 +73,28 @@ struct RunReport {
 
 /// One run of an experiment.
 struct ExperimentRun {
-  RunReport report;
+  RunReport report;   ///< report of the run
   Survival survival;  ///< at the times of SurvivalOptions
 };
 
 /// All runs, in order, and how they were made.
 struct Experiment {
   std::string title;  ///< "11 runs of 4 of 6 stones, seed 1"
-  int per_run = 4;
-  std::vector<double> survival_seconds{5.0, 60.0, 600.0};
-  std::vector<ExperimentRun> runs;
+  int per_run = 4;    ///< stones in the field of each run
+  std::vector<double> survival_seconds{5.0, 60.0,
+                                       600.0};  ///< times [s] at which the survival of a tower is judged
+  std::vector<ExperimentRun> runs;              ///< runs, in the order of their seeds
 };
 
 /// A share with its 95 % interval (Wilson's score interval).
 struct Rate {
-  int hits = 0, trials = 0;
+  int hits = 0;    ///< successes
+  int trials = 0;  ///< tries in all
+  /// Estimate of the probability, hits over trials; 0 without trials.
   [[nodiscard]] double share() const { return trials > 0 ? static_cast<double>(hits) / trials : 0.0; }
+  /// Lower end of the 95 % interval.
   [[nodiscard]] double low() const;
+  /// Upper end of the 95 % interval.
   [[nodiscard]] double high() const;
 };
 
@@ -105,10 +110,12 @@ struct Rate {
 
 /// Predicted against observed: placements by predicted success.
 struct CalibrationBin {
-  double low = 0.0, high = 1.0;  ///< of the prediction, [low, high), the last closed
-  double mean_prediction = 0.0;
-  Rate observed;  ///< placements that were seen placed
+  double low = 0.0;              ///< lower limit of the prediction, included
+  double high = 1.0;             ///< upper limit, included in the last bin only
+  double mean_prediction = 0.0;  ///< mean of the predictions in the bin
+  Rate observed;                 ///< placements that were seen placed
 };
+/// Sorts the placements that were tried into `bins` equal intervals of their predicted success.
 [[nodiscard]] std::vector<CalibrationBin> calibration(const Experiment& experiment, int bins = 5);
 
 }  // namespace stonestack::experiment

@@ -17,7 +17,7 @@ class TrueWorld;
 
 /// How true the simulated cell is. Everything here is hidden from the planner.
 struct SimulationOptions {
-  int seed = 1;
+  int seed = 1;                         ///< seed of every draw of the world
   double friction = 0.5;                ///< true, stone on stone and on the table: mean over pairs
   double friction_spread = 0.15;        ///< half width of the uniform draw per pair
   std::string sensor = "sr300";         ///< depth camera: sr300, d435 or ideal
@@ -70,6 +70,7 @@ class SimulatedCell {
   void unlock();
   /// The world itself and the site where the planner expects it, for judges.
   [[nodiscard]] const TrueWorld& world() const;
+  /// Site [m] in W where the planner expects the tower.
   [[nodiscard]] const Eigen::Vector2d& site() const;
 
  private:

@@ -56,11 +56,11 @@ namespace stonestack::stacking {
 
 /// A stone seen in one of several views, in the world.
 struct Sighting {
-  int stone = -1;
-  Pose T_W_O = Pose::Identity();
-  double score = 0.0;
-  double visible = 0.0;
-  double certainty = 1.0;  ///< of this stone in this pose: Detection::certainty
+  int stone = -1;                 ///< index into the catalogue
+  Pose T_W_O = Pose::Identity();  ///< pose that was measured
+  double score = 0.0;             ///< score of the detection
+  double visible = 0.0;           ///< share of the stone's surface that was seen
+  double certainty = 1.0;         ///< of this stone in this pose: Detection::certainty
 };
 
 /// Finds `wanted` stones in every view and keeps, for each, the sighting with the best score; of those

@@ -11,7 +11,7 @@ namespace stonestack::stone {
 /// Stones in a folder: `DIR/NAME/stone.yaml`, `DIR/NAME/mesh.ply` (reduced), `DIR/NAME/scan.ply` (full) and
 /// `DIR/NAME/pieces/1.ply` and so on (convex). Metres, frame O.
 struct Catalogue {
-  std::string path;
+  std::string path;           ///< folder
   std::vector<Stone> stones;  ///< sorted by name
 
   /// Index of the stone with that name; throws InvalidArgument naming the nearest.

@@ -10,14 +10,14 @@ namespace stonestack::stone {
 
 /// How far one surface lies from another, metres.
 struct Deviation {
-  double median = 0.0;
-  double worst = 0.0;
+  double median = 0.0;  ///< median distance [m]
+  double worst = 0.0;   ///< largest distance [m]
 };
 
 /// Model of a stone: its scan, measured once. Frame O: origin at the centre of mass
 /// of the uniform scan, axes of the scanned file unless asked otherwise.
 struct Stone {
-  std::string name;
+  std::string name;                  ///< name of the stone and of its folder
   Mesh mesh;                         ///< at most 500 faces: detection, rough search (paper §4.1)
   Mesh scan;                         ///< full resolution: contact, verdict, the true world
   std::vector<Mesh> pieces;          ///< convex pieces: motion's collision checks
@@ -33,8 +33,8 @@ struct Stone {
 
 /// A stone somewhere, by index into whatever list of stones the owner holds.
 struct PlacedStone {
-  int stone = -1;
-  Pose T_W_O = Pose::Identity();
+  int stone = -1;                 ///< index into the owner's list
+  Pose T_W_O = Pose::Identity();  ///< pose of the stone
 };
 
 }  // namespace stonestack::stone
