@@ -43,7 +43,7 @@ std::vector<SceneView> read_views(const DetectCommand& command) {
 
 DetectionResult detect_in(const std::vector<SceneView>& views, const Catalogue& catalogue,
                           const DetectCommand& command) {
-  std::vector<int> wanted;
+  std::vector<StoneIndex> wanted;
   if (!command.stones.empty())
     for (const auto& name : split_list(command.stones)) wanted.push_back(catalogue.index(name));
   std::vector<DepthView> depth_views;

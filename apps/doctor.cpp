@@ -30,7 +30,7 @@ void doctor(DoctorCommand& command) {
   } else if (file.simulate) {
     catalogue = command.common.read();
     const RobotModel robot = read_robot(file.robot());
-    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot,
+    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<StoneIndex>{StoneIndex(0)}, robot,
                                             true_layout(to_layout(file.cell()), file.servers()));
     servers.emplace(*world, robot, file.servers());
     connect_to(*servers, file.cell());

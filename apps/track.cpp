@@ -21,12 +21,12 @@ struct TrackCommand {
 /// The stones to look for, in C; those in the gripper are left out.
 std::vector<KnownStone> expected_stones(const TrackCommand& command, const Catalogue& catalogue,
                                         const Pose& T_W_C) {
-  std::vector<int> held;
+  std::vector<StoneIndex> held;
   if (!command.held.empty())
     for (const auto& name : split_list(command.held)) held.push_back(catalogue.index(name));
   std::vector<KnownStone> expected;
   for (const auto& [name, T_W_O] : read_seen_poses(command.expect)) {
-    const int stone = catalogue.index(name);
+    const StoneIndex stone = catalogue.index(name);
     if (std::find(held.begin(), held.end(), stone) == held.end())
       expected.push_back({stone, T_W_C.inverse() * T_W_O});
   }

@@ -20,15 +20,15 @@ namespace {
 
 constexpr const char* kRepeat = "repeat the command that began it";
 
-std::vector<int> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
+std::vector<StoneIndex> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
   return draw_stones(catalogue, count, seed, gripper_of(CellLayout{}), robot);
 }
 
 /// The stones of the experiment, drawn by its seed, in the order of the catalogue.
 Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
   Catalogue chosen{all.path, {}};
-  for (const int stone : draw(all, order.stones, order.seed, order.robot))
-    chosen.stones.push_back(all.stones[static_cast<std::size_t>(stone)]);
+  for (const StoneIndex stone : draw(all, order.stones, order.seed, order.robot))
+    chosen.stones.push_back(all[stone]);
   return chosen;
 }
 
@@ -107,7 +107,7 @@ class Runs {
     spread_seed(run);
     return run;
   }
-  [[nodiscard]] std::vector<int> present_in(const SimulatedRun& run) const {
+  [[nodiscard]] std::vector<StoneIndex> present_in(const SimulatedRun& run) const {
     return draw(catalogue_, order_.per_run, run.seed, order_.robot);
   }
 
@@ -159,7 +159,7 @@ class Runs {
     if (report.seed != run.seed)
       throw FileError(folder_, concat("run ", k, " has the seed ", report.seed, ", not ", run.seed), remedy);
     std::vector<std::string> present;
-    for (const int stone : present_in(run)) present.push_back(name_of(catalogue_, stone));
+    for (const StoneIndex stone : present_in(run)) present.push_back(name_of(catalogue_, stone));
     if (report.present != present)
       throw FileError(folder_, concat("run ", k, " was made with other stones"), remedy);
     const std::string file = run_folder(k) + "/options.yaml";

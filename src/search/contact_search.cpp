@@ -29,15 +29,15 @@ World world_with_stack(const SearchContext& context) {
   World world(options);
   world.set_gravity(Eigen::Vector3d::Zero());
   for (const PlacedStone& placed : context.stack.stones)
-    world.add_stone(context.shapes()[static_cast<std::size_t>(placed.stone)], placed.T_W_O, true);
+    world.add_stone(at(context.shapes(), placed.stone), placed.T_W_O, true);
   return world;
 }
 
 /// Draws on while contacts are collected, and fills polygon and cost.
-void collect(const SearchContext& context, const Target& target, int stone, World& world,
+void collect(const SearchContext& context, const Target& target, StoneIndex stone, World& world,
              std::vector<Contact> contacts, ContactSearch* result) {
   const int body = world.bodies() - 1, top = body - 1;  // kTable is -1
-  const Eigen::Vector3d& p_O_M = context.geometry[static_cast<std::size_t>(stone)].p_O_M;
+  const Eigen::Vector3d& p_O_M = at(context.geometry, stone).p_O_M;
   std::vector<Contact> of_step;
   for (int k = 1; k < kContactSteps; ++k) {
     const Eigen::Vector3d p_W_com = world.pose(body) * p_O_M;
@@ -66,13 +66,13 @@ void collect(const SearchContext& context, const Target& target, int stone, Worl
 
 }  // namespace
 
-ContactSearch search_contact(const SearchContext& context, const Target& target, int stone,
+ContactSearch search_contact(const SearchContext& context, const Target& target, StoneIndex stone,
                              const Pose& T_W_O_init) {
   const SearchOptions& o = *context.options;
   World world = world_with_stack(context);
-  const int body = world.add_stone(context.shapes()[static_cast<std::size_t>(stone)], T_W_O_init);
+  const int body = world.add_stone(at(context.shapes(), stone), T_W_O_init);
   const int top = body - 1;  // kTable is -1
-  const Eigen::Vector3d p_O_M = context.geometry[static_cast<std::size_t>(stone)].p_O_M;
+  const Eigen::Vector3d p_O_M = at(context.geometry, stone).p_O_M;
   ContactSearch result;
   result.pose.p_W_previous_com = target.p_W_previous_com;
   std::vector<Contact> contacts;

@@ -44,7 +44,7 @@ LookAhead::LookAhead(std::span<const LooseStone> stones, const SearchOptions& op
     if (!side.yaws.empty()) sides_.push_back(std::move(side));
 }
 
-double LookAhead::estimate(const StackBodies& stack, std::span<const int> used, LookAheadEffort effort,
+double LookAhead::estimate(const StackBodies& stack, std::span<const StoneIndex> used, LookAheadEffort effort,
                            long* evaluated) const {
   const OffsetGrid& offsets = effort == LookAheadEffort::kFull ? kFullOffsets : kQuickOffsets;
   const std::size_t yaws = effort == LookAheadEffort::kFull ? kYaws : 1;

@@ -15,8 +15,8 @@ class LookAhead {
 
   /// Mean of the best few estimates (g) over the stones without `used` (index into shapes); 0 if none is
   /// left. Each stone and orientation counts once, at its best yaw and offset.
-  [[nodiscard]] double estimate(const StackBodies& stack, std::span<const int> used, LookAheadEffort effort,
-                                long* evaluated) const;
+  [[nodiscard]] double estimate(const StackBodies& stack, std::span<const StoneIndex> used,
+                                LookAheadEffort effort, long* evaluated) const;
 
  private:
   struct Side {

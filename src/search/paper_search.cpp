@@ -12,7 +12,7 @@ namespace {
 /// One local solution of one stone, and the poses that led to it.
 struct LocalSolution {
   std::size_t available = 0;
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   ContactSearch found;
   long evaluated = 0;                ///< all that were tried
   std::vector<ContactSearch> tried;  ///< for the trace: orientations that failed, steps of the descent
@@ -43,7 +43,7 @@ void solve(const SearchContext& context, const Target& target, std::uint64_t tas
   }
 }
 
-CandidateTrace trace_of(int stone, const ContactSearch& contact) {
+CandidateTrace trace_of(StoneIndex stone, const ContactSearch& contact) {
   return {stone,
           contact.path_W_O,
           contact.pose.support,
@@ -52,7 +52,7 @@ CandidateTrace trace_of(int stone, const ContactSearch& contact) {
           contact.outcome.empty() ? "local solution" : contact.outcome};
 }
 
-Placement placement_of(int stone, const ContactSearch& contact) {
+Placement placement_of(StoneIndex stone, const ContactSearch& contact) {
   Placement placement;
   placement.stone = stone;
   placement.T_W_O = contact.T_W_O;

@@ -6,7 +6,7 @@ namespace stonestack::search {
 
 /// A pose that the gap field holds for good, before any simulation.
 struct Proposal {
-  int stone = -1;  ///< index into SearchProblem::shapes
+  StoneIndex stone = kNoStone;  ///< index into SearchProblem::shapes
   BodyPose body;
   Landing landing;
   double robust = 0.0;      ///< mean estimate over the placement uncertainty [g]
@@ -23,7 +23,7 @@ struct SurveySides {
 
 /// A loose stone and the orientations that it may take.
 struct LooseStone {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   const StoneGeometry* geometry = nullptr;
   std::vector<Eigen::Matrix3d> orientations;  ///< R_W_O, each stands for all yaws
   double raster_radius = 0.0;  ///< at least the stone's own [m]: how wide the rasters of tops are

@@ -39,13 +39,13 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
       stones.push_back(stone);
   std::vector<Proposal> list =
       propose(below, stones, context_.problem->site, kProposalsPerStone, o, &candidates_);
-  const std::vector<int> used = stones_of(node.stack);
+  const std::vector<StoneIndex> used = stones_of(node.stack);
   std::vector<long> counts(list.size(), 0);
   run_tasks(o.threads, list.size(), [&](std::size_t p) {
     Proposal& proposal = list[p];
     StackBodies higher = below;
     higher.bodies.push_back(proposal.body);
-    std::vector<int> gone = used;
+    std::vector<StoneIndex> gone = used;
     gone.push_back(proposal.stone);
     if (stones.size() > 1)
       proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
@@ -65,7 +65,7 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
 /// more than twice its share.
 std::vector<Trial> TowerSearch::next_turn(TowerNode* node, int count) {
   const int max = std::max(2, 2 * count / std::max(1, static_cast<int>(node->left.size())));
-  std::map<int, int> of_stone;
+  std::map<StoneIndex, int> of_stone;
   std::vector<Trial> turn;
   std::vector<Proposal> rest;
   int asked = 0;

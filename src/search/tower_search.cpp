@@ -219,7 +219,7 @@ void TowerSearch::grow(std::span<const int> nodes) {
     Stack higher = below.stack;
     higher.stones.push_back({trial.stone, trial.placement.T_W_O});
     const StackBodies bodies{bodies_of(context_, higher), rests_of(context_.shapes(), higher)};
-    std::vector<int> used = stones_of(below.stack);
+    std::vector<StoneIndex> used = stones_of(below.stack);
     used.push_back(trial.stone);
     trial.look_ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull, &counts[k]);
     trial.placement.terms["look_ahead"] = trial.look_ahead;

@@ -21,20 +21,20 @@ constexpr int kFewer = 50;  ///< iterations, in displaced worlds
 /// How a placement fares where it is displaced and centres of mass are not where they seem.
 enum class Fate { kStands, kFalls, kUndecidable };
 
-Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
+Stack with(const Stack& stack, StoneIndex stone, const Pose& T_W_O) {
   Stack higher = stack;
   higher.stones.push_back({stone, T_W_O});
   return higher;
 }
 
 /// A proposed pose lifted to just above the first touch.
-Pose lifted(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O) {
-  BodyPose body = body_pose(context.geometry[static_cast<std::size_t>(stone)], T_W_O);
+Pose lifted(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O) {
+  BodyPose body = body_pose(at(context.geometry, stone), T_W_O);
   body.p_W_M.z() = resting_height(bodies_of(context, below), body) + kDrop;
   return stone_pose(body);
 }
 
-SettleResult lowered(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O,
+SettleResult lowered(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O,
                      const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
   SettleOptions options;
   options.world.friction = context.options->friction;
@@ -43,7 +43,7 @@ SettleResult lowered(const SearchContext& context, const Stack& below, int stone
 }
 
 Eigen::Vector3d com_of(const SearchContext& context, const PlacedStone& placed) {
-  return placed.T_W_O * context.geometry[static_cast<std::size_t>(placed.stone)].p_O_M;
+  return placed.T_W_O * at(context.geometry, placed.stone).p_O_M;
 }
 
 /// Polygon, eq. (2) and the figures beside it.
@@ -68,11 +68,11 @@ void fill_cost(const SearchContext& context, const Stack& below, const SettleRes
 }
 
 /// A pose displaced by the placement uncertainty, about the centre of mass.
-Pose displaced(const SearchContext& context, int stone, const Pose& T_W_O, int k) {
+Pose displaced(const SearchContext& context, StoneIndex stone, const Pose& T_W_O, int k) {
   const SearchOptions& o = *context.options;
   Random random =
       Random::stream(static_cast<std::uint64_t>(o.seed), 0x70657274ULL + static_cast<std::uint64_t>(k));
-  BodyPose body = body_pose(context.geometry[static_cast<std::size_t>(stone)], T_W_O);
+  BodyPose body = body_pose(at(context.geometry, stone), T_W_O);
   for (int axis = 0; axis < 3; ++axis) body.p_W_M[axis] += random.normal(0.0, o.placement_sigma_translation);
   Eigen::Vector3d turn;
   for (int axis = 0; axis < 3; ++axis) turn[axis] = random.normal(0.0, o.placement_sigma_rotation);
@@ -83,7 +83,7 @@ Pose displaced(const SearchContext& context, int stone, const Pose& T_W_O, int k
 
 /// How far the true centre of mass of a stone may lie from the known one, in the k-th of the worlds that are
 /// tried. The same wherever the stone lies: such an error goes with the stone.
-Eigen::Vector3d com_error(const SearchContext& context, int stone, int k) {
+Eigen::Vector3d com_error(const SearchContext& context, StoneIndex stone, int k) {
   Random random = Random::stream(static_cast<std::uint64_t>(context.options->seed),
                                  concat("centre of mass ", stone, " ", k));
   Eigen::Vector3d error_O;

@@ -7,7 +7,7 @@ namespace stonestack::search {
 
 /// A proposal while it passes through simulation.
 struct Trial {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   Pose T_W_O = Pose::Identity();  ///< proposed
   double estimate = 0.0;          ///< of the proposal [g]
   double look_ahead = 0.0;        ///< [g]

@@ -20,12 +20,12 @@ namespace stonestack::detection {
 struct AlternativePose {
   Pose T_C_O = Pose::Identity();  ///< alternative pose of the stone in the camera frame
   double weight = 0.0;            ///< of all together 1
-  int stone = -1;                 ///< index into the models
+  StoneIndex stone = kNoStone;    ///< index into the models
 };
 
 /// Where a stone was found.
 struct Detection {
-  int stone = -1;                 ///< index into the models
+  StoneIndex stone = kNoStone;    ///< index into the models
   Pose T_C_O = Pose::Identity();  ///< pose of the stone in the camera frame
   double score = 0.0;  ///< visibility-aware, at most 1; accepted from `DetectionOptions::accept_score` on
   double inlier_ratio = 0.0;  ///< the paper's, over visible model points
@@ -75,7 +75,7 @@ struct DetectionOptions {
 
 /// A stone whose pose is known: placed before, or held.
 struct KnownStone {
-  int stone = -1;                 ///< index into the models
+  StoneIndex stone = kNoStone;    ///< index into the models
   Pose T_C_O = Pose::Identity();  ///< known pose in the camera frame
 };
 
@@ -108,7 +108,7 @@ class DetectionModels {
 /// one depth image (paper §2). Never throws for what a camera may show: an empty or senseless image gives no
 /// detections and a note.
 [[nodiscard]] DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
-                                            std::span<const int> wanted = {},
+                                            std::span<const StoneIndex> wanted = {},
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});
 
@@ -117,14 +117,14 @@ class DetectionModels {
 /// two). Results and `known` are in C, the camera frame of the first view.
 /// @throws InvalidArgument for no view.
 [[nodiscard]] DetectionResult detect_stones(std::span<const DepthView> views, const DetectionModels& models,
-                                            std::span<const int> wanted = {},
+                                            std::span<const StoneIndex> wanted = {},
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});
 
 /// Refines known poses: a stone is expected at T_C_O_guess (within about 15 mm, 15 deg); empty if it is not
 /// there.
 [[nodiscard]] std::optional<Detection> track_stone(const DepthImage& image, const DetectionModels& models,
-                                                   int stone, const Pose& T_C_O_guess,
+                                                   StoneIndex stone, const Pose& T_C_O_guess,
                                                    const DetectionOptions& options = {},
                                                    const SceneKnowledge& known = {});
 

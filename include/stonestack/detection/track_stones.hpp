@@ -19,7 +19,7 @@ struct TrackedStone {
     kFallen,   ///< seen elsewhere and lower
     kUnseen,   ///< hidden, or gone
   };
-  int stone = -1;                      ///< index into the models
+  StoneIndex stone = kNoStone;         ///< index into the models
   Status status = Status::kUnseen;     ///< state of the stone in the image
   std::optional<Detection> detection;  ///< empty with kUnseen
   PoseDifference moved;                ///< from where it was; of the bounding sphere's centre

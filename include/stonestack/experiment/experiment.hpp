@@ -15,8 +15,9 @@ namespace stonestack::experiment {
 
 /// The true tower: which stones stand on each other at the site, and whether they stay.
 struct TowerVerdict {
-  std::vector<int> stones;  ///< from the table up, indices into the catalogue: each rests on the one below it
-  StandVerdict stand;       ///< of the world with the arm away; `standing` counts clean stones that stayed
+  std::vector<StoneIndex>
+      stones;          ///< from the table up, indices into the catalogue: each rests on the one below it
+  StandVerdict stand;  ///< of the world with the arm away; `standing` counts clean stones that stayed
 };
 
 /// How far a stone of the true tower may move and still count as standing: stones settle a little once the

@@ -105,8 +105,8 @@ struct PlanningScene {
 /// that gripper or arm cannot carry (`unfit_for_gripper`) is not drawn but named in the log.
 /// @return indices, sorted; fewer than `count` where fewer are fit.
 /// @throws Error (planning failed) if no stone is fit
-[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,
-                                           const GripperModel& gripper, const RobotModel& robot);
+[[nodiscard]] std::vector<StoneIndex> draw_stones(const Catalogue& catalogue, int count, int seed,
+                                                  const GripperModel& gripper, const RobotModel& robot);
 
 }  // namespace stonestack::motion
 

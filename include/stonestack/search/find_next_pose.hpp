@@ -72,7 +72,7 @@ struct SearchOptions {
 
 /// A stone and the pose where it should go.
 struct Placement {
-  int stone = -1;                 ///< index into `SearchProblem::shapes`
+  StoneIndex stone = kNoStone;    ///< index into `SearchProblem::shapes`
   Pose T_W_O = Pose::Identity();  ///< pose at which the stone rests
   double cost = 0.0;              ///< eq. (2)
   std::map<std::string, double>
@@ -102,12 +102,12 @@ struct SearchProblem {
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose, when
   /// the stack has grown to `below` (what stands, then what the plan has put on it)? Called from one thread,
   /// best proposals first, before they are verified; what it refuses is counted and dropped.
-  std::function<bool(int stone, const Pose& T_W_O, const Stack& below)> reachable;
+  std::function<bool(StoneIndex stone, const Pose& T_W_O, const Stack& below)> reachable;
 };
 
 /// One candidate's path through the search, for `--trace`.
 struct CandidateTrace {
-  int stone = -1;                       ///< index into `SearchProblem::shapes`
+  StoneIndex stone = kNoStone;          ///< index into `SearchProblem::shapes`
   std::vector<Pose> path_W_O;           ///< from the initial pose to contact or rest
   SupportPolygon support;               ///< support polygon at the end of the path
   double cost = 0.0;                    ///< eq. (2)

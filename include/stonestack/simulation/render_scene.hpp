@@ -28,8 +28,9 @@ struct SimulatedScene {
 };
 
 /// Scatters the stones `present` in the layout's field and takes one picture. Same seed, same scene.
-[[nodiscard]] SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<int>& present,
-                                          const CellLayout& layout, const SceneOptions& options = {});
+[[nodiscard]] SimulatedScene render_scene(const std::vector<Stone>& stones,
+                                          const std::vector<StoneIndex>& present, const CellLayout& layout,
+                                          const SceneOptions& options = {});
 
 /// Writes depth.png (16 bit), cloud.ply (organised, camera frame) and scene.yaml (intrinsics, T_W_C, stones
 /// with T_W_O and T_C_O) into the folder.

@@ -42,7 +42,7 @@ struct SimulationOptions {
 struct Truth {
   double time = 0.0;              ///< [s]
   std::vector<Pose> T_W_O;        ///< by stone index; frames of the catalogue; identity for absent stones
-  std::vector<Contact> contacts;  ///< between stones and with the table
+  std::vector<Contact> contacts;  ///< between stones, numbered as in the catalogue, and with the table
 };
 
 /// A UR10 with gripper, force sensor and camera over a table with stones, in Bullet, on a simulated clock.
@@ -51,8 +51,8 @@ class SimulatedCell {
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to
   /// rest. The arm starts with the camera over the field.
   /// @throws InvalidArgument when they do not fit.
-  SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present, const RobotModel& robot,
-                const CellLayout& assumed, const SimulationOptions& options = {});
+  SimulatedCell(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
+                const RobotModel& robot, const CellLayout& assumed, const SimulationOptions& options = {});
   ~SimulatedCell();
 
   /// The devices, as the program may use them.
@@ -65,7 +65,7 @@ class SimulatedCell {
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);
   /// Puts stone `stone` at T_W_O, at rest, at once: for setting up an experiment, never during one.
-  void place(int stone, const Pose& T_W_O);
+  void place(StoneIndex stone, const Pose& T_W_O);
   /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock();
   /// The world itself and the site where the planner expects it, for judges.

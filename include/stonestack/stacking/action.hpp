@@ -56,7 +56,7 @@ struct ClearBase {
 struct LookAgain {
   /// Place that is looked at.
   enum class Where { kWhereItWas, kBesideSite };
-  int stone = -1;                    ///< stone that is missing; kNoStone for a place beside the site
+  StoneIndex stone = kNoStone;       ///< stone that is missing; kNoStone for a place beside the site
   Where where = Where::kWhereItWas;  ///< place that is looked at
   Eigen::Vector3d p_W_target = Eigen::Vector3d::Zero();  ///< point that the camera turns to [m]
 };

@@ -16,8 +16,8 @@ namespace stonestack::stacking {
 
 /// A stone (index into the catalogue) and a statement about it.
 struct StoneNote {
-  int stone = -1;    ///< index into the catalogue
-  std::string note;  ///< statement for a person
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  std::string note;             ///< statement for a person
 };
 
 // Observation
@@ -27,12 +27,12 @@ struct Observed {
 };
 /// A stone of the stack was found beside where it was or was aimed.
 struct StoneMoved {
-  int stone = -1;      ///< index into the catalogue
-  double shift = 0.0;  ///< distance, m
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double shift = 0.0;           ///< distance, m
 };
 /// A stone is not in the stack any more.
 struct StoneLeftStack {
-  int stone = -1;  ///< index into the catalogue
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
 /// A missing stone is looked for.
 struct StoneSought {
@@ -40,8 +40,8 @@ struct StoneSought {
 };
 /// A detection left open which stone it is, or how it lies.
 struct StoneUncertain {
-  int stone = -1;          ///< index into the catalogue
-  double certainty = 1.0;  ///< certainty of the detection
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double certainty = 1.0;       ///< certainty of the detection
 };
 /// The camera's mount was estimated anew from stones that were seen twice.
 struct CameraRefined {
@@ -105,18 +105,18 @@ struct PosesRefused {
 struct GraspsRetried {};
 /// A loose stone leans on the stack.
 struct StoneLeans {
-  int stone = -1;  ///< index into the catalogue
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
 /// Stones are unstacked so that another tower can be built.
 struct UnstackChosen {
-  int top = -1;           ///< top stone of the stack
-  double expected = 0.0;  ///< stones in the end
-  int count = 0;          ///< unstacked for it
+  StoneIndex top = kNoStone;  ///< top stone of the stack
+  double expected = 0.0;      ///< stones in the end
+  int count = 0;              ///< unstacked for it
 };
 /// A stone is unstacked to free another.
 struct UnstackToFree {
-  int top = -1;    ///< top stone of the stack
-  int freed = -1;  ///< stone that is freed
+  StoneIndex top = kNoStone;    ///< top stone of the stack
+  StoneIndex freed = kNoStone;  ///< stone that is freed
 };
 
 /// The next action, with the placements that the search offered, best first.
@@ -138,7 +138,7 @@ struct SetDownBegun {
 };
 /// A grasp near the table: the gripper approaches until it touches.
 struct FingertipGrasp {
-  int stone = -1;  ///< index into the catalogue
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
 /// No motion carries out an action.
 struct MotionRefused {
@@ -155,7 +155,7 @@ struct FrictionUpdated {
 };
 /// A stone toppled after it was set down.
 struct StoneToppled {
-  int stone = -1;  ///< index into the catalogue
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
 /// The run ended.
 struct RunEnded {

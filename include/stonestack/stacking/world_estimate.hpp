@@ -28,7 +28,7 @@ using Views = std::vector<CameraView>;
 
 /// Where one stone is.
 struct StoneEstimate {
-  int stone = -1;                         ///< index into the catalogue
+  StoneIndex stone = kNoStone;            ///< index into the catalogue
   Pose T_W_O_seen = Pose::Identity();     ///< as the camera showed it last while it had not come to rest; as
                                           ///< aimed before it was seen
   Pose T_W_O_at_rest = Pose::Identity();  ///< where it rests according to physics; of a loose stone as seen
@@ -65,7 +65,7 @@ struct WorldEstimate {
 /// The stones where they were seen, as if they rested there.
 [[nodiscard]] std::vector<StoneEstimate> as_estimates(const std::vector<PlacedStone>& stones);
 /// True if `stone` is among `stones`.
-[[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, int stone);
+[[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, StoneIndex stone);
 
 }  // namespace stonestack::stacking
 
