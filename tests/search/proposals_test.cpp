@@ -48,10 +48,9 @@ std::vector<Proposal> proposals_with(int threads) {
   OrientationOptions which;
   which.directions = options.directions;
   const std::vector<LooseStone> loose = {{1_stone, &upper, orientations(which), 0.0, nullptr}};
-  long evaluated = 0;
-  auto list = propose({stack, {}}, loose, {0, 0}, 6, options, &evaluated);
-  EXPECT_GT(evaluated, 1000);
-  return list;
+  Proposals found = propose({stack, {}}, loose, {0, 0}, 6, options);
+  EXPECT_GT(found.evaluated, 1000);
+  return found.list;
 }
 
 TEST(Proposals, HoldAndLieOnTop) {
@@ -82,8 +81,7 @@ TEST(Proposals, FirstStoneGoesToTheSite) {
   const StoneGeometry stone = geometry_of(rough_stone(3, {0.10, 0.08, 0.05}), 1.0);
   OrientationOptions which;
   const std::vector<LooseStone> loose = {{0_stone, &stone, orientations(which), 0.0, nullptr}};
-  long evaluated = 0;
-  const auto list = propose({}, loose, {0.3, -0.2}, 6, {}, &evaluated);
+  const auto list = propose({}, loose, {0.3, -0.2}, 6, {}).list;
   ASSERT_FALSE(list.empty());
   for (const Proposal& p : list)
     EXPECT_LT((p.body.p_W_M.head<2>() - Eigen::Vector2d(0.3, -0.2)).norm(), 1e-9);
