@@ -84,7 +84,7 @@ void add_calibrate(CLI::App& app) {
   sub.add_option("--simulate", command.simulate, "Simulate that many stations in place of a file")
       ->check(CLI::Range(3, 1000));
   sub.add_flag("--on-base", command.on_base, "Simulate a camera beside the arm");
-  sub.add_option("--method", command.calibration.method, "Whose result is written")
+  sub.add_option("--method", command.calibration.method, "Method whose result is written")
       ->check(CLI::IsMember({"joint", "tsai_lenz", "park_martin", "daniilidis"}))
       ->capture_default_str();
   add_path(sub, "--check", command.calibration.check, "An easy_handeye file to compare with the stations");
@@ -93,7 +93,7 @@ void add_calibrate(CLI::App& app) {
            "Write the result into this cell file and leave the rest as it is: layout.T_T_C, or "
            "layout.hand_eye: the file of --out",
            "CELL");
-  sub.add_flag("--force", command.force, "Write a result that looks wrong, too");
+  sub.add_flag("--force", command.force, "Write the result even if it is probably wrong");
   add_path(sub, "--like", command.example, "Take frame names and the other parameters from this file");
   add_path(sub, "--write-pairs", command.write_pairs, "Write the stations that were used");
   command.common.register_on(sub);

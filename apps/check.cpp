@@ -46,13 +46,13 @@ void add_check(CLI::App& app) {
   const auto [sub, command] =
       add_subcommand<CheckCommand>(app, "check", "Does a stack stand, and how firmly?", check);
   sub.add_option("TOWER", command.input, "Scene file with a stack, from the table up")->required();
-  sub.add_option("--friction", command.friction, "Stone on stone and on the table")
+  sub.add_option("--friction", command.friction, "Friction coefficient, stone on stone and on the table")
       ->check(CLI::Range(1e-3, 2.0))
       ->capture_default_str();
   sub.add_option("--seconds", command.seconds, "How long it must stand, simulated")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  sub.add_option("--picture", command.picture, "Draw it (PNG)");
+  sub.add_option("--picture", command.picture, "Draw the stack (PNG)");
   command.common.register_on(sub);
   sub.footer(
       "Examples:\n"

@@ -51,7 +51,7 @@ bool is_option(const std::string& word) {
   return word.size() > 1 && word.front() == '-';
 }
 
-/// A word that stands where a subcommand belongs; CLI11 would only say that one is missing.
+/// A word that stands where a subcommand belongs; CLI11 would only report that one is missing.
 void check_commands(const CLI::App& app, const Words& words) {
   const CLI::App* at = &app;
   for (const auto& word : words) {

@@ -48,7 +48,8 @@ void add_config(CLI::App& app) {
   config->require_subcommand(1);
   const auto [options, shown] = add_subcommand<ConfigCommand>(
       *config, "show", "The options for users: value, range, unit and effect", show);
-  options.add_flag("--origin", shown.origin, "Say which of default, file, environment or flag won");
+  options.add_flag("--origin", shown.origin,
+                   "Show which of default, file, environment or flag set each value");
   options.add_flag("--expert", shown.expert, "Every option, those for experts too");
   options.add_flag("--json", shown.json, "As JSON, with the origin of each value");
   shown.settings.register_on(options);

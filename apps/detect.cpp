@@ -43,7 +43,7 @@ std::vector<SceneView> read_views(const DetectCommand& command) {
 
 DetectionResult detect_in(const std::vector<SceneView>& views, const Catalogue& catalogue,
                           const DetectCommand& command) {
-  std::vector<int> wanted;
+  std::vector<StoneIndex> wanted;
   if (!command.stones.empty())
     for (const auto& name : split_list(command.stones)) wanted.push_back(catalogue.index(name));
   std::vector<DepthView> depth_views;
@@ -93,8 +93,8 @@ void add_detect(CLI::App& app) {
       ->allow_extra_args(false);
   sub.add_flag("--world", command.world, "The cloud is in the world frame (z up, table at z = 0)");
   register_depth_input(sub, command.depth);
-  sub.add_option("--stones", command.stones, "Only these, by name, comma-separated");
-  settings.bind(sub.add_option("--copies", command.options.copies, "Of each stone at most")
+  sub.add_option("--stones", command.stones, "Search for these stones only, by name, comma-separated");
+  settings.bind(sub.add_option("--copies", command.options.copies, "Maximum number of copies of each stone")
                     ->check(CLI::Range(1, 100))
                     ->capture_default_str(),
                 "detection.copies");

@@ -30,7 +30,7 @@ void doctor(DoctorCommand& command) {
   } else if (file.simulate) {
     catalogue = command.common.read();
     const RobotModel robot = read_robot(file.robot());
-    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<int>{0}, robot,
+    world = std::make_unique<SimulatedCell>(catalogue.stones, std::vector<StoneIndex>{StoneIndex(0)}, robot,
                                             true_layout(to_layout(file.cell()), file.servers()));
     servers.emplace(*world, robot, file.servers());
     connect_to(*servers, file.cell());
@@ -51,12 +51,12 @@ void add_doctor(CLI::App& app) {
   const auto [sub, command] = add_subcommand<DoctorCommand>(
       app, "doctor", "Check every device of a cell, step by step; moves nothing", doctor);
   add_path(sub, "--cell", command.cell, "Cell file (default: the loopback cell, simulated here)");
-  sub.add_option("--frames", command.check.frames, "So many depth frames are looked at")
+  sub.add_option("--frames", command.check.frames, "Number of depth frames to check")
       ->check(CLI::Range(2, 100000))
       ->capture_default_str();
   command.common.register_on(sub);
   sub.footer(
-      "Says for each device what is wrong and what to do. Exit code 0 when all is well, 6 otherwise.\n"
+      "Reports for each device what is wrong and what to do. Exit code 0 when all is well, 6 otherwise.\n"
       "--set takes what the cell file may hold, and beats it: `stonestack config cell --expert` lists it.\n"
       "Of a simulated cell on the standard ports it examines what `stonestack simulate` serves, if it runs.\n"
       "Examples:\n"

@@ -31,7 +31,7 @@ std::vector<NamedPose> targets(const PlanCommand& command) {
   return {{command.stone, parse_pose(command.target)}};
 }
 
-/// Joint angles of --start; where the arm cannot stand is refused.
+/// Joint angles of --start; a configuration outside the joint limits is refused.
 Joints parse_start(const std::string& text, const RobotModel& robot) {
   const std::vector<double> q = parse_numbers(text, 6, "q1,q2,q3,q4,q5,q6 in rad");
   const Joints joints = Eigen::Map<const Joints>(q.data());
@@ -95,7 +95,7 @@ void add_plan(CLI::App& app) {
            "Cell file, or the name of one that comes with stonestack: takes its robot and layout (mounts, "
            "masses, obstacles, padding)");
   sub.add_option("--start", command.start,
-                 "Where the arm stands: q1,q2,q3,q4,q5,q6 in rad (default: where a run begins)");
+                 "Start configuration of the arm: q1,q2,q3,q4,q5,q6 in rad (default: where a run begins)");
   sub.add_option("--stone", command.stone, "Which stone to move");
   sub.add_option("--target", command.target, "T_W_O to bring it to: x,y,z,qx,qy,qz,qw");
   sub.add_option(

@@ -21,8 +21,8 @@ namespace {
 
 using core::ExitCode;
 
-/// Gives a standard file that the caller has closed (`>&-`) a stand-in, so that no file of ours becomes
-/// stdout by its number. What is printed to a stand-in for stdout counts as lost.
+/// Gives a standard file that the caller has closed (`>&-`) a stand-in, so that no other file gets
+/// the number of stdout. What is printed to a stand-in for stdout counts as lost.
 void replace_closed_streams() {
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(standard, F_GETFD) >= 0) continue;

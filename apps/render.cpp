@@ -33,12 +33,9 @@ void render(RenderCommand& command) {
   require_writable(command.out + "/scene.yaml");
   const Catalogue catalogue =
       read_catalogue(command.catalogue.empty() ? data_path("stones") : command.catalogue);
-  std::vector<int> present;
+  std::vector<StoneIndex> present;
   for (const auto& name : command.stones) present.push_back(catalogue.index(name));
-  if (present.empty()) {
-    present.resize(catalogue.stones.size());
-    std::iota(present.begin(), present.end(), 0);
-  }
+  if (present.empty()) present = first_stones(catalogue.stones.size());
   const SimulatedScene scene = render_scene(catalogue.stones, present, CellLayout{}, options);
   write_scene(command.out, scene, catalogue.stones);
   log_info("wrote depth.png, cloud.ply and scene.yaml to " + command.out);

@@ -21,8 +21,7 @@ struct RunCommand {
   RunOrder order;
 };
 
-/// Refuses what can be refused before a folder is made. A real arm moves only when somebody who knows says
-/// so.
+/// Refuses what can be refused before a folder is made. A real arm moves only with --execute.
 void check_cell(const RunCommand& command, const CellFile& file) {
   require(command.robot == file.robot(), "--robot ", command.robot, " is not the robot of ", command.cell,
           ", ", file.robot());
@@ -82,7 +81,7 @@ void add_run(CLI::App& app) {
   add_path(sub, "--cell", command.cell,
            "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
            "simulated devices on sockets and uses the real backends; without: simulated in process. Its "
-           "layout names what hangs on the arm and obstacles that the arm must not touch");
+           "layout names what is mounted on the arm, and obstacles");
   sub.add_flag("--execute", command.execute, "Yes, move the real robot that --cell names");
   command.per_run.register_on(sub);
   command.common.settings.bind(

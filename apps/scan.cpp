@@ -103,7 +103,8 @@ void scan(ScanCommand& command) {
 }
 
 void add_model(CLI::App& sub, ModelOptions& options) {
-  sub.add_option("--units", options.units, "Unit of the files; auto: the one that makes a hand-size stone")
+  sub.add_option("--units", options.units,
+                 "Unit of the files; auto: the one that gives a stone of graspable size")
       ->check(CLI::IsMember({"m", "cm", "mm", "auto"}))
       ->capture_default_str();
   sub.add_option("--scale", options.scale, "Further factor on the size, e.g. 0.12 for boulders")
@@ -132,7 +133,7 @@ void add_scan(CLI::App& app) {
   sub.add_option("--generate", command.generate, "Make N limestones, limestone_1 and so on")
       ->type_name("N")
       ->check(CLI::Range(1, 1000));
-  sub.add_option("--seed", command.seed, "Of --generate: same seed, same stones")->capture_default_str();
+  sub.add_option("--seed", command.seed, "Seed of --generate: same seed, same stones")->capture_default_str();
   sub.add_option("--name", command.name, "Name of the stone, for a single one (default: the file's name)");
   add_model(sub, command.options);
   sub.add_flag("--force", command.force, "Replace stones that are in the catalogue already");

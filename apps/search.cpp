@@ -24,7 +24,7 @@ struct SearchCommand {
 /// Refuses what can be refused before stones are read, which takes seconds.
 void check(const SearchCommand& command) {
   const SceneSearchTask& task = command.task;
-  require(command.trace.empty() || task.levels == 1, "--trace tells of one level; give --levels 1");
+  require(command.trace.empty() || task.levels == 1, "--trace shows one level; give --levels 1");
   if (!task.scene.empty()) require_readable(task.scene);
   if (!task.robot.empty()) (void)read_robot(task.robot);
   for (const std::string& path : {command.out, command.picture})

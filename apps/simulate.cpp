@@ -44,7 +44,7 @@ void simulate(SimulateCommand& command) {
                   "; its devices are served when this is done"));
   const Catalogue catalogue = command.common.read();
   command.per_run.check(catalogue);
-  RobotModel any = robot;  // served to whoever comes, with a hand of their own
+  RobotModel any = robot;  // served to any client, which has a gripper of its own
   any.payload = std::numeric_limits<double>::infinity();
   SimulatedCell world(catalogue.stones,
                       draw_stones(catalogue, command.per_run.count, seed, make_robotiq_3f(), any), robot,
@@ -64,7 +64,7 @@ void add_simulate(CLI::App& app) {
   const auto [sub, command] = add_subcommand<SimulateCommand>(
       app, "simulate", "Serve a simulated cell: UR controller, gripper, force sensor, camera", simulate);
   add_path(sub, "--cell", command.cell,
-           "Cell file; its group `simulators` says which ports (default: the vendors' on 127.0.0.1)");
+           "Cell file; its group `simulators` gives the ports (default: the vendors' on 127.0.0.1)");
   sub.add_option("--only", command.only,
                  "Serve these devices alone: arm, gripper, ft (force sensor), camera; by commas or again")
       ->delimiter(',')
@@ -75,9 +75,9 @@ void add_simulate(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   command.common.register_on(sub);
   sub.footer(
-      "The protocols are the real ones, for other people's clients, too; docs/clients.md says which were\n"
-      "tried, and how. Everything listens on loopback. What devices are like and what goes wrong with them\n"
-      "are fields of the cell file's group `simulators`, and --set beats it: `stonestack config cell "
+      "The protocols are the real ones, for other people's clients, too; docs/clients.md lists those\n"
+      "that were tried, and how. Everything listens on loopback. Properties and faults of the devices\n"
+      "are fields of the cell file's group `simulators`, and --set overrides it: `stonestack config cell "
       "--expert` lists\n"
       "them, docs/failure-modes.md explains the faults.\n"
       "Examples:\n"

@@ -18,15 +18,15 @@ struct TrackCommand {
   TrackOptions limits;
 };
 
-/// The stones to look for, in C; those in the hand are left out.
+/// The stones to look for, in C; those in the gripper are left out.
 std::vector<KnownStone> expected_stones(const TrackCommand& command, const Catalogue& catalogue,
                                         const Pose& T_W_C) {
-  std::vector<int> held;
+  std::vector<StoneIndex> held;
   if (!command.held.empty())
     for (const auto& name : split_list(command.held)) held.push_back(catalogue.index(name));
   std::vector<KnownStone> expected;
   for (const auto& [name, T_W_O] : read_seen_poses(command.expect)) {
-    const int stone = catalogue.index(name);
+    const StoneIndex stone = catalogue.index(name);
     if (std::find(held.begin(), held.end(), stone) == held.end())
       expected.push_back({stone, T_W_C.inverse() * T_W_O});
   }
@@ -62,7 +62,7 @@ void track(TrackCommand& command) {
 
 void add_track(CLI::App& app) {
   const auto [sub, command] = add_subcommand<TrackCommand>(
-      app, "track", "Look whether stones are where they were: in place, moved, fallen, unseen", track);
+      app, "track", "Check whether stones are where they were: in place, moved, fallen, unseen", track);
   sub.add_option("SCENE", command.input,
                  "What the camera sees now: scene file, cloud, depth PNG or recording, as for detect")
       ->required();
@@ -71,7 +71,7 @@ void add_track(CLI::App& app) {
            "--json printed")
       ->required();
   sub.add_option("--camera-pose", command.camera_pose, "T_W_C: x,y,z,qx,qy,qz,qw or a scene file");
-  sub.add_option("--held", command.held, "In the gripper, comma-separated: not searched on the table");
+  sub.add_option("--held", command.held, "Stones in the gripper, comma-separated: not searched on the table");
   register_depth_input(sub, command.depth);
   command.common.register_on(sub);
   sub.footer(

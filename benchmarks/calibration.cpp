@@ -56,7 +56,7 @@ void try_tower(const BenchOptions& options, const StonePool& pool, int k, std::v
         found.best.begin(), found.best.end(),
         [](const Placement& p, const Placement& q) { return p.predicted_success < q.predicted_success; });
     problem.stack.stones.push_back({surest->stone, surest->T_W_O});
-    const int placed = surest->stone;
+    const StoneIndex placed = surest->stone;
     std::erase_if(problem.available, [&](const PlacedStone& s) { return s.stone == placed; });
   }
 }

@@ -58,7 +58,7 @@ void measure_kind(const SceneKind& kind, const SceneMaker& maker, const std::vec
     const auto result = detect_stones(scene.views, models, {}, options);
     tally.cpu += processor_seconds() - start;
     tally.wall += watch.seconds();
-    judge(result, scene, kind, static_cast<int>(stones.size()), settings.list ? &results : nullptr, tally);
+    judge(result, scene, kind, stones.size(), settings.list ? &results : nullptr, tally);
     if (result.trace) write_trace(concat(settings.trace, "/", kind.name, "_", i), *result.trace, stones);
   }
   results.row(detection_cells(options.method, kind.name, tally));

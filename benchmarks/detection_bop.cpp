@@ -34,10 +34,10 @@ struct BopModels {
   std::vector<ScoredObject> scored;
 };
 
-int index_of(const BopModels& models, int object, const std::string& path) {
+StoneIndex index_of(const BopModels& models, int object, const std::string& path) {
   const auto at = std::find(models.ids.begin(), models.ids.end(), object);
   if (at == models.ids.end()) throw FileError(path, concat("names object ", object), "models/ has none such");
-  return static_cast<int>(at - models.ids.begin());
+  return StoneIndex(at - models.ids.begin());
 }
 
 int number_in(const std::string& text, const std::string& path) {
@@ -103,7 +103,7 @@ BopModels read_models(const std::string& folder) {
 }
 
 /// Which objects to look for in an image, each named as often as it is there; empty: all, once.
-using Target = std::vector<int>;
+using Target = std::vector<StoneIndex>;
 
 std::map<std::pair<int, int>, Target> read_targets(const std::string& folder, const BopModels& models) {
   const std::string path = folder + "/test_targets_bop19.json";
@@ -113,7 +113,7 @@ std::map<std::pair<int, int>, Target> read_targets(const std::string& folder, co
     const int scene = static_cast<int>(number_of(entry, "scene_id", 0, 1e6, path));
     const int image = static_cast<int>(number_of(entry, "im_id", 0, 1e6, path));
     const int object = static_cast<int>(number_of(entry, "obj_id", 0, 1e6, path));
-    const int model = index_of(models, object, path);
+    const StoneIndex model = index_of(models, object, path);
     Target& target = targets[{scene, image}];
     const auto count = static_cast<std::size_t>(number_of(entry, "inst_count", 1, 1000, path));
     target.insert(target.end(), count, model);
@@ -135,7 +135,7 @@ std::string result_line(int scene, int image, int object, const Detection& d, do
 
 /// A true pose.
 struct BopTruth {
-  int model = -1;
+  StoneIndex model = kNoStone;
   Pose T_C_O = Pose::Identity();
   double visible = 1.0;  ///< share of what faces the camera
 };
@@ -168,7 +168,7 @@ std::map<int, std::vector<BopTruth>> read_truth(const std::string& scene, const 
 std::vector<BopTruth> wanted(std::vector<BopTruth> truth, const Target& target) {
   std::stable_sort(truth.begin(), truth.end(),
                    [](const BopTruth& a, const BopTruth& b) { return a.visible > b.visible; });
-  std::map<int, std::ptrdiff_t> taken;
+  std::map<StoneIndex, std::ptrdiff_t> taken;
   std::erase_if(truth, [&](const BopTruth& t) {
     if (target.empty()) return t.visible < kMinVisible;
     return ++taken[t.model] > std::count(target.begin(), target.end(), t.model);
@@ -311,16 +311,15 @@ void run_bop(const std::string& folder, const std::string& split, const std::str
       const Stopwatch watch;
       const auto found = detect_stones(image, models, target, options).detections;
       const double seconds = watch.seconds();
-      for (const auto& d : found)
-        text += result_line(scene, record.number, bop.ids[static_cast<std::size_t>(d.stone)], d, seconds);
+      for (const auto& d : found) text += result_line(scene, record.number, at(bop.ids, d.stone), d, seconds);
       ++images;
       detections += static_cast<int>(found.size());
       const auto present = wanted(truth[record.number], target);
       for (std::size_t i = 0; i < scores.size(); ++i) {
         auto of_model = found;
-        std::erase_if(of_model, [&](const Detection& d) { return d.stone != static_cast<int>(i); });
+        std::erase_if(of_model, [&](const Detection& d) { return d.stone != StoneIndex(i); });
         auto there = present;
-        std::erase_if(there, [&](const BopTruth& t) { return t.model != static_cast<int>(i); });
+        std::erase_if(there, [&](const BopTruth& t) { return t.model != StoneIndex(i); });
         if (!there.empty()) scores[i].add(score(bop.scored[i], of_model, there, image.camera));
       }
     }

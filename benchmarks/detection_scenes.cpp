@@ -81,14 +81,14 @@ double SceneMaker::gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const
   return std::min(one_way(a, T_W_A, b, T_W_B), one_way(b, T_W_B, a, T_W_A));
 }
 
-double SceneMaker::gap(const std::vector<PlacedStone>& placed, int stone, const Pose& T_W_O) const {
+double SceneMaker::gap(const std::vector<PlacedStone>& placed, StoneIndex stone, const Pose& T_W_O) const {
   double nearest = 0.03;
   for (const auto& p : placed) nearest = std::min(nearest, gap(p.stone, p.T_W_O, stone, T_W_O));
   return nearest;
 }
 
-Eigen::Quaterniond SceneMaker::rest(int stone, Random& random) const {
-  const Stone& s = stones_[static_cast<std::size_t>(stone)];
+Eigen::Quaterniond SceneMaker::rest(StoneIndex stone, Random& random) const {
+  const Stone& s = at(stones_, stone);
   Eigen::Quaterniond R = random.rotation();
   double height = -lowest(s, R);  // of the origin above the table: falls until the stone rests
   for (double step = 0.3; step > 0.004; step *= 0.97) {
@@ -98,7 +98,7 @@ Eigen::Quaterniond SceneMaker::rest(int stone, Random& random) const {
   return R;
 }
 
-Pose SceneMaker::push(const std::vector<PlacedStone>& placed, int stone, Pose T_W_O,
+Pose SceneMaker::push(const std::vector<PlacedStone>& placed, StoneIndex stone, Pose T_W_O,
                       const Eigen::Vector3d& towards) const {
   for (double step = 0.016; step > 0.0005; step *= 0.5)
     for (int k = 0; k < 40; ++k) {
@@ -110,19 +110,18 @@ Pose SceneMaker::push(const std::vector<PlacedStone>& placed, int stone, Pose T_
 }
 
 std::vector<PlacedStone> SceneMaker::arrange(const SceneKind& kind, Random& random) const {
-  std::vector<int> order(stones_.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<StoneIndex> order = first_stones(stones_.size());
   random.shuffle(order.begin(), order.end());
   order.insert(order.begin(), static_cast<std::size_t>(kind.copies - 1), order.front());
   std::vector<PlacedStone> placed;
   const int count = std::min<int>(kind.present, static_cast<int>(order.size()));
   const double start = random.uniform(0, 2 * kPi);
   for (int i = 0; i < count; ++i) {
-    const int stone = order[static_cast<std::size_t>(i)];
+    const StoneIndex stone = order[static_cast<std::size_t>(i)];
     const Eigen::Quaterniond R = rest(stone, random);
     const double angle = start + 2 * kPi * i / count + random.uniform(-0.2, 0.2);
     const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
-    const double z = -lowest(stones_[static_cast<std::size_t>(stone)], R);
+    const double z = -lowest(at(stones_, stone), R);
     if (kind.arrangement == "stacked" && i > 0 && i < 3) {
       const Eigen::Vector3d above(random.uniform(-0.015, 0.015), random.uniform(-0.015, 0.015), 0.5);
       placed.push_back({stone, push(placed, stone, make_pose(above, R), -Eigen::Vector3d::UnitZ())});
@@ -154,7 +153,7 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const Cam
   }
   RayScene world;
   world.add(make_box({1.6, 1.6, 0.02}), make_pose({0, 0, -0.01}));
-  for (const auto& p : placed) world.add(stones_[static_cast<std::size_t>(p.stone)].scan, p.T_W_O);
+  for (const auto& p : placed) world.add(at(stones_, p.stone).scan, p.T_W_O);
   world.commit();
   const SensorModel sensor = make_sensor(kind.sensor);
   const double tilt = random.uniform(kind.min_tilt, kind.max_tilt), azimuth = random.uniform(0, 2 * kPi);
@@ -178,7 +177,7 @@ std::vector<TrueStone> SceneMaker::truth_of(const std::vector<PlacedStone>& plac
   std::vector<TrueStone> truth;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     RayScene alone;
-    alone.add(stones_[static_cast<std::size_t>(placed[i].stone)].scan, placed[i].T_W_O);
+    alone.add(at(stones_, placed[i].stone).scan, placed[i].T_W_O);
     alone.commit();
     const auto whole = pixels_of(render(alone, camera, T_W_C), 0);
     const auto seen = pixels_of(view, static_cast<int>(i) + 1);

@@ -34,7 +34,7 @@ struct SceneKind {
 
 /// A stone of the scene and how much of what faces the first camera is not hidden by other stones.
 struct TrueStone {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   Pose T_C_O = Pose::Identity();  ///< C: the camera of the first view
   double unhidden = 0.0;
 };
@@ -62,9 +62,9 @@ class SceneMaker {
 
  private:
   [[nodiscard]] double gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const;
-  [[nodiscard]] double gap(const std::vector<PlacedStone>& placed, int stone, const Pose& T_W_O) const;
-  [[nodiscard]] Eigen::Quaterniond rest(int stone, Random& random) const;
-  [[nodiscard]] Pose push(const std::vector<PlacedStone>& placed, int stone, Pose T_W_O,
+  [[nodiscard]] double gap(const std::vector<PlacedStone>& placed, StoneIndex stone, const Pose& T_W_O) const;
+  [[nodiscard]] Eigen::Quaterniond rest(StoneIndex stone, Random& random) const;
+  [[nodiscard]] Pose push(const std::vector<PlacedStone>& placed, StoneIndex stone, Pose T_W_O,
                           const Eigen::Vector3d& towards) const;
   [[nodiscard]] std::vector<TrueStone> truth_of(const std::vector<PlacedStone>& placed,
                                                 const RenderedView& view, const Pose& T_W_C,

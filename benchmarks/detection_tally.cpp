@@ -42,7 +42,7 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
     list->note(
         "    %s: stone %d unhidden %.2f score %.3f certain %.2f visible %.3f off %.1f deg %.1f mm, stated "
         "%.1f deg %.1f mm",
-        right ? "right" : "wrong", d.stone, truth.unhidden, d.score, d.certainty, d.visible,
+        right ? "right" : "wrong", d.stone.value(), truth.unhidden, d.score, d.certainty, d.visible,
         off.angle / kDegree, off.translation * 1000,
         std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()) / kDegree,
         1000 * std::sqrt(d.covariance.topLeftCorner<3, 3>().trace()));
@@ -58,7 +58,7 @@ void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& ki
 
 }  // namespace
 
-void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
+void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, std::size_t models,
            Results* list, DetectionTally& tally) {
   ++tally.scenes;
   std::vector<const TrueStone*> left;
@@ -66,7 +66,7 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
     left.push_back(&t);
     tally.present += t.unhidden >= kind.min_unhidden ? 1 : 0;
   }
-  for (int stone = 0; stone < models; ++stone)
+  for (const StoneIndex stone : first_stones(models))
     tally.absent += std::none_of(scene.truth.begin(), scene.truth.end(),
                                  [&](const TrueStone& t) { return t.stone == stone; })
                         ? 1
@@ -77,8 +77,8 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
       ++tally.false_accepts;
       tally.bad_scores.push_back(d.score);
       if (list != nullptr)
-        list->note("    false accept: stone %d score %.3f certain %.2f visible %.2f", d.stone, d.score,
-                   d.certainty, d.visible);
+        list->note("    false accept: stone %d score %.3f certain %.2f visible %.2f", d.stone.value(),
+                   d.score, d.certainty, d.visible);
       continue;
     }
     judge_found(d, **at, kind, list, tally);
@@ -88,7 +88,7 @@ void judge(const DetectionResult& result, const BenchScene& scene, const SceneKi
     list->note("    depth scale %.4f +- %.4f", result.depth_scale, result.depth_scale_sigma);
   for (const auto* t : left)
     if (list != nullptr && t->unhidden >= kind.min_unhidden)
-      list->note("    missed: stone %d unhidden %.2f", t->stone, t->unhidden);
+      list->note("    missed: stone %d unhidden %.2f", t->stone.value(), t->unhidden);
 }
 
 std::vector<Column> detection_columns() {

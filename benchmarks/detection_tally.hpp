@@ -19,7 +19,7 @@ struct DetectionTally {
 /// Compares what was found with the truth. Right: within 5 deg and 5 mm. A stone counts as present if the
 /// kind's share of what faces the first camera is not hidden. `list` gets a note of every detection, miss and
 /// false accept; null: none.
-void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, int models,
+void judge(const DetectionResult& result, const BenchScene& scene, const SceneKind& kind, std::size_t models,
            Results* list, DetectionTally& tally);
 
 /// Columns of a row: one method on one kind of scene.

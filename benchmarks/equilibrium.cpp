@@ -62,13 +62,13 @@ bool add_at_random(const BenchOptions& options, const StonePool& pool, Random& r
   Eigen::Vector2d p_W_top = Eigen::Vector2d::Zero();
   if (!stack->stones.empty()) {
     const PlacedStone& last = stack->stones.back();
-    const ContactShape& below = *pool.shapes[static_cast<std::size_t>(last.stone)];
+    const ContactShape& below = *at(pool.shapes, last.stone);
     p_W_top = (last.T_W_O * below.mass.p_O_M).head<2>();
     for (const auto& v : below.scan.vertices) top = std::max(top, (last.T_W_O * v).z());
   }
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const auto stone = static_cast<int>(random.index(pool.shapes.size()));
-    const ContactShape& shape = *pool.shapes[static_cast<std::size_t>(stone)];
+    const StoneIndex stone(random.index(pool.shapes.size()));
+    const ContactShape& shape = *at(pool.shapes, stone);
     const Eigen::Vector2d aside(random.uniform(-options.push, options.push),
                                 random.uniform(-options.push, options.push));
     Pose T_W_O = make_pose(Eigen::Vector3d::Zero(), random.rotation());
@@ -95,7 +95,7 @@ Compared compare(const BenchOptions& options, const StonePool& pool, const Stack
   Compared out;
   StackStatics statics;
   for (std::size_t i = 0; i < stack.stones.size(); ++i) {
-    const MassProperties& mass = pool.shapes[static_cast<std::size_t>(stack.stones[i].stone)]->mass;
+    const MassProperties& mass = at(pool.shapes, stack.stones[i].stone)->mass;
     statics.bodies.push_back({mass.mass, stack.stones[i].T_W_O * mass.p_O_M});
   }
   statics.contacts = geometric_contacts(pool.shapes, stack, 0.0002);

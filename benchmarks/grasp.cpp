@@ -176,7 +176,7 @@ void measure(const std::vector<Stone>& stones, int tasks, std::uint64_t seed, co
     const SceneObject& tower = problem.scene.objects.back();
     const Eigen::Vector2d site = tower.T_W_object.translation().head<2>();
     for (std::size_t i = 0; i < problem.loose.size() && turned.tasks < tasks; ++i) {
-      const Stone& stone = stones[static_cast<std::size_t>(problem.loose[i])];
+      const Stone& stone = at(stones, problem.loose[i]);
       PickAndPlaceTask task;
       task.stone = &stone;
       task.object = static_cast<int>(i);

@@ -89,13 +89,11 @@ GraspProblem make_grasp_problem(const std::vector<Stone>& stones, Random& random
   GraspProblem problem;
   problem.scene.robot = read_robot("ur10");
   problem.scene.T_F_T = layout.T_F_T;
-  std::vector<int> order(stones.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::vector<StoneIndex> order = first_stones(stones.size());
   random.shuffle(order.begin(), order.end());
-  const auto stone = [&](int i) -> const Stone& { return stones[static_cast<std::size_t>(i)]; };
   constexpr double kGap = 0.005;  // m: they lie as they fell, without clearance for fingers
   for (std::size_t n = 1; n < order.size() && n <= 6; ++n) {
-    const Stone& s = stone(order[n]);
+    const Stone& s = at(stones, order[n]);
     for (int attempt = 0; attempt < 60; ++attempt) {
       const Eigen::Vector2d at(layout.field_centre.x() + layout.field_size.x() * random.uniform(-0.5, 0.5),
                                layout.field_centre.y() + layout.field_size.y() * random.uniform(-0.5, 0.5));
@@ -109,7 +107,7 @@ GraspProblem make_grasp_problem(const std::vector<Stone>& stones, Random& random
       break;
     }
   }
-  const Stone& base = stone(order[0]);
+  const Stone& base = at(stones, order[0]);
   problem.scene.objects.push_back(
       {base.name, base.pieces, standing_at(base, rest(base, random), layout.site, 0.0)});
   return problem;

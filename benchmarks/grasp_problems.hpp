@@ -25,7 +25,7 @@ namespace stonestack::bench {
 /// Up to six loose stones and one at the site; object i is loose stone i, the last object is the tower.
 struct GraspProblem {
   PlanningScene scene;
-  std::vector<int> loose;  ///< index of the stone
+  std::vector<StoneIndex> loose;
 };
 [[nodiscard]] GraspProblem make_grasp_problem(const std::vector<Stone>& stones, Random& random);
 

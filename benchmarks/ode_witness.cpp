@@ -12,14 +12,14 @@ OdeVerdict stand_in_ode(const ShapeList& shapes, const Stack& stack, const OdeOp
   in_ode.friction = options.friction;
   const auto world = make_rigid_world(EngineKind::kOde, in_ode);
   for (const PlacedStone& placed : stack.stones)
-    world->add_stone(shapes[static_cast<std::size_t>(placed.stone)], placed.T_W_O, false);
+    world->add_stone(at(shapes, placed.stone), placed.T_W_O, false);
   OdeVerdict verdict;
   verdict.standing = static_cast<int>(stack.stones.size());
   for (double t = 0.0; t < options.seconds; t += options.step) {
     world->step(options.step);
     for (int k = 0; k < static_cast<int>(stack.stones.size()); ++k) {
       const PlacedStone& placed = stack.stones[static_cast<std::size_t>(k)];
-      const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(placed.stone)]->mass.p_O_M;
+      const Eigen::Vector3d& p_O_M = at(shapes, placed.stone)->mass.p_O_M;
       const Pose now = world->pose(k);
       const double shift = (now * p_O_M - placed.T_W_O * p_O_M).norm();
       const double turn = difference(placed.T_W_O, now).angle;

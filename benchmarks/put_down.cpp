@@ -65,7 +65,7 @@ std::vector<Eigen::Vector3d> com_errors(const ShapeList& shapes, const Stack& be
 std::optional<Stack> put_down(const ShapeList& shapes, const Stack& below, const Placement& target,
                               const PlacementNoise& noise, Random& random) {
   Stack higher = below;
-  const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(target.stone)]->mass.p_O_M;
+  const Eigen::Vector3d& p_O_M = at(shapes, target.stone)->mass.p_O_M;
   higher.stones.push_back({target.stone, displaced(target.T_W_O, p_O_M, noise, random)});
   PlacedStone& top = higher.stones.back();
   // It is let go just above where it would touch.

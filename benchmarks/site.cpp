@@ -41,9 +41,9 @@ struct TowerScene {
 };
 
 /// Lowers a stone onto what is there until it nearly touches, and lets it come to rest.
-std::optional<Pose> settled(const ShapeList& shapes, const Stack& below, int stone,
+std::optional<Pose> settled(const ShapeList& shapes, const Stack& below, StoneIndex stone,
                             const Eigen::Vector2d& p_W, Random& random) {
-  const ContactShape& shape = *shapes[static_cast<std::size_t>(stone)];
+  const ContactShape& shape = *at(shapes, stone);
   Pose T_W_O = make_pose(Eigen::Vector3d(p_W.x(), p_W.y(), 0.6), random.rotation());
   const auto gap = [&] {
     double min = 1.0;
@@ -51,8 +51,7 @@ std::optional<Pose> settled(const ShapeList& shapes, const Stack& below, int sto
       const Eigen::Vector3d p = T_W_O * sample.point;
       min = std::min(min, p.z());
       for (const PlacedStone& other : below.stones)
-        min = std::min(
-            min, shapes[static_cast<std::size_t>(other.stone)]->distance.distance(other.T_W_O.inverse() * p));
+        min = std::min(min, at(shapes, other.stone)->distance.distance(other.T_W_O.inverse() * p));
     }
     return min;
   };
@@ -81,8 +80,7 @@ Pose camera_over_scene(Random& random) {
 
 TowerScene draw_scene(const StonePool& pool, int height, int loose, Random& random) {
   TowerScene scene;
-  std::vector<int> order(pool.stones.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<StoneIndex> order = first_stones(pool.stones.size());
   do {
     random.shuffle(order.begin(), order.end());
     Stack stack;
@@ -96,7 +94,7 @@ TowerScene draw_scene(const StonePool& pool, int height, int loose, Random& rand
   } while (static_cast<int>(scene.tower.size()) < height);
   const double start = random.uniform(0.0, 2.0 * M_PI);
   for (int i = 0; i < loose; ++i) {
-    const int stone = order[static_cast<std::size_t>(height + i)];
+    const StoneIndex stone = order[static_cast<std::size_t>(height + i)];
     const double angle = start + 2.0 * M_PI * i / loose, away = height > 0 ? 0.19 : 0.15;
     std::optional<Pose> T_W_O;
     while (!T_W_O)
@@ -107,8 +105,7 @@ TowerScene draw_scene(const StonePool& pool, int height, int loose, Random& rand
   RayScene world;
   world.add(make_box({3.0, 3.0, 0.02}), make_pose({0, 0, -0.01}));
   for (const auto* list : {&scene.tower, &scene.loose})
-    for (const PlacedStone& placed : *list)
-      world.add(pool.stones[static_cast<std::size_t>(placed.stone)].scan, placed.T_W_O);
+    for (const PlacedStone& placed : *list) world.add(at(pool.stones, placed.stone).scan, placed.T_W_O);
   world.commit();
   scene.T_W_C = camera_over_scene(random);
   const SensorModel sensor = make_sensor(random.uniform() < 0.5 ? "sr300" : "d435");
@@ -166,12 +163,11 @@ void measure_pool(const SiteBench& bench, const StonePool& pool, int height, Res
     static const char* words[] = {"right", "refused", "EMPTY", "WRONG"};
     if (bench.list) {
       std::string all;
-      for (const auto& p : scene.tower) all += pool.stones[static_cast<std::size_t>(p.stone)].name + " ";
+      for (const auto& p : scene.tower) all += at(pool.stones, p.stone).name + " ";
       all += "| ";
-      for (const auto& p : scene.loose) all += pool.stones[static_cast<std::size_t>(p.stone)].name + " ";
+      for (const auto& p : scene.loose) all += at(pool.stones, p.stone).name + " ";
       all += "found ";
-      for (const auto& p : seen.detections)
-        all += concat(pool.stones[static_cast<std::size_t>(p.stone)].name, ' ', p.score, ' ');
+      for (const auto& p : seen.detections) all += concat(at(pool.stones, p.stone).name, ' ', p.score, ' ');
       results.note("%d %d %s: %s: %s", height, k, words[static_cast<int>(verdict)], all.c_str(), why.c_str());
     }
     if (verdict == Verdict::kRefused) {
@@ -180,8 +176,7 @@ void measure_pool(const SiteBench& bench, const StonePool& pool, int height, Res
       if (verdict == Verdict::kCorrect) ++tally.again;
       if (bench.list) {
         std::string all;
-        for (const auto& p : seen.detections)
-          all += concat(pool.stones[static_cast<std::size_t>(p.stone)].name, ' ', p.score, ' ');
+        for (const auto& p : seen.detections) all += concat(at(pool.stones, p.stone).name, ' ', p.score, ' ');
         results.note("   again %s: %s: %s", words[static_cast<int>(verdict)], all.c_str(), why.c_str());
       }
     }

@@ -89,13 +89,12 @@ std::vector<StonePool> read_pools(const PoolOptions& options) {
 
 SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count) {
   Random random = Random::stream(static_cast<std::uint64_t>(seed), static_cast<std::uint64_t>(k));
-  std::vector<int> order(pool.shapes.size());
-  for (std::size_t s = 0; s < order.size(); ++s) order[s] = static_cast<int>(s);
+  std::vector<StoneIndex> order = first_stones(pool.shapes.size());
   random.shuffle(order.begin(), order.end());
   order.resize(std::min(order.size(), static_cast<std::size_t>(count)));
   SearchProblem problem;
   problem.shapes = &pool.shapes;
-  for (const int stone : order)
+  for (const StoneIndex stone : order)
     problem.available.push_back({stone, make_pose(Eigen::Vector3d(0.5, 0, 0.1), random.rotation())});
   return problem;
 }

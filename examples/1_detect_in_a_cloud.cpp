@@ -21,8 +21,7 @@ int main(int argc, char** argv) try {
   for (const auto& found : result.detections) {
     const Eigen::Vector3d p_C = found.T_C_O.translation();
     std::printf("%-12s at %.3f %.3f %.3f m, score %.2f, certainty %.2f\n",
-                catalogue.stones[static_cast<std::size_t>(found.stone)].name.c_str(), p_C.x(), p_C.y(),
-                p_C.z(), found.score, found.certainty);
+                catalogue[found.stone].name.c_str(), p_C.x(), p_C.y(), p_C.z(), found.score, found.certainty);
   }
   if (result.detections.empty()) std::printf("nothing found: %s\n", result.note.c_str());
   return result.detections.empty() ? 4 : 0;

@@ -10,7 +10,8 @@ int main() try {
   stonestack::SearchProblem problem;
   problem.shapes = &shapes;
   problem.site = {0.70, 0.28};  // m, in W
-  for (const int stone : {0, 1, 2}) problem.available.push_back({stone, stonestack::Pose::Identity()});
+  for (const int number : {0, 1, 2})
+    problem.available.push_back({stonestack::StoneIndex(number), stonestack::Pose::Identity()});
 
   stonestack::SearchOptions options;
   options.max_tilt = 3.14;  // no arm is asked: a stone may be turned any way up
@@ -22,8 +23,8 @@ int main() try {
   const auto& best = first.best.front();
   const Eigen::Vector3d p_W = best.T_W_O.translation();
   std::printf("%s at %.3f %.3f %.3f m, predicted success %.2f, %zu more stones planned on it\n",
-              catalogue.stones[static_cast<std::size_t>(best.stone)].name.c_str(), p_W.x(), p_W.y(), p_W.z(),
-              best.predicted_success, best.then.size());
+              catalogue[best.stone].name.c_str(), p_W.x(), p_W.y(), p_W.z(), best.predicted_success,
+              best.then.size());
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

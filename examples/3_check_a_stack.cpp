@@ -10,7 +10,8 @@ int main() try {
   // A planned tower of two, so that there is something to check.
   stonestack::SearchProblem problem;
   problem.shapes = &shapes;
-  for (const int stone : {0, 1}) problem.available.push_back({stone, stonestack::Pose::Identity()});
+  for (const int number : {0, 1})
+    problem.available.push_back({stonestack::StoneIndex(number), stonestack::Pose::Identity()});
   stonestack::SearchOptions options;
   options.max_tilt = 3.14;
   stonestack::Stack stack;

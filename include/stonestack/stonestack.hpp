@@ -49,4 +49,5 @@ using stone::Catalogue;
 using stone::PlacedStone;
 using stone::read_catalogue;
 using stone::Stone;
+using stone::StoneIndex;
 }  // namespace stonestack

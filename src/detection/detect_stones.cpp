@@ -22,19 +22,16 @@ constexpr double kWrongScale = 0.05;     // a stone 0.7 m away is 35 mm off
 constexpr double kSurely = 3.0;          // standard deviations
 
 /// The models to search for, ascending, each as often as it may still be found.
-std::vector<int> wanted_models(std::span<const int> wanted, const SceneKnowledge& known, int count,
-                               const DetectionOptions& options) {
-  std::vector<int> models(wanted.begin(), wanted.end());
-  if (models.empty()) {
-    models.resize(static_cast<std::size_t>(count));
-    std::iota(models.begin(), models.end(), 0);
-  }
-  for (const int i : models)
-    require(i >= 0 && i < count, "there are ", count, " models, none with index ", i);
+std::vector<StoneIndex> wanted_models(std::span<const StoneIndex> wanted, const SceneKnowledge& known,
+                                      std::size_t count, const DetectionOptions& options) {
+  std::vector<StoneIndex> models(wanted.begin(), wanted.end());
+  if (models.empty()) models = first_stones(count);
+  for (const StoneIndex i : models)
+    require(i.is_within(count), "there are ", count, " models, none with index ", i);
   for (const auto& k : known.stones)
-    require(k.stone >= 0 && k.stone < count, "there are ", count, " models, none with index ", k.stone);
+    require(k.stone.is_within(count), "there are ", count, " models, none with index ", k.stone);
   std::sort(models.begin(), models.end());
-  std::vector<int> missing;
+  std::vector<StoneIndex> missing;
   for (auto at = models.begin(); at != models.end();) {
     const auto next = std::upper_bound(at, models.end(), *at);
     const auto copies = std::max<std::ptrdiff_t>(options.copies, next - at);
@@ -64,8 +61,9 @@ void check_depth_scale(DetectionResult& result, const DetectionModels::Data& dat
 }
 
 /// Finds what is missing in a scene that is ready.
-DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data, std::vector<int> missing,
-                        const DetectionOptions& options, const SceneKnowledge& known) {
+DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
+                        std::vector<StoneIndex> missing, const DetectionOptions& options,
+                        const SceneKnowledge& known) {
   if (scene.clusters > 0) scene = without_stones(std::move(scene), data, known.stones);
   DetectionResult result;
   result.table_C = scene.table_C;
@@ -101,20 +99,20 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
 }  // namespace
 
 DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
-                              std::span<const int> wanted, const DetectionOptions& options,
+                              std::span<const StoneIndex> wanted, const DetectionOptions& options,
                               const SceneKnowledge& known) {
   require_usable(options);
   const auto& data = models.data();
-  auto missing = wanted_models(wanted, known, static_cast<int>(data.models.size()), options);
+  auto missing = wanted_models(wanted, known, data.models.size(), options);
   return find_in(preprocess(image, known.table_C, true, options), data, std::move(missing), options, known);
 }
 
 DetectionResult detect_stones(std::span<const DepthView> views, const DetectionModels& models,
-                              std::span<const int> wanted, const DetectionOptions& options,
+                              std::span<const StoneIndex> wanted, const DetectionOptions& options,
                               const SceneKnowledge& known) {
   require_usable(options);
   const auto& data = models.data();
-  auto missing = wanted_models(wanted, known, static_cast<int>(data.models.size()), options);
+  auto missing = wanted_models(wanted, known, data.models.size(), options);
   return find_in(preprocess(views, known.table_C, true, options), data, std::move(missing), options, known);
 }
 

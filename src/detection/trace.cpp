@@ -49,14 +49,14 @@ void write_matches(const std::string& folder, const TracedTurn& turn) {
 void write_hypotheses(const std::string& folder, const TracedTurn& turn, std::span<const Stone> stones) {
   std::vector<Eigen::Vector3f> middles;
   for (const auto& h : turn.hypotheses) {
-    const Eigen::Vector3d p_O = bounds(stones[static_cast<std::size_t>(h.stone)].mesh).center();
+    const Eigen::Vector3d p_O = bounds(at(stones, h.stone).mesh).center();
     middles.emplace_back((h.T_C_O * p_O).cast<float>());
   }
   write_points(folder + "/hypotheses.ply", std::move(middles));
 }
 
 json stages_json(const TracedTurn& turn, std::span<const Stone> stones) {
-  const auto name = [&](int stone) { return stones[static_cast<std::size_t>(stone)].name; };
+  const auto name = [&](StoneIndex stone) { return at(stones, stone).name; };
   json matches = json::array(), hypotheses = json::array(), candidates = json::array();
   for (const auto& m : turn.matches)
     matches.push_back({{"stone", name(m.stone)},
@@ -97,8 +97,7 @@ void write_trace(const std::string& folder, const DetectionTrace& trace, std::sp
     write_hypotheses(here, turn, stones);
     for (std::size_t k = 0; k < turn.candidates.size(); ++k) {
       const Detection& d = turn.candidates[k].detection;
-      write_mesh(concat(here, "/candidate_", k, ".ply"),
-                 transformed(stones[static_cast<std::size_t>(d.stone)].mesh, d.T_C_O));
+      write_mesh(concat(here, "/candidate_", k, ".ply"), transformed(at(stones, d.stone).mesh, d.T_C_O));
     }
   }
 }

@@ -9,14 +9,14 @@ namespace stonestack::detection {
 
 /// A keypoint of the scene and the keypoint of a model that is described most alike.
 struct TracedMatch {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   Eigen::Vector3f p_C, p_O;
   float distance = 0.0F;  ///< squared, in descriptor space
 };
 
 /// A pose that a source proposed.
 struct TracedHypothesis {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   std::string source;    ///< consistency, sweep
   double support = 0.0;  ///< correspondences in the group, or 1 / cost of the sweep
   Pose T_C_O = Pose::Identity();

@@ -44,14 +44,14 @@ std::vector<Hypothesis> perturbed(const Pose& T_C_O, const Eigen::Vector3d& cent
 
 }  // namespace
 
-std::optional<Detection> track_stone(const DepthImage& image, const DetectionModels& models, int stone,
+std::optional<Detection> track_stone(const DepthImage& image, const DetectionModels& models, StoneIndex stone,
                                      const Pose& T_C_O_guess, const DetectionOptions& options,
                                      const SceneKnowledge& known) {
   const auto& data = models.data();
-  require(stone >= 0 && stone < static_cast<int>(data.models.size()), "there are ", data.models.size(),
-          " models, none with index ", stone);
+  require(stone.is_within(data.models.size()), "there are ", data.models.size(), " models, none with index ",
+          stone);
   require(is_valid(T_C_O_guess), "the guess is not a pose: ", geometry::to_text(T_C_O_guess));
-  const DetectionModel& model = data.models[static_cast<std::size_t>(stone)];
+  const DetectionModel& model = at(data.models, stone);
   SceneKnowledge others = known;
   std::erase_if(others.stones, [&](const KnownStone& k) { return k.stone == stone; });
   const DetectionScene scene = without_stones(

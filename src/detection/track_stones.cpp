@@ -35,8 +35,8 @@ void give(std::vector<TrackedStone>& all, std::span<const KnownStone> expected, 
 }
 
 /// The missing stones, each named as often as it is expected: so many copies there are.
-std::vector<int> to_search(const std::vector<TrackedStone>& all) {
-  std::vector<int> wanted;
+std::vector<StoneIndex> to_search(const std::vector<TrackedStone>& all) {
+  std::vector<StoneIndex> wanted;
   for (const auto& t : all)
     if (std::any_of(all.begin(), all.end(),
                     [&](const TrackedStone& other) { return other.stone == t.stone && !other.detection; }))
@@ -91,8 +91,7 @@ TrackResult track_stones(const DepthImage& image, const DetectionModels& models,
   const Eigen::Vector3d up_C = table_C ? table_C->normal : Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < all.size(); ++i)
     if (all[i].detection)
-      compare(all[i], expected[i].T_C_O, models.data().models[static_cast<std::size_t>(all[i].stone)].centre,
-              up_C, limits);
+      compare(all[i], expected[i].T_C_O, at(models.data().models, all[i].stone).centre, up_C, limits);
   return out;
 }
 

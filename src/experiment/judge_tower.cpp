@@ -12,10 +12,6 @@ namespace {
 
 constexpr double kRest = 0.5;  // s after a shake
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 void pass(RigidWorld& judge, double step, double seconds) {
   const long steps = std::max(1L, std::lround(seconds / step));
   for (long i = 0; i < steps; ++i) judge.step(step);
@@ -43,10 +39,10 @@ void shake(RigidWorld& judge, double step, const SurvivalOptions& options, const
 
 // Stones of the chain, from the table up, that lie where they lay.
 int count_still(const std::vector<Pose>& before, const std::vector<Pose>& after,
-                const std::vector<int>& chain, const StandOptions& bounds) {
+                const std::vector<StoneIndex>& chain, const StandOptions& bounds) {
   int count = 0;
-  for (const int stone : chain) {
-    const auto moved = difference(after[at(stone)], before[at(stone)]);
+  for (const StoneIndex stone : chain) {
+    const auto moved = difference(at(after, stone), at(before, stone));
     if (moved.translation > bounds.max_shift || moved.angle > bounds.max_turn) return count;
     ++count;
   }
@@ -77,14 +73,14 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options,
   if (!clean.unclean.empty()) stand.reason = clean.unclean;
   stand.clean = stand.clean && clean.unclean.empty();
   bool intact = true;
-  for (const int stone : verdict.stones) {
-    stand.T_W_O.push_back(after[at(stone)]);
-    const auto moved = difference(after[at(stone)], before[at(stone)]);
+  for (const StoneIndex stone : verdict.stones) {
+    stand.T_W_O.push_back(at(after, stone));
+    const auto moved = difference(at(after, stone), at(before, stone));
     stand.shift = std::max(stand.shift, moved.translation);
     stand.turn = std::max(stand.turn, moved.angle);
     const bool stays = moved.translation <= options.max_shift && moved.angle <= options.max_turn;
     if (intact && !stays)
-      stand.reason = concat("stone ", world.shapes()[at(stone)]->name, " moved by ", 1e3 * moved.translation,
+      stand.reason = concat("stone ", at(world.shapes(), stone)->name, " moved by ", 1e3 * moved.translation,
                             " mm and ", moved.angle, " rad in ", options.seconds, " s");
     intact = intact && stays && stand.standing < clean.stones;
     if (intact) ++stand.standing;
@@ -97,7 +93,7 @@ TowerVerdict judge_tower(const SimulatedCell& cell, const StandOptions& options,
 Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, const StandOptions& bounds) {
   const TrueWorld& world = cell.world();
   const auto before = true_poses(world);
-  const std::vector<int> chain =
+  const std::vector<StoneIndex> chain =
       find_chain(world, before, Neighbours(world, before, bounds.touch_gap), cell.site()).stones;
   Survival survival;
   const auto judge = world.judge_world(bounds.step, bounds.iterations);
@@ -112,7 +108,7 @@ Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options, co
     const auto shaken = world.judge_world(bounds.step, bounds.iterations);
     shake(*shaken, bounds.step, options, Eigen::Vector3d::Unit(axis));
     const auto after = judged_poses(world, *shaken);
-    const std::vector<int> left =
+    const std::vector<StoneIndex> left =
         find_chain(world, after, Neighbours(world, after, bounds.touch_gap), cell.site()).stones;
     const auto same =
         std::mismatch(chain.begin(), chain.end(), left.begin(), left.end()).first - chain.begin();

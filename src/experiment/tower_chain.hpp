@@ -9,15 +9,18 @@
 /// Which stones of the true world are a tower.
 namespace stonestack::experiment {
 
-/// Contact graph by catalogue index; the table is a neighbour like any other.
+/// The table in the contact graph, where it is a neighbour like any other.
+inline constexpr StoneIndex kTableNode = kNoStone;
+
+/// Contact graph of the stones and the table.
 class Neighbours {
  public:
   /// `T_W_O` by stone index; nearer than `touch_gap` (m) counts as touching.
   Neighbours(const TrueWorld& world, const std::vector<Pose>& T_W_O, double touch_gap);
-  [[nodiscard]] std::vector<int> of(int body) const;
+  [[nodiscard]] std::vector<StoneIndex> of(StoneIndex stone) const;
 
  private:
-  std::set<std::pair<int, int>> pairs_;
+  std::set<std::pair<StoneIndex, StoneIndex>> pairs_;
 };
 
 /// Poses by stone index, identity for absent stones: as the world stands, or of a judge's world.
@@ -26,7 +29,7 @@ class Neighbours {
 
 /// Stones of a tower, from the table up.
 struct TowerChain {
-  std::vector<int> stones;
+  std::vector<StoneIndex> stones;
   std::string unclean;  ///< what ended the tower other than its top; empty: nothing
 };
 /// Goes from the table up, as long as one stone, and only one, rests on the last and touches nothing below
@@ -42,6 +45,6 @@ struct CleanPart {
 /// The chain after a wait: stones that touch nothing that they did not touch before, for what has come to
 /// lean on a neighbour by then is no clean tower either.
 [[nodiscard]] CleanPart still_clean(const TrueWorld& world, const Neighbours& before, const Neighbours& after,
-                                    const std::vector<int>& chain);
+                                    const std::vector<StoneIndex>& chain);
 
 }  // namespace stonestack::experiment

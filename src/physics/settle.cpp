@@ -13,12 +13,6 @@ WorldOptions damped(const SettleOptions& options) {
   return world;
 }
 
-const std::shared_ptr<const ContactShape>& shape_at(const ShapeList& shapes, int stone) {
-  require(stone >= 0 && stone < static_cast<int>(shapes.size()), "no stone ", stone, "; there are ",
-          shapes.size());
-  return shapes[static_cast<std::size_t>(stone)];
-}
-
 /// Names what the stone touches beside its support; empty if nothing.
 std::string wrong_touch(const std::vector<Contact>& contacts, int body, int support) {
   for (const Contact& c : contacts)
@@ -29,12 +23,12 @@ std::string wrong_touch(const std::vector<Contact>& contacts, int body, int supp
 
 }  // namespace
 
-SettleResult settle(const ShapeList& shapes, const Stack& stack, int stone, const Pose& T_W_O,
+SettleResult settle(const ShapeList& shapes, const Stack& stack, StoneIndex stone, const Pose& T_W_O,
                     const SettleOptions& options) {
   World world(damped(options));
   for (const PlacedStone& placed : stack.stones)
-    world.add_stone(shape_at(shapes, placed.stone), placed.T_W_O, options.fixed_stack);
-  const auto& shape = shape_at(shapes, stone);
+    world.add_stone(at(shapes, placed.stone), placed.T_W_O, options.fixed_stack);
+  const auto& shape = at(shapes, stone);
   const int body = world.add_stone(shape, T_W_O);
   world.set_weight_offset(body, options.com_error_O);
   const Eigen::Vector3d start = T_W_O * shape->mass.p_O_M;

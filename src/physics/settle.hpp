@@ -25,7 +25,7 @@ struct SettleResult {
   std::string reason;           ///< when it does not rest
 };
 /// Puts `stone` at T_W_O above the stack and lets go.
-[[nodiscard]] SettleResult settle(const ShapeList& shapes, const Stack& stack, int stone, const Pose& T_W_O,
-                                  const SettleOptions& options = {});
+[[nodiscard]] SettleResult settle(const ShapeList& shapes, const Stack& stack, StoneIndex stone,
+                                  const Pose& T_W_O, const SettleOptions& options = {});
 
 }  // namespace stonestack::physics

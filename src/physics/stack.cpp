@@ -22,9 +22,8 @@ constexpr double kCarries = 0.0003;       // m: contacts further apart carry not
 constexpr std::size_t kMaxContacts = 16;  // of a pair
 
 std::string named(const ShapeList& shapes, const Stack& stack, int level) {
-  return concat("stone ", level, " (",
-                shapes[static_cast<std::size_t>(stack.stones[static_cast<std::size_t>(level)].stone)]->name,
-                ")");
+  const PlacedStone& placed = stack.stones[static_cast<std::size_t>(level)];
+  return concat("stone ", level, " (", at(shapes, placed.stone)->name, ")");
 }
 
 /// To two digits after the point, for texts.
@@ -33,9 +32,7 @@ double hundredths(double value) {
 }
 
 const ContactShape& shape_of(const ShapeList& shapes, const PlacedStone& placed) {
-  require(placed.stone >= 0 && placed.stone < static_cast<int>(shapes.size()), "no stone ", placed.stone,
-          "; there are ", shapes.size());
-  return *shapes[static_cast<std::size_t>(placed.stone)];
+  return *at(shapes, placed.stone);
 }
 
 Surface surface_of(const ContactShape& shape) {
@@ -46,7 +43,7 @@ World world_of(const ShapeList& shapes, const Stack& stack, const WorldOptions& 
   World world(options);
   for (const PlacedStone& placed : stack.stones) {
     static_cast<void>(shape_of(shapes, placed));
-    world.add_stone(shapes[static_cast<std::size_t>(placed.stone)], placed.T_W_O);
+    world.add_stone(at(shapes, placed.stone), placed.T_W_O);
   }
   return world;
 }

@@ -49,7 +49,7 @@ std::string impossible(const ContactShape& shape) {
 
 std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allowed) {
   for (const PlacedStone& placed : stack.stones) {
-    const ContactShape& shape = *shapes[static_cast<std::size_t>(placed.stone)];
+    const ContactShape& shape = *at(shapes, placed.stone);
     double lowest = 0.0;
     for (const Eigen::Vector3d& v : shape.scan.vertices) lowest = std::min(lowest, (placed.T_W_O * v).z());
     if (lowest < -allowed)
@@ -59,8 +59,8 @@ std::string overlap_of(const ShapeList& shapes, const Stack& stack, double allow
   for (std::size_t p = 0; p < stack.stones.size(); ++p)
     for (std::size_t q = p + 1; q < stack.stones.size(); ++q) {
       const auto &a = stack.stones[p], &b = stack.stones[q];
-      const ContactShape& shape_a = *shapes[static_cast<std::size_t>(a.stone)];
-      const ContactShape& shape_b = *shapes[static_cast<std::size_t>(b.stone)];
+      const ContactShape& shape_a = *at(shapes, a.stone);
+      const ContactShape& shape_b = *at(shapes, b.stone);
       const double depth =
           std::max(overlap(shape_a, a.T_W_O, shape_b, b.T_W_O), overlap(shape_b, b.T_W_O, shape_a, a.T_W_O));
       const double known = std::min(shape_a.distance.band(), shape_b.distance.band());

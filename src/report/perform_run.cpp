@@ -19,7 +19,7 @@ namespace {
 
 /// Opens the report with what is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                      const std::vector<int>& present, const std::string& version) {
+                      const std::vector<StoneIndex>& present, const std::string& version) {
   RunReport report;
   report.version = version;
   report.robot = robot.name;
@@ -27,8 +27,7 @@ RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const
   report.seed = run.seed;
   SimulatedRun copy = run;
   report.options_text = write_fields(fields(copy));
-  for (const int stone : present)
-    report.present.push_back(catalogue.stones[static_cast<std::size_t>(stone)].name);
+  for (const StoneIndex stone : present) report.present.push_back(catalogue[stone].name);
   return report;
 }
 
@@ -115,8 +114,8 @@ void close_report(RecordedRun& done, const Shown& shown, const std::string& fold
 }  // namespace
 
 RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                    const std::vector<int>& present, const RecordFolder& folder, const std::string& version,
-                    const SurvivalOptions* survival, const CellFile* file) {
+                    const std::vector<StoneIndex>& present, const RecordFolder& folder,
+                    const std::string& version, const SurvivalOptions* survival, const CellFile* file) {
   RecordedRun done;
   done.folder = folder.path();
   RunReport& report = done.report;
@@ -145,7 +144,7 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   close_report(done, {catalogue, robot}, folder.path(), [&](const std::string& path) {
     const Truth truth = world.truth();
     std::vector<PlacedStone> stones;
-    for (const int stone : present) stones.push_back({stone, truth.T_W_O[static_cast<std::size_t>(stone)]});
+    for (const StoneIndex stone : present) stones.push_back({stone, at(truth.T_W_O, stone)});
     draw_cell(path, report.result, catalogue, robot, layout, stones);
   });
   return done;

@@ -12,7 +12,7 @@ namespace stonestack::report {
 /// Builds a tower of the stones `present` (indices into the catalogue). With `file` the simulated devices are
 /// served on sockets, and the loop uses the real backends.
 [[nodiscard]] RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
-                                  const RobotModel& robot, const std::vector<int>& present,
+                                  const RobotModel& robot, const std::vector<StoneIndex>& present,
                                   const RecordFolder& folder, const std::string& version,
                                   const SurvivalOptions* survival = nullptr, const CellFile* file = nullptr);
 /// Performs a run with the devices of a real cell.

@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kRepeat = "repeat the command that began it";
 
-std::vector<int> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
+std::vector<StoneIndex> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
   return draw_stones(catalogue, count, seed, gripper_of(CellLayout{}), robot);
 }
 
@@ -32,8 +32,8 @@ std::vector<int> draw(const Catalogue& catalogue, int count, int seed, const Rob
 Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
   Catalogue chosen{all.path, {}};
   if (order.new_stones > 0) return chosen;
-  for (const int stone : draw(all, order.stones, order.seed, order.robot))
-    chosen.stones.push_back(all.stones[static_cast<std::size_t>(stone)]);
+  for (const StoneIndex stone : draw(all, order.stones, order.seed, order.robot))
+    chosen.stones.push_back(all[stone]);
   return chosen;
 }
 
@@ -133,7 +133,7 @@ class Runs {
   [[nodiscard]] Catalogue stones_of(int k, const SimulatedRun& run) const {
     return new_stones_ ? new_stones_->of_run(k, run.seed) : catalogue_;
   }
-  [[nodiscard]] std::vector<int> present_in(const Catalogue& catalogue, const SimulatedRun& run) const {
+  [[nodiscard]] std::vector<StoneIndex> present_in(const Catalogue& catalogue, const SimulatedRun& run) const {
     return draw(catalogue, order_.per_run, run.seed, order_.robot);
   }
 
@@ -190,7 +190,7 @@ class Runs {
       throw FileError(folder_, concat("run ", k, " has the seed ", report.seed, ", not ", run.seed), remedy);
     std::vector<std::string> present;
     const Catalogue catalogue = stones_of(k, run);
-    for (const int stone : present_in(catalogue, run)) present.push_back(name_of(catalogue, stone));
+    for (const StoneIndex stone : present_in(catalogue, run)) present.push_back(name_of(catalogue, stone));
     if (report.present != present)
       throw FileError(folder_, concat("run ", k, " was made with other stones"), remedy);
     const std::string file = run_folder(k) + "/options.yaml";

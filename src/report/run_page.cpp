@@ -199,9 +199,7 @@ struct ActionTitle {
   const Catalogue& catalogue;
   const Placement* chosen = nullptr;
 
-  [[nodiscard]] const std::string& name(int stone) const {
-    return catalogue.stones[static_cast<std::size_t>(stone)].name;
-  }
+  [[nodiscard]] const std::string& name(StoneIndex stone) const { return catalogue[stone].name; }
   std::string operator()(const Place& a) {
     if (!a.candidates.empty()) chosen = &a.candidates.front();
     return chosen == nullptr ? "place" : "place " + name(chosen->stone);

@@ -176,8 +176,8 @@ std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vecto
                                                         {0.60, 0.54, 0.47}}};
   std::vector<DrawnMesh> drawn;
   for (const auto& placed : stones)
-    drawn.push_back({catalogue.stones[static_cast<std::size_t>(placed.stone)].scan, placed.T_W_O,
-                     kColours[static_cast<std::size_t>(placed.stone) % kColours.size()]});
+    drawn.push_back({catalogue[placed.stone].scan, placed.T_W_O,
+                     kColours[static_cast<std::size_t>(placed.stone.value()) % kColours.size()]});
   return drawn;
 }
 

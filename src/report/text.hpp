@@ -17,12 +17,13 @@ template <class... Values>
   return text;
 }
 
-[[nodiscard]] inline const std::string& name_of(const Catalogue& catalogue, int stone) {
-  return catalogue.stones[static_cast<std::size_t>(stone)].name;
+[[nodiscard]] inline const std::string& name_of(const Catalogue& catalogue, StoneIndex stone) {
+  return catalogue[stone].name;
 }
 
 /// {stone, T_W_O}
-[[nodiscard]] inline nlohmann::json placed_json(const Catalogue& catalogue, int stone, const Pose& T_W_O) {
+[[nodiscard]] inline nlohmann::json placed_json(const Catalogue& catalogue, StoneIndex stone,
+                                                const Pose& T_W_O) {
   return {{"stone", name_of(catalogue, stone)}, {"T_W_O", pose_json(T_W_O)}};
 }
 

@@ -78,8 +78,8 @@ OffsetGrid around(const Best& middle, OffsetGrid whole) {
 }
 
 /// The landing with the best estimate; none if none holds.
-void add_best(const LooseStone& stone, const StackField& stack, const LandingGrid& grid,
-              const Eigen::Matrix3d& R, int yaw, std::vector<Best>* found) {
+std::optional<Best> best_of(const LooseStone& stone, const StackField& stack, const LandingGrid& grid,
+                            const Eigen::Matrix3d& R, int yaw) {
   const OffsetGrid& offsets = grid.offsets;
   const Landing* best = nullptr;
   int best_u = 0, best_v = 0;
@@ -91,9 +91,9 @@ void add_best(const LooseStone& stone, const StackField& stack, const LandingGri
         best_u = u;
         best_v = v;
       }
-  if (best == nullptr) return;
+  if (best == nullptr) return std::nullopt;
   const int i = offsets.i + best_u * offsets.step, j = offsets.j + best_v * offsets.step;
-  found->push_back({yaw, i, j, make_proposal(stone, stack, R, i, j, *best)});
+  return Best{yaw, i, j, make_proposal(stone, stack, R, i, j, *best)};
 }
 
 /// The underside of an orientation after a turn; from the survey's store where that has it.
@@ -112,9 +112,15 @@ const Underside& underside_of(const LooseStone& stone, std::size_t orientation, 
   return *made;
 }
 
-std::vector<Best> try_orientation(const LooseStone& stone, const Task& task, const StackField& stack,
-                                  bool on_table, const Effort& effort, int survey_yaws, long* evaluated) {
+/// The best landing of each turn of an orientation, where one holds.
+struct Turns {
   std::vector<Best> found;
+  long evaluated = 0;  ///< landings
+};
+
+Turns try_orientation(const LooseStone& stone, const Task& task, const StackField& stack, bool on_table,
+                      const Effort& effort, int survey_yaws) {
+  Turns turns;
   GapField buffer;
   Underside made;
   const OffsetGrid whole = offset_grid(stack, effort.pitch);
@@ -123,30 +129,35 @@ std::vector<Best> try_orientation(const LooseStone& stone, const Task& task, con
     if (on_table) {
       const Landing landing = land_on_table(stack, underside, &buffer);
       if (landing.holds)
-        found.push_back({yaw, 0, 0, make_proposal(stone, stack, underside.R_W_O, 0, 0, landing)});
-      ++*evaluated;
+        turns.found.push_back({yaw, 0, 0, make_proposal(stone, stack, underside.R_W_O, 0, 0, landing)});
+      ++turns.evaluated;
       continue;
     }
     const Best* near = nearest_surveyed(task, yaw, effort.yaws, survey_yaws);
     const LandingGrid grid =
         land(stack, underside, stone.geometry->mass, near != nullptr ? around(*near, whole) : whole, &buffer);
-    *evaluated += static_cast<long>(grid.landings.size());
-    add_best(stone, stack, grid, underside.R_W_O, yaw, &found);
+    turns.evaluated += static_cast<long>(grid.landings.size());
+    if (auto best = best_of(stone, stack, grid, underside.R_W_O, yaw))
+      turns.found.push_back(*std::move(best));
   }
-  return found;
+  return turns;
 }
 
-std::vector<std::vector<Best>> try_all(const std::vector<Task>& tasks, std::span<const LooseStone> stones,
-                                       const StackField& stack, bool on_table, const Effort& effort,
-                                       const SearchOptions& options, long* evaluated) {
-  std::vector<std::vector<Best>> found(tasks.size());
-  std::vector<long> counts(tasks.size(), 0);
+std::vector<Turns> try_all(const std::vector<Task>& tasks, std::span<const LooseStone> stones,
+                           const StackField& stack, bool on_table, const Effort& effort,
+                           const SearchOptions& options) {
+  std::vector<Turns> tried(tasks.size());
   run_tasks(options.threads, tasks.size(), [&](std::size_t k) {
-    found[k] = try_orientation(stones[tasks[k].stone], tasks[k], stack, on_table, effort,
-                               survey_yaws(options), &counts[k]);
+    tried[k] =
+        try_orientation(stones[tasks[k].stone], tasks[k], stack, on_table, effort, survey_yaws(options));
   });
-  for (const long count : counts) *evaluated += count;
-  return found;
+  return tried;
+}
+
+long evaluated_in(const std::vector<Turns>& tried) {
+  long count = 0;
+  for (const Turns& turns : tried) count += turns.evaluated;
+  return count;
 }
 
 double best_estimate(const std::vector<Best>& list) {
@@ -156,27 +167,26 @@ double best_estimate(const std::vector<Best>& list) {
 }
 
 /// The tasks of one stone whose survey went best, in their order.
-std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<std::vector<Best>>& survey,
+std::vector<Task> promising(const std::vector<Task>& tasks, const std::vector<Turns>& survey,
                             std::size_t stone) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < tasks.size(); ++k)
-    if (tasks[k].stone == stone && !survey[k].empty()) order.push_back(k);
+    if (tasks[k].stone == stone && !survey[k].found.empty()) order.push_back(k);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t p, std::size_t q) {
-    return best_estimate(survey[p]) > best_estimate(survey[q]);
+    return best_estimate(survey[p].found) > best_estimate(survey[q].found);
   });
   order.resize(std::min(order.size(), kPromising));
   std::vector<Task> kept;
-  for (const std::size_t k : order) kept.push_back({stone, tasks[k].orientation, survey[k]});
+  for (const std::size_t k : order) kept.push_back({stone, tasks[k].orientation, survey[k].found});
   return kept;
 }
 
 }  // namespace
 
-void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options) {
-  const UndersideOptions of_field =
-      underside_options(stack_field({}, *stones, {0, 0}, options.grid, options));
+std::vector<LooseStone> with_survey(std::vector<LooseStone> stones, const SearchOptions& options) {
+  const UndersideOptions of_field = underside_options(stack_field({}, stones, {0, 0}, options.grid, options));
   const auto yaws = static_cast<std::size_t>(survey_yaws(options));
-  for (LooseStone& stone : *stones) {
+  for (LooseStone& stone : stones) {
     SurveySides store{survey_yaws(options), of_field, {}};
     store.sides.resize(stone.orientations.size() * yaws);
     run_tasks(options.threads, stone.orientations.size(), [&](std::size_t k) {
@@ -189,35 +199,36 @@ void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options)
     });
     stone.surveyed = std::make_shared<const SurveySides>(std::move(store));
   }
+  return stones;
 }
 
-std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
-                                       std::span<const LooseStone> stones, std::size_t keep,
-                                       const SearchOptions& options, long* evaluated) {
+Proposals coarse_proposals(const StackField& stack, bool on_table, std::span<const LooseStone> stones,
+                           std::size_t keep, const SearchOptions& options) {
   std::vector<Task> tasks;
   for (std::size_t s = 0; s < stones.size(); ++s)
     for (std::size_t k = 0; k < stones[s].orientations.size(); ++k) tasks.push_back({s, k, {}});
-  auto found =
-      try_all(tasks, stones, stack, on_table, {survey_yaws(options), kSurveyPitch}, options, evaluated);
+  auto tried = try_all(tasks, stones, stack, on_table, {survey_yaws(options), kSurveyPitch}, options);
+  Proposals result;
+  result.evaluated = evaluated_in(tried);
   if (!on_table) {
     std::vector<Task> chosen;
     for (std::size_t s = 0; s < stones.size(); ++s) {
-      const std::vector<Task> of_stone = promising(tasks, found, s);
+      const std::vector<Task> of_stone = promising(tasks, tried, s);
       chosen.insert(chosen.end(), of_stone.begin(), of_stone.end());
     }
     tasks = std::move(chosen);
-    found = try_all(tasks, stones, stack, on_table, {options.yaws, kOffsetPitch}, options, evaluated);
+    tried = try_all(tasks, stones, stack, on_table, {options.yaws, kOffsetPitch}, options);
+    result.evaluated += evaluated_in(tried);
   }
-  std::vector<Proposal> candidates;
   for (std::size_t s = 0; s < stones.size(); ++s) {
     std::vector<Proposal> of_stone;
     for (std::size_t k = 0; k < tasks.size(); ++k)
       if (tasks[k].stone == s)
-        for (const Best& best : found[k]) of_stone.push_back(best.proposal);
+        for (const Best& best : tried[k].found) of_stone.push_back(best.proposal);
     of_stone = best_distinct(std::move(of_stone), keep, [](const Proposal& p) { return p.landing.estimate; });
-    candidates.insert(candidates.end(), of_stone.begin(), of_stone.end());
+    result.list.insert(result.list.end(), of_stone.begin(), of_stone.end());
   }
-  return candidates;
+  return result;
 }
 
 }  // namespace stonestack::search

@@ -18,7 +18,7 @@ struct ContactSearch {
 /// centre of mass to C_j) on to the fixed stack, without gravity, until there are at least three contacts,
 /// the centre of mass projects into their polygon and the kinetic energy is below its threshold. Contacts are
 /// then collected over further steps (§3.2). A stone that touches anything but the top stone is not valid.
-[[nodiscard]] ContactSearch search_contact(const SearchContext& context, const Target& target, int stone,
-                                           const Pose& T_W_O_init);
+[[nodiscard]] ContactSearch search_contact(const SearchContext& context, const Target& target,
+                                           StoneIndex stone, const Pose& T_W_O_init);
 
 }  // namespace stonestack::search

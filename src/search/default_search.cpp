@@ -11,15 +11,17 @@ namespace {
 
 constexpr int kTableYaws = 8;  ///< turns of a first stone that are offered to the arm
 
-/// Runs the proposals alone, neither settled nor judged.
-void propose_only(TowerSearch& search, SearchResult* result) {
+/// The proposals alone, neither settled nor judged.
+std::vector<Placement> proposed(TowerSearch& search) {
+  std::vector<Placement> list;
   for (const Trial& trial : search.offers(0)) {
     Placement placement;
     placement.stone = trial.stone;
     placement.T_W_O = trial.T_W_O;
     placement.terms = {{"a_est", trial.estimate}, {"look_ahead", trial.look_ahead}};
-    result->best.push_back(std::move(placement));
+    list.push_back(std::move(placement));
   }
+  return list;
 }
 
 /// First placements, those that lead highest and likeliest first.
@@ -58,14 +60,16 @@ void know_best(const SearchContext& context, TowerSearch& search, int levels) {
   }
 }
 
-void collect(const SearchContext& context, TowerSearch& search, int levels, SearchResult* result) {
+/// The best first placements with what is planned on them, best first.
+std::vector<Placement> collected(const SearchContext& context, TowerSearch& search, int levels) {
   const auto wanted = static_cast<std::size_t>(context.options->alternatives);
   const double friction = context.options->friction;
   know_firsts(context, search, levels, wanted);
   know_best(context, search, levels);
+  std::vector<Placement> list;
   for (const int k : ranked_firsts(search.tree(), levels, friction)) {
     const TowerNode& node = search.tree().node(k);
-    if (!node.predicted || result->best.size() == wanted) continue;
+    if (!node.predicted || list.size() == wanted) continue;
     Placement placement = node.trial.placement;
     placement.terms["plan_levels"] = search.tree().reach(k);
     placement.terms["plan_chance"] = search.tree().chance(k, levels, friction);
@@ -74,8 +78,9 @@ void collect(const SearchContext& context, TowerSearch& search, int levels, Sear
       const TowerNode& next = search.tree().node(above);
       placement.then.push_back({next.trial.stone, next.trial.placement.T_W_O});
     }
-    result->best.push_back(std::move(placement));
+    list.push_back(std::move(placement));
   }
+  return list;
 }
 
 /// Can the arm build the whole plan, one stone after the other?
@@ -90,25 +95,19 @@ bool all_reachable(const SearchContext& context, const Placement& plan) {
   });
 }
 
-/// On the table a stone may be turned about the vertical, which changes nothing but what the arm meets: fills
-/// the list up with turned ones.
-void add_turned(const SearchContext& context, SearchResult* result) {
-  if (!context.stack.stones.empty() || !context.problem->reachable) return;
-  const std::vector<Placement> plain = result->best;
-  for (int yaw = 1; yaw < kTableYaws; ++yaw)
-    for (const Placement& first : plain) {
-      if (result->best.size() >= static_cast<std::size_t>(context.options->alternatives)) return;
-      Placement turned = first;
-      const Eigen::Vector3d p_W(context.problem->site.x(), context.problem->site.y(), 0.0);
-      turned.T_W_O = Eigen::Translation3d(p_W) * Pose(yaw_rotation(6.283185307179586 * yaw / kTableYaws)) *
-                     Eigen::Translation3d(-p_W) * first.T_W_O;
-      turned.support = {};
-      for (PlacedStone& above : turned.then) above.T_W_O = turned.T_W_O * first.T_W_O.inverse() * above.T_W_O;
-      if (all_reachable(context, turned)) result->best.push_back(std::move(turned));
-    }
+/// A placement on the table, and what is planned on it, turned about the vertical through the site.
+Placement turned(const SearchContext& context, const Placement& first, int yaw) {
+  Placement other = first;
+  const Eigen::Vector3d p_W(context.problem->site.x(), context.problem->site.y(), 0.0);
+  other.T_W_O = Eigen::Translation3d(p_W) * Pose(yaw_rotation(6.283185307179586 * yaw / kTableYaws)) *
+                Eigen::Translation3d(-p_W) * first.T_W_O;
+  other.support = {};
+  for (PlacedStone& above : other.then) above.T_W_O = other.T_W_O * first.T_W_O.inverse() * above.T_W_O;
+  return other;
 }
 
-void trace(const TowerSearch& search, SearchResult* result) {
+std::vector<CandidateTrace> trace_of(const TowerSearch& search) {
+  std::vector<CandidateTrace> list;
   const auto add = [&](const Trial& trial, int level, const std::string& outcome) {
     CandidateTrace entry;
     entry.stone = trial.stone;
@@ -118,28 +117,35 @@ void trace(const TowerSearch& search, SearchResult* result) {
     entry.terms = trial.placement.terms;
     entry.terms["level"] = level;
     entry.outcome = outcome;
-    result->trace.push_back(std::move(entry));
+    list.push_back(std::move(entry));
   };
   const TowerTree& tree = search.tree();
   for (int k = 1; k < tree.size(); ++k)
     if (tree.node(k).trial.alive) add(tree.node(k).trial, tree.node(k).level, "kept");
   for (const auto& dropped : search.dropped()) add(dropped.trial, dropped.level, dropped.trial.outcome);
+  return list;
 }
 
 }  // namespace
 
-void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result) {
-  const auto levels = static_cast<int>(plan.size());
-  TowerSearch search(context, levels);
-  const TowerSearch::Followed followed = search.follow(plan);
-  result->reason = followed.reason;
-  result->unreachable = search.unreachable();
-  if (followed.whole) {
-    collect(context, search, levels, result);
-    // The closer prediction may have dropped a later stone.
-    if (!result->best.empty() && result->best.front().then.size() + 1 < plan.size()) result->best.clear();
-    if (!result->best.empty()) result->reason.clear();
+SearchResult follow_plan(const SearchContext& context, std::span<const PlacedStone> plan) {
+  SearchResult result;
+  try {
+    const auto levels = static_cast<int>(plan.size());
+    TowerSearch search(context, levels);
+    const TowerSearch::Followed followed = search.follow(plan);
+    result.reason = followed.reason;
+    result.unreachable = search.unreachable();
+    if (followed.whole) {
+      result.best = collected(context, search, levels);
+      // The closer prediction may have dropped a later stone.
+      if (!result.best.empty() && result.best.front().then.size() + 1 < plan.size()) result.best.clear();
+      if (!result.best.empty()) result.reason.clear();
+    }
+  } catch (const Interrupted&) {
+    result.reason = "interrupted before the plan was judged";
   }
+  return result;
 }
 
 double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan) {
@@ -148,33 +154,48 @@ double expected_of_plan(const SearchContext& context, std::span<const PlacedSton
   return search.tree().expected_height(0);
 }
 
-void default_search(const SearchContext& context, SearchResult* result) {
+SearchResult default_search(const SearchContext& context) {
   const SearchOptions& o = *context.options;
+  const SearchProblem& problem = *context.problem;
   const int levels = std::min(o.horizon, static_cast<int>(context.available.size()));
-  TowerSearch search(context, levels);
-  if (!o.verify) {
-    propose_only(search, result);
-  } else {
-    const auto look_for = [&](TowerSearch::Routes routes) {
-      try {
-        search.run(routes);
-      } catch (const Interrupted&) {
-        context.log("interrupted; keeping what was found");
-      }
-      collect(context, search, levels, result);
-    };
-    look_for(context.problem->known_route_only ? TowerSearch::Routes::kFoundBefore
-                                               : TowerSearch::Routes::kAll);
-    // The known route led to the top, but failed the closer prediction.
-    if (result->best.empty() && !context.problem->known_route.empty() && !context.problem->known_route_only &&
-        !context.out_of_time() && !interrupt_noted())
-      look_for(TowerSearch::Routes::kNew);
-    add_turned(context, result);
+  SearchResult result;
+  try {
+    TowerSearch search(context, levels);
+    if (!o.verify) {
+      result.best = proposed(search);
+    } else {
+      const auto look_for = [&](TowerSearch::Routes routes) {
+        try {
+          search.run(routes);
+        } catch (const Interrupted&) {
+          context.log("interrupted; keeping what was found");
+        }
+        return collected(context, search, levels);
+      };
+      result.best =
+          look_for(problem.known_route_only ? TowerSearch::Routes::kFoundBefore : TowerSearch::Routes::kAll);
+      // The known route led to the top, but failed the closer prediction.
+      if (result.best.empty() && !problem.known_route.empty() && !problem.known_route_only &&
+          !context.out_of_time() && !interrupt_noted())
+        result.best = look_for(TowerSearch::Routes::kNew);
+      // On the table a stone may be turned about the vertical, which changes nothing but what the arm meets.
+      const bool may_turn = context.stack.stones.empty() && problem.reachable != nullptr;
+      const std::vector<Placement> plain = may_turn ? result.best : std::vector<Placement>();
+      for (int yaw = 1; yaw < kTableYaws; ++yaw)
+        for (const Placement& first : plain) {
+          if (result.best.size() >= static_cast<std::size_t>(o.alternatives)) break;
+          Placement other = turned(context, first, yaw);
+          if (all_reachable(context, other)) result.best.push_back(std::move(other));
+        }
+    }
+    result.candidates = search.candidates();
+    result.unreachable = search.unreachable();
+    if (result.best.empty()) result.reason = search.reason();
+    if (o.trace) result.trace = trace_of(search);
+  } catch (const Interrupted&) {
+    if (result.best.empty()) result.reason = why_interrupted();
   }
-  result->candidates = search.candidates();
-  result->unreachable = search.unreachable();
-  if (result->best.empty()) result->reason = search.reason();
-  if (o.trace) trace(search, result);
+  return result;
 }
 
 }  // namespace stonestack::search

@@ -10,10 +10,10 @@ namespace stonestack::search {
 /// can be finished. Eq. (2) of the paper does not rank here: it is computed for each placement and reported
 /// (`cost`, `terms`); it ranks in paper mode only (paper_search.hpp). What was found when it is interrupted
 /// is kept.
-void default_search(const SearchContext& context, SearchResult* result);
+[[nodiscard]] SearchResult default_search(const SearchContext& context);
 
 /// Settles and judges a plan and nothing else: its first placement, or the reason why it does not hold.
-void follow_plan(const SearchContext& context, std::span<const PlacedStone> plan, SearchResult* result);
+[[nodiscard]] SearchResult follow_plan(const SearchContext& context, std::span<const PlacedStone> plan);
 /// The stones of a plan that are expected to stand, of as much of it as holds.
 [[nodiscard]] double expected_of_plan(const SearchContext& context, std::span<const PlacedStone> plan);
 

@@ -12,8 +12,8 @@ namespace {
 /// x, y and a rotation vector times descent_step / descent_turn, all in metres.
 using Step = Eigen::Matrix<double, 5, 1>;
 
-ContactSearch from(const SearchContext& context, const Target& target, int stone, const ContactSearch& at,
-                   const Step& step) {
+ContactSearch from(const SearchContext& context, const Target& target, StoneIndex stone,
+                   const ContactSearch& at, const Step& step) {
   const Eigen::Vector3d turn = step.tail<3>() * (kDescentTurn / kDescentStep);
   Eigen::Matrix3d R = at.T_W_O.linear();
   if (turn.norm() > 1e-12) R = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * R;
@@ -25,7 +25,7 @@ ContactSearch from(const SearchContext& context, const Target& target, int stone
 
 }  // namespace
 
-Descent descend(const SearchContext& context, const Target& target, int stone, ContactSearch start) {
+Descent descend(const SearchContext& context, const Target& target, StoneIndex stone, ContactSearch start) {
   const SearchOptions& o = *context.options;
   Descent done{std::move(start), {}};
   ContactSearch& best = done.best;

@@ -13,7 +13,7 @@ struct Descent {
 /// (sideways in x and y, turned about x, y and z; the attraction sets the sixth), the gradient of eq. (2)
 /// follows by finite differences, and the pose descends until the cost converges. Each evaluation is a
 /// contact search of its own from just above the displaced pose.
-[[nodiscard]] Descent descend(const SearchContext& context, const Target& target, int stone,
+[[nodiscard]] Descent descend(const SearchContext& context, const Target& target, StoneIndex stone,
                               ContactSearch start);
 
 }  // namespace stonestack::search

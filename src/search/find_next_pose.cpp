@@ -8,39 +8,30 @@
 namespace stonestack::search {
 namespace {
 
-/// Searches on a stack that is known to stand; Ctrl-C ends it with what there is.
-void search(const SearchContext& context, SearchResult* result) {
-  try {
-    if (context.options->method == "paper") {
-      paper_search(context, result);
-    } else {
-      default_search(context, result);
-    }
-  } catch (const Interrupted&) {
-    if (result->best.empty()) result->reason = why_interrupted();
-  }
-  if (result->best.empty() && context.out_of_time()) result->reason = kTimeOver;
-  result->seconds = context.watch.seconds();
-}
+/// A problem on a stack that is known to stand.
+struct StandingProblem {
+  std::optional<SearchProblem> problem;
+  std::string reason;  ///< why it does not stand, if it is empty
+};
 
-/// The problem on a stack that is known to stand; empty, with the reason, if it does not.
-std::optional<SearchProblem> settled_problem(const SearchProblem& problem, const SearchOptions& options,
-                                             SearchResult* result) {
+StandingProblem settled_problem(const SearchProblem& problem, const SearchOptions& options) {
   check_problem(problem, options);
-  if (problem.stack_is_at_rest) return problem;
+  if (problem.stack_is_at_rest) return {problem, ""};
   try {
     StandingStack at_rest = settled_stack(*problem.shapes, problem.stack, options);
-    if (!at_rest.stack) {
-      result->reason = std::move(at_rest.reason);
-      return std::nullopt;
-    }
+    if (!at_rest.stack) return {std::nullopt, std::move(at_rest.reason)};
     SearchProblem standing = problem;
     standing.stack = *std::move(at_rest.stack);
-    return standing;
+    return {std::move(standing), ""};
   } catch (const Interrupted&) {
-    result->reason = why_interrupted();
-    return std::nullopt;
+    return {std::nullopt, why_interrupted()};
   }
+}
+
+SearchResult without_poses(std::string reason) {
+  SearchResult result;
+  result.reason = std::move(reason);
+  return result;
 }
 
 }  // namespace
@@ -48,40 +39,31 @@ std::optional<SearchProblem> settled_problem(const SearchProblem& problem, const
 SearchResult search_on_stack(const SearchProblem& problem, const SearchOptions& options,
                              const std::function<void(const std::string&)>& report) {
   const SearchContext context = make_context(problem, options, report);
-  SearchResult result;
-  if (context.available.empty()) {
-    result.reason = "no loose stone is left";
-    return result;
-  }
-  search(context, &result);
+  if (context.available.empty()) return without_poses("no loose stone is left");
+  SearchResult result = options.method == "paper" ? paper_search(context) : default_search(context);
+  if (result.best.empty() && context.out_of_time()) result.reason = kTimeOver;
+  result.seconds = context.watch.seconds();
   return result;
 }
 
 SearchResult find_next_pose(const SearchProblem& problem, const SearchOptions& options,
                             const std::function<void(const std::string&)>& report) {
-  SearchResult result;
-  const auto standing = settled_problem(problem, options, &result);
-  return standing ? search_on_stack(*standing, options, report) : result;
+  StandingProblem standing = settled_problem(problem, options);
+  if (!standing.problem) return without_poses(std::move(standing.reason));
+  return search_on_stack(*standing.problem, options, report);
 }
 
 SearchResult follow_plan(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                          const SearchOptions& options) {
-  SearchResult result;
-  const auto standing = settled_problem(problem, options, &result);
-  if (!standing) return result;
-  try {
-    follow_plan(make_context(*standing, options, {}), plan, &result);
-  } catch (const Interrupted&) {
-    result.reason = "interrupted before the plan was judged";
-  }
-  return result;
+  StandingProblem standing = settled_problem(problem, options);
+  if (!standing.problem) return without_poses(std::move(standing.reason));
+  return follow_plan(make_context(*standing.problem, options, {}), plan);
 }
 
 double expected_height(const SearchProblem& problem, const std::vector<PlacedStone>& plan,
                        const SearchOptions& options) {
-  SearchResult unused;
-  const auto standing = settled_problem(problem, options, &unused);
-  return standing ? expected_of_plan(make_context(*standing, options, {}), plan) : 0.0;
+  const StandingProblem standing = settled_problem(problem, options);
+  return standing.problem ? expected_of_plan(make_context(*standing.problem, options, {}), plan) : 0.0;
 }
 
 }  // namespace stonestack::search

@@ -41,12 +41,11 @@ struct Body {
 std::vector<Body> bodies_of(const ShapeList& shapes, const std::vector<PlacedStone>& stones) {
   std::vector<Body> bodies;
   for (const PlacedStone& placed : stones) {
-    require(placed.stone >= 0 && static_cast<std::size_t>(placed.stone) < shapes.size() &&
-                shapes[static_cast<std::size_t>(placed.stone)] != nullptr,
-            "stone index ", placed.stone, " is not one of ", shapes.size(), " shapes");
+    require(placed.stone.is_within(shapes.size()) && at(shapes, placed.stone) != nullptr, "stone index ",
+            placed.stone, " is not one of ", shapes.size(), " shapes");
     Body body;
     body.placed = placed;
-    body.shape = shapes[static_cast<std::size_t>(placed.stone)].get();
+    body.shape = at(shapes, placed.stone).get();
     body.p_W_com = placed.T_W_O * body.shape->mass.p_O_M;
     body.lowest = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector3d& v : body.shape->scan.vertices)

@@ -16,7 +16,7 @@ Target target_of(const SearchContext& context) {
   const Stack& stack = context.stack;
   if (stack.stones.empty()) return target;
   const PlacedStone& top = stack.stones.back();
-  target.p_W_previous_com = top.T_W_O * context.geometry[static_cast<std::size_t>(top.stone)].p_O_M;
+  target.p_W_previous_com = top.T_W_O * at(context.geometry, top.stone).p_O_M;
   const int last = static_cast<int>(stack.stones.size()) - 1;
   std::vector<Contact> under_top;
   for (const Contact& contact : geometric_contacts(context.shapes(), stack, kTouchGap))
@@ -37,9 +37,9 @@ Eigen::Matrix3d initial_orientation(const Eigen::Matrix3d& R_W_O_detected, doubl
   return Eigen::AngleAxisd(random.uniform(-theta_init, theta_init), axis) * R_W_O_detected;
 }
 
-Pose placed_along_normal(const SearchContext& context, const Target& target, int stone,
+Pose placed_along_normal(const SearchContext& context, const Target& target, StoneIndex stone,
                          const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& aside) {
-  const StoneGeometry& geometry = context.geometry[static_cast<std::size_t>(stone)];
+  const StoneGeometry& geometry = at(context.geometry, stone);
   const Eigen::Vector3d& n = target.n_W;
   double top = 0.0;  // of the stack along n_j, from C_j
   for (const BodyPose& body : bodies_of(context, context.stack))

@@ -19,7 +19,7 @@ struct Target {
                                                   Random& random);
 /// Moves a stone along n_j, its centre of mass on the line through C_j shifted by `aside` (W), until a
 /// plane across n_j just separates it from the stack.
-[[nodiscard]] Pose placed_along_normal(const SearchContext& context, const Target& target, int stone,
+[[nodiscard]] Pose placed_along_normal(const SearchContext& context, const Target& target, StoneIndex stone,
                                        const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& aside);
 
 }  // namespace stonestack::search

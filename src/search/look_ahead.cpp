@@ -44,11 +44,12 @@ LookAhead::LookAhead(std::span<const LooseStone> stones, const SearchOptions& op
     if (!side.yaws.empty()) sides_.push_back(std::move(side));
 }
 
-double LookAhead::estimate(const StackBodies& stack, std::span<const int> used, LookAheadEffort effort,
-                           long* evaluated) const {
+LookAheadEstimate LookAhead::estimate(const StackBodies& stack, std::span<const StoneIndex> used,
+                                      LookAheadEffort effort) const {
   const OffsetGrid& offsets = effort == LookAheadEffort::kFull ? kFullOffsets : kQuickOffsets;
   const std::size_t yaws = effort == LookAheadEffort::kFull ? kYaws : 1;
   const StackField field = stack_field(stack, stones_, {0, 0}, kCell, options_);
+  LookAheadEstimate result;
   std::vector<double> best;
   GapField buffer;
   for (const Side& side : sides_) {
@@ -57,18 +58,22 @@ double LookAhead::estimate(const StackBodies& stack, std::span<const int> used, 
     double max = kMin;
     for (std::size_t yaw = 0; yaw < yaws; ++yaw) {
       const LandingGrid grid = land(field, side.yaws[yaw], stone.geometry->mass, offsets, &buffer);
-      *evaluated += static_cast<long>(grid.landings.size());
+      result.evaluated += static_cast<long>(grid.landings.size());
       for (int v = 1 - offsets.n; v < offsets.n; ++v)
         for (int u = 1 - offsets.n; u < offsets.n; ++u) max = std::max(max, grid.at(u, v).estimate);
     }
     best.push_back(std::clamp(max, kMin, options_.friction + 0.05));
   }
-  if (best.empty()) return stones_.size() > used.size() ? kMin : 0.0;
+  if (best.empty()) {
+    result.value = stones_.size() > used.size() ? kMin : 0.0;
+    return result;
+  }
   std::sort(best.rbegin(), best.rend());
   const std::size_t counted = std::min(kBestCounted, best.size());
   double sum = 0.0;
   for (std::size_t k = 0; k < counted; ++k) sum += best[k];
-  return sum / static_cast<double>(counted);
+  result.value = sum / static_cast<double>(counted);
+  return result;
 }
 
 }  // namespace stonestack::search

@@ -77,27 +77,25 @@ StackField stack_field(const StackBodies& stack, std::span<const LooseStone> sto
   return {top_surface(stack.bodies, grid, kCleanHeight), interfaces(stack), options.friction};
 }
 
-std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,
-                              const Eigen::Vector2d& site, int keep, const SearchOptions& options,
-                              long* evaluated) {
+Proposals propose(const StackBodies& stack, std::span<const LooseStone> stones, const Eigen::Vector2d& site,
+                  int keep, const SearchOptions& options) {
   const bool on_table = stack.bodies.empty();
   const StackField coarse = stack_field(stack, stones, site, options.grid, options);
   const StackField fine = stack_field(stack, stones, site, 0.5 * options.grid, options);
-  std::vector<Proposal> candidates = coarse_proposals(coarse, on_table, stones, kRefined, options, evaluated);
-  std::vector<long> counts(candidates.size(), 0);
-  run_tasks(options.threads, candidates.size(), [&](std::size_t k) {
-    candidates[k] = refined(candidates[k], fine, on_table, options, &counts[k]);
-  });
-  for (const long count : counts) *evaluated += count;
-
-  std::vector<Proposal> result;
+  const Proposals surveyed = coarse_proposals(coarse, on_table, stones, kRefined, options);
+  std::vector<Refined> candidates(surveyed.list.size());
+  run_tasks(options.threads, candidates.size(),
+            [&](std::size_t k) { candidates[k] = refined(surveyed.list[k], fine, on_table, options); });
+  Proposals result;
+  result.evaluated = surveyed.evaluated;
+  for (const Refined& candidate : candidates) result.evaluated += candidate.evaluated;
   for (const LooseStone& stone : stones) {
     std::vector<Proposal> of_stone;
-    for (const Proposal& p : candidates)
+    for (const auto& [p, evaluated] : candidates)
       if (p.stone == stone.stone && p.landing.holds && p.robust > 0.0) of_stone.push_back(p);
     of_stone = best_distinct(std::move(of_stone), static_cast<std::size_t>(keep),
                              [](const Proposal& p) { return p.robust; });
-    result.insert(result.end(), of_stone.begin(), of_stone.end());
+    result.list.insert(result.list.end(), of_stone.begin(), of_stone.end());
   }
   return result;
 }

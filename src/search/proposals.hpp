@@ -6,7 +6,7 @@ namespace stonestack::search {
 
 /// A pose that the gap field holds for good, before any simulation.
 struct Proposal {
-  int stone = -1;  ///< index into SearchProblem::shapes
+  StoneIndex stone = kNoStone;  ///< index into SearchProblem::shapes
   BodyPose body;
   Landing landing;
   double robust = 0.0;      ///< mean estimate over the placement uncertainty [g]
@@ -23,15 +23,15 @@ struct SurveySides {
 
 /// A loose stone and the orientations that it may take.
 struct LooseStone {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   const StoneGeometry* geometry = nullptr;
   std::vector<Eigen::Matrix3d> orientations;  ///< R_W_O, each stands for all yaws
   double raster_radius = 0.0;  ///< at least the stone's own [m]: how wide the rasters of tops are
   std::shared_ptr<const SurveySides> surveyed;  ///< may be empty
 };
-/// Gives each stone the raster radius of the largest, and its survey sides, so that a search over many tops
-/// makes them once (some 5 kB a side).
-void store_survey(std::vector<LooseStone>* stones, const SearchOptions& options);
+/// The stones with their survey sides, so that a search over many tops makes them once (some 5 kB a side).
+[[nodiscard]] std::vector<LooseStone> with_survey(std::vector<LooseStone> stones,
+                                                  const SearchOptions& options);
 
 inline constexpr double kOffsetReach = 0.04;  ///< offsets from the middle of the top that are tried [m]
 
@@ -54,20 +54,30 @@ inline constexpr double kOffsetReach = 0.04;  ///< offsets from the middle of th
 [[nodiscard]] std::vector<Proposal> best_distinct(std::vector<Proposal> list, std::size_t keep,
                                                   const std::function<double(const Proposal&)>& value);
 
-/// The best offset for every yaw of the orientations that promise most (few yaws and wide offsets first),
-/// at most `keep` a stone. `evaluated` counts landings.
-[[nodiscard]] std::vector<Proposal> coarse_proposals(const StackField& stack, bool on_table,
-                                                     std::span<const LooseStone> stones, std::size_t keep,
-                                                     const SearchOptions& options, long* evaluated);
+/// Proposals and their cost.
+struct Proposals {
+  std::vector<Proposal> list;
+  long evaluated = 0;  ///< landings that were tried for them
+};
 
+/// The best offset for every yaw of the orientations that promise most (few yaws and wide offsets first),
+/// at most `keep` a stone.
+[[nodiscard]] Proposals coarse_proposals(const StackField& stack, bool on_table,
+                                         std::span<const LooseStone> stones, std::size_t keep,
+                                         const SearchOptions& options);
+
+/// A refined proposal and its cost.
+struct Refined {
+  Proposal proposal;
+  long evaluated = 0;  ///< landings that were tried for it
+};
 /// Levels a proposal and walks to the best offset nearby on a finer raster, until both are at rest.
-[[nodiscard]] Proposal refined(const Proposal& start, const StackField& fine, bool on_table,
-                               const SearchOptions& options, long* evaluated);
+[[nodiscard]] Refined refined(const Proposal& start, const StackField& fine, bool on_table,
+                              const SearchOptions& options);
 
 /// Proposals between the top of `stack` and the undersides of the stones: coarse, refined, at most `keep`
 /// a stone and distinct. Sorted by stone, best first.
-[[nodiscard]] std::vector<Proposal> propose(const StackBodies& stack, std::span<const LooseStone> stones,
-                                            const Eigen::Vector2d& site, int keep,
-                                            const SearchOptions& options, long* evaluated);
+[[nodiscard]] Proposals propose(const StackBodies& stack, std::span<const LooseStone> stones,
+                                const Eigen::Vector2d& site, int keep, const SearchOptions& options);
 
 }  // namespace stonestack::search

@@ -57,9 +57,9 @@ Round set_down(const Proposal& proposal, const Eigen::Matrix3d& R_W_O, const Sta
 
 }  // namespace
 
-Proposal refined(const Proposal& start, const StackField& fine, bool on_table, const SearchOptions& options,
-                 long* evaluated) {
-  Proposal best = start;
+Refined refined(const Proposal& start, const StackField& fine, bool on_table, const SearchOptions& options) {
+  Refined result{start, 0};
+  Proposal& best = result.proposal;
   best.landing.holds = false;
   best.robust = -1.0;
   Eigen::Matrix3d R = levelled(start.body.R_W_O, start.landing);
@@ -73,7 +73,7 @@ Proposal refined(const Proposal& start, const StackField& fine, bool on_table, c
   const int limit = static_cast<int>(std::ceil((kOffsetReach + 0.01) / heights.cell)) - offsets.n;
   for (int k = 0; k < kRounds; ++k) {
     const Round round = set_down(start, R, fine, offsets, options.placement_sigma_translation);
-    *evaluated += static_cast<long>((2 * offsets.n + 1) * (2 * offsets.n + 1));
+    result.evaluated += static_cast<long>((2 * offsets.n + 1) * (2 * offsets.n + 1));
     const double tilt = std::hypot(round.landing.a, round.landing.b);
     if (round.landing.holds && tilt < 2.0 * kLevel && round.robust > best.robust) {
       best.landing = round.landing;
@@ -90,7 +90,7 @@ Proposal refined(const Proposal& start, const StackField& fine, bool on_table, c
       R = levelled(R, round.landing);
     }
   }
-  return best;
+  return result;
 }
 
 }  // namespace stonestack::search

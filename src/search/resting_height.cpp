@@ -28,7 +28,7 @@ Pose lifted_clear(const ShapeList& shapes, const Stack& stack, const PlacedStone
   geometry.reserve(stack.stones.size() + 1);
   std::vector<BodyPose> bodies;
   const auto body_of = [&](const PlacedStone& stone) {
-    geometry.push_back(stone_geometry(*shapes[static_cast<std::size_t>(stone.stone)]));
+    geometry.push_back(stone_geometry(*at(shapes, stone.stone)));
     return body_pose(geometry.back(), stone.T_W_O);
   };
   for (const PlacedStone& below : stack.stones) bodies.push_back(body_of(below));

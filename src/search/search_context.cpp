@@ -23,13 +23,13 @@ constexpr double kAtRestTurn = 2e-3;
 
 void check_placed(const std::vector<PlacedStone>& list, std::size_t shapes, const char* what) {
   for (const PlacedStone& placed : list) {
-    require(placed.stone >= 0 && static_cast<std::size_t>(placed.stone) < shapes, what, ": stone index ",
-            placed.stone, " is not one of ", shapes, " shapes");
+    require(placed.stone.is_within(shapes), what, ": stone index ", placed.stone, " is not one of ", shapes,
+            " shapes");
     require(is_valid(placed.T_W_O), what, ": pose of stone ", placed.stone, " is not a rigid transform");
   }
 }
 
-bool in_stack(const Stack& stack, int stone) {
+bool in_stack(const Stack& stack, StoneIndex stone) {
   return std::any_of(stack.stones.begin(), stack.stones.end(),
                      [&](const PlacedStone& placed) { return placed.stone == stone; });
 }
@@ -46,8 +46,8 @@ SearchContext make_context(const SearchProblem& problem, const SearchOptions& op
   context.geometry.resize(problem.shapes->size());
   for (const auto* list : {&problem.stack.stones, &problem.available})
     for (const PlacedStone& placed : *list) {
-      const auto k = static_cast<std::size_t>(placed.stone);
-      if (context.geometry[k].faces.empty()) context.geometry[k] = stone_geometry(*(*problem.shapes)[k]);
+      StoneGeometry& geometry = at(context.geometry, placed.stone);
+      if (geometry.faces.empty()) geometry = stone_geometry(*at(*problem.shapes, placed.stone));
     }
   for (const PlacedStone& placed : problem.available)
     if (!in_stack(problem.stack, placed.stone)) context.available.push_back(placed);
@@ -57,12 +57,12 @@ SearchContext make_context(const SearchProblem& problem, const SearchOptions& op
 std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack) {
   std::vector<BodyPose> bodies;
   for (const PlacedStone& placed : stack.stones)
-    bodies.push_back(body_pose(context.geometry[static_cast<std::size_t>(placed.stone)], placed.T_W_O));
+    bodies.push_back(body_pose(at(context.geometry, placed.stone), placed.T_W_O));
   return bodies;
 }
 
-std::vector<int> stones_of(const Stack& stack) {
-  std::vector<int> list;
+std::vector<StoneIndex> stones_of(const Stack& stack) {
+  std::vector<StoneIndex> list;
   for (const PlacedStone& placed : stack.stones) list.push_back(placed.stone);
   return list;
 }
@@ -76,7 +76,7 @@ std::vector<LooseStone> loose_stones(const SearchContext& context) {
     which.up_O = placed.T_W_O.linear().transpose() * Eigen::Vector3d::UnitZ();
     LooseStone stone;
     stone.stone = placed.stone;
-    stone.geometry = &context.geometry[static_cast<std::size_t>(placed.stone)];
+    stone.geometry = &at(context.geometry, placed.stone);
     stone.orientations = orientations(which);
     list.push_back(std::move(stone));
   }
@@ -105,7 +105,7 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
   check_placed(problem.known_route, problem.shapes->size(), "known route");
   for (const auto* list : {&problem.stack.stones, &problem.available})
     for (const PlacedStone& placed : *list) {
-      const auto& shape = (*problem.shapes)[static_cast<std::size_t>(placed.stone)];
+      const auto& shape = at(*problem.shapes, placed.stone);
       require(shape != nullptr, "stone ", placed.stone, " has no contact shape");
       const std::string wrong = impossible(*shape);
       require(wrong.empty(), "stone ", shape->name, ": ", wrong);
@@ -133,10 +133,10 @@ StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const S
     const SettleResult at_rest =
         settle(shapes, lowered, placed.stone, lifted_clear(shapes, lowered, placed), settling);
     PoseDifference moved = difference(at_rest.T_W_O, placed.T_W_O);
-    const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(placed.stone)]->mass.p_O_M;
+    const Eigen::Vector3d& p_O_M = at(shapes, placed.stone)->mass.p_O_M;
     moved.translation =
         (at_rest.T_W_O * p_O_M - placed.T_W_O * p_O_M).norm();  // O may lie far from the stone
-    const std::string& name = shapes[static_cast<std::size_t>(placed.stone)]->name;
+    const std::string& name = at(shapes, placed.stone)->name;
     if (!at_rest.rests || moved.translation > kNearShift || moved.angle > kNearTurn) {
       return {{},
               concat("the given stack does not stand: ", name, " does not rest where it is said to be (",

@@ -28,7 +28,7 @@ struct SearchContext {
 /// The stack's bodies, bottom first.
 [[nodiscard]] std::vector<BodyPose> bodies_of(const SearchContext& context, const Stack& stack);
 /// Indices of a stack's stones, bottom first.
-[[nodiscard]] std::vector<int> stones_of(const Stack& stack);
+[[nodiscard]] std::vector<StoneIndex> stones_of(const Stack& stack);
 /// The loose stones with every orientation that the tilt limit allows.
 [[nodiscard]] std::vector<LooseStone> loose_stones(const SearchContext& context);
 

@@ -14,17 +14,17 @@ constexpr int kAskedPerSettled = 12;  ///< reach is asked at most so many times 
 
 }  // namespace
 
-bool TowerSearch::accepts(const Proposal& proposal, const Stack& below, Trial* trial) {
+std::optional<Pose> TowerSearch::reachable_pose(const Proposal& proposal, const Stack& below) {
   const auto& reachable = context_.problem->reachable;
   const int yaws = below.stones.empty() && reachable ? kTableYaws : 1;
   for (int yaw = 0; yaw < yaws; ++yaw) {
     BodyPose body = proposal.body;
     body.R_W_O = yaw_rotation(6.283185307179586 * yaw / yaws) * body.R_W_O;
-    trial->T_W_O = stone_pose(body);
-    if (!reachable || reachable(proposal.stone, trial->T_W_O, below)) return true;
+    const Pose T_W_O = stone_pose(body);
+    if (!reachable || reachable(proposal.stone, T_W_O, below)) return T_W_O;
     ++unreachable_;
   }
-  return false;
+  return std::nullopt;
 }
 
 std::vector<Proposal> TowerSearch::proposals(int k) {
@@ -37,18 +37,21 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
     if (std::any_of(node.left.begin(), node.left.end(),
                     [&](const auto& s) { return s.stone == stone.stone; }))
       stones.push_back(stone);
-  std::vector<Proposal> list =
-      propose(below, stones, context_.problem->site, kProposalsPerStone, o, &candidates_);
-  const std::vector<int> used = stones_of(node.stack);
+  auto [list, evaluated] = propose(below, stones, context_.problem->site, kProposalsPerStone, o);
+  candidates_ += evaluated;
+  const std::vector<StoneIndex> used = stones_of(node.stack);
   std::vector<long> counts(list.size(), 0);
-  run_tasks(o.threads, list.size(), [&](std::size_t p) {
-    Proposal& proposal = list[p];
+  run_tasks(o.threads, list.size(), [&, &all = list](std::size_t p) {
+    Proposal& proposal = all[p];
     StackBodies higher = below;
     higher.bodies.push_back(proposal.body);
-    std::vector<int> gone = used;
+    std::vector<StoneIndex> gone = used;
     gone.push_back(proposal.stone);
-    if (stones.size() > 1)
-      proposal.look_ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick, &counts[p]);
+    if (stones.size() > 1) {
+      const LookAheadEstimate ahead = look_ahead_->estimate(higher, gone, LookAheadEffort::kQuick);
+      proposal.look_ahead = ahead.value;
+      counts[p] = ahead.evaluated;
+    }
     // On the table every estimate equals the friction: the margin ranks the stones.
     const double base = below.bodies.empty()
                             ? std::min(0.3, proposal.landing.margin / proposal.landing.lever) / 3.0
@@ -63,29 +66,29 @@ std::vector<Proposal> TowerSearch::proposals(int k) {
 
 /// Of what was proposed for a tower the best that the arm reaches and that were not tried yet; no stone gets
 /// more than twice its share.
-std::vector<Trial> TowerSearch::next_turn(TowerNode* node, int count) {
-  const int max = std::max(2, 2 * count / std::max(1, static_cast<int>(node->left.size())));
-  std::map<int, int> of_stone;
-  std::vector<Trial> turn;
-  std::vector<Proposal> rest;
+TowerSearch::Turn TowerSearch::next_turn(const TowerNode& node, int count) {
+  const int max = std::max(2, 2 * count / std::max(1, static_cast<int>(node.left.size())));
+  std::map<StoneIndex, int> of_stone;
+  Turn turn;
   int asked = 0;
-  for (Proposal& proposal : node->spare) {
+  for (const Proposal& proposal : node.spare) {
     throw_if_interrupted();
-    if (static_cast<int>(turn.size()) == count || asked == kAskedPerSettled * count ||
+    if (static_cast<int>(turn.trials.size()) == count || asked == kAskedPerSettled * count ||
         of_stone[proposal.stone] == max) {
-      rest.push_back(std::move(proposal));
+      turn.spare.push_back(proposal);
       continue;
     }
     ++asked;
-    Trial trial;
-    if (!accepts(proposal, node->stack, &trial)) continue;
+    const std::optional<Pose> T_W_O = reachable_pose(proposal, node.stack);
+    if (!T_W_O) continue;
     ++of_stone[proposal.stone];
+    Trial trial;
     trial.stone = proposal.stone;
+    trial.T_W_O = *T_W_O;
     trial.estimate = proposal.robust;
     trial.look_ahead = proposal.look_ahead;
-    turn.push_back(std::move(trial));
+    turn.trials.push_back(std::move(trial));
   }
-  node->spare = std::move(rest);
   return turn;
 }
 
@@ -93,9 +96,11 @@ std::vector<Trial> TowerSearch::offers(int k) {
   TowerNode node = tree_.node(k);
   node.spare = proposals(k);
   std::vector<Trial> reached;
-  while (!node.spare.empty())
-    for (Trial& trial : next_turn(&node, static_cast<int>(node.spare.size())))
-      reached.push_back(std::move(trial));
+  while (!node.spare.empty()) {
+    Turn turn = next_turn(node, static_cast<int>(node.spare.size()));
+    node.spare = std::move(turn.spare);
+    for (Trial& trial : turn.trials) reached.push_back(std::move(trial));
+  }
   return reached;
 }
 

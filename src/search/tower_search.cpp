@@ -24,7 +24,7 @@ void TowerSearch::survey() {
   if (look_ahead_) return;
   loose_ = loose_stones(context_);
   look_ahead_.emplace(on_resting_sides(loose_, kFlatSide, *context_.options), *context_.options);
-  store_survey(&loose_, *context_.options);
+  loose_ = with_survey(std::move(loose_), *context_.options);
 }
 
 void TowerSearch::run(Routes routes) {
@@ -66,7 +66,7 @@ TowerSearch::Climbed TowerSearch::climb(int node, const PlacedStone& next) {
   Trial trial;
   trial.stone = next.stone;
   trial.T_W_O = next.T_W_O;
-  settle_trial(context_, tree_.node(node).stack, &trial);
+  trial = settled_trial(context_, tree_.node(node).stack, std::move(trial));
   if (!trial.alive) return {-1, trial.outcome};
   const int higher = tree_.add(node, std::move(trial), 0.0);
   judge(std::span<const int>(&higher, 1));
@@ -133,7 +133,7 @@ void TowerSearch::judge(std::span<const int> nodes) {
   run_tasks(context_.options->threads, nodes.size(), [&](std::size_t k) {
     TowerNode& node = tree_.node(nodes[k]);
     if (node.judged) return;
-    judge_trial(context_, tree_.node(node.parent).stack, &node.trial);
+    node.trial = judged_trial(context_, tree_.node(node.parent).stack, node.trial);
     node.judged = true;
   });
   drop_fallen(nodes);
@@ -154,8 +154,13 @@ void TowerSearch::predict(std::span<const int> nodes, bool closely) {
     tried.push_back(k);
     candidates.push_back({&tree_.node(node.parent).stack, &node.trial});
   }
-  search::predict(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
-  for (const int k : tried) tree_.node(k).predicted = true;
+  std::vector<Trial> trials =
+      predicted_trials(context_, candidates, (closely ? kCloser : 1) * o.perturbations);
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    TowerNode& node = tree_.node(tried[i]);
+    node.trial = std::move(trials[i]);
+    node.predicted = true;
+  }
   drop_fallen(tried);
 }
 
@@ -208,20 +213,24 @@ void TowerSearch::grow(std::span<const int> nodes) {
     if (context_.out_of_time()) break;
     TowerNode& node = tree_.node(k);
     if (node.grown == 1) node.spare = proposals(k);
-    for (Trial& trial : next_turn(&node, o.settled)) made.push_back({k, std::move(trial)});
+    Turn turn = next_turn(node, o.settled);
+    node.spare = std::move(turn.spare);
+    for (Trial& trial : turn.trials) made.push_back({k, std::move(trial)});
   }
   std::vector<long> counts(made.size(), 0);
   run_tasks(o.threads, made.size(), [&](std::size_t k) {
     Trial& trial = made[k].trial;
     const TowerNode& below = tree_.node(made[k].node);
-    settle_trial(context_, below.stack, &trial);
+    trial = settled_trial(context_, below.stack, std::move(trial));
     if (!trial.alive || below.left.size() < 2) return;
     Stack higher = below.stack;
     higher.stones.push_back({trial.stone, trial.placement.T_W_O});
     const StackBodies bodies{bodies_of(context_, higher), rests_of(context_.shapes(), higher)};
-    std::vector<int> used = stones_of(below.stack);
+    std::vector<StoneIndex> used = stones_of(below.stack);
     used.push_back(trial.stone);
-    trial.look_ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull, &counts[k]);
+    const LookAheadEstimate ahead = look_ahead_->estimate(bodies, used, LookAheadEffort::kFull);
+    trial.look_ahead = ahead.value;
+    counts[k] = ahead.evaluated;
     trial.placement.terms["look_ahead"] = trial.look_ahead;
   });
   for (std::size_t k = 0; k < made.size(); ++k) {

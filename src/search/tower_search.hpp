@@ -66,8 +66,14 @@ class TowerSearch {
   void grow(std::span<const int> nodes);
   /// Proposals for the next stone on a node's tower, best first, not asked of the arm.
   [[nodiscard]] std::vector<Proposal> proposals(int node);
-  [[nodiscard]] std::vector<Trial> next_turn(TowerNode* node, int count);
-  [[nodiscard]] bool accepts(const Proposal& proposal, const Stack& below, Trial* trial);
+  /// Trials that a tower gets next.
+  struct Turn {
+    std::vector<Trial> trials;
+    std::vector<Proposal> spare;  ///< proposals that are left for later turns
+  };
+  [[nodiscard]] Turn next_turn(const TowerNode& node, int count);
+  /// Pose in which the arm can put a proposed stone on the stack; empty if there is none.
+  [[nodiscard]] std::optional<Pose> reachable_pose(const Proposal& proposal, const Stack& below);
   struct Climbed {
     int node = -1;       ///< the new node; -1: none
     std::string reason;  ///< why there is none

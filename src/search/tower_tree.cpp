@@ -22,7 +22,7 @@ constexpr double kReserve = 0.1;
 /// Lowest new stone and top stone: they identify a tower.
 struct Ends {
   int first = 0;  ///< node
-  int top = -1;   ///< stone
+  StoneIndex top = kNoStone;
   bool operator==(const Ends& o) const { return first == o.first && top == o.top; }
 };
 

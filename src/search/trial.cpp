@@ -21,20 +21,20 @@ constexpr int kFewer = 50;  ///< iterations, in displaced worlds
 /// How a placement fares where it is displaced and centres of mass are not where they seem.
 enum class Fate { kStands, kFalls, kUndecidable };
 
-Stack with(const Stack& stack, int stone, const Pose& T_W_O) {
+Stack with(const Stack& stack, StoneIndex stone, const Pose& T_W_O) {
   Stack higher = stack;
   higher.stones.push_back({stone, T_W_O});
   return higher;
 }
 
 /// A proposed pose lifted to just above the first touch.
-Pose lifted(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O) {
-  BodyPose body = body_pose(context.geometry[static_cast<std::size_t>(stone)], T_W_O);
+Pose lifted(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O) {
+  BodyPose body = body_pose(at(context.geometry, stone), T_W_O);
   body.p_W_M.z() = resting_height(bodies_of(context, below), body) + kDrop;
   return stone_pose(body);
 }
 
-SettleResult lowered(const SearchContext& context, const Stack& below, int stone, const Pose& T_W_O,
+SettleResult lowered(const SearchContext& context, const Stack& below, StoneIndex stone, const Pose& T_W_O,
                      const Eigen::Vector3d& com_error_O = Eigen::Vector3d::Zero()) {
   SettleOptions options;
   options.world.friction = context.options->friction;
@@ -43,36 +43,38 @@ SettleResult lowered(const SearchContext& context, const Stack& below, int stone
 }
 
 Eigen::Vector3d com_of(const SearchContext& context, const PlacedStone& placed) {
-  return placed.T_W_O * context.geometry[static_cast<std::size_t>(placed.stone)].p_O_M;
+  return placed.T_W_O * at(context.geometry, placed.stone).p_O_M;
 }
 
-/// Polygon, eq. (2) and the figures beside it.
-void fill_cost(const SearchContext& context, const Stack& below, const SettleResult& at_rest, Trial* trial) {
+/// The placement at rest, with its polygon, eq. (2) and the figures beside it.
+Placement placement_of(const SearchContext& context, const Stack& below, const SettleResult& at_rest,
+                       const Trial& trial) {
   ContactPose pose;
-  pose.p_W_com = com_of(context, {trial->stone, at_rest.T_W_O});
+  pose.p_W_com = com_of(context, {trial.stone, at_rest.T_W_O});
   pose.support = support_polygon(at_rest.contacts, pose.p_W_com);
   pose.kinetic_energy = at_rest.kinetic_energy;
   pose.p_W_previous_com << context.problem->site, 0.0;
   if (!below.stones.empty()) pose.p_W_previous_com = com_of(context, below.stones.back());
   const PoseCost cost = pose_cost(pose, *context.options);
-  Placement& placement = trial->placement;
-  placement.stone = trial->stone;
+  Placement placement = trial.placement;
+  placement.stone = trial.stone;
   placement.T_W_O = at_rest.T_W_O;
   placement.cost = cost.total;
   placement.terms = cost.terms;
-  placement.terms["margin"] = trial->margin;
-  placement.terms["a_est"] = trial->estimate;
-  placement.terms["look_ahead"] = trial->look_ahead;
+  placement.terms["margin"] = trial.margin;
+  placement.terms["a_est"] = trial.estimate;
+  placement.terms["look_ahead"] = trial.look_ahead;
   placement.terms["travel"] = at_rest.travel;
   placement.support = pose.support;
+  return placement;
 }
 
 /// A pose displaced by the placement uncertainty, about the centre of mass.
-Pose displaced(const SearchContext& context, int stone, const Pose& T_W_O, int k) {
+Pose displaced(const SearchContext& context, StoneIndex stone, const Pose& T_W_O, int k) {
   const SearchOptions& o = *context.options;
   Random random =
       Random::stream(static_cast<std::uint64_t>(o.seed), 0x70657274ULL + static_cast<std::uint64_t>(k));
-  BodyPose body = body_pose(context.geometry[static_cast<std::size_t>(stone)], T_W_O);
+  BodyPose body = body_pose(at(context.geometry, stone), T_W_O);
   for (int axis = 0; axis < 3; ++axis) body.p_W_M[axis] += random.normal(0.0, o.placement_sigma_translation);
   Eigen::Vector3d turn;
   for (int axis = 0; axis < 3; ++axis) turn[axis] = random.normal(0.0, o.placement_sigma_rotation);
@@ -83,7 +85,7 @@ Pose displaced(const SearchContext& context, int stone, const Pose& T_W_O, int k
 
 /// How far the true centre of mass of a stone may lie from the known one, in the k-th of the worlds that are
 /// tried. The same wherever the stone lies: such an error goes with the stone.
-Eigen::Vector3d com_error(const SearchContext& context, int stone, int k) {
+Eigen::Vector3d com_error(const SearchContext& context, StoneIndex stone, int k) {
   Random random = Random::stream(static_cast<std::uint64_t>(context.options->seed),
                                  concat("centre of mass ", stone, " ", k));
   Eigen::Vector3d error_O;
@@ -117,31 +119,33 @@ Fate try_world(const SearchContext& context, const Stack& below, const Trial& tr
   return com_may_err && !stands(context, below, k) ? Fate::kUndecidable : Fate::kFalls;
 }
 
-void drop(Trial* trial, const std::string& why) {
-  trial->alive = false;
-  trial->outcome = why;
+Trial dropped(Trial trial, const std::string& why) {
+  trial.alive = false;
+  trial.outcome = why;
+  return trial;
 }
 
 }  // namespace
 
-void settle_trial(const SearchContext& context, const Stack& below, Trial* trial) {
-  const SettleResult at_rest = lowered(context, below, trial->stone, trial->T_W_O);
-  trial->placement.T_W_O = at_rest.T_W_O;
-  if (!at_rest.rests) return drop(trial, concat("does not come to rest: ", at_rest.reason));
+Trial settled_trial(const SearchContext& context, const Stack& below, Trial trial) {
+  const SettleResult at_rest = lowered(context, below, trial.stone, trial.T_W_O);
+  trial.placement.T_W_O = at_rest.T_W_O;
+  if (!at_rest.rests) return dropped(std::move(trial), concat("does not come to rest: ", at_rest.reason));
   EquilibriumOptions statics;
   statics.friction = context.options->friction;
   statics.min_friction = false;
   const Equilibrium balance =
-      stack_equilibrium(context.shapes(), with(below, trial->stone, at_rest.T_W_O), statics);
-  trial->margin = balance.stands ? balance.margin : 0.0;
-  fill_cost(context, below, at_rest, trial);
-  if (!balance.stands) return drop(trial, "no contact forces hold the stack");
+      stack_equilibrium(context.shapes(), with(below, trial.stone, at_rest.T_W_O), statics);
+  trial.margin = balance.stands ? balance.margin : 0.0;
+  trial.placement = placement_of(context, below, at_rest, trial);
+  if (!balance.stands) return dropped(std::move(trial), "no contact forces hold the stack");
   if (balance.margin < context.options->min_margin)
-    return drop(trial, concat("bears less than ", context.options->min_margin, " g sideways"));
-  trial->score = std::min(trial->margin, context.options->friction) + trial->look_ahead;
+    return dropped(std::move(trial), concat("bears less than ", context.options->min_margin, " g sideways"));
+  trial.score = std::min(trial.margin, context.options->friction) + trial.look_ahead;
+  return trial;
 }
 
-void judge_trial(const SearchContext& context, const Stack& below, Trial* trial) {
+Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial) {
   const SearchOptions& o = *context.options;
   StandOptions stand;
   stand.friction = o.friction;
@@ -150,12 +154,15 @@ void judge_trial(const SearchContext& context, const Stack& below, Trial* trial)
   stand.step = kVerdictStep;
   stand.fall = 0.0;
   const StandVerdict verdict =
-      judge_stack(context.shapes(), with(below, trial->stone, trial->placement.T_W_O), stand);
-  if (!verdict.stands) return drop(trial, "the stack does not stand for the time of the verdict");
-  if (!verdict.clean) return drop(trial, "a stone touches more than the one below it");
+      judge_stack(context.shapes(), with(below, trial.stone, trial.placement.T_W_O), stand);
+  if (!verdict.stands)
+    return dropped(std::move(trial), "the stack does not stand for the time of the verdict");
+  if (!verdict.clean) return dropped(std::move(trial), "a stone touches more than the one below it");
+  return trial;
 }
 
-void predict(const SearchContext& context, std::span<const Candidate> candidates, int worlds) {
+std::vector<Trial> predicted_trials(const SearchContext& context, std::span<const Candidate> candidates,
+                                    int worlds) {
   struct Task {
     std::size_t candidate;
     int world;
@@ -168,21 +175,23 @@ void predict(const SearchContext& context, std::span<const Candidate> candidates
     const Candidate& candidate = candidates[tasks[t].candidate];
     outcomes[t] = try_world(context, *candidate.below, *candidate.trial, tasks[t].world);
   });
+  std::vector<Trial> trials;
+  for (const Candidate& candidate : candidates) trials.push_back(*candidate.trial);
   for (std::size_t t = 0; t < tasks.size(); ++t) {
-    Trial& trial = *candidates[tasks[t].candidate].trial;
+    Trial& trial = trials[tasks[t].candidate];
     trial.tried += outcomes[t] != Fate::kUndecidable ? 1 : 0;
     trial.survived += outcomes[t] == Fate::kStands ? 1 : 0;
   }
-  for (const Candidate& candidate : candidates) {
-    Trial& trial = *candidate.trial;
+  for (Trial& trial : trials) {
     Placement& placement = trial.placement;
     trial.worlds = std::max(trial.worlds, worlds);
     placement.predicted_success =
         trial.tried > 0 ? static_cast<double>(trial.survived) / trial.tried : (worlds > 0 ? 0.0 : 1.0);
     placement.expected_height = placement.predicted_success;
     if (placement.predicted_success < context.options->min_success)
-      drop(&trial, "falls too often when placed with the expected error");
+      trial = dropped(std::move(trial), "falls too often when placed with the expected error");
   }
+  return trials;
 }
 
 double worth(const SearchContext& context, const Trial& trial) {

@@ -7,7 +7,7 @@ namespace stonestack::search {
 
 /// A proposal while it passes through simulation.
 struct Trial {
-  int stone = -1;
+  StoneIndex stone = kNoStone;
   Pose T_W_O = Pose::Identity();  ///< proposed
   double estimate = 0.0;          ///< of the proposal [g]
   double look_ahead = 0.0;        ///< [g]
@@ -22,23 +22,25 @@ struct Trial {
   int survived = 0;     ///< and in so many it stood
 };
 
-/// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole: fills the
-/// pose at rest, its polygon, cost and margin, or the reason why not. The stack must be left at least
-/// `min_margin`.
-void settle_trial(const SearchContext& context, const Stack& below, Trial* trial);
+/// Lets the stone down on the stack `below`, held fixed, and solves the equilibrium of the whole. The stack
+/// must be left at least `min_margin`.
+/// @return the trial with its pose at rest, polygon, cost and margin, or dropped with the reason.
+[[nodiscard]] Trial settled_trial(const SearchContext& context, const Stack& below, Trial trial);
 
-/// Judges the whole stack with every stone dynamic; drops the trial if it does not stand.
-void judge_trial(const SearchContext& context, const Stack& below, Trial* trial);
+/// Judges the whole stack with every stone dynamic.
+/// @return the trial, dropped with the reason if the stack does not stand.
+[[nodiscard]] Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial);
 
 /// A trial that was judged, and the stack it is put on.
 struct Candidate {
   const Stack* below = nullptr;
-  Trial* trial = nullptr;
+  const Trial* trial = nullptr;
 };
 /// Tries each in worlds 0 to `worlds` - 1 (those it was not tried in yet), all at once: placements displaced
-/// by the placement uncertainty, centres of mass by theirs. Fills `predicted_success` and drops what stands
-/// too seldom. Every trial meets the same worlds.
-void predict(const SearchContext& context, std::span<const Candidate> candidates, int worlds);
+/// by the placement uncertainty, centres of mass by theirs. Every trial meets the same worlds.
+/// @return the trials in the same order, with `predicted_success`; dropped if they stand too seldom.
+[[nodiscard]] std::vector<Trial> predicted_trials(const SearchContext& context,
+                                                  std::span<const Candidate> candidates, int worlds);
 
 /// Chance that the finished tower stands, estimated at this step: success of this placement, reserve of
 /// the whole stack, prospects of the next.

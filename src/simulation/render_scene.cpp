@@ -33,7 +33,7 @@ FieldList fields(SceneOptions& o) {
           field("tilt", o.tilt, {0.0, 1.4}, "rad", "of the camera's axis off the vertical")};
 }
 
-SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<int>& present,
+SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
                             const CellLayout& layout, const SceneOptions& options) {
   const auto seed = static_cast<std::uint64_t>(options.simulation.seed);
   const std::vector<Stone> real = as_they_are(stones, options.simulation);
@@ -49,7 +49,7 @@ SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<
   scene.T_W_C = look_at(layout.field_centre, options.distance, options.tilt, random.uniform(0.0, kTwoPi));
   scene.depth = true_view(what_is_seen(world), real, scene.T_W_C, sensor, random);
   scene.depth_unit = sensor.unit;
-  for (const int i : world.present()) scene.stones.push_back({i, world.pose(i)});
+  for (const StoneIndex i : world.present()) scene.stones.push_back({i, world.pose(i)});
   return scene;
 }
 
@@ -64,7 +64,7 @@ void write_scene(const std::string& folder, const SimulatedScene& scene, const s
   file.depth_unit = scene.depth_unit;
   file.cloud_file = "cloud.ply";
   for (const auto& placed : scene.stones)
-    file.stones.push_back({stones[static_cast<std::size_t>(placed.stone)].name, placed.T_W_O});
+    file.stones.push_back({at(stones, placed.stone).name, placed.T_W_O});
   write_scene_file(base + "scene.yaml", file);
 }
 

@@ -46,8 +46,8 @@ class Scatter {
   Scatter(TrueWorld& world, const StoneField& field) : world_(&world), field_(field) {}
 
   /// False when no free place is found for it.
-  [[nodiscard]] bool drop(int stone, Random random) {
-    const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
+  [[nodiscard]] bool drop(StoneIndex stone, Random random) {
+    const auto& shape = *at(world_->shapes(), stone);
     for (int draw = 0, drops = 0; draw < kDraws && drops < kDrops; ++draw) {
       throw_if_interrupted();
       const Pose T_W_O = random_pose(shape, random);
@@ -65,7 +65,7 @@ class Scatter {
   /// Takes every stone out again; from now on they lie that far apart.
   void clear(double clearance) {
     field_.clearance = clearance;
-    for (const int stone : world_->present()) world_->put_away(stone);
+    for (const StoneIndex stone : world_->present()) world_->put_away(stone);
     outlines_.clear();
   }
 
@@ -87,13 +87,13 @@ class Scatter {
                        [&](const Outline& other) { return gap(candidate, other) >= field_.clearance; });
   }
 
-  [[nodiscard]] bool comes_to_rest(int stone) {
+  [[nodiscard]] bool comes_to_rest(StoneIndex stone) {
     constexpr double kCheckPeriod = 0.1;
     for (double t = 0; t < kLongestFall && !world_->rests(stone); t += kCheckPeriod) {
       (void)world_->wait(kCheckPeriod);
       if (!inside(field_, world_->centre_of_mass(stone))) return false;
     }
-    const auto& shape = *world_->shapes()[static_cast<std::size_t>(stone)];
+    const auto& shape = *at(world_->shapes(), stone);
     return world_->rests(stone) && free(outline(shape, world_->pose(stone)));
   }
 
@@ -106,21 +106,20 @@ class Scatter {
 
 void scatter_stones(TrueWorld& world, const StoneField& field, std::uint64_t seed) {
   Scatter scatter(world, field);
-  const auto name = [&](int stone) { return world.shapes()[static_cast<std::size_t>(stone)]->name; };
+  const auto name = [&](StoneIndex stone) { return at(world.shapes(), stone)->name; };
   // The widest first: small ones fit between large ones, but not large ones between small ones.
-  std::vector<int> order = world.present();
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return world.shapes()[static_cast<std::size_t>(a)]->radius >
-           world.shapes()[static_cast<std::size_t>(b)]->radius;
+  std::vector<StoneIndex> order = world.present();
+  std::stable_sort(order.begin(), order.end(), [&](StoneIndex a, StoneIndex b) {
+    return at(world.shapes(), a)->radius > at(world.shapes(), b)->radius;
   });
-  int homeless = -1;
+  StoneIndex homeless = kNoStone;
   // The first stones may lie so that the last does not fit, though the total area suffices.
   constexpr int kMax = kFields * static_cast<int>(kTighter.size());
   for (int k = 0; k < kMax; ++k) {
     const double clearance = kTighter[static_cast<std::size_t>(k / kFields)] * field.clearance;
     scatter.clear(clearance);
     const std::string stream = k == 0 ? "scatter " : concat("scatter anew ", k, " ");
-    const auto left_over = std::find_if(order.begin(), order.end(), [&](int stone) {
+    const auto left_over = std::find_if(order.begin(), order.end(), [&](StoneIndex stone) {
       return !scatter.drop(stone, Random::stream(seed, stream + name(stone)));
     });
     if (left_over == order.end()) {

@@ -65,8 +65,8 @@ std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotMode
     const Pose T_W_link = mounting.T_W_R * links[static_cast<std::size_t>(capsule.link)];
     const Eigen::Vector3d a = T_W_link * capsule.a, b = T_W_link * capsule.b;
     if (std::min(a.z(), b.z()) < capsule.radius) return concat("link ", capsule.link, " hits the table");
-    for (const int i : world.present()) {
-      const auto& shape = *world.shapes()[static_cast<std::size_t>(i)];
+    for (const StoneIndex i : world.present()) {
+      const auto& shape = *at(world.shapes(), i);
       if (distance_to_segment(world.centre_of_mass(i), a, b) > capsule.radius + shape.radius) continue;
       for (const auto& sample : shape.samples)
         if (distance_to_segment(world.pose(i) * sample.point, a, b) < capsule.radius)

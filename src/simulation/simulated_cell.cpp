@@ -74,7 +74,7 @@ struct SimulatedCell::Parts {
   SimulatedCamera camera;
   SharedWorld shared;
 
-  Parts(const std::vector<Stone>& all, const std::vector<int>& present, const RobotModel& robot,
+  Parts(const std::vector<Stone>& all, const std::vector<StoneIndex>& present, const RobotModel& robot,
         const CellLayout& layout, const SimulationOptions& options)
       : stones(as_they_are(all, options)),
         assumed(layout),
@@ -88,7 +88,7 @@ struct SimulatedCell::Parts {
         shared(world, mounting, robot, stones, options) {}
 };
 
-SimulatedCell::SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present,
+SimulatedCell::SimulatedCell(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
                              const RobotModel& robot, const CellLayout& assumed,
                              const SimulationOptions& options) {
   parts_ = std::make_unique<Parts>(stones, present, robot, assumed, options);
@@ -110,7 +110,7 @@ Cell SimulatedCell::cell() {
 Truth SimulatedCell::truth() const {
   const auto& world = parts_->world;
   Truth truth{world.time(), std::vector<Pose>(parts_->stones.size(), Pose::Identity()), world.contacts()};
-  for (const int i : world.present()) truth.T_W_O[static_cast<std::size_t>(i)] = world.pose(i);
+  for (const StoneIndex i : world.present()) at(truth.T_W_O, i) = world.pose(i);
   return truth;
 }
 
@@ -128,7 +128,7 @@ SharedWorld& SimulatedCell::shared() {
   return parts_->shared;
 }
 
-void SimulatedCell::place(int stone, const Pose& T_W_O) {
+void SimulatedCell::place(StoneIndex stone, const Pose& T_W_O) {
   parts_->world.place(stone, T_W_O);
 }
 

@@ -30,7 +30,7 @@ SensorModel choose_sensor(const SimulationOptions& options) {
 
 SeenWorld what_is_seen(const TrueWorld& world) {
   SeenWorld seen;
-  for (const int i : world.present()) seen.stones.emplace_back(i, world.pose(i));
+  for (const StoneIndex i : world.present()) seen.stones.emplace_back(i, world.pose(i));
   for (const auto& box : world.gripper_body().boxes)  // the camera does not see itself
     if (!box.camera) seen.boxes.emplace_back(box.size, box_pose(box, world.gripper_pose()));
   return seen;
@@ -40,7 +40,7 @@ DepthImage true_view(const SeenWorld& world, const std::vector<Stone>& stones, c
                      const SensorModel& sensor, Random& random) {
   RayScene scene;
   scene.add(make_table(), Pose::Identity());
-  for (const auto& [i, T_W_O] : world.stones) scene.add(stones[static_cast<std::size_t>(i)].scan, T_W_O);
+  for (const auto& [i, T_W_O] : world.stones) scene.add(at(stones, i).scan, T_W_O);
   for (const auto& [size, T_W_box] : world.boxes) scene.add(make_box(size), T_W_box);
   scene.commit();
   return add_noise(render(scene, sensor.camera, T_W_C), T_W_C, sensor, random);

@@ -9,7 +9,7 @@ namespace stonestack::simulation {
 
 /// Where everything that can be seen stands, so that a picture can be taken while the world goes on.
 struct SeenWorld {
-  std::vector<std::pair<int, Pose>> stones;             ///< index and T_W_O
+  std::vector<std::pair<StoneIndex, Pose>> stones;      ///< index and T_W_O
   std::vector<std::pair<Eigen::Vector3d, Pose>> boxes;  ///< size and pose
 };
 [[nodiscard]] SeenWorld what_is_seen(const TrueWorld& world);

@@ -18,10 +18,6 @@ constexpr double kShapeBand = 0.006;     // m: half the planner's, because a fin
 constexpr double kShapeSpacing = 0.002;  // m
 constexpr double kAside = 50.0;          // m away: where stones wait that are not there
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 // The stone as it really is: a little heavier or lighter, its centre of mass a little off.
 MassProperties true_mass(const MassProperties& assumed, const SimulationOptions& options, Random random) {
   MassProperties mass = assumed;
@@ -49,7 +45,7 @@ Pose away_pose(int k) {
 
 }  // namespace
 
-TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present,
+TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
                      const GripperModel& gripper, const SimulationOptions& options)
     : options_(options),
       engine_kind_(engine_named(options.engine)),
@@ -62,9 +58,9 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
   states_.resize(count);
   const auto seed = static_cast<std::uint64_t>(options.seed);
   std::vector<Stone> real;
-  for (const int i : present_) {
-    require(i >= 0 && at(i) < count, "there is no stone ", i, " among ", count);
-    real.push_back(stones[at(i)]);
+  for (const StoneIndex i : present_) {
+    require(i.is_within(count), "there is no stone ", i, " among ", count);
+    real.push_back(at(stones, i));
     real.back().mass =
         true_mass(real.back().mass, options, Random::stream(seed, "true mass " + real.back().name));
   }
@@ -73,8 +69,8 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
   const auto shapes =
       options.scan_error > 0.0 ? make_passing_shapes(real, fine) : make_contact_shapes(real, fine);
   for (std::size_t k = 0; k < present_.size(); ++k) {
-    auto& it = states_[at(present_[k])];
-    shapes_[at(present_[k])] = shapes[k];
+    auto& it = at(states_, present_[k]);
+    at(shapes_, present_[k]) = shapes[k];
     it.T_W_O = away_pose(static_cast<int>(k));
     const PadOptions pad =
         true_pad(model_.pad, options, Random::stream(seed, "true pad friction " + real[k].name));
@@ -91,21 +87,21 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
     }
 }
 
-const TrueWorld::StoneState& TrueWorld::state(int stone) const {
-  require(stone >= 0 && at(stone) < states_.size() && shapes_[at(stone)], "stone ", stone,
+const TrueWorld::StoneState& TrueWorld::state(StoneIndex stone) const {
+  require(stone.is_within(states_.size()) && at(shapes_, stone), "stone ", stone,
           " is not in the simulated cell");
-  return states_[at(stone)];
+  return at(states_, stone);
 }
 
-TrueWorld::StoneState& TrueWorld::state(int stone) {
+TrueWorld::StoneState& TrueWorld::state(StoneIndex stone) {
   return const_cast<StoneState&>(std::as_const(*this).state(stone));
 }
 
-Eigen::Vector3d TrueWorld::centre_of_mass(int stone) const {
-  return state(stone).T_W_O * shapes_[at(stone)]->mass.p_O_M;
+Eigen::Vector3d TrueWorld::centre_of_mass(StoneIndex stone) const {
+  return state(stone).T_W_O * at(shapes_, stone)->mass.p_O_M;
 }
 
-bool TrueWorld::rests(int stone) const {
+bool TrueWorld::rests(StoneIndex stone) const {
   return state(stone).rest >= kRestSeconds;
 }
 
@@ -114,7 +110,7 @@ void TrueWorld::set_gripper_pose(const GripperPose& gripper_pose) {
   engine_.reset();
 }
 
-void TrueWorld::place(int stone, const Pose& T_W_O) {
+void TrueWorld::place(StoneIndex stone, const Pose& T_W_O) {
   auto& it = state(stone);
   it.T_W_O = it.T_W_O_rest = T_W_O;
   it.twist = {};
@@ -123,7 +119,7 @@ void TrueWorld::place(int stone, const Pose& T_W_O) {
   engine_.reset();
 }
 
-void TrueWorld::put_away(int stone) {
+void TrueWorld::put_away(StoneIndex stone) {
   place(stone,
         away_pose(static_cast<int>(std::find(present_.begin(), present_.end(), stone) - present_.begin())));
   state(stone).aside = true;
@@ -139,20 +135,21 @@ std::unique_ptr<RigidWorld> TrueWorld::make_world(EngineKind engine, double step
   auto world = make_rigid_world(engine, options);
   const auto count = states_.size();
   for (std::size_t k = 0; k < present_.size(); ++k) {
-    const int i = present_[k];
-    const int body = world->add_stone(shapes_[at(i)], state(i).T_W_O, !in_play[k]);
+    const StoneIndex i = present_[k];
+    const int body = world->add_stone(at(shapes_, i), state(i).T_W_O, !in_play[k]);
     if (in_play[k]) world->place(body, state(i).T_W_O, state(i).twist);
-    world->set_pair_friction(kTable, body, friction_[at(i) * (count + 1) + count]);
+    const std::size_t row = static_cast<std::size_t>(i.value()) * (count + 1);
+    world->set_pair_friction(kTable, body, friction_[row + count]);
     for (std::size_t other = 0; other < k; ++other)
       world->set_pair_friction(static_cast<int>(other), body,
-                               friction_[at(i) * (count + 1) + at(present_[other])]);
+                               friction_[row + static_cast<std::size_t>(present_[other].value())]);
   }
   return world;
 }
 
 std::unique_ptr<RigidWorld> TrueWorld::judge_world(double step, int iterations, EngineKind engine) const {
   std::vector<bool> in_play;
-  for (const int i : present_) in_play.push_back(!state(i).aside);
+  for (const StoneIndex i : present_) in_play.push_back(!state(i).aside);
   return make_world(engine, step, iterations, 0.0, in_play);
 }
 
@@ -161,8 +158,8 @@ std::vector<Contact> TrueWorld::contacts() const {
   world->step(kWorldStep);
   std::vector<Contact> found;
   for (Contact contact : world->contacts()) {
-    if (contact.below != kTable) contact.below = present_[at(contact.below)];
-    if (contact.above != kTable) contact.above = present_[at(contact.above)];
+    if (contact.below != kTable) contact.below = present_[static_cast<std::size_t>(contact.below)].value();
+    if (contact.above != kTable) contact.above = present_[static_cast<std::size_t>(contact.above)].value();
     found.push_back(contact);
   }
   return found;

@@ -42,8 +42,8 @@ struct Progress {
 class TrueWorld {
  public:
   /// The stones `present` (indices into `stones`), each far away until placed.
-  TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present, const GripperModel& gripper,
-            const SimulationOptions& options);
+  TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
+            const GripperModel& gripper, const SimulationOptions& options);
 
   [[nodiscard]] const SimulationOptions& options() const { return options_; }
   /// Steps this world.
@@ -68,17 +68,17 @@ class TrueWorld {
   /// Force that presses each finger outwards, now: elastic force of its pad and contacts behind it, N.
   [[nodiscard]] const std::array<double, kFingers>& finger_force() const { return finger_force_; }
 
-  [[nodiscard]] const std::vector<int>& present() const { return present_; }
+  [[nodiscard]] const std::vector<StoneIndex>& present() const { return present_; }
   [[nodiscard]] const ShapeList& shapes() const { return shapes_; }
-  [[nodiscard]] const Pose& pose(int stone) const { return state(stone).T_W_O; }
-  [[nodiscard]] Eigen::Vector3d centre_of_mass(int stone) const;
+  [[nodiscard]] const Pose& pose(StoneIndex stone) const { return state(stone).T_W_O; }
+  [[nodiscard]] Eigen::Vector3d centre_of_mass(StoneIndex stone) const;
   /// True if the stone has not moved for two seconds.
-  [[nodiscard]] bool rests(int stone) const;
+  [[nodiscard]] bool rests(StoneIndex stone) const;
   /// Puts a stone somewhere at once, at rest. For setting up.
-  void place(int stone, const Pose& T_W_O);
+  void place(StoneIndex stone, const Pose& T_W_O);
   /// Takes a stone out of play, far from where any other may come; `place` brings it back. For setting up.
-  void put_away(int stone);
-  /// Contacts as they are now, after one step of a world of its own.
+  void put_away(StoneIndex stone);
+  /// Contacts as they are now, after one step of a world of its own. Bodies are numbered as stones are.
   [[nodiscard]] std::vector<Contact> contacts() const;
   /// A world with every stone free and the true frictions, without the gripper. Body i is `present()[i]`.
   [[nodiscard]] std::unique_ptr<RigidWorld> judge_world(double step, int iterations,
@@ -102,8 +102,8 @@ class TrueWorld {
     int first_box = 0;          // body of the gripper's first box
   };
 
-  [[nodiscard]] const StoneState& state(int stone) const;
-  [[nodiscard]] StoneState& state(int stone);
+  [[nodiscard]] const StoneState& state(StoneIndex stone) const;
+  [[nodiscard]] StoneState& state(StoneIndex stone);
   [[nodiscard]] std::vector<bool> stones_in_play(const GripperPose& next) const;
   [[nodiscard]] bool pads_near();
   [[nodiscard]] std::unique_ptr<RigidWorld> make_world(EngineKind engine, double step, int iterations,
@@ -121,7 +121,7 @@ class TrueWorld {
   SimulationOptions options_;
   EngineKind engine_kind_;
   GripperBody model_;
-  std::vector<int> present_;
+  std::vector<StoneIndex> present_;
   ShapeList shapes_;                // by catalogue index, true masses
   std::vector<StoneState> states_;  // by catalogue index
   std::vector<double> friction_;    // by pair of catalogue indices, row by row; last column: the table

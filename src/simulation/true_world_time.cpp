@@ -21,10 +21,6 @@ constexpr double kTableStiffness = 1e5;   // N/m, gripper on table
 constexpr double kDeepestPress = 0.003;   // m into the table
 constexpr double kMaxForce = 150.0;       // N on the gripper: where a UR's protective stop is by default
 
-std::size_t at(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 Twist twist_between(const Pose& from, const Pose& to, double seconds) {
   const Eigen::AngleAxisd turn(to.rotation() * from.rotation().transpose());
   return {(to.translation() - from.translation()) / seconds, turn.angle() * turn.axis() / seconds};
@@ -55,20 +51,20 @@ std::vector<bool> TrueWorld::stones_in_play(const GripperPose& next) const {
     open.push_back(k);
   };
   for (std::size_t k = 0; k < present_.size(); ++k) {
-    const int i = present_[k];
-    const double reach = shapes_[at(i)]->radius + kGripperReach;
+    const StoneIndex i = present_[k];
+    const double reach = at(shapes_, i)->radius + kGripperReach;
     const Eigen::Vector3d p = centre_of_mass(i);
     if (!rests(i) || distance_to_gripper(model_, gripper_pose_, p) < reach ||
         distance_to_gripper(model_, next, p) < reach)
       enter(k);
   }
   while (!open.empty()) {
-    const int i = present_[open.back()];
+    const StoneIndex i = present_[open.back()];
     open.pop_back();
     for (std::size_t k = 0; k < present_.size(); ++k) {
-      const int j = present_[k];
+      const StoneIndex j = present_[k];
       const double gap =
-          (centre_of_mass(i) - centre_of_mass(j)).norm() - shapes_[at(i)]->radius - shapes_[at(j)]->radius;
+          (centre_of_mass(i) - centre_of_mass(j)).norm() - at(shapes_, i)->radius - at(shapes_, j)->radius;
       if (gap < kStoneReach) enter(k);
     }
   }
@@ -77,9 +73,10 @@ std::vector<bool> TrueWorld::stones_in_play(const GripperPose& next) const {
 
 bool TrueWorld::pads_near() {
   bool any = false;
-  for (const int i : present_)
+  for (const StoneIndex i : present_)
     for (int f = 0; f < kFingers; ++f)
-      if (state(i).pads[at(f)].near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O)) any = true;
+      if (state(i).pads[static_cast<std::size_t>(f)].near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O))
+        any = true;
   return any;
 }
 
@@ -92,13 +89,13 @@ void TrueWorld::press_pads(const GripperPose& next, double step) {
     const Eigen::Vector3d p_W_M = centre_of_mass(present_[k]);
     for (int f = 0; f < kFingers; ++f) {
       const Pose T_W_P = pad_pose(model_, f, gripper_pose_);
-      if (!it.pads[at(f)].near(T_W_P, it.T_W_O)) continue;
+      if (!it.pads[static_cast<std::size_t>(f)].near(T_W_P, it.T_W_O)) continue;
       const MovingFrame pad{T_W_P, T_W_P.translation(),
                             twist_between(T_W_P, pad_pose(model_, f, next), step)};
-      const PadLoad load = it.pads[at(f)].press(pad, {it.T_W_O, p_W_M, it.twist});
+      const PadLoad load = it.pads[static_cast<std::size_t>(f)].press(pad, {it.T_W_O, p_W_M, it.twist});
       engine_->world->apply(static_cast<int>(k), load.force, load.moment_about(p_W_M));
       pad_load_.add({-load.force, -load.moment});
-      finger_force_[at(f)] += load.normal;
+      finger_force_[static_cast<std::size_t>(f)] += load.normal;
     }
   }
 }
@@ -125,8 +122,8 @@ GripperLoad TrueWorld::read_contacts(double step) {
   const auto add = [&](int body, const Eigen::Vector3d& p_W, const Eigen::Vector3d& force) {
     if (body < engine_->first_box) return;
     load.add(p_W, force);
-    const auto& box = model_.boxes[at(body - engine_->first_box)];
-    if (box.finger >= 0) finger_force_[at(box.finger)] += box.side * x_W.dot(force);
+    const auto& box = model_.boxes[static_cast<std::size_t>(body - engine_->first_box)];
+    if (box.finger >= 0) finger_force_[static_cast<std::size_t>(box.finger)] += box.side * x_W.dot(force);
   };
   for (const auto& contact : engine_->world->contacts()) {
     const Eigen::Vector3d force = contact.impulse / step * contact.n_W;  // on `above`
@@ -191,7 +188,7 @@ Progress TrueWorld::advance(double seconds, const GripperPath& path) {
       time_ += chunk;
       sum.add(table_load(), chunk);
       weight += chunk;
-      for (const int i : present_) state(i).rest += chunk;
+      for (const StoneIndex i : present_) state(i).rest += chunk;
     } else {
       prepare_engine(in_play, pads_near() ? kGripStep : kWorldStep);
       for (debt_ += chunk; debt_ >= 0.5 * engine_->step;) {

@@ -15,8 +15,8 @@ constexpr double kTouches = 0.003;     // m: a loose stone that near to the stac
 constexpr double kApart = 0.006;  // m: planned as far from loose stones, for poses err by as much as kTouches
 constexpr double kBaseAtSite = 0.12;  // m: the first stone lies no further from the site
 
-const ContactShape& shape_of(const ShapeList& shapes, int stone) {
-  return *shapes[static_cast<std::size_t>(stone)];
+const ContactShape& shape_of(const ShapeList& shapes, StoneIndex stone) {
+  return *at(shapes, stone);
 }
 
 /// Does a stone at that pose rest over `below`, by geometry alone: clear of the table, its centre over the
@@ -30,7 +30,7 @@ bool rests_over(const ShapeList& shapes, const PlacedStone& upper, const PlacedS
          (com - com_below).head<2>().norm() < base.radius;
 }
 
-std::vector<Sighting>::iterator find(std::vector<Sighting>& sightings, int stone) {
+std::vector<Sighting>::iterator find(std::vector<Sighting>& sightings, StoneIndex stone) {
   return std::find_if(sightings.begin(), sightings.end(),
                       [&](const Sighting& s) { return s.stone == stone; });
 }
@@ -157,7 +157,7 @@ bool lie_within(const ShapeList& shapes, const PlacedStone& a, const PlacedStone
 
 bool leans_on_loose(const ShapeList& shapes, const std::vector<PlacedStone>& loose, const PlacedStone& placed,
                     const std::vector<PlacedStone>& below) {
-  const auto is_placed = [&](int stone) {
+  const auto is_placed = [&](StoneIndex stone) {
     return stone == placed.stone || std::any_of(below.begin(), below.end(), [&](const PlacedStone& lower) {
              return lower.stone == stone;
            });
@@ -234,10 +234,10 @@ double top_height(const ShapeList& shapes, const std::vector<PlacedStone>& stone
   return top;
 }
 
-PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, int stone,
+PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement, StoneIndex stone,
                            const Pose& T_W_O, const Joints& q_start) {
   PickAndPlaceTask task;
-  task.stone = &catalogue.stones[static_cast<std::size_t>(stone)];
+  task.stone = &catalogue[stone];
   task.T_W_O_place = T_W_O;
   task.q_start = q_start;
   task.support = static_cast<int>(arrangement.stack.size()) - 1;
@@ -265,7 +265,7 @@ std::vector<StoneEstimate> as_estimates(const std::vector<PlacedStone>& stones) 
   return estimates;
 }
 
-bool holds(const std::vector<StoneEstimate>& stones, int stone) {
+bool holds(const std::vector<StoneEstimate>& stones, StoneIndex stone) {
   return std::any_of(stones.begin(), stones.end(), [&](const auto& s) { return s.stone == stone; });
 }
 

@@ -24,15 +24,15 @@ Stack read_stack(const std::string& path, const Catalogue& catalogue) {
 ShapeList shapes_of(const Stack& stack, const Catalogue& catalogue) {
   ShapeList shapes(catalogue.stones.size());
   for (const PlacedStone& placed : stack.stones) {
-    const auto k = static_cast<std::size_t>(placed.stone);
-    if (!shapes[k]) shapes[k] = make_contact_shapes({catalogue.stones[k]}).front();
+    auto& shape = at(shapes, placed.stone);
+    if (!shape) shape = make_contact_shapes({catalogue[placed.stone]}).front();
   }
   return shapes;
 }
 
 void refuse_impossible(const std::string& path, const ShapeList& shapes, const Stack& stack) {
   for (const PlacedStone& placed : stack.stones) {
-    const ContactShape& shape = *shapes[static_cast<std::size_t>(placed.stone)];
+    const ContactShape& shape = *at(shapes, placed.stone);
     const std::string wrong = impossible(shape);
     if (!wrong.empty()) throw FileError(path, concat("stone ", shape.name, ": ", wrong), "repair the stone");
   }

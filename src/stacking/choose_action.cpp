@@ -35,7 +35,7 @@ std::string fault_of_site(const WorldEstimate& world, const Models& models) {
   if (world.stack.empty())
     return "something stands at the site that is none of the known stones: clear the site, or name another";
   const StoneEstimate& base = world.stack.front();
-  const double low = lowest(*models.shapes[static_cast<std::size_t>(base.stone)], base.T_W_O_at_rest);
+  const double low = lowest(*at(models.shapes, base.stone), base.T_W_O_at_rest);
   if (low > kOnTable)
     return concat(models.name(base.stone), " stands at the site, ", std::lround(1000 * low),
                   " mm above the table, on something that is not seen: clear the site, or name another");
@@ -51,7 +51,7 @@ std::optional<Stop> stop_at_start(const Situation& s) {
     return Stop{RunEnd::kNoPose, fault};
   std::vector<StoneNote> unfit;
   for (const PlacedStone& loose : s.arrangement.loose)
-    if (const std::string& why = s.models.unfit[static_cast<std::size_t>(loose.stone)]; !why.empty())
+    if (const std::string& why = at(s.models.unfit, loose.stone); !why.empty())
       unfit.push_back({loose.stone, why});
   s.emit(StonesUnfit{unfit});
   return std::nullopt;
@@ -104,7 +104,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
 std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) {
   if (s.arrangement.loose.empty()) {
     Stop stop{RunEnd::kAllPlaced, "all stones that are seen are placed"};
-    for (const int stone : memory.out_of_sight)
+    for (const StoneIndex stone : memory.out_of_sight)
       stop.reason += concat("; ", s.models.name(stone), " is out of sight");
     return stop;
   }
@@ -157,12 +157,12 @@ Action choose(const Situation& s, RunMemory& memory) {
 
 }  // namespace
 
-const std::string& Models::name(int stone) const {
+const std::string& Models::name(StoneIndex stone) const {
   return this->stone(stone).name;
 }
 
-const Stone& Models::stone(int stone) const {
-  return catalogue->stones[static_cast<std::size_t>(stone)];
+const Stone& Models::stone(StoneIndex stone) const {
+  return (*catalogue)[stone];
 }
 
 Models make_models(const Catalogue& catalogue, const RobotModel& robot, const CellLayout& layout) {

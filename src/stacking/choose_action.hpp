@@ -16,8 +16,8 @@ struct Models {
   ShapeList shapes;
   std::vector<std::string> unfit;  ///< why the gripper can hold a stone in no pose; empty: it can
 
-  [[nodiscard]] const std::string& name(int stone) const;
-  [[nodiscard]] const Stone& stone(int stone) const;
+  [[nodiscard]] const std::string& name(StoneIndex stone) const;
+  [[nodiscard]] const Stone& stone(StoneIndex stone) const;
 };
 [[nodiscard]] Models make_models(const Catalogue& catalogue, const RobotModel& robot,
                                  const CellLayout& layout);

@@ -73,7 +73,7 @@ bool was_given_up(const ShapeList& shapes, const RunMemory& memory, const Placed
          std::any_of(memory.refused.begin(), memory.refused.end(), same);
 }
 
-std::vector<Pose> useless_grasps(const RunMemory& memory, int stone) {
+std::vector<Pose> useless_grasps(const RunMemory& memory, StoneIndex stone) {
   std::vector<Pose> list;
   for (const auto* grasps : {&memory.failed_grasps, &memory.no_pick})
     if (const auto of_stone = grasps->find(stone); of_stone != grasps->end())
@@ -88,8 +88,8 @@ std::shared_ptr<Reach> make_reach(const Arrangement& arrangement, const WorldEst
       *models.catalogue, options.motion);
 }
 
-bool fits_gripper(const Models& models, int stone) {
-  return models.unfit[static_cast<std::size_t>(stone)].empty();
+bool fits_gripper(const Models& models, StoneIndex stone) {
+  return at(models.unfit, stone).empty();
 }
 
 /// The stack, the stones that the gripper can hold, and as out of reach what the arm does not reach and what
@@ -104,7 +104,7 @@ SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Ar
     if (fits_gripper(s.models, loose.stone) && reach->at_pick(loose.stone).can_be_held())
       problem.available.push_back(loose);
   problem.reachable = [&shapes = s.models.shapes, &memory, reach, route, loose = arrangement.loose](
-                          int stone, const Pose& T_W_O, const Stack& below) {
+                          StoneIndex stone, const Pose& T_W_O, const Stack& below) {
     if (was_given_up(shapes, memory, {stone, T_W_O}) ||
         leans_on_loose(shapes, loose, {stone, T_W_O}, below.stones))
       return false;
@@ -280,7 +280,7 @@ struct FrictionSearch {
 std::vector<StoneNote> not_held(const Situation& s) {
   std::vector<StoneNote> list;
   for (const PlacedStone& loose : s.arrangement.loose) {
-    const std::string& unfit = s.models.unfit[static_cast<std::size_t>(loose.stone)];
+    const std::string& unfit = at(s.models.unfit, loose.stone);
     if (!unfit.empty())
       list.push_back({loose.stone, unfit});
     else if (!s.reach->at_pick(loose.stone).can_be_held())
@@ -291,7 +291,7 @@ std::vector<StoneNote> not_held(const Situation& s) {
 
 /// The search's result that holds for this world: what is known, or found now.
 void search_now(const Situation& s, RunMemory& memory) {
-  std::vector<int> graspable = graspable_stones(s);
+  std::vector<StoneIndex> graspable = graspable_stones(s);
   if (memory.search && memory.search->graspable == graspable) return;
   if (graspable.empty()) {
     std::string stones;
@@ -373,15 +373,15 @@ Situation make_situation(const WorldEstimate& world, const Models& models, const
   return {world, models, options, listener, std::move(arrangement), std::move(reach)};
 }
 
-std::vector<int> graspable_stones(const Situation& s) {
-  std::vector<int> stones;
+std::vector<StoneIndex> graspable_stones(const Situation& s) {
+  std::vector<StoneIndex> stones;
   for (const PlacedStone& loose : s.arrangement.loose)
     if (fits_gripper(s.models, loose.stone) && s.reach->at_pick(loose.stone).can_be_held())
       stones.push_back(loose.stone);
   return stones;
 }
 
-RegraspOptions regrasp_options(const RunMemory& memory, int stone) {
+RegraspOptions regrasp_options(const RunMemory& memory, StoneIndex stone) {
   RegraspOptions regrasp;
   regrasp.max_set_downs = 1;
   if (const auto fell = memory.toppled.find(stone); fell != memory.toppled.end())

@@ -36,12 +36,12 @@ struct Situation {
 
 /// One set-down at a time: after each the stones are observed, and what lies otherwise than meant is planned
 /// anew.
-[[nodiscard]] RegraspOptions regrasp_options(const RunMemory& memory, int stone);
+[[nodiscard]] RegraspOptions regrasp_options(const RunMemory& memory, StoneIndex stone);
 /// May another stone be reoriented?
 [[nodiscard]] bool may_reorient(const RunMemory& memory, const BuildOptions& options);
 [[nodiscard]] bool height_is_reached(const Arrangement& arrangement, const BuildOptions& options);
 /// Stones (loose, by index) that the gripper can hold where they lie.
-[[nodiscard]] std::vector<int> graspable_stones(const Situation& situation);
+[[nodiscard]] std::vector<StoneIndex> graspable_stones(const Situation& situation);
 
 /// Stones of a plan that are expected to stand, at each friction that is `asked` about; 0 for the others.
 /// `resting`: the problem's stack at these frictions, or null to let it come to rest here.

@@ -19,9 +19,7 @@ std::string in_millimetres(const Pose& pose) {
 struct ActionText {
   const Catalogue& catalogue;
 
-  [[nodiscard]] const std::string& name(int stone) const {
-    return catalogue.stones[static_cast<std::size_t>(stone)].name;
-  }
+  [[nodiscard]] const std::string& name(StoneIndex stone) const { return catalogue[stone].name; }
   [[nodiscard]] std::string candidates(const char* verb, const std::vector<Placement>& list) const {
     std::string text;
     for (const Placement& p : list)

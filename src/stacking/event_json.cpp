@@ -13,9 +13,7 @@ using Record = std::pair<std::string, json>;
 struct Records {
   const Catalogue& catalogue;
 
-  [[nodiscard]] const std::string& name(int stone) const {
-    return catalogue.stones[static_cast<std::size_t>(stone)].name;
-  }
+  [[nodiscard]] const std::string& name(StoneIndex stone) const { return catalogue[stone].name; }
   [[nodiscard]] json list(const std::vector<StoneEstimate>& stones) const {
     json array = json::array();
     for (const auto& stone : stones)

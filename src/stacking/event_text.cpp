@@ -15,9 +15,7 @@ double tenth(double value) {
 struct Words {
   const Catalogue& catalogue;
 
-  [[nodiscard]] const std::string& name(int stone) const {
-    return catalogue.stones[static_cast<std::size_t>(stone)].name;
-  }
+  [[nodiscard]] const std::string& name(StoneIndex stone) const { return catalogue[stone].name; }
   [[nodiscard]] std::string names(const std::vector<StoneEstimate>& stones) const {
     std::string text;
     for (const auto& stone : stones) text += (text.empty() ? "" : ", ") + name(stone.stone);

@@ -16,11 +16,11 @@ constexpr double kExtent = 0.75;     // of the bounding radius: stones are longe
 constexpr double kGap = 0.002;       // m, that it falls
 constexpr std::size_t kMaxPlaces = 8;
 
-const ContactShape& shape_of(const ShapeList& shapes, int stone) {
-  return *shapes[static_cast<std::size_t>(stone)];
+const ContactShape& shape_of(const ShapeList& shapes, StoneIndex stone) {
+  return *at(shapes, stone);
 }
 
-double radius(const ShapeList& shapes, int stone) {
+double radius(const ShapeList& shapes, StoneIndex stone) {
   return kExtent * shape_of(shapes, stone).radius;
 }
 
@@ -39,7 +39,7 @@ Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
 
 std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
                               const Arrangement& arrangement, const PlacedStone& held) {
-  const int stone = held.stone;
+  const StoneIndex stone = held.stone;
   const Pose rest = rest_on_table(shapes, held);
   const Eigen::Vector3d com = rest * shape_of(shapes, stone).mass.p_O_M;
   std::vector<std::pair<double, Pose>> places;

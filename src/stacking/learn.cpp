@@ -17,13 +17,13 @@ constexpr double kMaxBias = 0.008;  // m: a stone that came to rest further off 
 using Outcome = PlacementRecord::Outcome;
 using Status = ExecutionResult::Status;
 
-const StoneEstimate* find(const std::vector<StoneEstimate>& stones, int stone) {
+const StoneEstimate* find(const std::vector<StoneEstimate>& stones, StoneIndex stone) {
   const auto found =
       std::find_if(stones.begin(), stones.end(), [&](const StoneEstimate& s) { return s.stone == stone; });
   return found == stones.end() ? nullptr : &*found;
 }
 
-void erase(std::vector<StoneEstimate>& stones, int stone) {
+void erase(std::vector<StoneEstimate>& stones, StoneIndex stone) {
   std::erase_if(stones, [&](const StoneEstimate& s) { return s.stone == stone; });
 }
 
@@ -48,7 +48,7 @@ void note_view(RunMemory& memory, const LookAgain& view) {
 void expect(Attempt& attempt, const WorldEstimate& world) {
   attempt.expected_stack = world.stack;
   attempt.expected_loose = world.loose;
-  const int stone = attempt.placement.stone;
+  const StoneIndex stone = attempt.placement.stone;
   const StoneEstimate there{stone, attempt.placement.T_W_O, attempt.placement.T_W_O};
   const bool released = attempt.done.status == Status::kReleased;
   if (std::holds_alternative<Place>(attempt.action)) {
@@ -298,7 +298,7 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
     if (listener) listener(event);
   };
   if (next_view(seen, memory)) return memory;
-  for (const int stone : missing_stones(seen, memory)) memory.out_of_sight.insert(stone);
+  for (const StoneIndex stone : missing_stones(seen, memory)) memory.out_of_sight.insert(stone);
   const Arrangement arrangement = at_rest(seen);
   for (const auto* list : {&arrangement.stack, &arrangement.loose})
     for (const PlacedStone& stone : *list) {

@@ -11,6 +11,6 @@ namespace stonestack::stacking {
 /// missing or all of these were tried since the last action.
 [[nodiscard]] std::optional<LookAgain> next_view(const WorldEstimate& world, const RunMemory& memory);
 /// Stones that were seen before and are not now, but for those that were looked for in vain.
-[[nodiscard]] std::vector<int> missing_stones(const WorldEstimate& world, const RunMemory& memory);
+[[nodiscard]] std::vector<StoneIndex> missing_stones(const WorldEstimate& world, const RunMemory& memory);
 
 }  // namespace stonestack::stacking

@@ -34,13 +34,14 @@ void keep_better(std::vector<Sighting>& sightings, const Sighting& seen) {
   }
 }
 
-bool seen(const std::vector<Sighting>& sightings, int stone) {
+bool seen(const std::vector<Sighting>& sightings, StoneIndex stone) {
   return std::any_of(sightings.begin(), sightings.end(), [&](const Sighting& s) { return s.stone == stone; });
 }
 
-std::vector<int> unseen(const std::vector<int>& wanted, const std::vector<Sighting>& sightings) {
-  std::vector<int> missing;
-  for (const int stone : wanted)
+std::vector<StoneIndex> unseen(const std::vector<StoneIndex>& wanted,
+                               const std::vector<Sighting>& sightings) {
+  std::vector<StoneIndex> missing;
+  for (const StoneIndex stone : wanted)
     if (!seen(sightings, stone)) missing.push_back(stone);
   return missing;
 }
@@ -92,7 +93,7 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
   scene.T_F_T = layout.T_F_T;
   for (const auto* group : {&arrangement.stack, &arrangement.loose})
     for (const auto& placed : *group) {
-      const Stone& stone = catalogue.stones[static_cast<std::size_t>(placed.stone)];
+      const Stone& stone = catalogue[placed.stone];
       scene.objects.push_back({stone.name, stone.pieces, placed.T_W_O});
     }
   scene.paddings = layout.paddings;
@@ -142,8 +143,9 @@ CameraView take_view(Cell& cell, const RobotModel& robot, const JointTrajectory&
 }
 
 std::vector<Sighting> find_in_views(const std::vector<CameraView>& views, const DetectionModels& models,
-                                    const std::vector<int>& wanted, const std::vector<int>& together,
-                                    const Arrangement& before, const DetectionOptions& options) {
+                                    const std::vector<StoneIndex>& wanted,
+                                    const std::vector<StoneIndex>& together, const Arrangement& before,
+                                    const DetectionOptions& options) {
   std::vector<Sighting> sightings;
   for (const auto& view : views)
     for (const auto* group : {&before.stack, &before.loose})
@@ -165,7 +167,7 @@ std::vector<Sighting> find_in_views(const std::vector<CameraView>& views, const 
   for (const auto& view : views)
     add(view.T_W_C, detect_stones(view.image, models, missing, options, known_in(view.T_W_C, explained)));
   auto still_missing = unseen(missing, sightings);
-  std::erase_if(still_missing, [&](int stone) {
+  std::erase_if(still_missing, [&](StoneIndex stone) {
     return std::find(together.begin(), together.end(), stone) == together.end();
   });
   if (views.size() == 1 || still_missing.empty()) return sightings;

@@ -162,7 +162,7 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   Seen seen = take_views(w, expected, while_moving);
   // What no first view showed may come to light when others are taken away, but is not worth a search in all
   // views together after each of them.
-  std::vector<int> wanted, together;
+  std::vector<StoneIndex> wanted, together;
   for (int i = 0; i < static_cast<int>(w.models.shapes.size()); ++i) {
     wanted.push_back(i);
     if (expected.first || std::find(expected.known.begin(), expected.known.end(), i) != expected.known.end())

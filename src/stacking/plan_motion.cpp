@@ -12,7 +12,7 @@ namespace stonestack::stacking {
 namespace {
 
 void name_useless_grasps(PickAndPlaceTask& task, const RunMemory& memory,
-                         const std::map<int, std::vector<Pose>>& no_pick, int stone) {
+                         const std::map<StoneIndex, std::vector<Pose>>& no_pick, StoneIndex stone) {
   if (const auto failed = memory.failed_grasps.find(stone); failed != memory.failed_grasps.end())
     task.avoid = failed->second;
   if (const auto none = no_pick.find(stone); none != no_pick.end()) task.no_pick = none->second;
@@ -23,7 +23,7 @@ void add_refusal(MotionPlan& plan, const std::string& refusal) {
 }
 
 /// The approach to the grasp ends at what it touches.
-void guard_approach(Workcell& w, PickAndPlacePlan& plan, int stone) {
+void guard_approach(Workcell& w, PickAndPlacePlan& plan, StoneIndex stone) {
   w.emit(FingertipGrasp{stone});
   const auto approach = std::find_if(plan.steps.begin(), plan.steps.end(), [](const PlanStep& step) {
     return step.kind == PlanStep::Kind::kApproach;
@@ -40,7 +40,7 @@ struct Planner {
   MotionPlan plan;
   Joints q = w.cell.arm.state().q;
 
-  [[nodiscard]] PickAndPlaceTask task_for(int stone, const Pose& T_W_O) const {
+  [[nodiscard]] PickAndPlaceTask task_for(StoneIndex stone, const Pose& T_W_O) const {
     auto task = make_task(*w.models.catalogue, arrangement, stone, T_W_O, q);
     name_useless_grasps(task, memory, plan.no_pick, stone);
     return task;
@@ -57,7 +57,7 @@ struct Planner {
     if (w.options.correct_aim) plan.p_W_aim = placing_bias(memory.records);
     for (const Placement& placement : action.candidates) {
       throw_if_interrupted();
-      const int stone = placement.stone;
+      const StoneIndex stone = placement.stone;
       const Pose T_W_O_aim = Eigen::Translation3d(-plan.p_W_aim) * placement.T_W_O;
       if (accept(plan_pick_and_place(plan.scene, task_for(stone, T_W_O_aim), reach.options_for(stone)),
                  placement)) {
@@ -73,7 +73,7 @@ struct Planner {
   void operator()(const Reorient& action) {
     for (const Placement& placement : action.candidates) {
       throw_if_interrupted();
-      const int stone = placement.stone;
+      const StoneIndex stone = placement.stone;
       RegraspPlan made = plan_regrasp(plan.scene, task_for(stone, placement.T_W_O), reach.options_for(stone),
                                       regrasp_options(memory, stone));
       if (!made.planned) {
@@ -92,7 +92,7 @@ struct Planner {
   }
 
   /// Straight up to each place first, then along `n_W_lift`, where that is given.
-  void set_down(const PickAndPlaceTask& straight, int stone, const std::vector<Pose>& T_W_O_down,
+  void set_down(const PickAndPlaceTask& straight, StoneIndex stone, const std::vector<Pose>& T_W_O_down,
                 const std::optional<Eigen::Vector3d>& n_W_lift) {
     plan.refusal = "the field has no free space";
     for (const bool leaning : {false, true}) {

@@ -14,7 +14,7 @@ struct MotionPlan {
   PlanningScene scene;
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim, m
   JointTrajectory route;                              ///< of LookAgain
-  std::map<int, std::vector<Pose>> no_pick;           ///< T_O_T by stone that were found not to lift it
+  std::map<StoneIndex, std::vector<Pose>> no_pick;    ///< T_O_T by stone that were found not to lift it
 };
 
 /// Plans the first of the action's candidates that a motion is found for, from where the arm is. Nothing

@@ -25,7 +25,8 @@ Reach::Reach(Arrangement arrangement, PlanningScene scene, const Catalogue& cata
       options_(options),
       near_table_(near_table(options)) {}
 
-bool Reach::in_one_go(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid) {
+bool Reach::in_one_go(StoneIndex stone, const Pose& T_W_O, const Stack& below,
+                      const std::vector<Pose>& avoid) {
   const GraspFinder& finder = direct(stone);
   const GraspCheck check = finder.check(T_W_O, avoid.empty() ? 1 : 0, planned(below));
   return std::any_of(check.usable.begin(), check.usable.end(), [&](int k) {
@@ -33,8 +34,8 @@ bool Reach::in_one_go(int stone, const Pose& T_W_O, const Stack& below, const st
   });
 }
 
-bool Reach::by_reorienting(int stone, const Pose& T_W_O, const Stack& below, const std::vector<Pose>& avoid,
-                           const RegraspOptions& regrasp) {
+bool Reach::by_reorienting(StoneIndex stone, const Pose& T_W_O, const Stack& below,
+                           const std::vector<Pose>& avoid, const RegraspOptions& regrasp) {
   auto at = turning_.find(stone);
   if (at == turning_.end()) {
     const auto task = lying(stone);
@@ -44,7 +45,7 @@ bool Reach::by_reorienting(int stone, const Pose& T_W_O, const Stack& below, con
   return at->second.serves(T_W_O, planned(below));
 }
 
-const GraspFinder& Reach::direct(int stone) {
+const GraspFinder& Reach::direct(StoneIndex stone) {
   auto at = direct_.find(stone);
   if (at == direct_.end()) {
     const auto task = lying(stone);
@@ -62,14 +63,14 @@ const GraspFinder& Reach::direct(int stone) {
   return at->second;
 }
 
-PickAndPlaceTask Reach::lying(int stone) const {
+PickAndPlaceTask Reach::lying(StoneIndex stone) const {
   return make_task(catalogue_, arrangement_, stone, Pose::Identity(), Joints::Zero());
 }
 
 std::vector<SceneObject> Reach::planned(const Stack& below) const {
   std::vector<SceneObject> objects;
   for (std::size_t k = arrangement_.stack.size(); k < below.stones.size(); ++k) {
-    const Stone& lower = catalogue_.stones[static_cast<std::size_t>(below.stones[k].stone)];
+    const Stone& lower = catalogue_[below.stones[k].stone];
     objects.push_back({lower.name, lower.pieces, below.stones[k].T_W_O});
   }
   return objects;

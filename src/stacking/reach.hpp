@@ -20,28 +20,28 @@ class Reach {
         const MotionOptions& options);
 
   /// How grasps of the stone fare where it lies.
-  [[nodiscard]] const GraspCheck& at_pick(int stone) { return direct(stone).at_pick(); }
+  [[nodiscard]] const GraspCheck& at_pick(StoneIndex stone) { return direct(stone).at_pick(); }
 
   /// Options of a plan with the stone: the given ones or, where no grasp holds it as it lies but
   /// some do with finger tips nearer to the table, as these ask for.
-  [[nodiscard]] const MotionOptions& options_for(int stone) {
+  [[nodiscard]] const MotionOptions& options_for(StoneIndex stone) {
     (void)direct(stone);
     return low_.contains(stone) ? near_table_ : options_;
   }
-  [[nodiscard]] bool is_low(int stone) { return &options_for(stone) == &near_table_; }
+  [[nodiscard]] bool is_low(StoneIndex stone) { return &options_for(stone) == &near_table_; }
 
   /// Can the gripper bring the stone there without the grasps near `avoid`, in one go? `below`: the stack
   /// then.
-  [[nodiscard]] bool in_one_go(int stone, const Pose& T_W_O, const Stack& below,
+  [[nodiscard]] bool in_one_go(StoneIndex stone, const Pose& T_W_O, const Stack& below,
                                const std::vector<Pose>& avoid = {});
 
   /// Likewise, if the stone is set down on the table in between.
-  [[nodiscard]] bool by_reorienting(int stone, const Pose& T_W_O, const Stack& below,
+  [[nodiscard]] bool by_reorienting(StoneIndex stone, const Pose& T_W_O, const Stack& below,
                                     const std::vector<Pose>& avoid, const RegraspOptions& regrasp);
 
  private:
-  const GraspFinder& direct(int stone);
-  [[nodiscard]] PickAndPlaceTask lying(int stone) const;
+  const GraspFinder& direct(StoneIndex stone);
+  [[nodiscard]] PickAndPlaceTask lying(StoneIndex stone) const;
   /// Stones of `below` that do not stand yet.
   [[nodiscard]] std::vector<SceneObject> planned(const Stack& below) const;
 
@@ -50,9 +50,9 @@ class Reach {
   const Catalogue& catalogue_;
   const MotionOptions& options_;
   MotionOptions near_table_;
-  std::set<int> low_;  ///< stones that only such grasps hold
-  std::map<int, GraspFinder> direct_;
-  std::map<int, RegraspFinder> turning_;
+  std::set<StoneIndex> low_;  ///< stones that only such grasps hold
+  std::map<StoneIndex, GraspFinder> direct_;
+  std::map<StoneIndex, RegraspFinder> turning_;
 };
 
 }  // namespace stonestack::stacking

@@ -24,7 +24,7 @@ class Recorder {
   const BuildHooks& hooks_;
   const Clock& clock_;
   RunResult result_;
-  std::set<int> uncertain_;
+  std::set<StoneIndex> uncertain_;
   std::string not_held_;
 };
 

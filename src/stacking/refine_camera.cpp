@@ -37,7 +37,7 @@ void add_marks(const ShapeList& shapes, const CameraView& a, const DetectionResu
       if (seen_a.stone != seen_b.stone) continue;
       const auto apart = difference(a.T_W_C * seen_a.T_C_O, b.T_W_C * seen_b.T_C_O);
       if (apart.translation > kSameShift || apart.angle > kSameTurn) continue;
-      const Eigen::Vector3d& p_O_M = shapes[static_cast<std::size_t>(seen_a.stone)]->mass.p_O_M;
+      const Eigen::Vector3d& p_O_M = at(shapes, seen_a.stone)->mass.p_O_M;
       view_a.marks.push_back({seen_a.stone, seen_a.T_C_O * p_O_M});
       view_b.marks.push_back({seen_b.stone, seen_b.T_C_O * p_O_M});
     }

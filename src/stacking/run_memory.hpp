@@ -42,9 +42,9 @@ struct SearchOutcome {
   SearchResult found;
   std::size_t friction_level = 0;
   Route route = Route::kDirect;
-  std::vector<int> graspable;  ///< stones that the gripper could hold where they lay
-  int refused = 0;             ///< stages (Place, Reorient; of the highest plans, then of the others) refused
-  std::string refusals;        ///< in words
+  std::vector<StoneIndex> graspable;  ///< stones that the gripper could hold where they lay
+  int refused = 0;       ///< stages (Place, Reorient; of the highest plans, then of the others) refused
+  std::string refusals;  ///< in words
   std::optional<Stop> dead_end;  ///< why none of it can be done
   /// Stones expected to stand in the end when the top k + 1 are unstacked first; made when it is asked for.
   std::optional<std::vector<double>> expected_unstacked;
@@ -85,22 +85,22 @@ struct RunMemory {
   int failures = 0;  ///< placements that did not hold
   int unstacked = 0, reoriented = 0, cleared = 0;
   std::optional<Failure> failure;
-  std::map<int, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone
-  std::map<int, std::vector<Eigen::Vector3d>> toppled;  ///< ups, frame O, in which it did not stay
-  std::vector<PlacedStone> given_up;                    ///< tops of stacks on which nothing was found to fit
-  std::map<int, Eigen::Vector3d> last_seen;             ///< centre of mass, W, m
-  std::set<int> out_of_sight;                           ///< looked for in vain
+  std::map<StoneIndex, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone
+  std::map<StoneIndex, std::vector<Eigen::Vector3d>> toppled;  ///< ups, frame O, in which it did not stay
+  std::vector<PlacedStone> given_up;                ///< tops of stacks on which nothing was found to fit
+  std::map<StoneIndex, Eigen::Vector3d> last_seen;  ///< centre of mass, W, m
+  std::set<StoneIndex> out_of_sight;                ///< looked for in vain
   std::optional<Unstacking> unstacking;
   std::optional<Attempt> attempt;
 
   // Of the world as it is now: forgotten with the next observation after an action.
   std::optional<SearchOutcome> search;
-  std::map<int, std::vector<Pose>> no_pick;  ///< T_O_T that do not lift the stone from where it lies
-  std::vector<PlacedStone> refused;          ///< poses to which no motion was found
-  std::set<int> sought_where_it_was;         ///< stones
-  int sought_beside_site = 0;                ///< places
-  bool stray_stays = false;                  ///< no motion clears the base
-  bool stack_stays = false;                  ///< no motion unstacks the top stone
+  std::map<StoneIndex, std::vector<Pose>> no_pick;  ///< T_O_T that do not lift the stone from where it lies
+  std::vector<PlacedStone> refused;                 ///< poses to which no motion was found
+  std::set<StoneIndex> sought_where_it_was;         ///< stones
+  int sought_beside_site = 0;                       ///< places
+  bool stray_stays = false;                         ///< no motion clears the base
+  bool stack_stays = false;                         ///< no motion unstacks the top stone
 };
 
 }  // namespace stonestack::stacking

@@ -31,7 +31,7 @@ void let_come_to_rest(const SearchOptions& options, SearchProblem& problem) {
 void leave_what_is_too_heavy(const PlanningScene& scene, const Catalogue& catalogue, SearchProblem& problem) {
   std::string heavy;
   std::erase_if(problem.available, [&](const auto& item) {
-    const Stone& stone = catalogue.stones[static_cast<std::size_t>(item.stone)];
+    const Stone& stone = catalogue[item.stone];
     const std::string who = overload(stone.mass.mass, scene.gripper, scene.robot);
     if (!who.empty())
       heavy += concat(heavy.empty() ? "" : ", ", stone.name, " (", stone.mass.mass, " kg, ", who, ")");
@@ -57,7 +57,7 @@ void ask_the_arm(const SceneSearchTask& task, const Catalogue& catalogue, Search
   const PlanningScene scene = make_planning_scene(layout, robot, catalogue, arrangement);
   leave_what_is_too_heavy(scene, catalogue, problem);
   const auto reach = std::make_shared<Reach>(arrangement, scene, catalogue, task.motion);
-  problem.reachable = [reach](int stone, const Pose& T_W_O, const Stack& below) {
+  problem.reachable = [reach](StoneIndex stone, const Pose& T_W_O, const Stack& below) {
     return reach->in_one_go(stone, T_W_O, below);
   };
 }

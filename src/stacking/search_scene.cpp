@@ -23,33 +23,33 @@ std::string in_metres(const Eigen::Vector2d& p) {
 
 std::string names(const Catalogue& catalogue, const std::vector<PlacedStone>& stones) {
   std::string list;
-  for (const PlacedStone& placed : stones)
-    list += (list.empty() ? "" : ", ") + catalogue.stones[static_cast<std::size_t>(placed.stone)].name;
+  for (const PlacedStone& placed : stones) list += (list.empty() ? "" : ", ") + catalogue[placed.stone].name;
   return list;
 }
 
 /// Contact shapes of these stones alone.
-std::shared_ptr<const ShapeList> shapes_of(const Catalogue& catalogue, const std::vector<int>& wanted) {
-  std::vector<int> indices = wanted;
+std::shared_ptr<const ShapeList> shapes_of(const Catalogue& catalogue,
+                                           const std::vector<StoneIndex>& wanted) {
+  std::vector<StoneIndex> indices = wanted;
   std::sort(indices.begin(), indices.end());
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
   std::vector<Stone> stones;
-  for (const int i : indices) stones.push_back(catalogue.stones[static_cast<std::size_t>(i)]);
+  for (const StoneIndex i : indices) stones.push_back(catalogue[i]);
   const ShapeList made = make_contact_shapes(stones);
   ShapeList shapes(catalogue.stones.size());
-  for (std::size_t i = 0; i < indices.size(); ++i) shapes[static_cast<std::size_t>(indices[i])] = made[i];
+  for (std::size_t i = 0; i < indices.size(); ++i) at(shapes, indices[i]) = made[i];
   return std::make_shared<const ShapeList>(std::move(shapes));
 }
 
-std::vector<int> indices_of(const std::vector<PlacedStone>& stones) {
-  std::vector<int> indices;
+std::vector<StoneIndex> indices_of(const std::vector<PlacedStone>& stones) {
+  std::vector<StoneIndex> indices;
   for (const PlacedStone& placed : stones) indices.push_back(placed.stone);
   return indices;
 }
 
 void add_shapes(const Catalogue& catalogue, SearchStart& start) {
-  std::vector<int> wanted = indices_of(start.problem.stack.stones);
-  for (const int i : indices_of(start.problem.available)) wanted.push_back(i);
+  std::vector<StoneIndex> wanted = indices_of(start.problem.stack.stones);
+  for (const StoneIndex i : indices_of(start.problem.available)) wanted.push_back(i);
   start.shapes = shapes_of(catalogue, wanted);
   start.problem.shapes = start.shapes.get();
 }
@@ -173,8 +173,7 @@ void set_stack(const SceneSearchTask& input, const Catalogue& catalogue,
   start.problem.available = sorted.available;
   if (!sorted.stack.empty()) {
     const PlacedStone& base = sorted.stack.front();
-    const Eigen::Vector3d p_W_com =
-        base.T_W_O * (*start.shapes)[static_cast<std::size_t>(base.stone)]->mass.p_O_M;
+    const Eigen::Vector3d p_W_com = base.T_W_O * at(*start.shapes, base.stone)->mass.p_O_M;
     if (!site) site = p_W_com.head<2>();
     start.site_text = concat(names(catalogue, sorted.stack), " stand", sorted.stack.size() == 1 ? "s" : "",
                              " at ", in_metres(p_W_com.head<2>()), ", from the table up");

@@ -83,7 +83,7 @@ std::vector<StoneEstimate> settle_stack(const ShapeList& shapes, const std::vect
   std::vector<StoneEstimate> estimates;
   for (const auto& [estimate, moved] : stack) {
     estimates.push_back(estimate);
-    const int stone = estimate.stone;
+    const StoneIndex stone = estimate.stone;
     standing.stones.push_back(
         {stone, moved ? lowered(shapes, standing, {stone, estimate.T_W_O_seen}) : estimate.T_W_O_at_rest});
   }

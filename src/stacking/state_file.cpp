@@ -59,9 +59,7 @@ Route route_of(const json& j) {
 struct Writer {
   const Catalogue& catalogue;
 
-  [[nodiscard]] const std::string& name(int stone) const {
-    return catalogue.stones[static_cast<std::size_t>(stone)].name;
-  }
+  [[nodiscard]] const std::string& name(StoneIndex stone) const { return catalogue[stone].name; }
   [[nodiscard]] json placed(const PlacedStone& s) const {
     return {{"stone", name(s.stone)}, {"T_W_O", pose_json(s.T_W_O)}};
   }
@@ -88,14 +86,14 @@ struct Writer {
     return list_json(list, [&](const Placement& p) { return placement(p); });
   }
   template <class T, class F>
-  [[nodiscard]] json by_stone(const std::map<int, T>& map, const F& one) const {
+  [[nodiscard]] json by_stone(const std::map<StoneIndex, T>& map, const F& one) const {
     json object = json::object();
     for (const auto& [stone, value] : map) object[name(stone)] = one(value);
     return object;
   }
-  [[nodiscard]] json stones(const std::set<int>& set) const {
+  [[nodiscard]] json stones(const std::set<StoneIndex>& set) const {
     json array = json::array();
-    for (const int stone : set) array.push_back(name(stone));
+    for (const StoneIndex stone : set) array.push_back(name(stone));
     return array;
   }
   [[nodiscard]] json record(const PlacementRecord& r) const {
@@ -126,7 +124,7 @@ struct Writer {
 struct Reader {
   const Catalogue& catalogue;
 
-  [[nodiscard]] int stone(const json& j) const { return catalogue.index(j.get<std::string>()); }
+  [[nodiscard]] StoneIndex stone(const json& j) const { return catalogue.index(j.get<std::string>()); }
   [[nodiscard]] PlacedStone placed(const json& j) const {
     return {stone(j.at("stone")), pose_of(j.at("T_W_O"))};
   }
@@ -151,12 +149,12 @@ struct Reader {
   }
   template <class F>
   [[nodiscard]] auto by_stone(const json& j, const F& one) const {
-    std::map<int, decltype(one(j))> map;
+    std::map<StoneIndex, decltype(one(j))> map;
     for (const auto& [name, value] : j.items()) map[catalogue.index(name)] = one(value);
     return map;
   }
-  [[nodiscard]] std::set<int> stones(const json& j) const {
-    std::set<int> set;
+  [[nodiscard]] std::set<StoneIndex> stones(const json& j) const {
+    std::set<StoneIndex> set;
     for (const json& item : j) set.insert(stone(item));
     return set;
   }
@@ -187,7 +185,7 @@ struct Reader {
     s.found.reason = j.at("reason").get<std::string>();
     s.friction_level = j.at("friction_level").get<std::size_t>();
     s.route = route_of(j.at("route"));
-    const std::set<int> graspable = stones(j.at("graspable"));
+    const std::set<StoneIndex> graspable = stones(j.at("graspable"));
     s.graspable.assign(graspable.begin(), graspable.end());
     s.refused = j.at("refused").get<int>();
     s.refusals = j.at("refusals").get<std::string>();

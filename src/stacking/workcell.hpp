@@ -24,10 +24,10 @@ struct Workcell {
 struct Expectation {
   std::vector<StoneEstimate> stack, loose;
   SiteStatus site = SiteStatus::kFree;
-  FrictionEstimate friction;  ///< at whose frictions the stack is settled
-  std::vector<int> known;     ///< stones that were seen in this run
-  bool first = false;         ///< nothing was observed yet
-  bool as_planned = false;    ///< a stone has just been released where it should be
+  FrictionEstimate friction;      ///< at whose frictions the stack is settled
+  std::vector<StoneIndex> known;  ///< stones that were seen in this run
+  bool first = false;             ///< nothing was observed yet
+  bool as_planned = false;        ///< a stone has just been released where it should be
   std::shared_ptr<const Views>
       views;  ///< to which one more view is added from where the camera is; else null
 };

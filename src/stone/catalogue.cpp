@@ -63,10 +63,21 @@ std::vector<fs::path> stone_folders(const std::string& path) {
 
 }  // namespace
 
-int Catalogue::index(const std::string& name) const {
+void throw_no_such_stone(StoneIndex stone, std::size_t count) {
+  throw InvalidArgument(concat("no stone ", stone, "; there are ", count));
+}
+
+std::vector<StoneIndex> first_stones(std::size_t count) {
+  std::vector<StoneIndex> stones;
+  stones.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) stones.emplace_back(i);
+  return stones;
+}
+
+StoneIndex Catalogue::index(const std::string& name) const {
   const Stone* nearest = nullptr;
   for (std::size_t i = 0; i < stones.size(); ++i) {
-    if (stones[i].name == name) return static_cast<int>(i);
+    if (stones[i].name == name) return StoneIndex(i);
     if (nearest == nullptr || edits(name, stones[i].name) < edits(name, nearest->name)) nearest = &stones[i];
   }
   throw InvalidArgument(

@@ -1,4 +1,4 @@
-// What `stonestack doctor` says of cells, well and ill.
+// Reports of `stonestack doctor` on cells with and without faults.
 #include <signal.h>
 
 #include <chrono>
@@ -149,7 +149,7 @@ TEST_F(DoctorHandEye, ReportsWhatCannotBeChecked) {
               AllOf(HasSubstr("FAIL  cell file, hand-eye"), HasSubstr("facing the arm")));
 }
 
-// Turned is not inverted: a camera that looks 40 deg aside is right where the simulated one does, too.
+// Turned is not inverted: a camera that points 40 deg aside is right where the simulated one does, too.
 TEST_F(DoctorHandEye, ATiltedCameraIsNoInverse) {
   const std::string tilted = "x: 0.0, y: 0.11, z: -0.17, qx: 0.3420201, qy: 0.0, qz: 0.0, qw: 0.9396926";
   EXPECT_THAT(finding("T_T_C: {" + tilted + "}", ", T_T_C: {" + tilted + "}"),
@@ -209,7 +209,7 @@ TEST_F(DoctorCommand, CtrlCEndsItAtOnce) {
                                      STONESTACK_BINARY, " doctor --cell silent.yaml 2>err"));
   EXPECT_LT(watch.seconds(), 40) << "it does not wait for the controller";
   EXPECT_EQ(ended.code, 130);
-  EXPECT_THAT(ended.err, Not(HasSubstr("FAIL"))) << "and looks at nothing else";
+  EXPECT_THAT(ended.err, Not(HasSubstr("FAIL"))) << "and checks nothing else";
 }
 
 TEST_F(DoctorCommand, ReportsThatACellHasNoAddressOfAnArm) {

@@ -29,7 +29,7 @@ TEST_F(Commands, ExperimentKeepsTheRecordOfThePaper) {
   for (const char* file : {"figure5.svg", "figure5.csv", "runs.csv", "summary.txt", "run-3/tower.png"})
     EXPECT_TRUE(fs::exists(folder_ + "/record/" + file)) << file;
   expect_refusal(arguments + "record", 2, {"record", "is there already"});
-  // A run of the experiment is an ordinary run with the seed that its line tells.
+  // A run of the experiment is an ordinary run with the seed that its line shows.
   EXPECT_EQ(result["runs"][0]["seed"], 2001);
 }
 
@@ -118,7 +118,7 @@ TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   EXPECT_FALSE(fs::exists(folder_ + "/record"));
 }
 
-/// Also where its first run was stopped, so that no run tells what it was.
+/// Also where its first run was stopped, so that no run shows what it was.
 TEST_F(Commands, AnExperimentWithoutARunGoesOnWithAsManyStonesARun) {
   const Outcome stopped = shell(
       interrupted_at(folder_, "experiment --runs 2 --per-run 2 --survival false --out record", "run 1 of 2"));

@@ -83,7 +83,7 @@ TEST_F(RunRecord, AFullDiskCostsPictureAndReportAndNothingElse) {
     EXPECT_THAT(file.path().filename().string(), Not(HasSubstr(".part"))) << "left behind";
 }
 
-/// The arm does not go on without a journal, and what was done so far is told.
+/// The arm does not go on without a journal, and what was done so far is reported.
 TEST_F(RunRecord, AFullDiskDuringTheRunStopsItAndTheTableIsPrinted) {
   fs::create_directories(folder_ + "/run");
   fs::create_symlink("/dev/full", folder_ + "/run/journal.jsonl");

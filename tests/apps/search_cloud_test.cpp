@@ -41,8 +41,7 @@ class SearchCloud : public Commands {
     const Catalogue catalogue = read_catalogue(STONESTACK_SOURCE_DIR "/data/stones");
     RayScene world;
     world.add(make_box({3.0, 3.0, 0.02}), make_pose(Eigen::Vector3d(0.7, 0, -0.01)));
-    for (const NamedPose& item : truth_)
-      world.add(catalogue.stones[static_cast<std::size_t>(catalogue.index(item.stone))].scan, item.T_W_O);
+    for (const NamedPose& item : truth_) world.add(catalogue[catalogue.index(item.stone)].scan, item.T_W_O);
     world.commit();
     const SensorModel sensor = make_sensor("sr300");
     Random random = Random::stream(1, "search cloud");

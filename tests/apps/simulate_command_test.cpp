@@ -25,7 +25,7 @@ TEST_F(SimulateCommand, ServesEachDeviceAlone) {
   EXPECT_EQ(served("ft"), "force sensor;");
   EXPECT_EQ(served("camera"), "depth camera;");
   EXPECT_EQ(served("ft,camera --only arm"), "UR controller;force sensor;depth camera;");
-  expect_refusal("simulate --cell cell.yaml --only hand", 2, {"--only", "hand", "arm", "camera"});
+  expect_refusal("simulate --cell cell.yaml --only wrist", 2, {"--only", "wrist", "arm", "camera"});
 }
 
 // Every fault can be reached without writing a file.
@@ -67,7 +67,7 @@ TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
     EXPECT_THAT(outcome.err, HasSubstr("note  gripper, status: not activated"));
     EXPECT_THAT(outcome.err, HasSubstr("ok    force sensor, reading"));
   }
-  // Where both are served the cell file chooses; a fault of the serial line tells which it was.
+  // Where both are served the cell file chooses; a fault of the serial line shows which it was.
   write("both.yaml", "gripper: {preset: rtu}\n" + kFreePorts +
                          "  gripper: {port: 0, rtu: true, wire_faults: {bad_crc: -1}}\n"
                          "  force_torque: {port: 0, command_port: 0}\n");

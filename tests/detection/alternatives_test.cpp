@@ -43,7 +43,7 @@ TEST(Alternatives, ACubesPoseIsOneOf24AndTheCovarianceShowsIt) {
   ASSERT_EQ(result.detections.size(), 2U) << result.note;
   for (const auto& d : result.detections) {
     const double turn = std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace());
-    if (d.stone == 1) {
+    if (d.stone == 1_stone) {
       EXPECT_EQ(d.certainty, 1.0);
       EXPECT_LT(turn, 0.05);
       continue;
@@ -69,14 +69,14 @@ TEST(Identity, TheUncertaintyBetweenTwoTwinsIsReported) {
   for (auto& p : stones[1].mesh.vertices) p *= 1.004;  // 0.3 mm: below any camera's resolution
   stones[1].name = "twin";
   const DetectionModels models(stones);
-  EXPECT_EQ(models.data().rivals, (std::vector<std::vector<int>>{{1}, {0}, {}}));
+  EXPECT_EQ(models.data().rivals, (std::vector<std::vector<StoneIndex>>{{1_stone}, {0_stone}, {}}));
   const auto found = detect_stones(image_of(stones[0], test::make_camera_pose(0.5, 0.3)), models).detections;
   ASSERT_EQ(found.size(), 1U);
   const Detection& d = found[0];
-  ASSERT_LT(d.stone, 2);
+  ASSERT_LT(d.stone, 2_stone);
   EXPECT_LT(d.certainty, 0.9);
   ASSERT_EQ(d.alternatives.size(), 1U);
-  EXPECT_EQ(d.alternatives[0].stone, 1 - d.stone);
+  EXPECT_EQ(d.alternatives[0].stone, StoneIndex(1 - d.stone.value()));
   EXPECT_NEAR(d.certainty + d.alternatives[0].weight, 1.0, 1e-9);
   EXPECT_LT(difference(d.alternatives[0].T_C_O, d.T_C_O).translation, 0.003) << "at the same place";
   EXPECT_LT(std::sqrt(d.covariance.bottomRightCorner<3, 3>().trace()), 0.05)
@@ -88,10 +88,10 @@ TEST(Identity, AStoneThatIsKnownElsewhereIsNoRival) {
   const DetectionModels models(stones);
   const Pose T_W_C = test::make_camera_pose(0.5, 0.3);
   SceneKnowledge known;
-  known.stones.push_back({1, T_W_C.inverse() * make_pose({0, 0, 0.4})});  // in the gripper
+  known.stones.push_back({1_stone, T_W_C.inverse() * make_pose({0, 0, 0.4})});  // in the gripper
   const auto found = detect_stones(image_of(stones[0], T_W_C), models, {}, {}, known).detections;
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].stone, 0);
+  EXPECT_EQ(found[0].stone, 0_stone);
   EXPECT_EQ(found[0].certainty, 1.0);
 }
 

@@ -75,7 +75,7 @@ TEST(JointRefine, TheTableBesideAStoneCorrectsItsPose) {
     const Pose T_C_O = T_W_C.inverse() * T_W_O;
     DetectionScene scene = preprocess(with_bias(test::look_at({{&stones[0], T_W_O}}, T_W_C)), {}, true, {});
     Detection start;
-    start.stone = 0;
+    start.stone = 0_stone;
     start.T_C_O = make_pose({0.0005, -0.0005, 0.0005}) * T_C_O;
     const auto error = [&] {
       return difference(refined_together({start}, models.data(), scene).front().T_C_O, T_C_O).angle;

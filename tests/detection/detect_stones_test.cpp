@@ -22,7 +22,7 @@ TEST_F(Detect, FindsTheStonesThatAreThereAndNoOther) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Scene scene = make_scene(seed);
     for (const auto& d : detect_stones(scene.image, *models()).detections) {
-      ASSERT_LT(d.stone, 4) << "stone 4 is not there, seed " << seed;
+      ASSERT_LT(d.stone, 4_stone) << "stone 4 is not there, seed " << seed;
       EXPECT_TRUE(right(d, scene)) << "stone " << d.stone << ", seed " << seed << ", score " << d.score;
       ++found;
     }
@@ -32,10 +32,10 @@ TEST_F(Detect, FindsTheStonesThatAreThereAndNoOther) {
 
 TEST_F(Detect, SearchesOnlyForTheWantedStones) {
   const Scene scene = make_scene(1);
-  const std::vector<int> wanted = {2};
+  const std::vector<StoneIndex> wanted = {2_stone};
   const auto result = detect_stones(scene.image, *models(), wanted);
   ASSERT_EQ(result.detections.size(), 1U);
-  EXPECT_EQ(result.detections[0].stone, 2);
+  EXPECT_EQ(result.detections[0].stone, 2_stone);
   EXPECT_TRUE(right(result.detections[0], scene));
 }
 
@@ -43,7 +43,7 @@ TEST_F(Detect, LeavesOutWhatIsKnown) {
   const Scene scene = make_scene(1);
   SceneKnowledge known;
   for (int i = 0; i < 4; ++i)
-    known.stones.push_back({i, scene.T_W_C.inverse() * scene.T_W_O[static_cast<std::size_t>(i)]});
+    known.stones.push_back({StoneIndex(i), scene.T_W_C.inverse() * scene.T_W_O[static_cast<std::size_t>(i)]});
   EXPECT_TRUE(detect_stones(scene.image, *models(), {}, {}, known).detections.empty());
 }
 
@@ -104,7 +104,7 @@ TEST_F(Detect, StonesBeforeAWallAreStillFoundOnTheTable) {
   world.commit();
   const auto found = detect_stones(render(world, {}, T_W_C).depth, *models()).detections;
   ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].stone, 1);
+  EXPECT_EQ(found[0].stone, 1_stone);
   EXPECT_LT(difference(T_W_C * found[0].T_C_O, T_W_O).translation, 0.002);
 }
 
@@ -134,8 +134,9 @@ TEST_F(Detect, LensDistortionIsCorrected) {
     DepthImage image = test::look_at({{&stones()[3], T_W_O}}, T_W_C, camera);
     const auto off = [&] {
       const auto found = detect_stones(image, *models()).detections;
-      return found.size() == 1 && found[0].stone == 3 ? difference(T_W_C * found[0].T_C_O, T_W_O).translation
-                                                      : 1.0;
+      return found.size() == 1 && found[0].stone == 3_stone
+                 ? difference(T_W_C * found[0].T_C_O, T_W_O).translation
+                 : 1.0;
     };
     EXPECT_LT(off(), 0.001);
     image.camera.distortion = Distortion::kNone;
@@ -188,7 +189,7 @@ TEST_F(Detect, AStoneOutsideTheFrameIsNotSeenAndOneAtItsEdgeIsRightOrNotSeen) {
         test::on_table(stones()[0], Eigen::Quaterniond(0.7, 0.1, 0.3, -0.6).normalized(), 0.0, x);
     const auto found = detect_stones(test::look_at({{&stones()[0], T_W_O}}, T_W_C), *models()).detections;
     for (const auto& d : found) {
-      EXPECT_EQ(d.stone, 0) << "at " << x;
+      EXPECT_EQ(d.stone, 0_stone) << "at " << x;
       EXPECT_LT(difference(T_W_C * d.T_C_O, T_W_O).translation, 0.005) << "at " << x;
     }
     return !found.empty();
@@ -230,14 +231,16 @@ TEST_F(Detect, ADepthRangeThatIsNoneIsTheCallersFault) {
 TEST_F(Detect, AHeldStoneIsNotSearchedOnTheTable) {
   const Scene scene = make_scene(1);
   SceneKnowledge known;
-  known.stones.push_back({1, scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.4})});  // in the gripper, above
-  for (const auto& d : detect_stones(scene.image, *models(), {}, {}, known).detections) EXPECT_NE(d.stone, 1);
+  known.stones.push_back(
+      {1_stone, scene.T_W_C.inverse() * make_pose({0.0, 0.0, 0.4})});  // in the gripper, above
+  for (const auto& d : detect_stones(scene.image, *models(), {}, {}, known).detections)
+    EXPECT_NE(d.stone, 1_stone);
 }
 
 TEST_F(Detect, AModelThatDoesNotExistIsTheCallersFault) {
-  const std::vector<int> wanted = {17};
+  const std::vector<StoneIndex> wanted = {17_stone};
   EXPECT_THROW((void)detect_stones(DepthImage{}, *models(), wanted), InvalidArgument);
-  EXPECT_THROW((void)track_stone({}, *models(), -1, Pose::Identity()), InvalidArgument);
+  EXPECT_THROW((void)track_stone({}, *models(), kNoStone, Pose::Identity()), InvalidArgument);
 }
 
 }  // namespace

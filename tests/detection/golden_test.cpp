@@ -42,7 +42,7 @@ GoldenScene make_scene(const std::vector<Stone>& stones, int number) {
   GoldenScene scene;
   std::vector<test::StandingStone> standing;
   for (const auto& [stone, x] : {std::pair{first, -0.1}, std::pair{other, 0.1}}) {
-    const Stone& s = stones[static_cast<std::size_t>(stone)];
+    const Stone& s = at(stones, stone);
     const Pose T_W_O = test::on_table(s, random.rotation(), x, random.uniform(-0.05, 0.05));
     standing.push_back({&s, T_W_O});
     scene.truth.emplace_back(stone, T_W_C.inverse() * T_W_O);
@@ -86,11 +86,11 @@ TEST(Golden, PosesOfTwentyScenesDoNotDrift) {
     for (const auto& d : detect_stones(scene.image, models).detections) {
       text += line_of(number, d) + "\n";
       for (const auto& [stone, T_C_O] : scene.truth)
-        if (stone == d.stone && difference(T_C_O, d.T_C_O).translation < 0.003 &&
+        if (stone == d.stone.value() && difference(T_C_O, d.T_C_O).translation < 0.003 &&
             difference(T_C_O, d.T_C_O).angle < 3 * kDegree)
           ++right;
       if (write) continue;
-      const auto known = golden.find({number, d.stone});
+      const auto known = golden.find({number, d.stone.value()});
       ASSERT_NE(known, golden.end()) << "new: scene " << number << ", stone " << d.stone;
       EXPECT_LT(difference(known->second, d.T_C_O).translation, kSameShift) << "scene " << number;
       EXPECT_LT(difference(known->second, d.T_C_O).angle, kSameAngle) << "scene " << number;

@@ -214,7 +214,7 @@ DetectionScene filled_scene() {
 }
 
 /// A pose that explains a square of `side` image pixels from (u0, v0) on, drawn at every `step`-th.
-Candidate square_candidate(int stone, double score, int side, int step, int u0 = 100, int v0 = 100) {
+Candidate square_candidate(StoneIndex stone, double score, int side, int step, int u0 = 100, int v0 = 100) {
   Candidate c;
   c.detection.stone = stone, c.detection.score = score, c.detection.visible = 0.4;
   for (int v = v0; v < v0 + side; ++v)
@@ -225,19 +225,22 @@ Candidate square_candidate(int stone, double score, int side, int step, int u0 =
 
 TEST(Accept, KeepsTheMoreCompleteOfTwoPosesAtOnePlace) {
   const DetectionScene scene = filled_scene();
-  const auto taken = without_conflicts({square_candidate(0, 0.96, 40, 1), square_candidate(1, 0.995, 37, 1)},
-                                       {0, 1}, scene, {});
+  const auto taken =
+      without_conflicts({square_candidate(0_stone, 0.96, 40, 1), square_candidate(1_stone, 0.995, 37, 1)},
+                        {0_stone, 1_stone}, scene, {});
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0], 1U) << "a wrong flat stone covered more of the right one's face";
-  EXPECT_EQ(without_conflicts({square_candidate(0, 0.96, 40, 1), square_candidate(1, 0.99, 11, 1)}, {0, 1},
-                              scene, {})[0],
-            0U)
+  EXPECT_EQ(
+      without_conflicts({square_candidate(0_stone, 0.96, 40, 1), square_candidate(1_stone, 0.99, 11, 1)},
+                        {0_stone, 1_stone}, scene, {})[0],
+      0U)
       << "a speck that fits is no evidence";
 }
 
 TEST(Accept, ALargeStoneDrawnCoarselyCountsAsMuchAsASmallOneDrawnFinely) {
-  const auto taken = without_conflicts({square_candidate(0, 0.994, 80, 2), square_candidate(1, 0.991, 70, 1)},
-                                       {0, 1}, filled_scene(), {});
+  const auto taken =
+      without_conflicts({square_candidate(0_stone, 0.994, 80, 2), square_candidate(1_stone, 0.991, 70, 1)},
+                        {0, 1}, filled_scene(), {});
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0], 0U) << "it fits better and explains more";
 }
@@ -245,16 +248,17 @@ TEST(Accept, ALargeStoneDrawnCoarselyCountsAsMuchAsASmallOneDrawnFinely) {
 TEST(Accept, OnePlaceIsOneStoneWhateverTheStepsOfDrawing) {
   for (const int step : {1, 3, 5, 6, 16})
     for (const int other : {1, 4, 5, 6, 15})
-      EXPECT_EQ(
-          without_conflicts({square_candidate(0, 0.99, 240, step), square_candidate(1, 0.98, 240, other)},
-                            {0, 1}, filled_scene(), {})
-              .size(),
-          1U)
+      EXPECT_EQ(without_conflicts(
+                    {square_candidate(0_stone, 0.99, 240, step), square_candidate(1_stone, 0.98, 240, other)},
+                    {0, 1}, filled_scene(), {})
+                    .size(),
+                1U)
           << "steps " << step << ", " << other;
-  EXPECT_EQ(without_conflicts({square_candidate(0, 0.99, 96, 6), square_candidate(1, 0.98, 96, 5, 200)},
-                              {0, 1}, filled_scene(), {})
-                .size(),
-            2U)
+  EXPECT_EQ(
+      without_conflicts({square_candidate(0_stone, 0.99, 96, 6), square_candidate(1_stone, 0.98, 96, 5, 200)},
+                        {0, 1}, filled_scene(), {})
+          .size(),
+      2U)
       << "side by side";
 }
 
@@ -263,12 +267,12 @@ TEST_F(OneStone, IsNotTwoStones) {
   data.models.push_back(make_detection_model(stone, options));
   data.models.push_back(make_detection_model(stone, options));
   Detection first, second, hidden;
-  first.stone = 0, first.T_C_O = T_C_O, first.score = 0.99, first.visible = 0.3;
+  first.stone = 0_stone, first.T_C_O = T_C_O, first.score = 0.99, first.visible = 0.3;
   second = hidden = first;
-  second.stone = 1, second.T_C_O = make_pose({0.001, 0, 0}) * T_C_O, second.score = 0.98;
+  second.stone = 1_stone, second.T_C_O = make_pose({0.001, 0, 0}) * T_C_O, second.score = 0.98;
   const auto left = without_doubles({second, first}, data, scene, options);
   ASSERT_EQ(left.size(), 1U);
-  EXPECT_EQ(left[0].stone, 0) << "the better one";
+  EXPECT_EQ(left[0].stone, 0_stone) << "the better one";
   hidden.visible = 0.01;
   EXPECT_TRUE(without_doubles({hidden}, data, scene, options).empty()) << "no evidence is left";
 }

@@ -124,8 +124,7 @@ FourOfFive::Scene FourOfFive::make_scene(std::uint64_t seed) {
 }
 
 bool FourOfFive::right(const Detection& d, const Scene& scene) {
-  const PoseDifference error =
-      difference(d.T_C_O, scene.T_W_C.inverse() * scene.T_W_O[static_cast<std::size_t>(d.stone)]);
+  const PoseDifference error = difference(d.T_C_O, scene.T_W_C.inverse() * at(scene.T_W_O, d.stone));
   return error.translation < 0.005 && error.angle < 5 * 3.14159265358979 / 180.0;
 }
 

@@ -26,16 +26,17 @@ class Views : public test::StonesOnce<3> {
   /// Stone 0 behind stone 1, as the first camera sees it; both before the second one.
   static std::vector<DepthView> hidden_scene(const Pose& off) {
     const Pose first = test::make_camera_pose(1.15, 0.0, 0.6), second = test::make_camera_pose(1.0, 1.8, 0.6);
-    const std::vector<test::StandingStone> standing = {{&stones()[0], pose(0)}, {&stones()[1], pose(1)}};
+    const std::vector<test::StandingStone> standing = {{&stones()[0], pose(0_stone)},
+                                                       {&stones()[1], pose(1_stone)}};
     return {{test::with_noise(test::look_at(standing, first), 0.0006, 1), first},
             {test::with_noise(test::look_at(standing, second), 0.0006, 2), second * off}};
   }
-  static Pose pose(int stone) {
+  static Pose pose(StoneIndex stone) {
     const Eigen::Quaterniond upright(Eigen::AngleAxisd(1.45, Eigen::Vector3d::UnitY()));
-    return stone == 0 ? test::on_table(stones()[0], Eigen::Quaterniond::Identity(), -0.13, 0.0)
-                      : test::on_table(stones()[1], upright, 0.05, 0.0);
+    return stone == 0_stone ? test::on_table(stones()[0], Eigen::Quaterniond::Identity(), -0.13, 0.0)
+                            : test::on_table(stones()[1], upright, 0.05, 0.0);
   }
-  static bool right(const DetectionResult& result, const Pose& T_W_C, int stone) {
+  static bool right(const DetectionResult& result, const Pose& T_W_C, StoneIndex stone) {
     for (const auto& d : result.detections)
       if (d.stone == stone) {
         const auto off = difference(T_W_C * d.T_C_O, pose(stone));
@@ -49,9 +50,9 @@ TEST_F(Views, ASecondViewFindsWhatTheFirstOneHides) {
   const auto views = hidden_scene(Pose::Identity());
   const auto one = detect_stones(views.front().image, *models());
   const auto two = detect_stones(views, *models());
-  EXPECT_FALSE(right(one, views[0].T_W_C, 0)) << "the scene should hide it";
-  EXPECT_TRUE(right(two, views[0].T_W_C, 0));
-  EXPECT_TRUE(right(two, views[0].T_W_C, 1));
+  EXPECT_FALSE(right(one, views[0].T_W_C, 0_stone)) << "the scene should hide it";
+  EXPECT_TRUE(right(two, views[0].T_W_C, 0_stone));
+  EXPECT_TRUE(right(two, views[0].T_W_C, 1_stone));
   EXPECT_EQ(two.detections.size(), 2U);
 }
 
@@ -59,7 +60,7 @@ TEST_F(Views, AnErrorOfTheCameraPoseIsAlignedAway) {
   const Pose off =
       make_pose({0.0015, -0.001, 0.001}) * Pose(Eigen::AngleAxisd(0.005, Eigen::Vector3d::UnitX()));
   const auto views = hidden_scene(off);
-  EXPECT_TRUE(right(detect_stones(views, *models()), views[0].T_W_C, 0));
+  EXPECT_TRUE(right(detect_stones(views, *models()), views[0].T_W_C, 0_stone));
 }
 
 TEST_F(Views, TheFusedPosesUncertaintyIsTrue) {
@@ -109,9 +110,10 @@ TEST_F(Views, TwoCopiesOfOneStoneAreBothFoundWhenAskedFor) {
   ASSERT_EQ(found.size(), 2U);
   for (const Pose& truth : {scene.a, scene.b})
     EXPECT_TRUE(std::any_of(found.begin(), found.end(), [&](const Detection& d) {
-      return d.stone == 2 && difference(scene.T_W_C * d.T_C_O, truth).translation < 0.003;
+      return d.stone == 2_stone && difference(scene.T_W_C * d.T_C_O, truth).translation < 0.003;
     }));
-  EXPECT_EQ(detect_stones(scene.image, *models(), std::vector<int>{2, 2}).detections.size(), 2U)
+  EXPECT_EQ(
+      detect_stones(scene.image, *models(), std::vector<StoneIndex>{2_stone, 2_stone}).detections.size(), 2U)
       << "named twice";
 }
 
@@ -119,14 +121,14 @@ TEST_F(Views, CopiesAreTrackedAsOftenAsTheyAreExpected) {
   const Copies scene(stones()[2]);
   const Pose T_C_W = scene.T_W_C.inverse(), elsewhere = make_pose({0.0, 0.1, 0.06}) * scene.b;
   using Status = TrackedStone::Status;
-  const std::vector<KnownStone> both = {{2, T_C_W * scene.a}, {2, T_C_W * elsewhere}};
+  const std::vector<KnownStone> both = {{2_stone, T_C_W * scene.a}, {2_stone, T_C_W * elsewhere}};
   const auto tracked = track_stones(scene.image, *models(), both).stones;
   ASSERT_EQ(tracked.size(), 2U);
   EXPECT_EQ(tracked[0].status, Status::kInPlace);
   EXPECT_EQ(tracked[1].status, Status::kFallen) << "it must be searched though another copy is in place";
   DetectionOptions options;
   options.copies = 2;
-  const std::vector<KnownStone> one = {{2, T_C_W * make_pose({0.3, 0.3, 0.3})}};
+  const std::vector<KnownStone> one = {{2_stone, T_C_W * make_pose({0.3, 0.3, 0.3})}};
   const auto more = track_stones(scene.image, *models(), one, options).stones;
   ASSERT_EQ(more.size(), 1U);
   EXPECT_TRUE(more[0].detection.has_value()) << "of two that are there, one is the missing one";
@@ -160,7 +162,7 @@ TEST_F(Views, ATraceHoldsEveryStageAndCanBeWritten) {
   const Cloud middles = read_cloud((folder / "turn_1/hypotheses.ply").string());
   ASSERT_EQ(middles.points.size(), turn.hypotheses.size());
   const TracedHypothesis& h = turn.hypotheses.front();
-  const Eigen::Vector3d middle = bounds(stones()[static_cast<std::size_t>(h.stone)].mesh).center();
+  const Eigen::Vector3d middle = bounds(at(stones(), h.stone).mesh).center();
   EXPECT_LT((middles.points.front().cast<double>() - h.T_C_O * middle).norm(), 1e-5);
   std::filesystem::remove_all(folder);
 }

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 /// Gripper, force sensor and camera of a small world on free ports.
 struct Served {
   std::vector<Stone> stones{make_pebble("pebble", 1.2)};
-  SimulatedCell world{stones, {0}, read_robot("ur10"), {}, {}};
+  SimulatedCell world{stones, {0_stone}, read_robot("ur10"), {}, {}};
   SimulatedServers servers;
 
   explicit Served(const SimulatedServersOptions& options) : servers(world, read_robot("ur10"), options) {}

@@ -28,7 +28,9 @@ struct Bench {
   SharedWorld& world;
 
   explicit Bench(bool noise = false)
-      : options(quiet(noise)), cell(stones, {0}, read_robot("ur10"), {}, options), world(cell.shared()) {
+      : options(quiet(noise)),
+        cell(stones, {0_stone}, read_robot("ur10"), {}, options),
+        world(cell.shared()) {
     auto access = world.lock();
     Pose T_W_O = Pose::Identity();
     double lowest = 0;
@@ -37,7 +39,7 @@ struct Bench {
     GripperPose gripper_pose{tool_down({0, 0, 0.5}), {}};
     gripper_pose.finger.fill(0.0775);
     access.world.set_gripper_pose(gripper_pose);
-    access.world.place(0, T_W_O);
+    access.world.place(0_stone, T_W_O);
   }
   static SimulationOptions quiet(bool noise) {
     SimulationOptions options;
@@ -82,7 +84,7 @@ TEST(DevicesInTheWorld, TheGripperHoldsAStoneOverModbus) {
   const auto gripper_pose = bench.world.lock().world.gripper_pose();
   EXPECT_NEAR(held.opening, opening(gripper_pose), 0.001) << "Modbus reports the true finger positions";
   bench.put_tool({0, 0, 0.25});
-  EXPECT_GT(bench.world.lock().world.centre_of_mass(0).z(), 0.2) << "the stone comes along";
+  EXPECT_GT(bench.world.lock().world.centre_of_mass(0_stone).z(), 0.2) << "the stone comes along";
   bench.world.start(kSpeed);
   EXPECT_TRUE(bench.gripper->state().object);
 }
@@ -103,7 +105,7 @@ TEST(DevicesInTheWorld, OpenFingersStandAtTheSoftwareLimit) {
 TEST(DevicesInTheWorld, TheArmsInstallationKnowsItsGripper) {
   const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   const RobotModel robot = read_robot("ur10");
-  SimulatedCell cell(stones, {0}, robot, {}, Bench::quiet(false));
+  SimulatedCell cell(stones, {0_stone}, robot, {}, Bench::quiet(false));
   SimulatedServersOptions served;
   served.devices = {true, false, false, false};
   const SimulatedServers servers(cell, robot, served);
@@ -124,7 +126,7 @@ TEST(DevicesInTheWorld, TheArmsInstallationKnowsItsGripper) {
 TEST(DevicesInTheWorld, AGripperAloneMoves) {
   const std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   const RobotModel robot = read_robot("ur10");
-  SimulatedCell cell(stones, {0}, robot, {}, Bench::quiet(false));
+  SimulatedCell cell(stones, {0_stone}, robot, {}, Bench::quiet(false));
   SimulatedServersOptions served;
   served.devices = {false, true, false, false};
   served.gripper.port = 0;

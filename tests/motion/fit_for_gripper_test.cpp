@@ -52,10 +52,11 @@ TEST(FitForGripper, DrawsOnlyStonesThatCanBeCarried) {
   Catalogue catalogue;
   for (int k = 0; k < 6; ++k) catalogue.stones.push_back(block({0.12, 0.09, 0.06}));
   catalogue.stones[2] = block({0.20, 0.18, 0.02});  // too wide
-  EXPECT_EQ(draw_stones(catalogue, 9, 1, gripper, robot), (std::vector<int>{0, 1, 3, 4, 5}));
-  std::set<std::vector<int>> drawn;
+  EXPECT_EQ(draw_stones(catalogue, 9, 1, gripper, robot),
+            (std::vector<StoneIndex>{0_stone, 1_stone, 3_stone, 4_stone, 5_stone}));
+  std::set<std::vector<StoneIndex>> drawn;
   for (int seed = 1; seed <= 20; ++seed) {
-    const std::vector<int> stones = draw_stones(catalogue, 3, seed, gripper, robot);
+    const std::vector<StoneIndex> stones = draw_stones(catalogue, 3, seed, gripper, robot);
     ASSERT_EQ(stones.size(), 3U);
     EXPECT_TRUE(std::is_sorted(stones.begin(), stones.end()));
     EXPECT_EQ(draw_stones(catalogue, 3, seed, gripper, robot), stones);

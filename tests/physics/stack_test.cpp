@@ -39,7 +39,8 @@ Mesh bridge_mesh() {
 
 TEST(JudgeStack, CubesStandAndAreClean) {
   const ShapeList shapes{box(0.06, 0.06, 0.06), box(0.05, 0.07, 0.05)};
-  const Stack stack{{{0, at(0, 0, 0.03)}, {1, at(0.005, 0, 0.085, 0.3)}, {0, at(0, 0.004, 0.14, 0.8)}}};
+  const Stack stack{
+      {{0_stone, at(0, 0, 0.03)}, {1_stone, at(0.005, 0, 0.085, 0.3)}, {0_stone, at(0, 0.004, 0.14, 0.8)}}};
   const StandVerdict verdict = judge_stack(shapes, stack);
   EXPECT_TRUE(verdict.stands) << verdict.reason;
   EXPECT_TRUE(verdict.clean) << verdict.reason;
@@ -49,7 +50,7 @@ TEST(JudgeStack, CubesStandAndAreClean) {
 
 TEST(JudgeStack, AnOverhangingStoneFalls) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
-  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.032, 0, 0.09)}}};
+  const Stack stack{{{0_stone, at(0, 0, 0.03)}, {0_stone, at(0.032, 0, 0.09)}}};
   StandOptions options;
   options.friction = 0.6;
   const StandVerdict verdict = judge_stack(shapes, stack, options);
@@ -60,7 +61,7 @@ TEST(JudgeStack, AnOverhangingStoneFalls) {
 
 TEST(JudgeStack, EndsWhereAStoneMovedIfNobodyAsksWhatStays) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
-  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.032, 0, 0.09)}}};
+  const Stack stack{{{0_stone, at(0, 0, 0.03)}, {0_stone, at(0.032, 0, 0.09)}}};
   StandOptions options;
   options.friction = 0.6;
   EXPECT_GT(judge_stack(shapes, stack, options).shift, 0.03) << "it lies on the table";
@@ -73,7 +74,7 @@ TEST(JudgeStack, EndsWhereAStoneMovedIfNobodyAsksWhatStays) {
 TEST(JudgeStack, TheWeightMayActBesideTheCentreOfMass) {
   // 2 mm inside the edge; the upper cube is turned by a quarter, so that its y axis points along -x.
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
-  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.028, 0, 0.09, M_PI / 2)}}};
+  const Stack stack{{{0_stone, at(0, 0, 0.03)}, {0_stone, at(0.028, 0, 0.09, M_PI / 2)}}};
   StandOptions options;
   options.friction = 0.6;
   options.seconds = 2.0;
@@ -97,7 +98,7 @@ TEST(JudgeStack, LeaningOnTheTableIsNotClean) {
   double low = 0.0;
   for (const auto& v : shapes[1]->scan.vertices) low = std::min(low, (plank * v).z());
   plank.translation() = Eigen::Vector3d(0.095, 0, -low);
-  const Stack stack{{{0, at(0, 0, 0.015)}, {1, plank}}};
+  const Stack stack{{{0_stone, at(0, 0, 0.015)}, {1_stone, plank}}};
   StandOptions options;
   options.friction = 0.9;
   const StandVerdict verdict = judge_stack(shapes, stack, options);
@@ -109,7 +110,7 @@ TEST(JudgeStack, LeaningOnTheTableIsNotClean) {
 TEST(JudgeStack, ConcaveStonesTouchWhereTheyAre) {
   // A cube between the legs of a bridge, 2 mm below the beam: the hull of the bridge would lie on it.
   const ShapeList shapes{body(bridge_mesh(), "bridge"), box(0.038, 0.038, 0.038)};
-  const Stack both{{{1, at(0, 0, 0.019)}, {0, at(0, 0, 0)}}};
+  const Stack both{{{1_stone, at(0, 0, 0.019)}, {0_stone, at(0, 0, 0)}}};
   for (const Contact& c : geometric_contacts(shapes, both, 0.0005)) EXPECT_EQ(c.below, kTable);
   World world;
   const int cube = world.add_stone(shapes[1], at(0, 0, 0.019));
@@ -148,10 +149,10 @@ std::optional<Stack> balanced_lumps(const ShapeList& lumps, int seed, double fri
     settling.world.friction = friction;
     const double yaw = random.uniform(0.0, 6.28);
     const SettleResult at_rest = settle(
-        lumps, stack, level,
+        lumps, stack, StoneIndex(level),
         at(random.uniform(-0.01, 0.01), random.uniform(-0.01, 0.01), 0.025 + 0.045 * level, yaw), settling);
     if (!at_rest.rests) return std::nullopt;
-    stack.stones.push_back({level, at_rest.T_W_O});
+    stack.stones.push_back({StoneIndex(level), at_rest.T_W_O});
   }
   EquilibriumOptions statics;
   statics.friction = friction;
@@ -191,8 +192,8 @@ TEST(JudgeStack, AStackAtRestStaysAndMayEndEarly) {
 
 TEST(Settle, DroppedCubeRestsOnTheStackOnly) {
   const ShapeList shapes{box(0.08, 0.08, 0.04), box(0.05, 0.05, 0.05)};
-  const Stack stack{{{0, at(0, 0, 0.02)}}};
-  const SettleResult result = settle(shapes, stack, 1, at(0.005, 0, 0.067, 0.2));
+  const Stack stack{{{0_stone, at(0, 0, 0.02)}}};
+  const SettleResult result = settle(shapes, stack, 1_stone, at(0.005, 0, 0.067, 0.2));
   ASSERT_TRUE(result.rests) << result.reason;
   EXPECT_NEAR(result.T_W_O.translation().z(), 0.065, 2e-5);
   EXPECT_NEAR(result.travel, 0.002, 2e-4);
@@ -207,19 +208,19 @@ TEST(Settle, DroppedCubeRestsOnTheStackOnly) {
 
 TEST(Settle, GivesTheReasonWhereItDoesNotRest) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
-  const Stack stack{{{0, at(0, 0, 0.03)}}};
-  const SettleResult beside = settle(shapes, stack, 0, at(0.08, 0, 0.031));
+  const Stack stack{{{0_stone, at(0, 0, 0.03)}}};
+  const SettleResult beside = settle(shapes, stack, 0_stone, at(0.08, 0, 0.031));
   EXPECT_FALSE(beside.rests);
   EXPECT_NE(beside.reason.find("table"), std::string::npos) << beside.reason;
-  const SettleResult high = settle(shapes, stack, 0, at(0, 0, 0.2));
+  const SettleResult high = settle(shapes, stack, 0_stone, at(0, 0, 0.2));
   EXPECT_FALSE(high.rests);
   EXPECT_NE(high.reason.find("travelled"), std::string::npos) << high.reason;
-  EXPECT_THROW(static_cast<void>(settle(shapes, stack, 3, at(0, 0, 1))), InvalidArgument);
+  EXPECT_THROW(static_cast<void>(settle(shapes, stack, 3_stone, at(0, 0, 1))), InvalidArgument);
 }
 
 TEST(StackEquilibrium, AgreesWithTheGeometryOfCubes) {
   const ShapeList shapes{box(0.06, 0.06, 0.06)};
-  const Stack stack{{{0, at(0, 0, 0.03)}, {0, at(0.01, 0, 0.09)}}};
+  const Stack stack{{{0_stone, at(0, 0, 0.03)}, {0_stone, at(0.01, 0, 0.09)}}};
   EquilibriumOptions options;
   options.friction = 0.5;
   const Equilibrium result = stack_equilibrium(shapes, stack, options);

@@ -38,10 +38,10 @@ std::string temporary(const std::string& name) {
 DetectionResult two_detections() {
   DetectionResult result;
   result.detections.resize(2);
-  result.detections[0].stone = 0;
+  result.detections[0].stone = 0_stone;
   result.detections[0].T_C_O = at(0.1, 0.0, 0.5);
   result.detections[0].score = 0.95;
-  result.detections[1].stone = 1;
+  result.detections[1].stone = 1_stone;
   result.detections[1].T_C_O = at(0.0, 0.2, 0.6);
   result.detections[1].score = 0.8;
   result.detections[1].certainty = 0.5;
@@ -98,11 +98,11 @@ TEST(DetectionResults, AreReadBackAsSeenPoses) {
 TEST(TrackingResults, AStoneThatIsNotSeenHasNoPose) {
   TrackResult result;
   result.stones.resize(2);
-  result.stones[0].stone = 0;
+  result.stones[0].stone = 0_stone;
   result.stones[0].status = TrackedStone::Status::kMoved;
   result.stones[0].detection = two_detections().detections[0];
   result.stones[0].moved.translation = 0.004;
-  result.stones[1].stone = 1;
+  result.stones[1].stone = 1_stone;
   const json tracked = json::parse(tracking_json(result, named({"a", "b"}), at(0, 0, 0))).at("tracked");
   EXPECT_EQ(tracked.at(0).at("status"), "moved");
   EXPECT_NEAR(tracked.at(0).at("moved_m").get<double>(), 0.004, 1e-12);
@@ -119,9 +119,9 @@ SceneSearch found_in_view() {
   found.catalogue = named({"a", "b"});
   found.start.seen = true;
   found.start.frame = "camera_pose";
-  found.start.problem.stack.stones = {{0, at(0.7, 0.2, 0.03)}};
+  found.start.problem.stack.stones = {{0_stone, at(0.7, 0.2, 0.03)}};
   Placement first, second;
-  first.stone = second.stone = 1;
+  first.stone = second.stone = 1_stone;
   first.T_W_O = at(0.7, 0.2, 0.09);
   second.T_W_O = at(0.71, 0.2, 0.09);
   found.placements = {first};
@@ -183,7 +183,7 @@ TEST(SearchResults, TextStatesFrameAndStackOfAView) {
 
 TEST(TowerResults, NameTheContactThatGivesWayFirst) {
   TowerCheck check;
-  check.stack.stones = {{1, at(0, 0, 0)}, {0, at(0, 0, 0.05)}};
+  check.stack.stones = {{1_stone, at(0, 0, 0)}, {0_stone, at(0, 0, 0.05)}};
   check.verdict.stands = true;
   check.equilibrium.stands = true;
   check.equilibrium.min_friction = std::numeric_limits<double>::infinity();

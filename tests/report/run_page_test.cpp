@@ -26,14 +26,14 @@ const RobotModel& robot() {
   return model;
 }
 
-WorldEstimate world_with(const Pose& T_W_O, int stone) {
+WorldEstimate world_with(const Pose& T_W_O, StoneIndex stone) {
   WorldEstimate world;
   world.loose.push_back({stone, T_W_O, T_W_O});
   return world;
 }
 
 /// A run in which the arm stands still, grasps what lies at its tool and lets it go.
-RunReport report_of_a_grasp(int stone) {
+RunReport report_of_a_grasp(StoneIndex stone) {
   RunReport report;
   report.robot = "ur10";
   report.seed = 3;
@@ -52,7 +52,7 @@ RunReport report_of_a_grasp(int stone) {
 }
 
 TEST(RunPage, FollowsTheStoneFromGraspToRelease) {
-  const json page = json::parse(page_data(report_of_a_grasp(2), stones(), robot(), ""));
+  const json page = json::parse(page_data(report_of_a_grasp(2_stone), stones(), robot(), ""));
   ASSERT_EQ(page["carries"].size(), 1u);
   EXPECT_EQ(page["carries"][0]["stone"], 2);
   EXPECT_DOUBLE_EQ(page["carries"][0]["begin"], 1.0);
@@ -61,7 +61,7 @@ TEST(RunPage, FollowsTheStoneFromGraspToRelease) {
 }
 
 TEST(RunPage, ListsOptionsThatDifferFromTheirDefaults) {
-  RunReport report = report_of_a_grasp(0);
+  RunReport report = report_of_a_grasp(0_stone);
   EXPECT_TRUE(json::parse(page_data(report, stones(), robot(), ""))["changed"].empty());
   SimulatedRun run;
   run.build.search.friction = 0.37;
@@ -73,11 +73,11 @@ TEST(RunPage, ListsOptionsThatDifferFromTheirDefaults) {
 }
 
 TEST(RunPage, ShowsEveryDecisionWithWhatWasCompared) {
-  RunReport report = report_of_a_grasp(0);
+  RunReport report = report_of_a_grasp(0_stone);
   Placement first, second;
-  first.stone = 0;
+  first.stone = 0_stone;
   first.cost = 0.2;
-  second.stone = 1;
+  second.stone = 1_stone;
   second.cost = 0.5;
   report.result.events.emplace_back(ActionChosen{Place{{second}}, {first, second}});
   report.result.events.emplace_back(ActionChosen{Stop{RunEnd::kAllPlaced, "all is done"}, {}});
@@ -93,7 +93,7 @@ TEST(RunPage, ShowsEveryDecisionWithWhatWasCompared) {
 }
 
 TEST(RunPage, IsOneFileThatNoNameBreaks) {
-  RunReport report = report_of_a_grasp(0);
+  RunReport report = report_of_a_grasp(0_stone);
   report.result.placements.emplace_back();
   report.result.placements.back().stone = "</script><script>alert(1)</script>";
   report.result.placements.back().note = "bytes that are no UTF-8: \xff\xfe";

@@ -27,8 +27,8 @@ inline Pose at(double x, double y, double z) {
 inline SearchProblem base_stands() {
   SearchProblem problem;
   problem.shapes = &boxes();
-  problem.stack.stones = {{0, at(0, 0, 0.03)}};
-  problem.available = {{1, at(0.4, 0, 0.025)}, {2, at(0.4, 0.3, 0.02)}};
+  problem.stack.stones = {{0_stone, at(0, 0, 0.03)}};
+  problem.available = {{1_stone, at(0.4, 0, 0.025)}, {2_stone, at(0.4, 0.3, 0.02)}};
   return problem;
 }
 

@@ -20,7 +20,7 @@ TEST(FindNextPose, PutsABoxOnABox) {
   const SearchResult result = find_next_pose(base_stands(), quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
   for (const Placement& placement : result.best) {
-    const double half_height = 0.5 * (placement.stone == 1 ? 0.05 : 0.04);
+    const double half_height = 0.5 * (placement.stone == 1_stone ? 0.05 : 0.04);
     EXPECT_GT(placement.T_W_O.translation().z(), 0.06 + half_height - 0.002);
     EXPECT_LT(placement.T_W_O.translation().head<2>().norm(), 0.05);
     EXPECT_GE(placement.predicted_success, 0.5);
@@ -54,13 +54,14 @@ TEST(FindNextPose, APlanThatStillHoldsNeedsNoSearch) {
 
 TEST(FindNextPose, APlanThatNoLongerHoldsHasAReason) {
   SearchProblem problem = base_stands();
-  const SearchResult off = follow_plan(problem, {{1, at(0.07, 0, 0.085)}, {2, at(0.07, 0, 0.13)}}, quick());
+  const SearchResult off =
+      follow_plan(problem, {{1_stone, at(0.07, 0, 0.085)}, {2_stone, at(0.07, 0, 0.13)}}, quick());
   EXPECT_TRUE(off.best.empty());  // over the edge
   EXPECT_FALSE(off.reason.empty());
 
-  const std::vector<PlacedStone> good{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
+  const std::vector<PlacedStone> good{{1_stone, at(0, 0, 0.085)}, {2_stone, at(0, 0, 0.13)}};
   EXPECT_FALSE(follow_plan(problem, good, quick()).best.empty());
-  problem.reachable = [](int stone, const Pose&, const Stack&) { return stone != 2; };
+  problem.reachable = [](StoneIndex stone, const Pose&, const Stack&) { return stone != 2_stone; };
   const SearchResult far = follow_plan(problem, good, quick());
   EXPECT_TRUE(far.best.empty());
   EXPECT_THAT(far.reason, HasSubstr("reach"));
@@ -88,8 +89,8 @@ double predicted(const SearchProblem& problem, const PlacedStone& next, double s
 TEST(FindNextPose, CountsThatCentresOfMassAreNotKnownExactly) {
   // The two upper boxes together balance 1.7 mm inside the edge of the base.
   SearchProblem problem = base_stands();
-  problem.stack.stones.push_back({1, at(0.045, 0, 0.085)});
-  const PlacedStone top{2, at(0.085, 0, 0.13)};
+  problem.stack.stones.push_back({1_stone, at(0.045, 0, 0.085)});
+  const PlacedStone top{2_stone, at(0.085, 0, 0.13)};
   EXPECT_EQ(predicted(problem, top, 0.0), 1.0);
   EXPECT_LT(predicted(problem, top, 0.003), 0.95);
 }
@@ -99,9 +100,9 @@ TEST(FindNextPose, BlamesNoStoneForAStackThatFallsWithoutIt) {
   const ShapeList shapes{boxes()[0], boxes()[1], box("pebble", {0.02, 0.02, 0.02})};
   SearchProblem problem;
   problem.shapes = &shapes;
-  problem.stack.stones = {{0, at(0, 0, 0.03)}, {1, at(0.058, 0, 0.085)}};
-  problem.available = {{2, at(0.4, 0, 0.01)}};
-  EXPECT_GT(predicted(problem, {2, at(0.058, 0, 0.12)}, 0.002), 0.95);
+  problem.stack.stones = {{0_stone, at(0, 0, 0.03)}, {1_stone, at(0.058, 0, 0.085)}};
+  problem.available = {{2_stone, at(0.4, 0, 0.01)}};
+  EXPECT_GT(predicted(problem, {2_stone, at(0.058, 0, 0.12)}, 0.002), 0.95);
 }
 
 TEST(FindNextPose, ContinuesARouteThatWasFoundBefore) {
@@ -113,20 +114,20 @@ TEST(FindNextPose, ContinuesARouteThatWasFoundBefore) {
   problem.known_route = {{1, beside}};
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_EQ(result.best.size(), 1U) << result.reason;
-  EXPECT_EQ(result.best.front().stone, 1);
+  EXPECT_EQ(result.best.front().stone, 1_stone);
   EXPECT_LT(difference(result.best.front().T_W_O, beside).translation, 0.002);
   ASSERT_EQ(result.best.front().then.size(), 1U);
-  EXPECT_EQ(result.best.front().then.front().stone, 2);
+  EXPECT_EQ(result.best.front().then.front().stone, 2_stone);
   EXPECT_LT(result.candidates, anew.candidates);
 }
 
 TEST(FindNextPose, CountsHowMuchOfAPlanHolds) {
-  const std::vector<PlacedStone> falls{{1, at(0, 0, 0.085)}, {2, at(0.1, 0, 0.13)}};
+  const std::vector<PlacedStone> falls{{1_stone, at(0, 0, 0.085)}, {2_stone, at(0.1, 0, 0.13)}};
   EXPECT_TRUE(follow_plan(base_stands(), falls, quick()).best.empty());
   const double partly = expected_height(base_stands(), falls, quick());
   EXPECT_GT(partly, 0.4);
   EXPECT_LE(partly, 1.0);
-  const std::vector<PlacedStone> stands{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
+  const std::vector<PlacedStone> stands{{1_stone, at(0, 0, 0.085)}, {2_stone, at(0, 0, 0.13)}};
   EXPECT_GT(expected_height(base_stands(), stands, quick()), partly);
 }
 
@@ -147,21 +148,21 @@ TEST(FindNextPose, TriesTheWholeOfItsBestPlanInDisplacedWorlds) {
 
 TEST(FindNextPose, SearchesNothingElseWhereOnlyTheKnownRouteIsAskedFor) {
   SearchProblem problem = base_stands();
-  problem.known_route = {{2, at(0, 0, 0.08)}};  // the larger stone does not stand on the smaller
+  problem.known_route = {{2_stone, at(0, 0, 0.08)}};  // the larger stone does not stand on the smaller
   problem.known_route_only = true;
   const SearchResult result = find_next_pose(problem, quick());
-  for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2);
-  problem.known_route = {{1, at(0.2, 0, 0.085)}};  // in the air
+  for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2_stone);
+  problem.known_route = {{1_stone, at(0.2, 0, 0.085)}};  // in the air
   EXPECT_TRUE(find_next_pose(problem, quick()).best.empty());
 }
 
 TEST(FindNextPose, SearchesElsewhereWhereAKnownRouteDoesNotReachTheTop) {
   SearchProblem problem = base_stands();
-  problem.known_route = {{2, at(0, 0, 0.08)}, {1, at(0.2, 0, 0.125)}};  // the second falls
+  problem.known_route = {{2_stone, at(0, 0, 0.08)}, {1_stone, at(0.2, 0, 0.125)}};  // the second falls
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
   EXPECT_EQ(result.best.front().then.size(), 1U);
-  problem.known_route = {{7, at(0, 0, 0.08)}};
+  problem.known_route = {{7_stone, at(0, 0, 0.08)}};
   EXPECT_THROW(static_cast<void>(find_next_pose(problem, quick())), InvalidArgument);
 }
 
@@ -185,7 +186,7 @@ TEST(FindNextPose, SameForAnyNumberOfThreads) {
 
 TEST(FindNextPose, KeepsTheTiltLimit) {
   SearchProblem problem = base_stands();
-  problem.available = {{1, at(0.4, 0, 0.05)}};
+  problem.available = {{1_stone, at(0.4, 0, 0.05)}};
   problem.available[0].T_W_O.linear() =
       Eigen::AngleAxisd(1.5707963, Eigen::Vector3d::UnitX()).toRotationMatrix();
   SearchOptions options = quick();
@@ -202,7 +203,7 @@ TEST(FindNextPose, KeepsTheTiltLimit) {
 TEST(FindNextPose, AsksTheArmFirst) {
   SearchProblem problem = base_stands();
   int asked = 0;
-  problem.reachable = [&](int, const Pose&, const Stack&) {
+  problem.reachable = [&](StoneIndex, const Pose&, const Stack&) {
     ++asked;
     return false;
   };
@@ -218,7 +219,7 @@ TEST(FindNextPose, GoesOnToOtherProposalsWhenNoneOfTheFirstServes) {
   SearchOptions options = quick();
   options.settled = 1;  // a turn asks the arm about twelve
   int asked = 0;
-  problem.reachable = [&](int, const Pose&, const Stack&) { return ++asked > 12; };
+  problem.reachable = [&](StoneIndex, const Pose&, const Stack&) { return ++asked > 12; };
   const SearchResult result = find_next_pose(problem, options);
   EXPECT_FALSE(result.best.empty()) << result.reason << ", asked " << asked;
 }
@@ -227,7 +228,7 @@ TEST(FindNextPose, AsksTheArmAboutTheStackAsItWillHaveGrown) {
   SearchProblem problem = base_stands();
   const std::size_t stands = problem.stack.stones.size();
   std::set<std::size_t> heights;
-  problem.reachable = [&](int stone, const Pose&, const Stack& below) {
+  problem.reachable = [&](StoneIndex stone, const Pose&, const Stack& below) {
     heights.insert(below.stones.size());
     for (std::size_t k = 0; k < stands; ++k) EXPECT_EQ(below.stones[k].stone, problem.stack.stones[k].stone);
     for (const PlacedStone& lower : below.stones) EXPECT_NE(lower.stone, stone) << "not upon itself";
@@ -239,18 +240,20 @@ TEST(FindNextPose, AsksTheArmAboutTheStackAsItWillHaveGrown) {
   EXPECT_TRUE(heights.contains(stands + 1)) << "for the stone after the next";
 
   // An arm that cannot reach over two stones builds one level, and reports it for a plan of two.
-  problem.reachable = [&](int, const Pose&, const Stack& below) { return below.stones.size() <= stands; };
+  problem.reachable = [&](StoneIndex, const Pose&, const Stack& below) {
+    return below.stones.size() <= stands;
+  };
   for (const Placement& found : find_next_pose(problem, quick()).best) EXPECT_TRUE(found.then.empty());
-  const std::vector<PlacedStone> plan{{1, at(0, 0, 0.085)}, {2, at(0, 0, 0.13)}};
+  const std::vector<PlacedStone> plan{{1_stone, at(0, 0, 0.085)}, {2_stone, at(0, 0, 0.13)}};
   EXPECT_THAT(follow_plan(problem, plan, quick()).reason, HasSubstr("reach"));
 }
 
 TEST(FindNextPose, OnlyReturnsWhatTheArmReaches) {
   SearchProblem problem = base_stands();
-  problem.reachable = [](int stone, const Pose&, const Stack&) { return stone == 2; };
+  problem.reachable = [](StoneIndex stone, const Pose&, const Stack&) { return stone == 2_stone; };
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_FALSE(result.best.empty()) << result.reason;
-  for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2);
+  for (const Placement& placement : result.best) EXPECT_EQ(placement.stone, 2_stone);
 }
 
 TEST(FindNextPose, FirstStoneGoesToTheSite) {
@@ -264,7 +267,7 @@ TEST(FindNextPose, FirstStoneGoesToTheSite) {
 
 TEST(FindNextPose, NothingLeftIsAReason) {
   SearchProblem problem = base_stands();
-  problem.available = {{0, at(0, 0, 0.03)}};
+  problem.available = {{0_stone, at(0, 0, 0.03)}};
   const SearchResult result = find_next_pose(problem, quick());
   EXPECT_TRUE(result.best.empty());
   EXPECT_THAT(result.reason, HasSubstr("no loose stone"));
@@ -296,13 +299,13 @@ TEST(FindNextPose, RefusesOptionsThatCannotBe) {
   options.method = "magic";
   EXPECT_THROW((void)find_next_pose(base_stands(), options), InvalidArgument);
   SearchProblem problem = base_stands();
-  problem.available[0].stone = 17;
+  problem.available[0].stone = 17_stone;
   EXPECT_THROW((void)find_next_pose(problem, quick()), InvalidArgument);
 }
 
 TEST(FindNextPose, RefusesAStackThatOverlaps) {
   SearchProblem problem = base_stands();
-  problem.stack.stones.push_back({1, at(0, 0, 0.06)});
+  problem.stack.stones.push_back({1_stone, at(0, 0, 0.06)});
   const SearchResult result = find_next_pose(problem, quick());
   EXPECT_TRUE(result.best.empty());
   EXPECT_THAT(result.reason, HasSubstr("overlap"));
@@ -310,7 +313,7 @@ TEST(FindNextPose, RefusesAStackThatOverlaps) {
 
 TEST(FindNextPose, RefusesAStackThatFalls) {
   SearchProblem problem = base_stands();
-  problem.stack.stones.push_back({1, at(0.09, 0, 0.085)});
+  problem.stack.stones.push_back({1_stone, at(0.09, 0, 0.085)});
   const SearchResult result = find_next_pose(problem, quick());
   EXPECT_TRUE(result.best.empty());
   EXPECT_THAT(result.reason, HasSubstr("does not stand"));
@@ -318,7 +321,7 @@ TEST(FindNextPose, RefusesAStackThatFalls) {
 
 TEST(FindNextPose, BuildsOnAStackMeasuredAMillimetreOff) {
   SearchProblem problem = base_stands();
-  problem.stack.stones = {{0, at(0, 0, 0.0312)}};
+  problem.stack.stones = {{0_stone, at(0, 0, 0.0312)}};
   const SearchResult result = find_next_pose(problem, quick());
   EXPECT_FALSE(result.best.empty()) << result.reason;
 }
@@ -326,7 +329,8 @@ TEST(FindNextPose, BuildsOnAStackMeasuredAMillimetreOff) {
 TEST(PlanTower, StacksThreeBoxes) {
   SearchProblem problem = base_stands();
   problem.stack.stones.clear();
-  problem.available = {{0, at(0.4, -0.3, 0.03)}, {1, at(0.4, 0, 0.025)}, {2, at(0.4, 0.3, 0.02)}};
+  problem.available = {
+      {0_stone, at(0.4, -0.3, 0.03)}, {1_stone, at(0.4, 0, 0.025)}, {2_stone, at(0.4, 0.3, 0.02)}};
   SearchOptions options = quick();
   options.beam = 1;
   const TowerPlan tower = plan_tower(problem, 3, options);

@@ -47,18 +47,17 @@ std::vector<Proposal> proposals_with(int threads) {
   options.placement_sigma_translation = 0.001;
   OrientationOptions which;
   which.directions = options.directions;
-  const std::vector<LooseStone> loose = {{1, &upper, orientations(which), 0.0, nullptr}};
-  long evaluated = 0;
-  auto list = propose({stack, {}}, loose, {0, 0}, 6, options, &evaluated);
-  EXPECT_GT(evaluated, 1000);
-  return list;
+  const std::vector<LooseStone> loose = {{1_stone, &upper, orientations(which), 0.0, nullptr}};
+  Proposals found = propose({stack, {}}, loose, {0, 0}, 6, options);
+  EXPECT_GT(found.evaluated, 1000);
+  return found.list;
 }
 
 TEST(Proposals, HoldAndLieOnTop) {
   const auto list = proposals_with(2);
   ASSERT_GE(list.size(), 2U);
   for (const Proposal& p : list) {
-    EXPECT_EQ(p.stone, 1);
+    EXPECT_EQ(p.stone, 1_stone);
     EXPECT_TRUE(p.landing.holds);
     EXPECT_GT(p.landing.margin, 0.005);
     EXPECT_GT(p.body.p_W_M.z(), 2 * 0.62 * 0.065);
@@ -81,9 +80,8 @@ TEST(Proposals, SameForAnyNumberOfThreads) {
 TEST(Proposals, FirstStoneGoesToTheSite) {
   const StoneGeometry stone = geometry_of(rough_stone(3, {0.10, 0.08, 0.05}), 1.0);
   OrientationOptions which;
-  const std::vector<LooseStone> loose = {{0, &stone, orientations(which), 0.0, nullptr}};
-  long evaluated = 0;
-  const auto list = propose({}, loose, {0.3, -0.2}, 6, {}, &evaluated);
+  const std::vector<LooseStone> loose = {{0_stone, &stone, orientations(which), 0.0, nullptr}};
+  const auto list = propose({}, loose, {0.3, -0.2}, 6, {}).list;
   ASSERT_FALSE(list.empty());
   for (const Proposal& p : list)
     EXPECT_LT((p.body.p_W_M.head<2>() - Eigen::Vector2d(0.3, -0.2)).norm(), 1e-9);

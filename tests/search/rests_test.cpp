@@ -46,7 +46,7 @@ ShapeList tripod_and_box() {
 
 TEST(Rests, AreTheSharpCornersThemselves) {
   const ShapeList shapes = tripod_and_box();
-  const std::vector<Rest> rests = rests_of(shapes, Stack{{{0, Pose::Identity()}}});
+  const std::vector<Rest> rests = rests_of(shapes, Stack{{{0_stone, Pose::Identity()}}});
   ASSERT_EQ(rests.size(), 1U);
   EXPECT_NEAR(rests[0].z, 0.0, 1e-9);
   ASSERT_EQ(rests[0].polygon_W.size(), 3U);
@@ -58,7 +58,8 @@ TEST(Rests, AreTheSharpCornersThemselves) {
 
 TEST(Rests, OfAStoneOnAnotherAreOnThat) {
   const ShapeList shapes = tripod_and_box();
-  const std::vector<Rest> rests = rests_of(shapes, Stack{{{0, Pose::Identity()}, {1, at(0, 0, 0.08)}}});
+  const std::vector<Rest> rests =
+      rests_of(shapes, Stack{{{0_stone, Pose::Identity()}, {1_stone, at(0, 0, 0.08)}}});
   ASSERT_EQ(rests.size(), 2U);
   EXPECT_NEAR(rests[1].z, 0.06, 1e-9);
   EXPECT_GT(area(rests[1].polygon_W), 0.002);
@@ -68,8 +69,8 @@ TEST(Rests, ABaseOnThreeSharpPointsBearsAnother) {
   const ShapeList shapes = tripod_and_box();
   SearchProblem problem;
   problem.shapes = &shapes;
-  problem.stack.stones = {{0, Pose::Identity()}};
-  problem.available = {{1, at(0.4, 0, 0.02)}};
+  problem.stack.stones = {{0_stone, Pose::Identity()}};
+  problem.available = {{1_stone, at(0.4, 0, 0.02)}};
   const SearchResult found = find_next_pose(problem, quick());
   EXPECT_FALSE(found.best.empty()) << found.reason;
 }
@@ -79,8 +80,8 @@ TEST(Rests, ABaseMeasuredTooHighOrTooLowBearsAnother) {
   for (const double z : {0.0009, -0.0009}) {
     SearchProblem problem;
     problem.shapes = &shapes;
-    problem.stack.stones = {{0, at(0, 0, z)}};
-    problem.available = {{1, at(0.4, 0, 0.02)}};
+    problem.stack.stones = {{0_stone, at(0, 0, z)}};
+    problem.available = {{1_stone, at(0.4, 0, 0.02)}};
     const SearchResult found = find_next_pose(problem, quick());
     EXPECT_FALSE(found.best.empty()) << z << ": " << found.reason;
   }

@@ -17,7 +17,7 @@ struct Bench {
 
   explicit Bench(double mass, const SimulationOptions& simulation = {})
       : options(simulation),
-        world({make_pebble("pebble", mass)}, {0}, make_robotiq_3f(), options),
+        world({make_pebble("pebble", mass)}, {0_stone}, make_robotiq_3f(), options),
         gripper(world) {
     Pose T_W_O = Pose::Identity();
     double lowest = 0;
@@ -26,7 +26,7 @@ struct Bench {
     GripperPose gripper_pose{tool_down({0, 0, 0.5}), {}};
     gripper_pose.finger.fill(0.0775);
     world.set_gripper_pose(gripper_pose);
-    world.place(0, T_W_O);
+    world.place(0_stone, T_W_O);
     (void)world.wait(6.0);
   }
 
@@ -40,10 +40,10 @@ struct Bench {
       return gripper_pose;
     });
   }
-  [[nodiscard]] Pose T_T_O() const { return world.gripper_pose().T_W_T.inverse() * world.pose(0); }
+  [[nodiscard]] Pose T_T_O() const { return world.gripper_pose().T_W_T.inverse() * world.pose(0_stone); }
   /// Fingers round the stone, palm clear of it.
   GripperState grip() {
-    const double z = std::max(0.003, world.centre_of_mass(0).z() - 0.020);
+    const double z = std::max(0.003, world.centre_of_mass(0_stone).z() - 0.020);
     (void)carry(tool_down({0, 0, z}), 1.0);
     return gripper.move(0.0, 0.05, 60.0);
   }
@@ -53,7 +53,7 @@ class Grasp : public testing::TestWithParam<double> {};
 
 TEST_P(Grasp, HoldsThroughLiftTurnAndTenSeconds) {
   Bench bench(GetParam());
-  ASSERT_TRUE(bench.world.rests(0));
+  ASSERT_TRUE(bench.world.rests(0_stone));
   const GripperState gripped = bench.grip();
   EXPECT_TRUE(gripped.object);
   EXPECT_GT(gripped.opening, 0.03);
@@ -88,16 +88,16 @@ TEST(Grasp, FingersBAndCDrawTogetherAndStillHold) {
   EXPECT_TRUE(bench.grip().object);
   ASSERT_EQ(bench.carry(tool_down({0, 0, 0.25}), 1.5).stopped, "");
   ASSERT_EQ(bench.world.wait(5.0).stopped, "");
-  EXPECT_GT(bench.world.centre_of_mass(0).z(), 0.2) << "it hangs in the gripper";
+  EXPECT_GT(bench.world.centre_of_mass(0_stone).z(), 0.2) << "it hangs in the gripper";
   EXPECT_THROW(bench.gripper.spread(0.02), InvalidArgument);
 }
 
 TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {
   Bench bench(3.0);
-  (void)bench.carry(tool_down({0, 0, bench.world.centre_of_mass(0).z() - 0.02}), 1.0);
+  (void)bench.carry(tool_down({0, 0, bench.world.centre_of_mass(0_stone).z() - 0.02}), 1.0);
   (void)bench.gripper.move(0.0, 0.05, 15.0);  // bears 2 * 0.5 * 15 N of 29 N
   (void)bench.carry(tool_down({0, 0, 0.3}), 1.5);
-  EXPECT_LT(bench.world.centre_of_mass(0).z(), 0.1);
+  EXPECT_LT(bench.world.centre_of_mass(0_stone).z(), 0.1);
 }
 
 TEST(Grasp, FingersCloseFurtherWhenTheStoneIsRemovedUnlessTheyAreLocked) {
@@ -107,7 +107,7 @@ TEST(Grasp, FingersCloseFurtherWhenTheStoneIsRemovedUnlessTheyAreLocked) {
     Bench bench(1.5, options);
     const GripperState gripped = bench.grip();
     ASSERT_TRUE(gripped.object);
-    bench.world.place(0, make_pose(Eigen::Vector3d(0.5, 0.0, 0.1)));
+    bench.world.place(0_stone, make_pose(Eigen::Vector3d(0.5, 0.0, 0.1)));
     (void)bench.world.wait(3.0);
     const GripperState now = bench.gripper.state();
     EXPECT_EQ(now.object, !regrip);
@@ -120,17 +120,17 @@ TEST(Grasp, OpeningLetsTheStoneDownWhereItIs) {
   (void)bench.grip();
   (void)bench.carry(tool_down({0, 0, 0.2}), 1.0);
   (void)bench.carry(tool_down({0.1, 0, 0.2}), 1.0);
-  const double height = bench.world.pose(0).translation().z();
+  const double height = bench.world.pose(0_stone).translation().z();
   (void)bench.carry(tool_down({0.1, 0, 0.2 - (height - 0.06)}), 1.0);
-  const Eigen::Vector3d before = bench.world.centre_of_mass(0);
+  const Eigen::Vector3d before = bench.world.centre_of_mass(0_stone);
   const GripperState open = bench.gripper.move(0.155, 0.05, 15.0);
   EXPECT_FALSE(open.object);
   EXPECT_NEAR(open.opening, 0.155, 1e-6);
   (void)bench.world.wait(6.0);
   (void)bench.carry(tool_down({0.1, 0, 0.4}), 1.0);
   (void)bench.world.wait(1.0);
-  EXPECT_TRUE(bench.world.rests(0));
-  const Eigen::Vector3d after = bench.world.centre_of_mass(0);
+  EXPECT_TRUE(bench.world.rests(0_stone));
+  const Eigen::Vector3d after = bench.world.centre_of_mass(0_stone);
   EXPECT_LT((after - before).head<2>().norm(), 0.02);
   EXPECT_LT(after.z(), before.z() + 0.001);
 }
@@ -155,7 +155,7 @@ TEST(Grasp, OnSlipperyPadsAStoneStaysOnTheTable) {
   Bench bench(1.2, options);
   (void)bench.grip();
   (void)bench.carry(tool_down({0, 0, 0.25}), 2.0);
-  EXPECT_LT(bench.world.centre_of_mass(0).z(), 0.1);
+  EXPECT_LT(bench.world.centre_of_mass(0_stone).z(), 0.1);
 }
 
 }  // namespace

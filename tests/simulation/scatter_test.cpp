@@ -15,10 +15,10 @@ constexpr double kClearance = 0.02;
 
 TrueWorld world_of(int pebbles) {
   std::vector<Stone> stones;
-  std::vector<int> present;
+  std::vector<StoneIndex> present;
   for (int i = 0; i < pebbles; ++i) {
     stones.push_back(make_pebble("pebble_" + std::to_string(i + 1), 1.0));
-    present.push_back(i);
+    present.emplace_back(i);
   }
   TrueWorld world(stones, present, make_robotiq_3f(), {});
   GripperPose away;
@@ -27,9 +27,9 @@ TrueWorld world_of(int pebbles) {
   return world;
 }
 
-std::vector<Eigen::Vector2d> seen_from_above(const TrueWorld& world, int stone) {
+std::vector<Eigen::Vector2d> seen_from_above(const TrueWorld& world, StoneIndex stone) {
   std::vector<Eigen::Vector2d> points;
-  for (const auto& sample : world.shapes()[static_cast<std::size_t>(stone)]->samples)
+  for (const auto& sample : at(world.shapes(), stone)->samples)
     points.emplace_back((world.pose(stone) * sample.point).head<2>());
   return points;
 }
@@ -48,11 +48,11 @@ TEST(Scatter, StartsOverWhereTheLastStoneDoesNotFit) {
   for (const std::uint64_t seed : {5, 6}) {
     TrueWorld world = world_of(3);
     ASSERT_NO_THROW(scatter_stones(world, field, seed)) << "seed " << seed;
-    for (int i = 0; i < 3; ++i) {
+    for (const StoneIndex i : first_stones(3)) {
       EXPECT_TRUE(world.rests(i));
       EXPECT_LE(std::abs(world.centre_of_mass(i).x() - 0.4), 0.5 * field.size.x() + 0.002);
       EXPECT_LE(std::abs(world.centre_of_mass(i).y() + 0.2), 0.5 * field.size.y() + 0.002);
-      for (int j = 0; j < i; ++j)
+      for (const StoneIndex j : first_stones(static_cast<std::size_t>(i.value())))
         EXPECT_GT(gap(seen_from_above(world, i), seen_from_above(world, j)), 0.8 * kClearance);
     }
   }
@@ -65,9 +65,9 @@ TEST(Scatter, InAFullFieldStonesLieCloserTogether) {
   TrueWorld world = world_of(3);
   ASSERT_NO_THROW(scatter_stones(world, field, 5));
   double nearest = 1.0;
-  for (int i = 0; i < 3; ++i) {
+  for (const StoneIndex i : first_stones(3)) {
     EXPECT_TRUE(world.rests(i));
-    for (int j = 0; j < i; ++j)
+    for (const StoneIndex j : first_stones(static_cast<std::size_t>(i.value())))
       nearest = std::min(nearest, gap(seen_from_above(world, i), seen_from_above(world, j)));
   }
   EXPECT_GT(nearest, 0.004);
@@ -99,7 +99,7 @@ TEST(Scatter, TheSameSeedGivesTheSameField) {
   TrueWorld once = world_of(2), again = world_of(2);
   scatter_stones(once, field, 7);
   scatter_stones(again, field, 7);
-  for (int i = 0; i < 2; ++i) EXPECT_TRUE(once.pose(i).isApprox(again.pose(i), 0.0));
+  for (const StoneIndex i : first_stones(2)) EXPECT_TRUE(once.pose(i).isApprox(again.pose(i), 0.0));
 }
 
 TEST(Scatter, AFieldThatIsTooSmallIsRefusedByName) {

@@ -13,7 +13,7 @@ struct Bench {
   std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   RobotModel robot = read_robot("ur10");
   CellLayout layout;
-  SimulatedCell cell{stones, {0}, robot, layout};
+  SimulatedCell cell{stones, {0_stone}, robot, layout};
   SharedWorld& world = cell.shared();
   Joints q = cell.cell().arm.state().q;
 };

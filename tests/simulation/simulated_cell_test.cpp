@@ -24,14 +24,8 @@ struct Bench {
   explicit Bench(std::vector<Stone> all, const SimulationOptions& options = {}, const CellLayout& in = {})
       : stones(std::move(all)),
         layout(in),
-        simulated(stones, every(stones), robot, layout, options),
+        simulated(stones, first_stones(stones.size()), robot, layout, options),
         cell(simulated.cell()) {}
-
-  static std::vector<int> every(const std::vector<Stone>& stones) {
-    std::vector<int> indices;
-    for (std::size_t i = 0; i < stones.size(); ++i) indices.push_back(static_cast<int>(i));
-    return indices;
-  }
 
   [[nodiscard]] Pose T_W_T(const Joints& q) const { return layout.T_W_R * forward(robot, q) * layout.T_F_T; }
 
@@ -67,12 +61,13 @@ struct Bench {
     return cell.arm.follow(line(T_W_T_goal, speed));
   }
   /// Centre of mass by the catalogue.
-  [[nodiscard]] Eigen::Vector3d centre(int stone) const {
-    const auto i = static_cast<std::size_t>(stone);
-    return simulated.truth().T_W_O[i] * stones[i].mass.p_O_M;
+  [[nodiscard]] Eigen::Vector3d centre(StoneIndex stone) const {
+    const Truth truth = simulated.truth();
+    return at(truth.T_W_O, stone) * at(stones, stone).mass.p_O_M;
   }
-  [[nodiscard]] double yaw(int stone) const {  // closing across the stone's shortest horizontal axis
-    const Eigen::Matrix3d R = simulated.truth().T_W_O[static_cast<std::size_t>(stone)].rotation();
+  [[nodiscard]] double yaw(StoneIndex stone) const {  // closing across the stone's shortest horizontal axis
+    const Truth truth = simulated.truth();
+    const Eigen::Matrix3d R = at(truth.T_W_O, stone).rotation();
     const Eigen::Vector2d longest = R.col(0).head<2>();
     return std::atan2(longest.y(), longest.x()) + 1.5707963267948966;
   }
@@ -81,8 +76,8 @@ struct Bench {
 TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
   Bench bench({make_pebble("pebble", 1.2)});
   const auto& [arm, gripper, force_torque, camera, clock, layout] = bench.cell;
-  const Eigen::Vector3d p = bench.centre(0);
-  const double yaw = bench.yaw(0), low = std::max(0.004, p.z() - 0.015);
+  const Eigen::Vector3d p = bench.centre(0_stone);
+  const double yaw = bench.yaw(0_stone), low = std::max(0.004, p.z() - 0.015);
   ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), 0.25}, yaw)).status, Status::kDone);
   ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), low}, yaw), 0.1).status, Status::kDone);
   const double z_before = force_torque.read().force.z();
@@ -102,13 +97,13 @@ TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
       arm.follow_guarded({bench.line(tool_down({goal.x(), goal.y(), low - 0.010}, yaw), 0.005)});
   EXPECT_EQ(contact.status, Status::kContact) << contact.reason;
   EXPECT_LT(contact.force, 30.0);
-  EXPECT_NEAR(bench.centre(0).z(), p.z(), 0.002);
-  const Eigen::Vector3d set_down = bench.centre(0);
+  EXPECT_NEAR(bench.centre(0_stone).z(), p.z(), 0.002);
+  const Eigen::Vector3d set_down = bench.centre(0_stone);
   EXPECT_NEAR(gripper.move(0.155, 0.03, 15.0).opening, 0.155, 1e-6);
   ASSERT_EQ(bench.go(tool_down({goal.x(), goal.y(), 0.25}, yaw), 0.1).status, Status::kDone);
   bench.simulated.wait(2.0);
-  EXPECT_LT((bench.centre(0) - set_down).norm(), 0.01);
-  EXPECT_LT((bench.centre(0).head<2>() - goal).norm(), 0.02);
+  EXPECT_LT((bench.centre(0_stone) - set_down).norm(), 0.01);
+  EXPECT_LT((bench.centre(0_stone).head<2>() - goal).norm(), 0.02);
 }
 
 TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
@@ -175,7 +170,7 @@ TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
   RobotModel robot = bench.robot;
   robot.workspace = ToolWorkspace{
       {Eigen::Vector3d(-2, -2, 0.2), Eigen::Vector3d(2, 2, 2)}, bench.layout.T_W_R, bench.layout.T_F_T};
-  SimulatedCell kept(bench.stones, {0}, robot, bench.layout, {});
+  SimulatedCell kept(bench.stones, {0_stone}, robot, bench.layout, {});
   Arm& arm = kept.cell().arm;
   const auto low = arm.follow(bench.line(tool_down({0.7, 0.1, 0.1}), 0.2));
   EXPECT_EQ(low.status, Status::kRefused);
@@ -189,10 +184,10 @@ TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
   Bench bench(stones);
   const auto truth = bench.simulated.truth();
   for (int i = 0; i < 5; ++i) {
-    const Eigen::Vector3d p = bench.centre(i);
+    const Eigen::Vector3d p = bench.centre(StoneIndex(i));
     EXPECT_LT(std::abs(p.x() - bench.layout.field_centre.x()), 0.5 * bench.layout.field_size.x() + 1e-3);
     EXPECT_LT(std::abs(p.y() - bench.layout.field_centre.y()), 0.5 * bench.layout.field_size.y() + 1e-3);
-    for (int j = 0; j < i; ++j) EXPECT_GT((p - bench.centre(j)).head<2>().norm(), 0.09);
+    for (int j = 0; j < i; ++j) EXPECT_GT((p - bench.centre(StoneIndex(j))).head<2>().norm(), 0.09);
   }
   for (const auto& contact : truth.contacts) EXPECT_EQ(contact.below, kTable);
   const auto first = bench.cell.camera.capture(), second = bench.cell.camera.capture();
@@ -201,7 +196,7 @@ TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
   // At each stone's place in the image something stands out from the table.
   const Pose T_C_W = (bench.T_W_T(bench.cell.arm.state().q) * bench.layout.T_T_C).inverse();
   for (int i = 0; i < 5; ++i) {
-    const Eigen::Vector3d p_C = T_C_W * bench.centre(i);
+    const Eigen::Vector3d p_C = T_C_W * bench.centre(StoneIndex(i));
     const Eigen::Vector2d uv = project(first.image.camera, p_C);
     const int u = static_cast<int>(uv.x()), v = static_cast<int>(uv.y());
     ASSERT_TRUE(u > 5 && v > 5 && u < 635 && v < 475) << "stone " << i << " out of view";

@@ -61,7 +61,7 @@ TEST(StatedErrors, TheTipIsAMillimetreOffWhereStonesArePickedAndPlaced) {
 TEST(StatedErrors, TheArmComesBackToATenthOfAMillimetre) {
   const CellLayout layout;
   SimulationOptions options;
-  TrueWorld world({make_pebble("absent", 0.5)}, {0}, make_robotiq_3f(), options);
+  TrueWorld world({make_pebble("absent", 0.5)}, {0_stone}, make_robotiq_3f(), options);
   world.put_away(0);
   const Joints home = over(layout, over_field(layout, 0.3));
   const Joints away = over(layout, {layout.site.x(), layout.site.y(), 0.3});
@@ -107,7 +107,8 @@ TEST(StatedErrors, SurfacesDeviateFromTheirScansAsStated) {
   EXPECT_NE(off(0, 0), off(1, 0)) << "each stone has its own error";
   EXPECT_TRUE(is_closed(real[0].scan));
 
-  SimulatedCell cell(scanned, {0, 1}, ur10(), {}, options);  // and the cell has them, not the scans
+  SimulatedCell cell(scanned, {0_stone, 1_stone}, ur10(), {},
+                     options);  // and the cell has them, not the scans
   EXPECT_EQ(cell.shared().stones()[0].scan.vertices, real[0].scan.vertices);
   EXPECT_EQ(cell.shared().lock().world.shapes()[1]->scan.vertices, real[1].scan.vertices);
 }

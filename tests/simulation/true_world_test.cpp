@@ -17,22 +17,23 @@ GripperPose gripper_at(const Pose& T_W_T) {
 TrueWorld make_world(int seed = 1) {
   SimulationOptions options;
   options.seed = seed;
-  TrueWorld world({make_pebble("small", 0.5), make_pebble("large", 1.5)}, {0, 1}, make_robotiq_3f(), options);
+  TrueWorld world({make_pebble("small", 0.5), make_pebble("large", 1.5)}, {0_stone, 1_stone},
+                  make_robotiq_3f(), options);
   world.set_gripper_pose(gripper_at(tool_down({0, 0, 0.6})));
-  world.place(0, make_pose(Eigen::Vector3d(0, 0, 0.06)));
-  world.place(1, make_pose(Eigen::Vector3d(0.3, 0, 0.07)));
+  world.place(0_stone, make_pose(Eigen::Vector3d(0, 0, 0.06)));
+  world.place(1_stone, make_pose(Eigen::Vector3d(0.3, 0, 0.07)));
   return world;
 }
 
 TEST(TrueWorld, StonesFallRestAndTimePasses) {
   TrueWorld world = make_world();
-  EXPECT_FALSE(world.rests(0));
+  EXPECT_FALSE(world.rests(0_stone));
   (void)world.wait(4.0);
   EXPECT_NEAR(world.time(), 4.0, 0.005);
-  EXPECT_TRUE(world.rests(0));
-  EXPECT_TRUE(world.rests(1));
-  EXPECT_GT(world.centre_of_mass(0).z(), 0.01);
-  EXPECT_LT(world.centre_of_mass(0).z(), 0.06);
+  EXPECT_TRUE(world.rests(0_stone));
+  EXPECT_TRUE(world.rests(1_stone));
+  EXPECT_GT(world.centre_of_mass(0_stone).z(), 0.01);
+  EXPECT_LT(world.centre_of_mass(0_stone).z(), 0.06);
   int on_table = 0;
   for (const auto& contact : world.contacts()) on_table += contact.below == kTable ? 1 : 0;
   EXPECT_GE(on_table, 6);
@@ -41,16 +42,16 @@ TEST(TrueWorld, StonesFallRestAndTimePasses) {
 TEST(TrueWorld, NothingMovesWhileTheClockRunsOverStonesAtRest) {
   TrueWorld world = make_world();
   (void)world.wait(4.0);
-  const Pose before = world.pose(0);
+  const Pose before = world.pose(0_stone);
   (void)world.wait(1000.0);
-  EXPECT_TRUE(before.isApprox(world.pose(0), 0.0));
+  EXPECT_TRUE(before.isApprox(world.pose(0_stone), 0.0));
   EXPECT_NEAR(world.time(), 1004.0, 0.01);
 }
 
 TEST(TrueWorld, AStoneThatTheGripperHitsMovesAndPushesBack) {
   TrueWorld world = make_world();
   (void)world.wait(4.0);
-  const Eigen::Vector3d before = world.centre_of_mass(0);
+  const Eigen::Vector3d before = world.centre_of_mass(0_stone);
   const auto slide = [](double from, double to, double seconds) {
     return [=](double t) { return gripper_at(tool_down({from + (to - from) * t / seconds, 0, 0.01})); };
   };
@@ -62,9 +63,9 @@ TEST(TrueWorld, AStoneThatTheGripperHitsMovesAndPushesBack) {
     ASSERT_EQ(progress.stopped, "");
     push = std::min(push, world.load().force.x());
   }
-  EXPECT_GT(world.centre_of_mass(0).x(), before.x() + 0.02);
+  EXPECT_GT(world.centre_of_mass(0_stone).x(), before.x() + 0.02);
   EXPECT_LT(push, -0.5);
-  EXPECT_NEAR(world.centre_of_mass(1).x(), 0.3, 0.05) << "the far stone stays";
+  EXPECT_NEAR(world.centre_of_mass(1_stone).x(), 0.3, 0.05) << "the far stone stays";
 }
 
 TEST(TrueWorld, PressingIntoTheTableStopsTheGripper) {
@@ -80,9 +81,9 @@ TEST(TrueWorld, PressingIntoTheTableStopsTheGripper) {
 TEST(TrueWorld, SameSeedSameBits) {
   TrueWorld first = make_world(3), again = make_world(3), other = make_world(4);
   for (auto* world : {&first, &again, &other}) (void)world->wait(1.0);
-  EXPECT_TRUE((first.pose(0).matrix().array() == again.pose(0).matrix().array()).all());
-  EXPECT_TRUE((first.pose(1).matrix().array() == again.pose(1).matrix().array()).all());
-  EXPECT_FALSE((first.pose(0).matrix().array() == other.pose(0).matrix().array()).all());
+  EXPECT_TRUE((first.pose(0_stone).matrix().array() == again.pose(0_stone).matrix().array()).all());
+  EXPECT_TRUE((first.pose(1_stone).matrix().array() == again.pose(1_stone).matrix().array()).all());
+  EXPECT_FALSE((first.pose(0_stone).matrix().array() == other.pose(0_stone).matrix().array()).all());
 }
 
 TEST(TrueWorld, TrueMassDiffersALittleFromTheAssumedOne) {
@@ -91,7 +92,7 @@ TEST(TrueWorld, TrueMassDiffersALittleFromTheAssumedOne) {
   for (int seed = 1; seed <= 6; ++seed) {
     SimulationOptions options;
     options.seed = seed;
-    const TrueWorld world({stone}, {0}, make_robotiq_3f(), options);
+    const TrueWorld world({stone}, {0_stone}, make_robotiq_3f(), options);
     max = std::max(max, std::abs(world.shapes()[0]->mass.mass / stone.mass.mass - 1));
     shift = std::max(shift, (world.shapes()[0]->mass.p_O_M - stone.mass.p_O_M).norm());
   }
@@ -108,7 +109,7 @@ TEST(TrueWorld, ASurfaceDrawnBesideItsScanGoesWithItsWorld) {
     options.scan_error = scan_error;
     std::weak_ptr<const SurfaceFeatures> features;
     {
-      const TrueWorld world(as_they_are({make_pebble("pebble", 0.7)}, options), {0}, make_robotiq_3f(),
+      const TrueWorld world(as_they_are({make_pebble("pebble", 0.7)}, options), {0_stone}, make_robotiq_3f(),
                             options);
       features = world.shapes()[0]->features;
       ASSERT_FALSE(features.expired());

@@ -26,79 +26,83 @@ StoneEstimates estimate(const std::vector<PlacedStone>& expected, const std::vec
   return estimate_stones(slabs(), {}, as_estimates(expected), sightings);
 }
 
-Sighting seen(int stone, const Pose& T_W_O) {
+Sighting seen(StoneIndex stone, const Pose& T_W_O) {
   return {stone, T_W_O, 0.95, 0.5};
 }
 
 TEST(EstimateStones, SortsStackAndLooseStones) {
-  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
+  const std::vector<PlacedStone> expected{{0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}};
   const Pose aside = make_pose({0.7, -0.2, 0.025});
   const StoneEstimates stones =
-      estimate(expected, {seen(2, aside), seen(1, on_site(0.0755, 0.001)), seen(0, on_site(0.0252))});
+      estimate(expected,
+               {seen(2_stone, aside), seen(1_stone, on_site(0.0755, 0.001)), seen(0_stone, on_site(0.0252))});
   ASSERT_EQ(stones.stack.size(), 2U);
-  EXPECT_EQ(stones.stack[1].stone, 1);
+  EXPECT_EQ(stones.stack[1].stone, 1_stone);
   EXPECT_NEAR(stones.stack[1].T_W_O_at_rest.translation().z(), 0.075, 1e-4);  // settled on the stone below
   ASSERT_EQ(stones.loose.size(), 1U);
-  EXPECT_EQ(stones.loose[0].stone, 2);
+  EXPECT_EQ(stones.loose[0].stone, 2_stone);
 }
 
 TEST(EstimateStones, APartOfTheStackIsNoLooseStone) {
-  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
-  const std::vector<Sighting> stack{seen(0, on_site(0.025)), seen(1, on_site(0.075))};
+  const std::vector<PlacedStone> expected{{0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}};
+  const std::vector<Sighting> stack{seen(0_stone, on_site(0.025)), seen(1_stone, on_site(0.075))};
   for (const Pose& phantom : {on_site(0.04, 0.02), on_site(0.08, 0.03, 1.0), on_site(0.20)}) {
     std::vector<Sighting> all = stack;
-    all.push_back(seen(3, phantom));
+    all.push_back(seen(3_stone, phantom));
     EXPECT_TRUE(estimate(expected, all).loose.empty()) << phantom.translation().transpose();
   }
   std::vector<Sighting> all = stack;
-  all.push_back(seen(3, on_site(0.025, 0.12)));  // beside the base, touching nothing
+  all.push_back(seen(3_stone, on_site(0.025, 0.12)));  // beside the base, touching nothing
   EXPECT_EQ(estimate(expected, all).loose.size(), 1U);
 }
 
 TEST(EstimateStones, AStoneThatCarriesAnotherHasNotMoved) {
-  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}, {2, on_site(0.125)}};
+  const std::vector<PlacedStone> expected{
+      {0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}, {2_stone, on_site(0.125)}};
   // The middle one is half hidden and badly seen.
-  const StoneEstimates stones = estimate(
-      expected,
-      {seen(0, on_site(0.025)), seen(1, on_site(0.078, 0.012, 20 * kDegree)), seen(2, on_site(0.1255))});
+  const StoneEstimates stones =
+      estimate(expected, {seen(0_stone, on_site(0.025)), seen(1_stone, on_site(0.078, 0.012, 20 * kDegree)),
+                          seen(2_stone, on_site(0.1255))});
   ASSERT_EQ(stones.stack.size(), 3U);
   EXPECT_LT(difference(stones.stack[1].T_W_O_at_rest, expected[1].T_W_O).translation, 1e-9);
 }
 
 TEST(EstimateStones, AStoneOnTheTableHasFallen) {
-  const std::vector<PlacedStone> expected{{0, on_site(0.025)}, {1, on_site(0.075)}};
-  const StoneEstimates stones = estimate(expected, {seen(0, on_site(0.025)), seen(1, on_site(0.025, 0.13))});
+  const std::vector<PlacedStone> expected{{0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}};
+  const StoneEstimates stones =
+      estimate(expected, {seen(0_stone, on_site(0.025)), seen(1_stone, on_site(0.025, 0.13))});
   EXPECT_EQ(stones.stack.size(), 1U);
   ASSERT_EQ(stones.loose.size(), 1U);
-  EXPECT_EQ(stones.loose[0].stone, 1);
+  EXPECT_EQ(stones.loose[0].stone, 1_stone);
 }
 
 TEST(StrayAtStack, NamesTheLowestLevelThatALooseStoneTouches) {
-  Arrangement arrangement{{{0, on_site(0.025)}, {1, on_site(0.075)}}, {{2, on_site(0.025, 0.112)}}};
+  Arrangement arrangement{{{0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}},
+                          {{2_stone, on_site(0.025, 0.112)}}};
   EXPECT_FALSE(stray_at_stack(slabs(), arrangement)) << "12 mm beside the base";
-  arrangement.loose.push_back({3, on_site(0.080, 0.0915)});  // 1.5 mm beside the upper slab
+  arrangement.loose.push_back({3_stone, on_site(0.080, 0.0915)});  // 1.5 mm beside the upper slab
   auto stray = stray_at_stack(slabs(), arrangement);
   ASSERT_TRUE(stray);
   EXPECT_EQ(stray->level, 1U);
-  EXPECT_EQ(stray->stone.stone, 3);
+  EXPECT_EQ(stray->stone.stone, 3_stone);
   arrangement.loose[0].T_W_O = on_site(0.025, 0.1015);
   stray = stray_at_stack(slabs(), arrangement);
   ASSERT_TRUE(stray);
   EXPECT_EQ(stray->level, 0U);
-  EXPECT_EQ(stray->stone.stone, 2);
+  EXPECT_EQ(stray->stone.stone, 2_stone);
 }
 
 TEST(LeansOnLoose, CountsWhatStaysWhereItIs) {
-  const PlacedStone placed{1, on_site(0.075)};
-  const std::vector<PlacedStone> below{{0, on_site(0.025)}};
-  const auto leans = [&](int stone, double beside) {
+  const PlacedStone placed{1_stone, on_site(0.075)};
+  const std::vector<PlacedStone> below{{0_stone, on_site(0.025)}};
+  const auto leans = [&](StoneIndex stone, double beside) {
     return leans_on_loose(slabs(), {{stone, on_site(0.080, beside)}}, placed, below);
   };
-  EXPECT_TRUE(leans(3, 0.0945)) << "4.5 mm: poses err by more than what is left";
-  EXPECT_FALSE(leans(3, 0.100)) << "10 mm";
-  EXPECT_FALSE(leans(1, 0.0945)) << "it is the one that is placed";
-  EXPECT_FALSE(leans(0, 0.0945)) << "it is placed before";
-  EXPECT_FALSE(leans_on_loose(slabs(), {{3, on_site(0.025, 0.5)}}, placed, below));
+  EXPECT_TRUE(leans(3_stone, 0.0945)) << "4.5 mm: poses err by more than what is left";
+  EXPECT_FALSE(leans(3_stone, 0.100)) << "10 mm";
+  EXPECT_FALSE(leans(1_stone, 0.0945)) << "it is the one that is placed";
+  EXPECT_FALSE(leans(0_stone, 0.0945)) << "it is placed before";
+  EXPECT_FALSE(leans_on_loose(slabs(), {{3_stone, on_site(0.025, 0.5)}}, placed, below));
 }
 
 }  // namespace

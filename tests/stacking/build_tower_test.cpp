@@ -20,7 +20,7 @@ double error_of_base(bool refine_camera) {
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1, 2, 3}, robot, CellLayout{}, world_options);
+  SimulatedCell world(catalogue.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, world_options);
   BuildOptions options;
   options.max_stones = 1;
   options.search.horizon = 1;
@@ -30,8 +30,8 @@ double error_of_base(bool refine_camera) {
   EXPECT_EQ(result.height, 1) << result.ended;
   if (result.world.stack.empty()) return 1.0;
   const StoneEstimate& base = result.world.stack.front();
-  return difference(base.T_W_O_at_rest, world.truth().T_W_O[static_cast<std::size_t>(base.stone)])
-      .translation;
+  const Truth truth = world.truth();
+  return difference(base.T_W_O_at_rest, at(truth.T_W_O, base.stone)).translation;
 }
 
 TEST(BuildTower, TwoFirstViewsCorrectTheCamera) {
@@ -45,7 +45,7 @@ TEST(BuildTower, WithoutMeasuringAStoneIsEstimatedWhereItWasPlanned) {
   for (const bool measure : {true, false}) {
     SimulationOptions world_options;
     world_options.seed = 7;
-    SimulatedCell world(catalogue.stones, {1, 2, 3}, robot, CellLayout{}, world_options);
+    SimulatedCell world(catalogue.stones, {1_stone, 2_stone, 3_stone}, robot, CellLayout{}, world_options);
     BuildOptions options;
     options.max_stones = 1;
     options.search.horizon = 1;
@@ -75,23 +75,23 @@ TEST(BuildTower, AStoneThatTheGripperCannotCarryIsLeftOutAndNamed) {
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  SimulatedCell world(catalogue.stones, {1_stone, 2_stone}, robot, CellLayout{}, world_options);
   BuildOptions options;
   options.search.horizon = 1;
   Cell cell = world.cell();
   const RunResult result = build_tower(cell, catalogue, robot, options);
   EXPECT_EQ(result.height, 1);
-  EXPECT_EQ(result.world.stack.front().stone, 2);
+  EXPECT_EQ(result.world.stack.front().stone, 2_stone);
   EXPECT_EQ(result.end, RunResult::End::kNoPose);
   EXPECT_THAT(result.ended, testing::HasSubstr("limestone_2: 3 kg, the fingers carry 2.5 kg"));
   const auto unfit = all_of<StonesUnfit>(result.events);
   ASSERT_EQ(unfit.size(), 1U);
   ASSERT_EQ(unfit[0].stones.size(), 1U);
-  EXPECT_EQ(unfit[0].stones[0].stone, 1);
+  EXPECT_EQ(unfit[0].stones[0].stone, 1_stone);
   EXPECT_EQ(unfit[0].stones[0].note, "3 kg, the fingers carry 2.5 kg");
   const auto not_held = all_of<StonesNotHeld>(result.events);
   ASSERT_FALSE(not_held.empty());
-  EXPECT_EQ(not_held[0].stones[0].stone, 1);
+  EXPECT_EQ(not_held[0].stones[0].stone, 1_stone);
   const auto searched = all_of<SearchedAtFriction>(result.events);
   ASSERT_FALSE(searched.empty());
   EXPECT_DOUBLE_EQ(searched[0].friction, 0.225) << "the lowest is not searched first";
@@ -105,7 +105,7 @@ TEST(BuildTower, AGripperThatIsLowOverTheFieldBacksAwayFirst) {
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  SimulatedCell world(catalogue.stones, {1_stone, 2_stone}, robot, CellLayout{}, world_options);
   Cell cell = world.cell();
   const Eigen::Vector2d& field = cell.layout.field_centre;
   Pose T_W_T = make_pose({field.x(), field.y(), 0.20});

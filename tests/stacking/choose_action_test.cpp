@@ -63,7 +63,7 @@ TEST(ChooseAction, ReorientsWhereNoGraspServesBothEnds) {
   const Decision decision = decide(read("reorient"));
   const auto* reorient = std::get_if<Reorient>(&decision.action);
   ASSERT_NE(reorient, nullptr) << name_of(decision.action) << "\n" << test::words(decision.why, limestones());
-  EXPECT_EQ(reorient->candidates.front().stone, 1);
+  EXPECT_EQ(reorient->candidates.front().stone, 1_stone);
 }
 
 TEST(ChooseAction, ClearsTheBaseFirst) {
@@ -71,7 +71,7 @@ TEST(ChooseAction, ClearsTheBaseFirst) {
   const Decision decision = decide(state);
   const auto* clear = std::get_if<ClearBase>(&decision.action);
   ASSERT_NE(clear, nullptr) << name_of(decision.action);
-  EXPECT_EQ(clear->stray.stone, 1);
+  EXPECT_EQ(clear->stray.stone, 1_stone);
   EXPECT_EQ(clear->level, 0U);
   EXPECT_FALSE(clear->T_W_O_down.empty());
 
@@ -123,7 +123,7 @@ TEST(ChooseAction, StopsAfterAFailureBeforeAllElse) {
 
 TEST(ChooseAction, ViewsTheOldPlaceThenTheSiteThenGivesUp) {
   State state = read("stop");
-  const int gone = state.world.stack.back().stone;
+  const StoneIndex gone = state.world.stack.back().stone;
   state.memory.last_seen[gone] = {0.7, -0.2, 0.03};
   state.world.stack.pop_back();
   Decision decision = decide(state);

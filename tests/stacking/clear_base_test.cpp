@@ -26,12 +26,12 @@ double gap(const ContactShape& a, const Pose& T_W_a, const ContactShape& b, cons
 }
 
 /// Slides a stone over the table against another: `from` it (unit, level), as it lies or tilted by some rad.
-void push_against(SimulatedCell& world, const ShapeList& shapes, int stone, int other,
+void push_against(SimulatedCell& world, const ShapeList& shapes, StoneIndex stone, StoneIndex other,
                   const Eigen::Vector3d& from, double tilt = 0.0) {
   const Truth truth = world.truth();
-  const auto pose = [&](int k) { return truth.T_W_O[static_cast<std::size_t>(k)]; };
-  const auto& moved = *shapes[static_cast<std::size_t>(stone)];
-  const auto& base = *shapes[static_cast<std::size_t>(other)];
+  const auto pose = [&](StoneIndex k) { return at(truth.T_W_O, k); };
+  const auto& moved = *at(shapes, stone);
+  const auto& base = *at(shapes, other);
   const Eigen::Vector3d p_W_base = pose(other) * base.mass.p_O_M;
   for (double away = 0.2; away > 0.0; away -= 0.0005) {
     Pose T_W_O = pose(stone);
@@ -63,14 +63,14 @@ Pushed build_and_push(const char* name, const Eigen::Vector3d& from, double tilt
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  SimulatedCell world(catalogue.stones, {1_stone, 2_stone}, robot, CellLayout{}, world_options);
   Pushed run;
   BuildHooks hooks;
   hooks.listener = [&](const Event& event) {
     if (run.pushed || !test::is_placed(event)) return;
     run.pushed = true;
-    const int base = catalogue.index(std::get<PlacementJudged>(event).record.stone);
-    push_against(world, shapes, 3 - base, base, from, tilt);
+    const StoneIndex base = catalogue.index(std::get<PlacementJudged>(event).record.stone);
+    push_against(world, shapes, base == 1_stone ? 2_stone : 1_stone, base, from, tilt);
   };
   BuildOptions options;
   options.search.horizon = 1;

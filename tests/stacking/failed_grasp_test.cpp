@@ -30,25 +30,25 @@ class SlipperyGripper : public Gripper {
   }
   void spread(double spacing) override { cell_.gripper.spread(spacing); }
   /// Stone and T_O_T of each grasp.
-  [[nodiscard]] const std::vector<std::pair<int, Pose>>& grasps() const { return grasps_; }
+  [[nodiscard]] const std::vector<std::pair<StoneIndex, Pose>>& grasps() const { return grasps_; }
 
  private:
   void note_grasp() {
     const Pose T_W_T = cell_.layout.T_W_R * forward(robot_, cell_.arm.state().q) * cell_.layout.T_F_T;
     const Truth truth = world_.truth();
-    int nearest = 0;
-    for (std::size_t k = 0; k < truth.T_W_O.size(); ++k)
-      if ((T_W_T.translation() - truth.T_W_O[k].translation()).norm() <
-          (T_W_T.translation() - truth.T_W_O[static_cast<std::size_t>(nearest)].translation()).norm())
-        nearest = static_cast<int>(k);
-    grasps_.emplace_back(nearest, truth.T_W_O[static_cast<std::size_t>(nearest)].inverse() * T_W_T);
+    StoneIndex nearest(0);
+    for (const StoneIndex k : first_stones(truth.T_W_O.size()))
+      if ((T_W_T.translation() - at(truth.T_W_O, k).translation()).norm() <
+          (T_W_T.translation() - at(truth.T_W_O, nearest).translation()).norm())
+        nearest = k;
+    grasps_.emplace_back(nearest, at(truth.T_W_O, nearest).inverse() * T_W_T);
   }
 
   Cell cell_;
   const RobotModel& robot_;
   const SimulatedCell& world_;
   int slips_;
-  std::vector<std::pair<int, Pose>> grasps_;
+  std::vector<std::pair<StoneIndex, Pose>> grasps_;
 };
 
 /// A simulated cell with some of the limestones, in which a run may have another gripper.
@@ -59,7 +59,7 @@ struct Workplace {
   Cell devices = world.cell();
   BuildOptions options;
 
-  explicit Workplace(const std::vector<int>& stones)
+  explicit Workplace(const std::vector<StoneIndex>& stones)
       : world(catalogue.stones, stones, robot, CellLayout{}, seeded()) {
     options.search.horizon = 1;
   }
@@ -77,7 +77,7 @@ struct Workplace {
 };
 
 TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
-  Workplace place({1, 2});
+  Workplace place({1_stone, 2_stone});
   SlipperyGripper gripper(place.devices, place.robot, place.world, 2);
   place.options.max_stones = 1;
   const RunResult result = place.run(gripper);
@@ -101,7 +101,7 @@ TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
 }
 
 TEST(FailedGrasp, OfTheOnlyStoneIsFollowedByAnother) {
-  Workplace place({1});
+  Workplace place({1_stone});
   SlipperyGripper gripper(place.devices, place.robot, place.world, 1);
   const RunResult result = place.run(gripper);
   EXPECT_EQ(gripper.grasps().size(), 2U);
@@ -123,7 +123,7 @@ class ClumsyGripper : public Gripper {
       Pose T_W_O = truth.T_W_O[k];
       if ((T_W_O.translation().head<2>() - cell_.layout.site).norm() > 0.1) continue;
       T_W_O.translation().head<2>() += throw_by_;
-      world_.place(static_cast<int>(k), T_W_O);
+      world_.place(StoneIndex(k), T_W_O);
       thrown_ = true;
     }
     return moved;
@@ -140,7 +140,7 @@ class ClumsyGripper : public Gripper {
 
 /// A run with one stone and that gripper.
 RunResult run_with_clumsy_gripper(const Eigen::Vector2d& throw_to) {
-  Workplace place({1});
+  Workplace place({1_stone});
   ClumsyGripper gripper(place.devices, place.world, throw_to - place.devices.layout.site);
   RunResult result = place.run(gripper);
   EXPECT_TRUE(gripper.has_thrown());
@@ -159,7 +159,7 @@ TEST(FailedPlacement, AStoneThatRolledOutOfSightIsSearchedBesideTheSite) {
   const RunResult result = run_with_clumsy_gripper(CellLayout{}.site + Eigen::Vector2d(-0.36, 0.1));
   const auto sought = all_of<StoneSought>(result.events);
   ASSERT_FALSE(sought.empty());
-  EXPECT_EQ(sought.back().view.stone, 1);
+  EXPECT_EQ(sought.back().view.stone, 1_stone);
   EXPECT_EQ(sought.back().view.where, LookAgain::Where::kBesideSite);
   ASSERT_FALSE(result.placements.empty());
   EXPECT_EQ(result.placements.front().outcome, PlacementRecord::Outcome::kFallen) << "seen again, not lost";

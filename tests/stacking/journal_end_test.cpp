@@ -47,7 +47,7 @@ struct EndedRun {
 EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   const RobotModel robot = read_robot("ur10");
-  SimulatedCell world(catalogue.stones, {1}, robot, CellLayout{}, {});
+  SimulatedCell world(catalogue.stones, {1_stone}, robot, CellLayout{}, {});
   const Cell real = world.cell();
   EndingArm arm(real.arm);
   arm.ends = ends;

@@ -23,7 +23,7 @@ struct ThrowingCamera : DepthCamera {
     const Truth truth = world.truth();
     for (std::size_t k = 0; !thrown && k < truth.T_W_O.size(); ++k) {
       if (truth.T_W_O[k].translation().z() - before.T_W_O[k].translation().z() < 0.03) continue;
-      world.place(static_cast<int>(k), before.T_W_O[k]);
+      world.place(StoneIndex(k), before.T_W_O[k]);
       thrown = true;
     }
     return camera.capture();
@@ -35,7 +35,7 @@ TEST(LearnFromFall, FrictionsThatContradictTheFallAreLessLikely) {
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
-  SimulatedCell world(catalogue.stones, {1, 2}, robot, CellLayout{}, world_options);
+  SimulatedCell world(catalogue.stones, {1_stone, 2_stone}, robot, CellLayout{}, world_options);
   const Cell devices = world.cell();
   ThrowingCamera camera(devices.camera, world);
   Cell cell{devices.arm, devices.gripper, devices.force_torque, camera, devices.clock, devices.layout};

@@ -22,11 +22,11 @@ class LosingArm : public Arm {
   [[nodiscard]] ArmState state() override { return arm_.state(); }
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override {
     const Truth truth = world_.truth();
-    for (std::size_t k = 0; lost_ < 0 && k < truth.T_W_O.size(); ++k) {
+    for (std::size_t k = 0; lost_ == kNoStone && k < truth.T_W_O.size(); ++k) {
       Pose T_W_O = before_.T_W_O[k];
       if (truth.T_W_O[k].translation().z() - T_W_O.translation().z() < kLifted) continue;
       T_W_O.translation().head<2>() += away_;
-      lost_ = static_cast<int>(k);
+      lost_ = StoneIndex(k);
       world_.place(lost_, T_W_O);
     }
     return arm_.follow(trajectory);
@@ -45,7 +45,7 @@ class LosingArm : public Arm {
 
   /// Guarded descents with nothing in the gripper.
   [[nodiscard]] int lowered_empty() const { return lowered_empty_; }
-  [[nodiscard]] int lost() const { return lost_; }
+  [[nodiscard]] StoneIndex lost() const { return lost_; }
 
  private:
   static constexpr double kLifted = 0.03;  // m
@@ -53,7 +53,7 @@ class LosingArm : public Arm {
   SimulatedCell& world_;
   Eigen::Vector2d away_;
   Truth before_;
-  int lost_ = -1;
+  StoneIndex lost_ = kNoStone;
   int lowered_empty_ = 0;
 };
 
@@ -62,9 +62,10 @@ struct LosingRun {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   RobotModel robot = read_robot("ur10");
   RunResult result;
-  int lost = -1, lowered_empty = 0, viewed_beside = 0, viewed_pick = 0;
+  StoneIndex lost = kNoStone;
+  int lowered_empty = 0, viewed_beside = 0, viewed_pick = 0;
 
-  LosingRun(const std::vector<int>& stones, const Eigen::Vector2d& away) {
+  LosingRun(const std::vector<StoneIndex>& stones, const Eigen::Vector2d& away) {
     SimulationOptions world_options;
     world_options.seed = 7;
     SimulatedCell world(catalogue.stones, stones, robot, CellLayout{}, world_options);
@@ -82,8 +83,8 @@ struct LosingRun {
 };
 
 TEST(LostOnTheRoute, IsFoundAgainAndPlaced) {
-  const LosingRun run({1}, {0.0, 0.0});
-  ASSERT_EQ(run.lost, 1);
+  const LosingRun run({1_stone}, {0.0, 0.0});
+  ASSERT_EQ(run.lost, 1_stone);
   EXPECT_EQ(run.lowered_empty, 0);
   ASSERT_EQ(run.result.placements.size(), 2U) << run.result.ended;
   EXPECT_EQ(run.result.placements[0].outcome, PlacementRecord::Outcome::kDropped);
@@ -93,7 +94,7 @@ TEST(LostOnTheRoute, IsFoundAgainAndPlaced) {
 }
 
 TEST(LostOnTheRoute, OutOfSightItIsDoneWithout) {
-  const LosingRun run({1, 2}, {-3.0, 0.0});
+  const LosingRun run({1_stone, 2_stone}, {-3.0, 0.0});
   ASSERT_GE(run.lost, 0);
   EXPECT_EQ(run.lowered_empty, 0);
   ASSERT_EQ(run.result.placements.size(), 2U) << run.result.ended;

@@ -21,7 +21,7 @@ struct SeenField {
   RobotModel robot = read_robot("ur10");
   DetectionOptions options;
   DetectionModels models{catalogue.stones, options};
-  std::vector<int> wanted{1, 2};
+  std::vector<StoneIndex> wanted{1_stone, 2_stone};
   CameraView view;
   std::vector<Sighting> seen;
 
@@ -55,7 +55,7 @@ TEST(PlanningSceneOfACell, ListsTheObstaclesAfterTheStonesAndTheGrippersMasses) 
   layout.obstacles = {{"wall", {make_box({0.1, 1.0, 1.0})}, Pose(Eigen::Translation3d(0.4, 0.0, 0.5))}};
   layout.sensor_mass = 0.3;
   Arrangement arrangement;
-  arrangement.loose = {{1, Pose::Identity()}};
+  arrangement.loose = {{1_stone, Pose::Identity()}};
   const PlanningScene scene = make_planning_scene(layout, read_robot("ur10"), catalogue, arrangement);
   ASSERT_EQ(scene.objects.size(), 2u);
   EXPECT_EQ(scene.objects[1].name, "wall");
@@ -97,7 +97,7 @@ TEST(FindInViews, HowCertainItIsWhichStoneItIsComesAlong) {
   std::vector<Stone> stones = field().catalogue.stones;
   stones.push_back(stones[1]);
   const DetectionModels models(stones, field().options);
-  const auto found = find_in_views({field().view}, models, {1}, {}, {}, field().options);
+  const auto found = find_in_views({field().view}, models, {1_stone}, {}, {}, field().options);
   ASSERT_EQ(found.size(), 1U);
   EXPECT_LT(found[0].certainty, 0.7) << "it may be its twin";
   for (const Sighting& s : field().seen) EXPECT_GT(s.certainty, 0.9);

@@ -21,7 +21,7 @@ struct Bench {
     double lowest = 0.0;
     for (const auto& p : stone.scan.vertices) lowest = std::min(lowest, (T_W_O * p).z());
     T_W_O.translation() << layout.field_centre, -lowest;
-    arrangement.loose.push_back({1, T_W_O});
+    arrangement.loose.push_back({1_stone, T_W_O});
   }
   [[nodiscard]] Reach reach(const MotionOptions& options) const {
     return {arrangement, make_planning_scene(layout, robot, catalogue, arrangement), catalogue, options};
@@ -46,15 +46,15 @@ TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
   MotionOptions options;
   options.approach_padding = padding;
   Reach reach = bench.reach(options);
-  EXPECT_TRUE(reach.is_low(1));
-  EXPECT_TRUE(reach.at_pick(1).can_be_held());
-  EXPECT_DOUBLE_EQ(reach.options_for(1).approach_padding, 0.5 * padding);
-  EXPECT_LT(reach.options_for(1).approach_speed, options.approach_speed) << "it approaches by force";
+  EXPECT_TRUE(reach.is_low(1_stone));
+  EXPECT_TRUE(reach.at_pick(1_stone).can_be_held());
+  EXPECT_DOUBLE_EQ(reach.options_for(1_stone).approach_padding, 0.5 * padding);
+  EXPECT_LT(reach.options_for(1_stone).approach_speed, options.approach_speed) << "it approaches by force";
 
   const MotionOptions usual;
   Reach near = bench.reach(usual);
-  EXPECT_FALSE(near.is_low(1));
-  EXPECT_DOUBLE_EQ(near.options_for(1).approach_padding, usual.approach_padding);
+  EXPECT_FALSE(near.is_low(1_stone));
+  EXPECT_DOUBLE_EQ(near.options_for(1_stone).approach_padding, usual.approach_padding);
 }
 
 }  // namespace

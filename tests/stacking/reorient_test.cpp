@@ -17,7 +17,7 @@ namespace {
 
 using namespace simulation;  // the cell that the loop works in here
 
-constexpr int kStone = 1;  // limestone_2
+constexpr StoneIndex kStone = 1_stone;  // limestone_2
 
 /// On the table, in that resting pose, its centre of mass over `p_W`.
 Pose standing(const Stone& stone, const RestPose& rest, const Eigen::Vector2d& p_W) {
@@ -30,7 +30,7 @@ Pose standing(const Stone& stone, const RestPose& rest, const Eigen::Vector2d& p
 
 TEST(Reorient, AStoneThatLiesOnTheWrongSideIsReorientedAndPlaced) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const Stone& stone = catalogue.stones[kStone];
+  const Stone& stone = catalogue[kStone];
   const RobotModel robot = read_robot("ur10");
   SimulationOptions world_options;
   world_options.seed = 7;
@@ -62,7 +62,8 @@ TEST(Reorient, AStoneThatLiesOnTheWrongSideIsReorientedAndPlaced) {
   EXPECT_EQ(result.placements[0].outcome, PlacementRecord::Outcome::kReoriented);
   EXPECT_EQ(result.placements[1].outcome, PlacementRecord::Outcome::kPlaced);
   EXPECT_EQ(result.height, 1) << message;
-  const Eigen::Vector3d n_O_up = world.truth().T_W_O[kStone].linear().row(2).transpose();
+  const Truth truth = world.truth();
+  const Eigen::Vector3d n_O_up = at(truth.T_W_O, kStone).linear().row(2).transpose();
   EXPECT_GT(n_O_up.dot(rests[0].R_W_O.inverse() * Eigen::Vector3d::UnitZ()), 0.95) << "on its broad side";
   EXPECT_THAT(test::decisions(hooks.states_folder, catalogue, robot),
               testing::ElementsAre("place", "reorient", "place", "stop"))

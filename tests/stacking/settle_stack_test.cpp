@@ -28,7 +28,7 @@ Stack settled(const Stack& seen, bool lowered = false) {
 
 Stack two(double lift, double tilt) {
   const Eigen::Quaterniond R_W_O(Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()));
-  return {{{0, make_pose({0, 0, 0.025})}, {1, make_pose({0, 0, 0.075 + lift}, R_W_O)}}};
+  return {{{0_stone, make_pose({0, 0, 0.025})}, {1_stone, make_pose({0, 0, 0.075 + lift}, R_W_O)}}};
 }
 
 bool stands(const Stack& stack) {

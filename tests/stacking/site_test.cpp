@@ -49,7 +49,7 @@ struct Started {
   std::unique_ptr<SimulatedCell> world;
   std::string message;
 
-  explicit Started(const std::vector<int>& present) {
+  explicit Started(const std::vector<StoneIndex>& present) {
     SimulationOptions options;
     options.seed = 7;
     world = std::make_unique<SimulatedCell>(catalogue.stones, present, robot, CellLayout{}, options);
@@ -66,7 +66,7 @@ struct Started {
 };
 
 TEST(Site, AnExistingTowerIsBuiltOn) {
-  Started lab({1, 2, 3});
+  Started lab({1_stone, 2_stone, 3_stone});
   const RunResult first = lab.build(2, lab.catalogue);
   ASSERT_EQ(first.height, 2) << lab.message;
   EXPECT_TRUE(all_of<SiteOccupied>(first.events).empty());
@@ -81,15 +81,16 @@ TEST(Site, AnExistingTowerIsBuiltOn) {
     EXPECT_EQ(record.stone, second.placements.back().stone) << "only the third stone is touched";
     EXPECT_NE(record.outcome, Outcome::kUnstacked) << lab.message;
   }
+  const Truth after = lab.world->truth();
   for (std::size_t i = 0; i < 2; ++i) {
-    const auto stone = static_cast<std::size_t>(first.world.stack[i].stone);
-    EXPECT_EQ(second.world.stack[i].stone, first.world.stack[i].stone);
-    EXPECT_LT(difference(lab.world->truth().T_W_O[stone], before.T_W_O[stone]).translation, 0.003);
+    const StoneIndex stone = first.world.stack[i].stone;
+    EXPECT_EQ(second.world.stack[i].stone, stone);
+    EXPECT_LT(difference(at(after.T_W_O, stone), at(before.T_W_O, stone)).translation, 0.003);
   }
 }
 
 TEST(Site, AnUnseenSiteIsNotBuiltOn) {
-  Started lab({1, 2});
+  Started lab({1_stone, 2_stone});
   const Cell seeing = lab.world->cell();
   test::HidingCamera blind(seeing, lab.robot);
   blind.p_W_hidden = seeing.layout.site;
@@ -104,7 +105,7 @@ TEST(Site, AnUnseenSiteIsNotBuiltOn) {
 }
 
 TEST(Site, AnUnknownObjectIsNotBuiltOn) {
-  Started lab({1, 2, 5});
+  Started lab({1_stone, 2_stone, 5_stone});
   Pose T_W_O = lab.world->truth().T_W_O[5];  // as it lies, moved to the site
   T_W_O.translation().head<2>() = CellLayout{}.site;
   lab.world->place(5, T_W_O);

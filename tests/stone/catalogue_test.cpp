@@ -56,7 +56,7 @@ TEST_F(CatalogueTest, GivesBackWhatWasWritten) {
   const Catalogue catalogue = read_catalogue(folder_);
   ASSERT_EQ(catalogue.stones.size(), 2U);
   EXPECT_EQ(catalogue.stones[0].name, "box");
-  const Stone& again = catalogue.stones[static_cast<std::size_t>(catalogue.index("limestone_9"))];
+  const Stone& again = catalogue[catalogue.index("limestone_9")];
   EXPECT_EQ(again.source, stone.source);
   EXPECT_EQ(again.mass.mass, stone.mass.mass);
   EXPECT_EQ(again.mass.p_O_M, stone.mass.p_O_M);

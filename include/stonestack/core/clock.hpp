@@ -12,6 +12,7 @@ namespace stonestack::core {
 class Clock {
  public:
   virtual ~Clock() = default;
+  /// Time [s] since a start that each clock chooses; it never goes back.
   [[nodiscard]] virtual double now() const = 0;
 };
 
@@ -29,6 +30,7 @@ class Clock {
 class Stopwatch {
  public:
   Stopwatch();
+  /// Time [s] since the stopwatch was made.
   [[nodiscard]] double seconds() const;
 
  private:
@@ -46,6 +48,7 @@ class TimeLimit {
   ~TimeLimit();
   TimeLimit(const TimeLimit&) = delete;
   TimeLimit& operator=(const TimeLimit&) = delete;
+  /// True once the time of the limit is over.
   [[nodiscard]] bool is_over() const;
 
  private:

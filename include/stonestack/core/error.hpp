@@ -27,7 +27,9 @@ enum class ExitCode {
 /// Base of every error of this library; `exit_code()` is what the command ends with.
 class Error : public std::runtime_error {
  public:
+  /// Error with its message, and the exit code that the command ends with.
   Error(const std::string& what, ExitCode code) : std::runtime_error(what), exit_code_(code) {}
+  /// Exit code that the command ends with.
   [[nodiscard]] ExitCode exit_code() const { return exit_code_; }
 
  private:
@@ -37,6 +39,7 @@ class Error : public std::runtime_error {
 /// The caller broke the contract; the message carries the values.
 class InvalidArgument : public Error {
  public:
+  /// Error with its message, which carries the values.
   explicit InvalidArgument(const std::string& what) : Error(what, ExitCode::kUsage) {}
 };
 
@@ -44,6 +47,7 @@ class InvalidArgument : public Error {
 /// "<path>: <what is wrong, with the value>; <what to do>".
 class FileError : public Error {
  public:
+  /// Joins the file's path, what is wrong with it, and the remedy.
   FileError(const std::string& path, const std::string& problem, const std::string& remedy)
       : Error(path + ": " + problem + "; " + remedy, ExitCode::kUnreadable) {}
 };
@@ -51,6 +55,7 @@ class FileError : public Error {
 /// A device does not answer or refuses. `what()` reads "<device at address>: <problem>; <next step>".
 class DeviceError : public Error {
  public:
+  /// Joins the device and its address, the problem, and the next step.
   DeviceError(const std::string& device, const std::string& problem, const std::string& next_step)
       : Error(device + ": " + problem + "; " + next_step, ExitCode::kExecutionFailed) {}
 };

@@ -27,8 +27,8 @@ namespace stonestack::core {
 
 /// Inclusive range of a number.
 struct FieldRange {
-  double low = -1e300;
-  double high = 1e300;
+  double low = -1e300;  ///< lowest value that is allowed
+  double high = 1e300;  ///< highest value that is allowed
 };
 
 /// Audience of an option.
@@ -39,20 +39,25 @@ enum class Tier {
 
 /// One option of a struct: its name, where it lies, and what a reader needs to know.
 struct Field {
-  std::string name;
-  std::variant<double*, int*, bool*, std::string*> value;
-  FieldRange range;
-  std::string unit;         ///< "m", "rad", "" for a pure number
-  std::string description;  ///< effect, in plain English
-  Tier tier = Tier::kExpert;
+  std::string name;  ///< name of the option, with the prefix of its group: search.friction
+  std::variant<double*, int*, bool*, std::string*> value;  ///< the option itself, inside its struct
+  FieldRange range;                                        ///< limits of a number
+  std::string unit;                                        ///< "m", "rad", "" for a pure number
+  std::string description;                                 ///< effect, in plain English
+  Tier tier = Tier::kExpert;  ///< user options are listed by `config show`, the others with --expert
 };
+/// Options of a struct, in the order in which they are listed.
 using FieldList = std::vector<Field>;
 
+/// Describes a number with a fraction.
 [[nodiscard]] Field field(std::string name, double& value, FieldRange range, std::string unit,
                           std::string description);
+/// Describes a whole number.
 [[nodiscard]] Field field(std::string name, int& value, FieldRange range, std::string unit,
                           std::string description);
+/// Describes a switch.
 [[nodiscard]] Field field(std::string name, bool& value, std::string description);
+/// Describes a text.
 [[nodiscard]] Field field(std::string name, std::string& value, std::string description);
 
 /// Marks a field as one for users.

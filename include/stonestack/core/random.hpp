@@ -15,6 +15,7 @@ namespace stonestack::core {
 /// by splitmix64.
 class Random {
  public:
+  /// Stream that a seed begins; the same seed gives the same draws.
   explicit Random(std::uint64_t seed);
   /// The stream of one task of a seeded job.
   [[nodiscard]] static Random stream(std::uint64_t seed, std::uint64_t task);

@@ -18,15 +18,15 @@ namespace stonestack::detection {
 /// An alternative explanation: another pose of a stone of nearly symmetric shape, or another stone of like
 /// shape.
 struct AlternativePose {
-  Pose T_C_O = Pose::Identity();
-  double weight = 0.0;  ///< of all together 1
-  int stone = -1;       ///< index into the models
+  Pose T_C_O = Pose::Identity();  ///< alternative pose of the stone in the camera frame
+  double weight = 0.0;            ///< of all together 1
+  StoneIndex stone = kNoStone;    ///< index into the models
 };
 
 /// Where a stone was found.
 struct Detection {
-  int stone = -1;  ///< index into the models
-  Pose T_C_O = Pose::Identity();
+  StoneIndex stone = kNoStone;    ///< index into the models
+  Pose T_C_O = Pose::Identity();  ///< pose of the stone in the camera frame
   double score = 0.0;  ///< visibility-aware, at most 1; accepted from `DetectionOptions::accept_score` on
   double inlier_ratio = 0.0;  ///< the paper's, over visible model points
   double visible = 0.0;       ///< share of the model's surface that this view saw
@@ -51,7 +51,7 @@ struct DetectionResult {
 
 /// One depth image of several, and where it was taken from.
 struct DepthView {
-  DepthImage image;
+  DepthImage image;               ///< depth image, in the frame of its own camera
   Pose T_W_C = Pose::Identity();  ///< W: any frame that all views share
 };
 
@@ -69,14 +69,14 @@ struct DetectionOptions {
   double accept_inlier_ratio = 0.75;  ///< with paper
   double bias_sigma = 0.0005;  ///< smooth error of a depth image, where no table shows what it is ... [m]
   bool trace = false;          ///< keep what each stage saw
-  int seed = 1;
+  int seed = 1;                ///< seed of every random draw
 };
 [[nodiscard]] FieldList fields(DetectionOptions& options);
 
 /// A stone whose pose is known: placed before, or held.
 struct KnownStone {
-  int stone = -1;  ///< index into the models
-  Pose T_C_O = Pose::Identity();
+  StoneIndex stone = kNoStone;    ///< index into the models
+  Pose T_C_O = Pose::Identity();  ///< known pose in the camera frame
 };
 
 /// Knowledge of a scene before it is observed.
@@ -89,11 +89,15 @@ struct SceneKnowledge {
 /// threads.
 class DetectionModels {
  public:
+  /// Prepares the models of `stones` for the descriptors that the options name.
   DetectionModels(std::span<const Stone> stones, const DetectionOptions& options = {});
   ~DetectionModels();
+  /// Takes over the models of another.
   DetectionModels(DetectionModels&&) noexcept;
+  /// Takes over the models of another.
   DetectionModels& operator=(DetectionModels&&) noexcept;
   struct Data;
+  /// Prepared models, private to detection.
   [[nodiscard]] const Data& data() const { return *data_; }
 
  private:
@@ -104,7 +108,7 @@ class DetectionModels {
 /// one depth image (paper §2). Never throws for what a camera may show: an empty or senseless image gives no
 /// detections and a note.
 [[nodiscard]] DetectionResult detect_stones(const DepthImage& image, const DetectionModels& models,
-                                            std::span<const int> wanted = {},
+                                            std::span<const StoneIndex> wanted = {},
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});
 
@@ -113,14 +117,14 @@ class DetectionModels {
 /// two). Results and `known` are in C, the camera frame of the first view.
 /// @throws InvalidArgument for no view.
 [[nodiscard]] DetectionResult detect_stones(std::span<const DepthView> views, const DetectionModels& models,
-                                            std::span<const int> wanted = {},
+                                            std::span<const StoneIndex> wanted = {},
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});
 
 /// Refines known poses: a stone is expected at T_C_O_guess (within about 15 mm, 15 deg); empty if it is not
 /// there.
 [[nodiscard]] std::optional<Detection> track_stone(const DepthImage& image, const DetectionModels& models,
-                                                   int stone, const Pose& T_C_O_guess,
+                                                   StoneIndex stone, const Pose& T_C_O_guess,
                                                    const DetectionOptions& options = {},
                                                    const SceneKnowledge& known = {});
 

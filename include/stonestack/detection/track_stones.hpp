@@ -12,14 +12,15 @@ namespace stonestack::detection {
 
 /// Present state of a stone that was placed before.
 struct TrackedStone {
+  /// State of a stone against its expected pose.
   enum class Status {
     kInPlace,  ///< where it was
     kMoved,    ///< seen elsewhere, by the distance `moved`
     kFallen,   ///< seen elsewhere and lower
     kUnseen,   ///< hidden, or gone
   };
-  int stone = -1;
-  Status status = Status::kUnseen;
+  StoneIndex stone = kNoStone;         ///< index into the models
+  Status status = Status::kUnseen;     ///< state of the stone in the image
   std::optional<Detection> detection;  ///< empty with kUnseen
   PoseDifference moved;                ///< from where it was; of the bounding sphere's centre
 };

@@ -17,7 +17,10 @@ namespace stonestack::emulators {
 
 /// Which devices are served; the world behind them is whole.
 struct ServedDevices {
-  bool arm = true, gripper = true, force_torque = true, camera = true;
+  bool arm = true;           ///< controller of the arm
+  bool gripper = true;       ///< gripper
+  bool force_torque = true;  ///< force sensor
+  bool camera = true;        ///< depth camera
 };
 
 /// Settings of the simulated devices of a cell behind their real protocols. Private: a program sets them by
@@ -41,16 +44,21 @@ class SimulatedServers {
 
   /// All 0 when no arm is served.
   [[nodiscard]] UrPorts arm_ports() const;
+  /// Address of the controller that is served, without ports.
   [[nodiscard]] std::string arm_address() const;
   /// Where each listens; empty when it does not serve TCP.
   [[nodiscard]] std::optional<Endpoint> gripper() const;
+  /// Endpoint of the force sensor's server; empty if it is not served over TCP.
   [[nodiscard]] std::optional<Endpoint> force_torque() const;
+  /// Endpoint of the camera's server; empty if it is not served.
   [[nodiscard]] std::optional<Endpoint> camera() const;
   /// Paths of the pseudo terminals; empty when it does not serve a serial line.
   [[nodiscard]] std::string gripper_line() const;
+  /// Path of the serial line on which the force sensor is served; empty if there is none.
   [[nodiscard]] std::string force_torque_line() const;
   /// A line a device: where it can be reached.
   [[nodiscard]] std::string text() const;
+  /// Options of the servers.
   [[nodiscard]] const SimulatedServersOptions& options() const;
 
  private:
@@ -61,18 +69,26 @@ class SimulatedServers {
 /// Content of a cell file: the devices, and, if `simulate`, how this program serves them itself.
 class CellFile {
  public:
-  std::string path;
-  bool simulate = false;
+  std::string path;       ///< path of the file; empty: none was read
+  bool simulate = false;  ///< true: this program simulates and serves the devices itself
 
   CellFile();
   ~CellFile();
+  /// Copies settings and options.
   CellFile(const CellFile& other);
+  /// Takes over settings and options.
   CellFile(CellFile&& other) noexcept;
+  /// Copies settings and options.
   CellFile& operator=(const CellFile& other);
+  /// Takes over settings and options.
   CellFile& operator=(CellFile&& other) noexcept;
+  /// Settings of the cell, to be changed.
   [[nodiscard]] CellConfig& cell();
+  /// Settings of the cell.
   [[nodiscard]] const CellConfig& cell() const;
+  /// Options of the simulated servers, to be changed.
   [[nodiscard]] SimulatedServersOptions& servers();
+  /// Options of the simulated servers.
   [[nodiscard]] const SimulatedServersOptions& servers() const;
   /// Name of the cell's robot: ur3 to ur16e, or the path of a URDF.
   [[nodiscard]] const std::string& robot() const;

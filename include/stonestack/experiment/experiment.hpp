@@ -15,8 +15,9 @@ namespace stonestack::experiment {
 
 /// The true tower: which stones stand on each other at the site, and whether they stay.
 struct TowerVerdict {
-  std::vector<int> stones;  ///< from the table up, indices into the catalogue: each rests on the one below it
-  StandVerdict stand;       ///< of the world with the arm away; `standing` counts clean stones that stayed
+  std::vector<StoneIndex>
+      stones;          ///< from the table up, indices into the catalogue: each rests on the one below it
+  StandVerdict stand;  ///< of the world with the arm away; `standing` counts clean stones that stayed
 };
 
 /// How far a stone of the true tower may move and still count as standing: stones settle a little once the
@@ -68,7 +69,7 @@ struct TruthReport {
   double seconds = 60.0;  ///< simulated, with the arm away; of the longest trial
   double shift = 0.0;     ///< largest movement of a tower stone in that time [m]
   double turn = 0.0;      ///< likewise [rad]
-  std::string note;
+  std::string note;       ///< remark on the verdict, for a person
   std::vector<EngineVerdict> engines;  ///< of the same tower; empty in records of older versions
 };
 /// True where a tower is higher in one engine than in another.
@@ -76,11 +77,11 @@ struct TruthReport {
 
 /// Everything that is reported of a run.
 struct RunReport {
-  RunResult result;
-  std::string version;  ///< of the program that made it; empty: unknown
-  std::string robot;
-  std::string catalogue;
-  int seed = 0;
+  RunResult result;                  ///< result of the loop
+  std::string version;               ///< of the program that made it; empty: unknown
+  std::string robot;                 ///< name of the robot
+  std::string catalogue;             ///< path of the catalogue
+  int seed = 0;                      ///< seed of the run
   std::vector<std::string> present;  ///< names of the stones that were in the field
   std::optional<TruthReport> truth;  ///< simulated cell only
   std::string options_text;          ///< resolved options, YAML
@@ -89,7 +90,7 @@ struct RunReport {
 
 /// One run of an experiment.
 struct ExperimentRun {
-  RunReport report;
+  RunReport report;   ///< report of the run
   Survival survival;  ///< at the times of SurvivalOptions
 };
 
@@ -97,11 +98,12 @@ struct ExperimentRun {
 struct Experiment {
   std::string title;              ///< "11 runs of 4 of 6 stones, seed 1"
   std::string protocol = "full";  ///< when a run ends: full or paper (`apply_protocol`)
-  int per_run = 4;
-  int new_stones = 0;           ///< stones that each run had for itself; 0: all runs drew from the same
-  std::string new_stones_from;  ///< folder that they were drawn from; empty: generated
-  std::vector<double> survival_seconds{5.0, 60.0, 600.0};
-  std::vector<ExperimentRun> runs;
+  int per_run = 4;                ///< stones in the field of each run
+  int new_stones = 0;             ///< stones that each run had for itself; 0: all runs drew from the same
+  std::string new_stones_from;    ///< folder that they were drawn from; empty: generated
+  std::vector<double> survival_seconds{5.0, 60.0,
+                                       600.0};  ///< times [s] at which the survival of a tower is judged
+  std::vector<ExperimentRun> runs;              ///< runs, in the order of their seeds
 };
 
 /// A share with its 95 % interval: Wilson's score interval at the effective number of trials. Runs that share
@@ -111,11 +113,15 @@ struct Experiment {
 /// where all trials of a cluster end alike; where nothing shows it (no hits, hits only, or one cluster), it
 /// is the latter. With one trial a cluster this is Wilson's interval.
 struct Rate {
-  int hits = 0, trials = 0;
+  int hits = 0;            ///< successes
+  int trials = 0;          ///< tries in all
   int clusters = 0;        ///< sets of stones; 0: every trial is on its own
   double effective = 0.0;  ///< number of trials that count; 0: all of them
+  /// Estimate of the probability, hits over trials; 0 without trials.
   [[nodiscard]] double share() const { return trials > 0 ? static_cast<double>(hits) / trials : 0.0; }
+  /// Lower end of the 95 % interval.
   [[nodiscard]] double low() const;
+  /// Upper end of the 95 % interval.
   [[nodiscard]] double high() const;
 };
 
@@ -140,10 +146,12 @@ struct Rate {
 
 /// Predicted against observed: placements by predicted success.
 struct CalibrationBin {
-  double low = 0.0, high = 1.0;  ///< of the prediction, [low, high), the last closed
-  double mean_prediction = 0.0;
-  Rate observed;  ///< placements that were seen placed
+  double low = 0.0;              ///< lower limit of the prediction, included
+  double high = 1.0;             ///< upper limit, included in the last bin only
+  double mean_prediction = 0.0;  ///< mean of the predictions in the bin
+  Rate observed;                 ///< placements that were seen placed
 };
+/// Sorts the placements that were tried into `bins` equal intervals of their predicted success.
 [[nodiscard]] std::vector<CalibrationBin> calibration(const Experiment& experiment, int bins = 5);
 
 }  // namespace stonestack::experiment

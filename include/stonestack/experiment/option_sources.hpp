@@ -16,24 +16,25 @@ namespace stonestack::experiment {
 
 /// The options of all commands, as a file may hold them.
 struct EveryOption {
-  BuildOptions build;
-  TrackOptions tracking;
-  SimulationOptions simulation;
-  SceneOptions scene;
+  BuildOptions build;            ///< options of the loop
+  TrackOptions tracking;         ///< options of tracking
+  SimulationOptions simulation;  ///< options of the simulated world
+  SceneOptions scene;            ///< options of a rendered scene
 };
+/// Names the options of all commands.
 [[nodiscard]] FieldList fields(EveryOption& every);
 
 /// Value that a flag of its own gives to an option: --method for search.method.
 struct FlagValue {
-  std::string flag;
+  std::string flag;    ///< flag on the command line
   std::string option;  ///< "*.seed": the seed of every part
-  std::string value;
+  std::string value;   ///< text that the user gave
 };
 
 /// Options as a command line gives them.
 struct OptionSources {
-  std::string config;  ///< option file in place of ./stonestack.yaml; empty: none
-  std::vector<FlagValue> flags;
+  std::string config;                    ///< option file in place of ./stonestack.yaml; empty: none
+  std::vector<FlagValue> flags;          ///< values from flags of their own
   std::vector<std::string> assignments;  ///< "NAME=VALUE", one after the other
 };
 

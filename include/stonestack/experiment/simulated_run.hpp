@@ -11,9 +11,9 @@ namespace stonestack::experiment {
 
 /// Settings of one run of the loop in the simulated cell.
 struct SimulatedRun {
-  int seed = 1;  ///< of the cell, detection, search and motion
-  BuildOptions build;
-  SimulationOptions simulation;
+  int seed = 1;                  ///< of the cell, detection, search and motion
+  BuildOptions build;            ///< options of the loop
+  SimulationOptions simulation;  ///< options of the simulated world
 };
 /// Gives `run.seed` to every part.
 void spread_seed(SimulatedRun& run);
@@ -30,8 +30,8 @@ void apply_protocol(SimulatedRun& run, const std::string& protocol);
 
 /// One row of a comparison: the experiment with some options set differently.
 struct Variant {
-  std::string name;
-  std::vector<std::string> assignments;
+  std::string name;                      ///< name of the row
+  std::vector<std::string> assignments;  ///< options in which the row differs, NAME=VALUE
 };
 
 /// Each way in which the cell is hard, alone, against all of them and none of them.

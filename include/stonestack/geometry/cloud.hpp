@@ -12,10 +12,10 @@ namespace stonestack::geometry {
 /// Points, metres, in the frame that its owner's name states. Organised when width * height == points.size()
 /// and height > 1; then a missing point is NaN.
 struct Cloud {
-  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> points;   ///< points [m]; NaN where an organised cloud has none
   std::vector<Eigen::Vector3f> normals;  ///< empty, or one unit vector a point
-  int width = 0;
-  int height = 0;
+  int width = 0;                         ///< columns of an organised cloud; 0: not organised
+  int height = 0;                        ///< rows of an organised cloud; 0: not organised
 };
 
 [[nodiscard]] Cloud transformed(const Cloud& cloud, const Pose& T_B_A);

@@ -11,29 +11,31 @@ namespace stonestack::geometry {
 
 /// Pinhole camera with lens distortion; optical frame C.
 struct CameraIntrinsics {
+  /// Model of the lens distortion: none, Brown-Conrady, or its inverse.
   enum class Distortion { kNone, kBrownConrady, kInverseBrownConrady };
-  int width = 640;
-  int height = 480;
-  double fx = 475.0;  ///< pixels; SR300: 68 x 54 deg at 640 x 480
-  double fy = 475.0;
-  double cx = 319.5;
-  double cy = 239.5;
-  Distortion distortion = Distortion::kNone;
-  double k[5] = {0, 0, 0, 0, 0};  ///< k1 k2 p1 p2 k3
+  int width = 640;                            ///< columns [px]
+  int height = 480;                           ///< rows [px]
+  double fx = 475.0;                          ///< pixels; SR300: 68 x 54 deg at 640 x 480
+  double fy = 475.0;                          ///< focal length along v [px]
+  double cx = 319.5;                          ///< principal point along u [px]
+  double cy = 239.5;                          ///< principal point along v [px]
+  Distortion distortion = Distortion::kNone;  ///< model that the coefficients belong to
+  double k[5] = {0, 0, 0, 0, 0};              ///< k1 k2 p1 p2 k3
 };
 
 /// Depth along the optical axis, row by row; 0 where there is none. Metres.
 struct DepthImage {
-  CameraIntrinsics camera;
-  std::vector<float> z;
+  CameraIntrinsics camera;  ///< intrinsics of the camera
+  std::vector<float> z;     ///< depths [m], row by row; 0 where there is none
+  /// Depth [m] at column `u` and row `v`; 0 where there is none.
   [[nodiscard]] float at(int u, int v) const { return z[static_cast<std::size_t>(v * camera.width + u)]; }
 };
 
 /// A depth image as a camera took it; `number` and `device_time` rise from frame to frame, a repeated one is
 /// a DeviceError.
 struct DepthFrame {
-  DepthImage image;
-  long number = 0;
+  DepthImage image;          ///< frame of the recording
+  long number = 0;           ///< number of the frame in the recording
   double device_time = 0.0;  ///< [s]
   double host_time = 0.0;  ///< time by `host_seconds` [s], when it was here; in a simulated cell of its clock
 };

@@ -12,8 +12,8 @@ namespace stonestack::geometry {
 /// Triangles over shared vertices, metres unless a name states another unit; faces counter-clockwise seen
 /// from outside.
 struct Mesh {
-  std::vector<Eigen::Vector3d> vertices;
-  std::vector<Eigen::Vector3i> faces;
+  std::vector<Eigen::Vector3d> vertices;  ///< corners [m]
+  std::vector<Eigen::Vector3i> faces;     ///< triangles: indices of their corners
 };
 
 [[nodiscard]] Eigen::AlignedBox3d bounds(const Mesh& mesh);
@@ -36,9 +36,9 @@ struct Mesh {
 
 /// A point on a surface with its outward normal and the surface area that it stands for.
 struct SurfaceSample {
-  Eigen::Vector3d point;
-  Eigen::Vector3d normal;
-  double area = 0.0;  ///< [m^2]
+  Eigen::Vector3d point;   ///< point on the surface [m]
+  Eigen::Vector3d normal;  ///< unit normal of the surface, outwards
+  double area = 0.0;       ///< [m^2]
 };
 /// Samples a surface: every vertex, points along edges and inside faces so that neighbours are at most about
 /// `spacing` apart. Deterministic; areas sum to the surface area.

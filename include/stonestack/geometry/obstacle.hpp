@@ -12,9 +12,9 @@ namespace stonestack::geometry {
 
 /// Something that stands in a cell and that the arm must not touch: a wall, a camera stand, a screen.
 struct Obstacle {
-  std::string name;
-  std::vector<Mesh> pieces;  ///< convex, in O
-  Pose T_W_O = Pose::Identity();
+  std::string name;               ///< name for messages and for pairs of paddings
+  std::vector<Mesh> pieces;       ///< convex, in O
+  Pose T_W_O = Pose::Identity();  ///< pose of the obstacle in W
 };
 
 /// Reads a YAML list of obstacles; each has a name, one shape and a pose, metres:

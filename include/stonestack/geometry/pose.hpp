@@ -41,8 +41,9 @@ struct PoseDifference {
 
 /// {p : normal . p = offset}, normal of unit length.
 struct Plane {
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
-  double offset = 0.0;  ///< [m]
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< unit normal of the plane
+  double offset = 0.0;                                ///< [m]
+  /// Signed distance [m] of a point to the plane, positive on the side of the normal.
   [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return normal.dot(p) - offset; }
 };
 

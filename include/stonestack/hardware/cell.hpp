@@ -21,17 +21,18 @@ struct CellLayout {
   Eigen::Vector2d field_size{0.40, 0.50};     ///< [m]
   std::vector<Obstacle> obstacles;            ///< what the arm must not touch beside table and stones
   std::vector<PairPadding> paddings;          ///< how far it stays away from these, where a user asks for it
+  /// Pose of the camera at the tool tip in the standard cell.
   [[nodiscard]] static Pose make_default_T_T_C();
 };
 
 /// The four devices of a cell and its clock. Non-owning: whoever made them keeps them alive.
 struct Cell {
-  Arm& arm;
-  Gripper& gripper;
-  ForceTorqueSensor& force_torque;
-  DepthCamera& camera;
-  Clock& clock;
-  CellLayout layout;
+  Arm& arm;                         ///< arm
+  Gripper& gripper;                 ///< gripper at the flange
+  ForceTorqueSensor& force_torque;  ///< force sensor between flange and gripper
+  DepthCamera& camera;              ///< depth camera at the gripper
+  Clock& clock;                     ///< clock of the devices: simulated time in a simulated cell
+  CellLayout layout;                ///< mounts, field and site
 };
 
 }  // namespace stonestack::hardware

@@ -36,6 +36,7 @@ class HardwareCell {
   /// The cell of a file.
   explicit HardwareCell(const std::string& path);
   ~HardwareCell();
+  /// Devices of the cell and its layout, for the loop.
   [[nodiscard]] Cell cell();
   /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty gripper.
   void activate_gripper();

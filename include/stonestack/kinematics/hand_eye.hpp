@@ -18,13 +18,14 @@ enum class CameraMount {
   kOnHand,  ///< it moves with the flange, the target stands still: T_F_C is looked for
   kOnBase,  ///< it stands still, the target moves with the flange: T_R_C is looked for
 };
+/// Name of a mount, as files spell it.
 [[nodiscard]] std::string to_text(CameraMount mount);
 
 /// One station of a calibration: the flange as reported by the arm and the target as seen by the camera. B is
 /// the frame of the target (a board).
 struct HandEyePair {
-  Pose T_R_F = Pose::Identity();
-  Pose T_C_B = Pose::Identity();
+  Pose T_R_F = Pose::Identity();  ///< pose of the flange, from the arm
+  Pose T_C_B = Pose::Identity();  ///< pose of the calibration target, seen by the camera
 };
 
 /// How far the target seems to move although it does not: root mean square over the stations.
@@ -37,7 +38,7 @@ struct HandEyeResidual {
 struct HandEyeSolution {
   std::string method;             ///< joint, tsai_lenz, park_martin, daniilidis
   Pose T_A_C = Pose::Identity();  ///< A: the flange F with kOnHand, the robot base R with kOnBase
-  HandEyeResidual residual;
+  HandEyeResidual residual;       ///< residual over all stations
 };
 
 /// Results of all methods, and a warning.
@@ -67,20 +68,22 @@ struct HandEyeResult {
 ///   pairs:
 ///     - {T_R_F: {x: ..., qw: ...}, T_C_B: {x: ..., qw: ...}}
 struct HandEyeFile {
-  CameraMount mount = CameraMount::kOnHand;
-  std::vector<HandEyePair> pairs;
-  std::string path = {};  ///< where it was read; empty: nowhere
+  CameraMount mount = CameraMount::kOnHand;  ///< mount of the camera at these stations
+  std::vector<HandEyePair> pairs;            ///< stations
+  std::string path = {};                     ///< where it was read; empty: nowhere
 };
 /// Throws FileError naming file, key and value.
 [[nodiscard]] HandEyeFile read_hand_eye_pairs(const std::string& path);
+/// Writes stations as YAML (schema stonestack.hand_eye/1). @throws FileError.
 void write_hand_eye_pairs(const std::string& path, const HandEyeFile& file);
 
 /// One parameter of an easy_handeye file.
 struct EasyHandEyeParameter {
-  std::string key;
-  std::string value;
+  std::string key;         ///< name of the parameter
+  std::string value;       ///< its value, as the file spells it
   bool is_null = false;    ///< `key: null`
   bool is_quoted = false;  ///< text, even where it looks like a number or a truth value: '007'
+  /// True for the same name and the same text.
   bool operator==(const EasyHandEyeParameter&) const = default;
 };
 
@@ -88,9 +91,9 @@ struct EasyHandEyeParameter {
 /// `transformation`, which is T_F_C with eye_on_hand, T_R_C otherwise. Or as easy_handeye2 does
 /// (~/.ros2/easy_handeye2/calibrations/NAME.calib): `parameters` with a calibration_type, and `transform`.
 struct EasyHandEye {
-  bool of_ros2 = false;  ///< in the format of easy_handeye2
-  CameraMount mount = CameraMount::kOnHand;
-  Pose T_A_C = Pose::Identity();
+  bool of_ros2 = false;                      ///< in the format of easy_handeye2
+  CameraMount mount = CameraMount::kOnHand;  ///< mount that the file states
+  Pose T_A_C = Pose::Identity();             ///< pose of the camera in its parent: flange, or robot base
   /// Every parameter but eye_on_hand or calibration_type as it stood in the file: robot_base_frame, ...
   std::vector<EasyHandEyeParameter> parameters;
 };
@@ -116,22 +119,23 @@ struct HandEyeNoise {
 
 /// Comparison of a calibration that exists with the stations.
 struct HandEyeCheck {
-  std::string path;  ///< of the easy_handeye file
-  HandEyeResidual residual;
-  PoseDifference off;     ///< from the new result
-  bool inverted = false;  ///< its inverse agrees with the stations
+  std::string path;          ///< of the easy_handeye file
+  HandEyeResidual residual;  ///< residual of the other calibration at the stations
+  PoseDifference off;        ///< from the new result
+  bool inverted = false;     ///< its inverse agrees with the stations
 };
 
 /// Calibration from the stations of a file, and what is wrong with it.
 struct HandEyeCalibration {
-  HandEyeFile stations;
-  HandEyeResult result;
+  HandEyeFile stations;               ///< stations that the calibration used
+  HandEyeResult result;               ///< result of every method
   HandEyeSolution chosen;             ///< of the method that was asked for
   std::optional<HandEyeCheck> check;  ///< of the file that was named
   std::string uncertainty;            ///< why `chosen` is no calibration; empty if it is one
   std::vector<std::string> warnings;  ///< about `chosen` and `check`
 };
 
+/// Options of `calibrate_stations`.
 struct HandEyeCalibrationOptions {
   std::string method = "joint";  ///< joint, tsai_lenz, park_martin or daniilidis
   std::string check;             ///< easy_handeye file to compare with the stations; empty: none

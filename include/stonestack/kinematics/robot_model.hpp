@@ -24,6 +24,7 @@ struct JointTrajectory {
   std::vector<Joints> q;     ///< [rad]
   std::vector<Joints> qd;    ///< [rad/s]
 
+  /// Duration [s] of the trajectory; 0 if it is empty.
   [[nodiscard]] double duration() const { return time.empty() ? 0.0 : time.back(); }
 };
 
@@ -31,9 +32,10 @@ struct JointTrajectory {
 /// and rise. Empty: they are one.
 [[nodiscard]] std::string malformed(const JointTrajectory& trajectory);
 
+/// Angles and speeds of all joints.
 struct JointState {
-  Joints q = Joints::Zero();
-  Joints qd = Joints::Zero();
+  Joints q = Joints::Zero();   ///< joint angles [rad]
+  Joints qd = Joints::Zero();  ///< joint speeds [rad/s]
 };
 /// State at `t`, clamped to the ends.
 /// @throws InvalidArgument for an empty trajectory.
@@ -62,7 +64,8 @@ inline constexpr double kWorkspaceMargin = 0.002;
 struct LinkCapsule {
   int link =
       0;  ///< 0 base_link, 1 shoulder, 2 upper arm, 3 forearm, 4 wrist 1, 5 wrist 2, 6 wrist 3 (flange)
-  Eigen::Vector3d a, b;
+  Eigen::Vector3d a;    ///< first end of the axis [m], in the link's frame
+  Eigen::Vector3d b;    ///< second end of the axis [m], in the link's frame
   double radius = 0.0;  ///< [m]
 };
 
@@ -70,11 +73,17 @@ struct LinkCapsule {
 /// that every joint axis is local z. The closed form works on the DH chain that was derived from it:
 /// T_R_F(q) = T_R_D * DH(q + dh_offset) * T_D6_F, standard DH with twists 90, 0, 0, 90, -90, 0 degrees.
 struct RobotModel {
-  std::string name;
-  double d1 = 0, a2 = 0, a3 = 0, d4 = 0, d5 = 0, d6 = 0;  ///< standard DH (data sheet) [m]
-  Joints lower, upper;                                    ///< within one turn either way [rad]
-  Joints velocity;                                        ///< [rad/s]
-  Joints acceleration;                                    ///< not in the URDF, 1.4 by default [rad/s^2]
+  std::string name;                    ///< name of the robot: ur10
+  double d1 = 0;                       ///< standard DH parameter (data sheet) [m], as the five that follow
+  double a2 = 0;                       ///< upper arm [m], negative
+  double a3 = 0;                       ///< forearm [m], negative
+  double d4 = 0;                       ///< offset along the axis of wrist 1 [m]
+  double d5 = 0;                       ///< offset along the axis of wrist 2 [m]
+  double d6 = 0;                       ///< offset along the axis of wrist 3 [m]
+  Joints lower;                        ///< lower joint limits, within one turn [rad]
+  Joints upper;                        ///< upper joint limits, within one turn [rad]
+  Joints velocity;                     ///< [rad/s]
+  Joints acceleration;                 ///< not in the URDF, 1.4 by default [rad/s^2]
   std::array<Pose, 6> T_parent_joint;  ///< joint frames at zero angle, from the URDF; every axis is local z
   Pose T_6_F = Pose::Identity();       ///< flange (tool0) in link 6
   Pose T_R_D = Pose::Identity();       ///< base of the DH chain (UR: half a turn about z)

@@ -30,14 +30,15 @@ struct MotionOptions {
   double force_noise = 0.15;        ///< one sigma of the force sensor [N]; the threshold is at least six
   bool press_pads = true;           ///< the cost of a grasp includes its firmness by the elastic pad model
   double planning_effort = 5.0;     ///< effort for a whole plan, at most; counted, so no clock decides a plan
-  int seed = 1;
+  int seed = 1;                     ///< seed of every random draw
 };
 [[nodiscard]] FieldList fields(MotionOptions& options);
 
 /// One thing to do, in order.
 struct PlanStep {
+  /// Kind of a step, in the order in which a stone is moved.
   enum class Kind { kOpen, kTransit, kApproach, kGrasp, kLift, kDescent, kRelease, kRetreat };
-  Kind kind = Kind::kTransit;
+  Kind kind = Kind::kTransit;  ///< kind of the step
   std::string name;            ///< "move above stone 3"
   JointTrajectory trajectory;  ///< for motions
   double opening = 0.0;  ///< for kOpen (before the gripper goes near the stone) and kRelease [m]: target;
@@ -55,13 +56,15 @@ struct PlanStep {
 
 /// A plan, or why there is none.
 struct PickAndPlacePlan {
+  /// Outcome of the planning: planned, no grasp serves, out of reach, no transit found, too heavy, or too
+  /// wide for the gripper.
   enum class Status { kPlanned, kNoGrasp, kNoReach, kNoTransit, kTooHeavy, kTooWide };
-  Status status = Status::kPlanned;
-  std::string reason;  ///< "of 212 grasps 140 hit the table at pick, ..."
-  std::vector<PlanStep> steps;
-  Pose T_O_T = Pose::Identity();  ///< the grasp: tool in the stone's frame
-  double spacing = 0.0;           ///< of fingers B and C during it [m]
-  double seconds = 0.0;           ///< of motion
+  Status status = Status::kPlanned;  ///< outcome of the planning
+  std::string reason;                ///< "of 212 grasps 140 hit the table at pick, ..."
+  std::vector<PlanStep> steps;       ///< steps of the plan, in order; empty unless it is planned
+  Pose T_O_T = Pose::Identity();     ///< the grasp: tool in the stone's frame
+  double spacing = 0.0;              ///< of fingers B and C during it [m]
+  double seconds = 0.0;              ///< of motion
   /// Of a plan that failed: grasps T_O_T that were tried and do not bring the stone up from where it lies,
   /// whatever the target: no free straight approach, or no free lift.
   std::vector<Pose> no_pick;
@@ -69,17 +72,17 @@ struct PickAndPlacePlan {
 
 /// Where the stone is, where it goes, what the arm does now.
 struct PickAndPlaceTask {
-  const Stone* stone = nullptr;
-  int object = -1;   ///< its index in scene.objects (left out of collision when held); -1: none
-  int support = -1;  ///< object that it is to touch at the target; -1: the table
-  Pose T_W_O_pick = Pose::Identity();
-  Pose T_W_O_place = Pose::Identity();
+  const Stone* stone = nullptr;  ///< stone that is moved; required
+  int object = -1;               ///< its index in scene.objects (left out of collision when held); -1: none
+  int support = -1;              ///< object that it is to touch at the target; -1: the table
+  Pose T_W_O_pick = Pose::Identity();   ///< pose from which the stone is picked
+  Pose T_W_O_place = Pose::Identity();  ///< pose in which the stone is placed
   /// Unit, W: direction in which the stone leaves its place before it is lifted straight up. Up, unless it
   /// leans on something.
   Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();
-  Joints q_start = Joints::Zero();
-  std::vector<Pose> avoid;    ///< grasps T_O_T that failed before: none near them is taken
-  std::vector<Pose> no_pick;  ///< the same of grasps that do not bring it up from where it lies now
+  Joints q_start = Joints::Zero();  ///< joint angles at the start [rad]
+  std::vector<Pose> avoid;          ///< grasps T_O_T that failed before: none near them is taken
+  std::vector<Pose> no_pick;        ///< the same of grasps that do not bring it up from where it lies now
 };
 /// Open, transit, approach, grasp, lift, carry, lower, guarded descent, release, retreat: a grasp that serves
 /// both ends, free of collision on the whole path, timed within limits. Of several complete plans the

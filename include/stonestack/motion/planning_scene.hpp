@@ -16,7 +16,7 @@ namespace stonestack::motion {
 /// A box of the gripper, in T (z out of the gripper, x the closing direction), that moves with a finger or
 /// not at all.
 struct GripperBox {
-  Eigen::Vector3d size;
+  Eigen::Vector3d size;        ///< edges of the box [m]
   Eigen::Vector3d p_T_centre;  ///< with the fingers closed (opening 0)
   double finger_side = 0.0;    ///< +1 or -1: moves by that times opening / 2 along x; 0: fixed
   double spread = 0.0;         ///< moves along y by that times the change of the spacing of B and C
@@ -61,20 +61,20 @@ struct GripperModel {
 
 /// A convex obstacle or one convex piece of a stone, with its own name for messages.
 struct SceneObject {
-  std::string name;
-  std::vector<Mesh> pieces;  ///< convex, in the object's frame
-  Pose T_W_object = Pose::Identity();
+  std::string name;                    ///< name for messages
+  std::vector<Mesh> pieces;            ///< convex, in the object's frame
+  Pose T_W_object = Pose::Identity();  ///< pose of the object in W
 };
 
 /// Everything that a motion must not touch, as estimated.
 struct PlanningScene {
-  RobotModel robot;
-  GripperModel gripper = make_robotiq_3f();
-  Pose T_W_R = Pose::Identity();
-  Pose T_F_T = Pose::Identity();
-  double table_z = 0.0;               ///< the half space below is solid [m]
-  double opening = 0.155;             ///< of the empty gripper while `plan_transit` moves it [m]
-  std::vector<SceneObject> objects;   ///< loose stones, stack, user's boxes and meshes
+  RobotModel robot;                          ///< arm
+  GripperModel gripper = make_robotiq_3f();  ///< gripper at the flange
+  Pose T_W_R = Pose::Identity();             ///< pose of the robot base
+  Pose T_F_T = Pose::Identity();             ///< pose of the tool tip at the flange
+  double table_z = 0.0;                      ///< the half space below is solid [m]
+  double opening = 0.155;                    ///< of the empty gripper while `plan_transit` moves it [m]
+  std::vector<SceneObject> objects;          ///< loose stones, stack, user's boxes and meshes
   std::vector<PairPadding> paddings;  ///< users', instead of a motion's padding unless that is 0 (contact)
 };
 /// Distance that moving parts keep from obstacles [m]: of the user's paddings that name both the last,
@@ -105,8 +105,8 @@ struct PlanningScene {
 /// that gripper or arm cannot carry (`unfit_for_gripper`) is not drawn but named in the log.
 /// @return indices, sorted; fewer than `count` where fewer are fit.
 /// @throws Error (planning failed) if no stone is fit
-[[nodiscard]] std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed,
-                                           const GripperModel& gripper, const RobotModel& robot);
+[[nodiscard]] std::vector<StoneIndex> draw_stones(const Catalogue& catalogue, int count, int seed,
+                                                  const GripperModel& gripper, const RobotModel& robot);
 
 }  // namespace stonestack::motion
 

@@ -14,12 +14,12 @@ inline constexpr int kTable = -1;
 
 /// A point where two bodies touch.
 struct Contact {
-  int below = kTable;  ///< body index or kTable
-  int above = 0;       ///< body index; `normal` points from `below` to `above`
-  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();
-  double gap = 0.0;      ///< negative [m]: penetration
-  double impulse = 0.0;  ///< normal impulse [N s], of the last step
+  int below = kTable;                              ///< body index or kTable
+  int above = 0;                                   ///< body index; `normal` points from `below` to `above`
+  Eigen::Vector3d p_W = Eigen::Vector3d::Zero();   ///< point of contact [m]
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  ///< unit normal, from `below` to `above`
+  double gap = 0.0;                                ///< negative [m]: penetration
+  double impulse = 0.0;                            ///< normal impulse [N s], of the last step
 };
 
 /// A rigid body for statics.
@@ -30,7 +30,7 @@ struct StaticBody {
 
 /// Verdict on a stack of rigid bodies with Coulomb contacts.
 struct Equilibrium {
-  bool stands = false;
+  bool stands = false;  ///< true if contact forces within the friction cones balance gravity
   double margin =
       0.0;  ///< largest horizontal acceleration borne in the worst of the tested directions; 0 if it falls
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< W, unit: where that push goes
@@ -44,7 +44,7 @@ struct Equilibrium {
 
 /// Options of `solve_equilibrium`.
 struct EquilibriumOptions {
-  double friction = 0.1;
+  double friction = 0.1;     ///< friction coefficient of all contacts
   int cone_edges = 8;        ///< generators of the inner friction cone
   int directions = 8;        ///< horizontal directions for the margin
   double torque_arm = 0.05;  ///< scale of torques against forces, m
@@ -67,8 +67,8 @@ struct EquilibriumOptions {
 struct SupportPolygon {
   Eigen::Vector3d p_W_centroid = Eigen::Vector3d::Zero();  ///< C_i
   Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();          ///< n_i: mean contact normal, upwards
-  std::vector<Eigen::Vector3d> corners_W;
-  double area = 0.0;    ///< A_i, m^2
+  std::vector<Eigen::Vector3d> corners_W;                  ///< corners in order around the polygon [m]
+  double area = 0.0;                                       ///< A_i, m^2
   double margin = 0.0;  ///< [m] distance of the projected centre of mass (along gravity) to the nearest edge,
                         ///< negative outside
   int contacts = 0;     ///< distinct contact points that went in

@@ -20,14 +20,14 @@ using ShapeList = std::vector<std::shared_ptr<const ContactShape>>;
 /// Stones stacked from the table up: stones[0] lies on the table, stones[i] on stones[i-1]. Indices into a
 /// ShapeList.
 struct Stack {
-  std::vector<PlacedStone> stones;
+  std::vector<PlacedStone> stones;  ///< stones from the table up
 };
 
 /// How a stack is judged.
 struct StandOptions {
-  double friction = 0.1;
-  double seconds = 10.0;  ///< simulated
-  int iterations = 200;
+  double friction = 0.1;        ///< friction coefficient, stone on stone and on the table
+  double seconds = 10.0;        ///< simulated
+  int iterations = 200;         ///< iterations of the contact solver in each step
   double step = 0.001;          ///< finer than the search takes (docs/measurements.md, Contact) [s]
   double max_shift = 0.001;     ///< [m]
   double max_turn = 0.0174533;  ///< [rad] (1 deg)
@@ -43,8 +43,8 @@ struct StandOptions {
 /// Does it stand, cleanly? A stack is clean if stone i touches only stones i-1 and i+1, and only stone 0 the
 /// table.
 struct StandVerdict {
-  bool stands = false;
-  bool clean = false;
+  bool stands = false;      ///< true if no stone moved beyond the limits
+  bool clean = false;       ///< true if the stack is clean
   int standing = 0;         ///< stones from the bottom that stayed and are clean
   double shift = 0.0;       ///< largest of any stone [m]
   double turn = 0.0;        ///< [rad]
@@ -62,8 +62,8 @@ struct StandVerdict {
                                                       double gap);
 /// A stack as statics sees it.
 struct StackStatics {
-  std::vector<StaticBody> bodies;
-  std::vector<Contact> contacts;  ///< collected over a short settle; indices are levels of the stack
+  std::vector<StaticBody> bodies;  ///< mass and centre of mass of each level
+  std::vector<Contact> contacts;   ///< collected over a short settle; indices are levels of the stack
 };
 [[nodiscard]] StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double friction);
 /// Equilibrium of a stack from `stack_statics`.

@@ -20,15 +20,15 @@ struct RunOrder {
   /// In place of that: real devices, which then move, or simulated ones that are served on sockets.
   std::optional<CellFile> cell;
   int per_run = 4;      ///< stones of the catalogue that are drawn into a simulated field
-  std::string out;      ///< folder; empty: runs/<time>-seed<seed>
+  std::string out;      ///< folder; empty: runs/TIME-SEED
   std::string version;  ///< of the program
 };
 /// A run and its record.
 struct RecordedRun {
-  RunReport report;
+  RunReport report;       ///< report of the run
   Survival survival;      ///< how the tower fares when it is tried further; empty: not tried
   std::string unwritten;  ///< the first file of the record that could not be written, and why; empty: none
-  std::string folder;
+  std::string folder;     ///< folder of the record
 };
 /// Builds a tower and writes options, journal, result.json, report.html and picture into the folder, in this
 /// order. A run that was killed leaves a folder without a result: what is in it is put aside, so that the
@@ -40,10 +40,10 @@ struct RecordedRun {
 /// Consecutive runs of stones that are drawn anew each time: from the catalogue, or with `new_stones` ones
 /// that no other run of the experiment has.
 struct ExperimentOrder {
-  SimulatedRun run;  ///< options of all runs
-  RobotModel robot;
-  int seed = 1;  ///< run k has the seed 1000 seed + k
-  int runs = 11;
+  SimulatedRun run;               ///< options of all runs
+  RobotModel robot;               ///< arm of every run
+  int seed = 1;                   ///< run k has the seed 1000 seed + k
+  int runs = 11;                  ///< number of runs
   int stones = 6;                 ///< of the catalogue, to draw from
   int new_stones = 0;             ///< stones that each run has for itself; 0: those of the catalogue for all
   std::string new_stones_from;    ///< catalogue folder that they are drawn from; empty: generated limestones
@@ -52,7 +52,7 @@ struct ExperimentOrder {
   bool survival = true;           ///< try each tower further
   bool continues = false;         ///< with what the folder `out` holds
   std::vector<Variant> variants;  ///< rows of a comparison; empty: the runs as they are
-  std::string out;                ///< folder; empty: experiments/<time>-seed<seed>
+  std::string out;                ///< folder; empty: experiments/TIME-SEED
   std::string version;            ///< of the program
 };
 /// An experiment and its record.
@@ -60,8 +60,8 @@ struct RecordedExperiment {
   /// Runs that are done; of a comparison, those of the last variant. Events and timeline of each are in its
   /// folder only, so that memory does not grow with the runs.
   Experiment experiment;
-  std::string comparison;  ///< a table with a row for each variant that has runs
-  std::string folder;
+  std::string comparison;    ///< a table with a row for each variant that has runs
+  std::string folder;        ///< folder of the record
   bool interrupted = false;  ///< by the user: the run under way is not counted
   std::string unwritten;     ///< what of the last run's record could not be written; empty: nothing
 };

@@ -34,6 +34,7 @@ namespace stonestack::report {
 /// "stonestack.track/1".
 [[nodiscard]] std::string tracking_json(const TrackResult& result, const Catalogue& catalogue,
                                         const Pose& T_W_C);
+/// Text table of tracked stones.
 [[nodiscard]] std::string tracking_table(const TrackResult& result, const Catalogue& catalogue);
 /// Poses that `detection_json` or `tracking_json` wrote into a file, or those of a scene file.
 /// @throws FileError, also for detections whose camera pose was not known.
@@ -57,6 +58,7 @@ namespace stonestack::report {
 
 /// "stonestack.check/1".
 [[nodiscard]] std::string tower_json(const TowerCheck& check, const Catalogue& catalogue);
+/// Text of a check, for a terminal.
 [[nodiscard]] std::string tower_text(const TowerCheck& check, const Catalogue& catalogue);
 /// Draws the stones on a table, with the tower at `site` in the middle, as a PNG file. The view is as high as
 /// the highest stone within `radius` of the site. @throws FileError.
@@ -68,6 +70,7 @@ void draw_tower(const std::string& path, const Catalogue& catalogue, const std::
 [[nodiscard]] std::vector<NamedPose> read_search_targets(const std::string& path);
 /// "stonestack.plan/1".
 [[nodiscard]] std::string plan_json(const ScenePlan& planned);
+/// Text table of a plan, step by step.
 [[nodiscard]] std::string plan_table(const ScenePlan& planned);
 /// All motions one after the other, sampled every 8 ms.
 [[nodiscard]] std::string plan_csv(const ScenePlan& planned);
@@ -80,6 +83,7 @@ void draw_plan(const std::string& folder, const ScenePlan& planned, int width);
 /// "stonestack.render/1".
 [[nodiscard]] std::string scene_json(const SimulatedScene& scene, const Catalogue& catalogue,
                                      const std::string& folder, int seed);
+/// Text table of a rendered scene.
 [[nodiscard]] std::string scene_table(const SimulatedScene& scene, const Catalogue& catalogue);
 
 /// Measures of a stone that was made of a scan.
@@ -87,15 +91,18 @@ struct StoneSummary {
   Stone stone;                                        ///< without its meshes
   Eigen::Vector3d extents = Eigen::Vector3d::Zero();  ///< [m]
   double volume = 0.0;                                ///< [m^3]
-  double volume_over_hull = 0.0;
-  std::size_t scan_faces = 0, faces = 0, pieces = 0;
-  std::vector<std::string> warnings;
+  double volume_over_hull = 0.0;                      ///< volume of the stone over that of its convex hull
+  std::size_t scan_faces = 0;                         ///< faces of the scan
+  std::size_t faces = 0;                              ///< faces of the reduced mesh
+  std::size_t pieces = 0;                             ///< convex pieces
+  std::vector<std::string> warnings;                  ///< warnings of `model_stone`
 };
+/// Figures of a stone that was made; the meshes are dropped.
 [[nodiscard]] StoneSummary summary_of(ModelResult result);
 /// A scan that could not be made a stone.
 struct FailedScan {
-  std::string file;
-  std::string error;
+  std::string file;   ///< file of the scan
+  std::string error;  ///< reason why it gave no stone
 };
 /// "stonestack.scan/1" of stones that were stored in the folder `catalogue`.
 [[nodiscard]] std::string stones_json(const std::vector<StoneSummary>& stones, const std::string& catalogue,

@@ -33,6 +33,7 @@ namespace stonestack::report {
 /// The paper's figure 5: cost of each selected pose by level, a colour a run, a ring where the placement held
 /// and a cross where it failed; as CSV and as SVG.
 [[nodiscard]] std::string figure5_csv(const Experiment& experiment);
+/// Costs of all placements by level, held or fallen, as the paper's figure 5, in SVG.
 [[nodiscard]] std::string figure5_svg(const Experiment& experiment);
 
 }  // namespace stonestack::report

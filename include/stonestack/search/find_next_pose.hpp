@@ -15,11 +15,14 @@ namespace stonestack::search {
 /// Options of the search. `method`: "default" (gap field proposals, look-ahead) or "paper" (section 3 as
 /// written).
 struct SearchOptions {
-  std::string method = "default";
-  double friction = 0.1;  ///< what the planner assumes, paper §4.1
+  std::string method = "default";  ///< "default" or "paper"
+  double friction = 0.1;           ///< what the planner assumes, paper §4.1
 
   // Eq. (2). Normalised by the references unless si_cost.
-  double w1 = 0.179, w2 = 0.472, w3 = 0.094, w4 = 0.255;
+  double w1 = 0.179;     ///< weight of the support polygon's area
+  double w2 = 0.472;     ///< weight of the kinetic energy
+  double w3 = 0.094;     ///< weight of the distance
+  double w4 = 0.255;     ///< weight of the normal
   bool si_cost = false;  ///< eq. (2) in SI, with the literal units
 
   // Paper mode.
@@ -62,29 +65,30 @@ struct SearchOptions {
 
   int threads = 0;      ///< 0: all cores; the result does not depend on it
   double budget = 0.0;  ///< 0 [s]: none (deterministic)
-  int seed = 1;
-  bool trace = false;  ///< keep every candidate in SearchResult::trace
+  int seed = 1;         ///< seed of every random draw
+  bool trace = false;   ///< keep every candidate in SearchResult::trace
 };
 [[nodiscard]] FieldList fields(SearchOptions& options);
 
 /// A stone and the pose where it should go.
 struct Placement {
-  int stone = -1;
-  Pose T_W_O = Pose::Identity();
-  double cost = 0.0;  ///< eq. (2)
+  StoneIndex stone = kNoStone;    ///< index into `SearchProblem::shapes`
+  Pose T_W_O = Pose::Identity();  ///< pose at which the stone rests
+  double cost = 0.0;              ///< eq. (2)
   std::map<std::string, double>
       terms;  ///< area, kinetic_energy, distance, normal: weighted terms of eq. (2); margin, ...
   double predicted_success = 0.0;  ///< share of perturbed placements that stand
   /// How the search means to go on after it (default mode), and how many stones, this one included, it
   /// expects to stand in the end, each as likely as it was judged. 0 if it was not judged.
   std::vector<PlacedStone> then;
-  double expected_height = 0.0;
-  SupportPolygon support;
+  double expected_height = 0.0;  ///< stones that are expected to stand in the end, by this route
+  SupportPolygon support;        ///< support polygon of the stone
 };
 
 /// Stack, loose stones and site of a search.
 struct SearchProblem {
-  const ShapeList* shapes = nullptr;
+  const ShapeList* shapes =
+      nullptr;                    ///< contact shapes of all stones, in the order of the catalogue; required
   Stack stack;                    ///< what stands (measured)
   bool stack_is_at_rest = false;  ///< it stands as it is at the friction of the options: not settled again
   std::vector<PlacedStone>
@@ -98,26 +102,27 @@ struct SearchProblem {
   /// May be empty. Can the arm bring that stone (index into `shapes`) from where it lies to that pose, when
   /// the stack has grown to `below` (what stands, then what the plan has put on it)? Called from one thread,
   /// best proposals first, before they are verified; what it refuses is counted and dropped.
-  std::function<bool(int stone, const Pose& T_W_O, const Stack& below)> reachable;
+  std::function<bool(StoneIndex stone, const Pose& T_W_O, const Stack& below)> reachable;
 };
 
 /// One candidate's path through the search, for `--trace`.
 struct CandidateTrace {
-  int stone = -1;
-  std::vector<Pose> path_W_O;  ///< from the initial pose to contact or rest
-  SupportPolygon support;
-  double cost = 0.0;
-  std::map<std::string, double> terms;
-  std::string outcome;  ///< "kept", or why it was dropped
+  StoneIndex stone = kNoStone;          ///< index into `SearchProblem::shapes`
+  std::vector<Pose> path_W_O;           ///< from the initial pose to contact or rest
+  SupportPolygon support;               ///< support polygon at the end of the path
+  double cost = 0.0;                    ///< eq. (2)
+  std::map<std::string, double> terms;  ///< weighted terms of eq. (2), and figures beside them
+  std::string outcome;                  ///< "kept", or why it was dropped
 };
 
+/// Result of a search for the next placement.
 struct SearchResult {
   std::vector<Placement> best;        ///< best first, over all stones; several so that motion can refuse some
   std::string reason;                 ///< when `best` is empty: why nothing was found
   long candidates = 0;                ///< poses evaluated
   int unreachable = 0;                ///< proposals that the arm could not bring about
   std::vector<CandidateTrace> trace;  ///< with SearchOptions::trace, in order
-  double seconds = 0.0;
+  double seconds = 0.0;               ///< duration [s]
 };
 /// The next placement (paper §3). Throws InvalidArgument for stones that cannot be (mass or friction not
 /// positive, centre of mass outside the hull, not finite) and indices out of range; a stack that overlaps or

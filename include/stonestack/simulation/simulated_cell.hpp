@@ -17,7 +17,7 @@ class TrueWorld;
 
 /// How true the simulated cell is. Everything here is hidden from the planner.
 struct SimulationOptions {
-  int seed = 1;
+  int seed = 1;                         ///< seed of every draw of the world
   std::string engine = "bullet";        ///< of the true world: bullet or ode; the planner's is Bullet
   double friction = 0.5;                ///< true, stone on stone and on the table: mean over pairs
   double friction_spread = 0.15;        ///< half width of the uniform draw per pair
@@ -43,7 +43,7 @@ struct SimulationOptions {
 struct Truth {
   double time = 0.0;              ///< [s]
   std::vector<Pose> T_W_O;        ///< by stone index; frames of the catalogue; identity for absent stones
-  std::vector<Contact> contacts;  ///< between stones and with the table
+  std::vector<Contact> contacts;  ///< between stones, numbered as in the catalogue, and with the table
 };
 
 /// A UR10 with gripper, force sensor and camera over a table with stones, on a simulated clock.
@@ -52,8 +52,8 @@ class SimulatedCell {
   /// Drops the stones `present` (indices into `stones`) at random places in the field and lets them come to
   /// rest. The arm starts with the camera over the field.
   /// @throws InvalidArgument when they do not fit.
-  SimulatedCell(const std::vector<Stone>& stones, const std::vector<int>& present, const RobotModel& robot,
-                const CellLayout& assumed, const SimulationOptions& options = {});
+  SimulatedCell(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
+                const RobotModel& robot, const CellLayout& assumed, const SimulationOptions& options = {});
   ~SimulatedCell();
 
   /// The devices, as the program may use them.
@@ -66,11 +66,12 @@ class SimulatedCell {
   /// Lets simulated time pass with the arm where it is.
   void wait(double seconds);
   /// Puts stone `stone` at T_W_O, at rest, at once: for setting up an experiment, never during one.
-  void place(int stone, const Pose& T_W_O);
+  void place(StoneIndex stone, const Pose& T_W_O);
   /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock();
   /// The world itself and the site where the planner expects it, for judges.
   [[nodiscard]] const TrueWorld& world() const;
+  /// Site [m] in W where the planner expects the tower.
   [[nodiscard]] const Eigen::Vector2d& site() const;
 
  private:

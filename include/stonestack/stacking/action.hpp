@@ -36,33 +36,34 @@ struct Place {
 /// Set a stone down in another resting pose, from which it can be brought to its placement: the first of
 /// these that a motion is found for.
 struct Reorient {
-  std::vector<Placement> candidates;
+  std::vector<Placement> candidates;  ///< placements that may be carried out, best first
 };
 /// Put the top stone back into the field.
 struct Unstack {
-  PlacedStone top;
+  PlacedStone top;               ///< top stone of the stack
   std::vector<Pose> T_W_O_down;  ///< free places, best first
   /// Unit: first along this, out of what leans on it, where straight up does not do.
   std::optional<Eigen::Vector3d> n_W_lift;
 };
 /// Put a stone that leans on the stack back into the field.
 struct ClearBase {
-  PlacedStone stray;
-  std::size_t level = 0;  ///< of the stack, that it touches
-  std::vector<Pose> T_W_O_down;
+  PlacedStone stray;             ///< loose stone that leans on the stack or lies at its base
+  std::size_t level = 0;         ///< of the stack, that it touches
+  std::vector<Pose> T_W_O_down;  ///< poses where it may be set down, best first
   Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();  ///< as for Unstack
 };
 /// Search for a stone that is out of sight.
 struct LookAgain {
+  /// Place that is looked at.
   enum class Where { kWhereItWas, kBesideSite };
-  int stone = -1;
-  Where where = Where::kWhereItWas;
-  Eigen::Vector3d p_W_target = Eigen::Vector3d::Zero();
+  StoneIndex stone = kNoStone;       ///< stone that is missing; kNoStone for a place beside the site
+  Where where = Where::kWhereItWas;  ///< place that is looked at
+  Eigen::Vector3d p_W_target = Eigen::Vector3d::Zero();  ///< point that the camera turns to [m]
 };
 /// End the run.
 struct Stop {
-  RunEnd end = RunEnd::kAllPlaced;
-  std::string reason;
+  RunEnd end = RunEnd::kAllPlaced;  ///< reason as a value
+  std::string reason;               ///< reason for a person
 };
 
 /// The next thing that the robot does.
@@ -72,12 +73,13 @@ using Action = std::variant<Place, Reorient, Unstack, ClearBase, LookAgain, Stop
 
 /// One attempted placement, or a stone that was set down in the field.
 struct PlacementRecord {
+  /// Outcome of a stone that was handled.
   enum class Outcome { kPlaced, kMoved, kFallen, kNotPicked, kDropped, kLost, kUnstacked, kReoriented };
-  std::string stone;
-  Placement planned;
+  std::string stone;                   ///< name of the stone
+  Placement planned;                   ///< placement as it was planned
   std::optional<Pose> T_W_O_measured;  ///< where it was seen afterwards
-  Outcome outcome = Outcome::kPlaced;
-  std::string note;
+  Outcome outcome = Outcome::kPlaced;  ///< outcome by the observation after it
+  std::string note;                    ///< remark for a person
   int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
   std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim against the bias, m

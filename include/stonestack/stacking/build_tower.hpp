@@ -18,9 +18,9 @@ namespace stonestack::stacking {
 
 /// Options of the whole loop.
 struct BuildOptions {
-  DetectionOptions detection;
-  SearchOptions search;
-  MotionOptions motion;
+  DetectionOptions detection;   ///< options of detection
+  SearchOptions search;         ///< options of the search
+  MotionOptions motion;         ///< options of motion planning
   int max_stones = 0;           ///< stop at this height; 0: all that are seen
   double view_distance = 0.62;  ///< distance from the camera to its target, m; SR300: 0.2 to 1.5 m
   double placed_shift =
@@ -31,10 +31,10 @@ struct BuildOptions {
   /// The search starts at search.friction and climbs to this while it finds no sure pose: dry limestone on
   /// limestone slides at more (design choice).
   double max_friction = 0.475;
-  double friction_step = 0.125;
-  int first_rounds = 2;       ///< of the search at each friction but the last: what they did not finish
-                              ///< begins the search at the next
-  double sure_success = 0.8;  ///< share of the tower that is expected to stand, which ends the climb
+  double friction_step = 0.125;  ///< step between the friction coefficients that are searched with
+  int first_rounds = 2;          ///< of the search at each friction but the last: what they did not finish
+                                 ///< begins the search at the next
+  double sure_success = 0.8;     ///< share of the tower that is expected to stand, which ends the climb
   /// Stones that must be expected to stand by a placement and what follows it, over all frictions; less is
   /// not tried, as a fall takes the stones below with it.
   double min_expected = 0.4;
@@ -53,6 +53,7 @@ struct BuildOptions {
   int pick_attempts = 3;     ///< of one stone that the gripper misses or drops
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };
+/// Names the options of the loop.
 [[nodiscard]] FieldList fields(BuildOptions& options);
 
 /// The frictions that are assumed in turn: rising, from search.friction to max_friction.
@@ -62,36 +63,41 @@ struct BuildOptions {
 /// clock). What was detected and searched beside a motion, as far as it was no longer than that, is counted
 /// apart.
 struct StageSeconds {
-  double detection = 0, search = 0, planning = 0, motion = 0, beside_motion = 0;
+  double detection = 0;      ///< [s] of the host
+  double search = 0;         ///< [s] of the host
+  double planning = 0;       ///< [s] of the host
+  double motion = 0;         ///< [s] by the cell's clock
+  double beside_motion = 0;  ///< detection and search while the arm moved [s]
 };
 
 /// State of arm and gripper at one time, as the devices reported it.
 struct MotionSample {
-  double time = 0.0;  ///< of the cell's clock [s]
-  Joints q = Joints::Zero();
-  double opening = 0.155;  ///< between the finger pads [m]
-  double spacing = 0.073;  ///< of fingers B and C [m]
-  double force = 0.0;      ///< at the wrist, last reading [N]
-  bool holds = false;      ///< the fingers were stopped by an object
+  double time = 0.0;          ///< of the cell's clock [s]
+  Joints q = Joints::Zero();  ///< joint angles [rad]
+  double opening = 0.155;     ///< between the finger pads [m]
+  double spacing = 0.073;     ///< of fingers B and C [m]
+  double force = 0.0;         ///< at the wrist, last reading [N]
+  bool holds = false;         ///< the fingers were stopped by an object
 };
 
 /// History of a run over time. Between two samples the joints move in a straight line.
 struct Timeline {
-  std::vector<MotionSample> samples;
-  std::vector<double> event_time;  ///< of each event of the result [s]
+  std::vector<MotionSample> samples;  ///< samples in the order of time
+  std::vector<double> event_time;     ///< of each event of the result [s]
 };
 
 /// Result of a run, as the program knows it: made from its events.
 struct RunResult {
+  /// End of a run, by the name that it has in results.
   using End = RunEnd;
-  int height = 0;  ///< stones that the last observation shows stacked
-  std::vector<PlacementRecord> placements;
-  std::string ended;  ///< why it stopped
-  End end = End::kAllPlaced;
-  StageSeconds seconds;
-  WorldEstimate world;  ///< as last observed
-  std::vector<Event> events;
-  Timeline timeline;
+  int height = 0;                           ///< stones that the last observation shows stacked
+  std::vector<PlacementRecord> placements;  ///< stones that were handled, in order
+  std::string ended;                        ///< why it stopped
+  End end = End::kAllPlaced;                ///< reason why the run ended
+  StageSeconds seconds;                     ///< durations of the stages
+  WorldEstimate world;                      ///< as last observed
+  std::vector<Event> events;                ///< events in order
+  Timeline timeline;                        ///< motion of arm and stones over time
 };
 
 class Journal;  // private: the append-only record that a run's folder holds

@@ -16,145 +16,190 @@ namespace stonestack::stacking {
 
 /// A stone (index into the catalogue) and a statement about it.
 struct StoneNote {
-  int stone = -1;
-  std::string note;
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  std::string note;             ///< statement for a person
 };
 
 // Observation
-struct Observed {  ///< without its views
-  WorldEstimate world;
+/// A new estimate of the world, without its views.
+struct Observed {
+  WorldEstimate world;  ///< estimate after the observation
 };
-struct StoneMoved {  ///< a stone of the stack, beside where it was or was aimed
-  int stone = -1;
-  double shift = 0.0;  ///< distance, m
+/// A stone of the stack was found beside where it was or was aimed.
+struct StoneMoved {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double shift = 0.0;           ///< distance, m
 };
+/// A stone is not in the stack any more.
 struct StoneLeftStack {
-  int stone = -1;
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
+/// A missing stone is looked for.
 struct StoneSought {
-  LookAgain view;
+  LookAgain view;  ///< view that is taken for it
 };
-struct StoneUncertain {  ///< which stone it is, or how it lies
-  int stone = -1;
-  double certainty = 1.0;
+/// A detection left open which stone it is, or how it lies.
+struct StoneUncertain {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double certainty = 1.0;       ///< certainty of the detection
 };
+/// The camera's mount was estimated anew from stones that were seen twice.
 struct CameraRefined {
-  double shift = 0, turn = 0;    ///< from the calibrated mount, m and rad
-  int marks = 0;                 ///< stones seen twice
-  double before = 0, after = 0;  ///< distance between the views, m
-  bool accepted = true;
+  double shift = 0;      ///< distance from the calibrated mount [m]
+  double turn = 0;       ///< angle from the calibrated mount [rad]
+  int marks = 0;         ///< stones seen twice
+  double before = 0;     ///< distance between the views with the calibrated mount [m]
+  double after = 0;      ///< distance between the views with the new mount [m]
+  bool accepted = true;  ///< false: the calibrated mount is kept
 };
-struct CameraNotTurned {};  ///< no motion to a turned view: the mount stays as calibrated
-struct SiteOccupied {};     ///< when the run begins
+/// There is no motion to a turned view: the mount stays as calibrated.
+struct CameraNotTurned {};
+/// Something lies on the site when the run begins.
+struct SiteOccupied {};
+/// The site was seen from one side only.
 struct SiteSeenFromOneSide {};
-struct BackedAway {};  ///< the gripper stood too near to something
+/// The arm moved back because the gripper was too near to something.
+struct BackedAway {};
 
 // Choice
-struct StonesUnfit {  ///< for gripper or arm, wherever they lie
-  std::vector<StoneNote> stones;
+/// Stones that are unfit for gripper or arm, wherever they lie.
+struct StonesUnfit {
+  std::vector<StoneNote> stones;  ///< stones, and why each is unfit
 };
-struct StonesNotHeld {  ///< as they lie
-  std::vector<StoneNote> stones;
+/// Stones that the gripper cannot hold as they lie.
+struct StonesNotHeld {
+  std::vector<StoneNote> stones;  ///< stones, and why each cannot be held
 };
+/// A line of the search's progress.
 struct SearchProgress {
-  std::string line;
+  std::string line;  ///< line for a person
 };
+/// A search at one assumed friction came to its end.
 struct SearchedAtFriction {
-  double friction = 0.0;
-  Route route = Route::kDirect;
-  bool found = false;
-  double expected = 0.0;  ///< stones
-  double levels = 0.0;    ///< that were searched for
-  std::string reason;     ///< when nothing was found
+  double friction = 0.0;         ///< friction coefficient
+  Route route = Route::kDirect;  ///< how the stone is brought to its place
+  bool found = false;            ///< true if a placement was found
+  double expected = 0.0;         ///< stones
+  double levels = 0.0;           ///< that were searched for
+  std::string reason;            ///< when nothing was found
 };
+/// The earlier plan still holds.
 struct PlanHolds {
-  double friction = 0.0;
+  double friction = 0.0;  ///< friction coefficient at which it was checked
 };
+/// The earlier plan does not hold any more.
 struct PlanBroken {
-  double friction = 0.0;
-  std::string reason;
+  double friction = 0.0;  ///< friction coefficient at which it was checked
+  std::string reason;     ///< reason for a person
 };
-struct PlanAbandoned {  ///< no motion carries it out
-  std::string refusals;
+/// An earlier plan is given up: no motion carries it out.
+struct PlanAbandoned {
+  std::string refusals;  ///< reasons for a person
 };
+/// No motion carries out the placements that were found.
 struct PosesRefused {
-  std::size_t count = 0;
-  std::string refusals;
+  std::size_t count = 0;  ///< number of placements
+  std::string refusals;   ///< reasons for a person
 };
+/// Grasps that failed before are allowed again.
 struct GraspsRetried {};
+/// A loose stone leans on the stack.
 struct StoneLeans {
-  int stone = -1;
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
+/// Stones are unstacked so that another tower can be built.
 struct UnstackChosen {
-  int top = -1;
-  double expected = 0.0;  ///< stones in the end
-  int count = 0;          ///< unstacked for it
+  StoneIndex top = kNoStone;  ///< top stone of the stack
+  double expected = 0.0;      ///< stones in the end
+  int count = 0;              ///< unstacked for it
 };
+/// A stone is unstacked to free another.
 struct UnstackToFree {
-  int top = -1;
-  int freed = -1;
+  StoneIndex top = kNoStone;    ///< top stone of the stack
+  StoneIndex freed = kNoStone;  ///< stone that is freed
 };
 
-struct ActionChosen {  ///< with the placements that the search offered, best first
-  Action action;
-  std::vector<Placement> offered;
+/// The next action, with the placements that the search offered, best first.
+struct ActionChosen {
+  Action action;                   ///< action that was chosen
+  std::vector<Placement> offered;  ///< placements that the search offered, best first
 };
 
 // Motion and judgement
+/// The arm begins to place a stone.
 struct PlaceBegun {
-  int level = 0;
-  Placement placement;
+  int level = 0;        ///< level of the stone, from 1 on the table
+  Placement placement;  ///< placement that is carried out
 };
+/// The arm begins to set a stone down beside the tower.
 struct SetDownBegun {
-  Placement placement;
-  bool reorients = false;
+  Placement placement;     ///< stone, and the pose where it is set down
+  bool reorients = false;  ///< true: to reorient it; false: to take it off the stack or away from its base
 };
-struct FingertipGrasp {  ///< near the table: the gripper approaches until it touches
-  int stone = -1;
+/// A grasp near the table: the gripper approaches until it touches.
+struct FingertipGrasp {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
+/// No motion carries out an action.
 struct MotionRefused {
-  Action action;
-  std::string refusal;
+  Action action;        ///< action that was refused
+  std::string refusal;  ///< reason for a person
 };
+/// The observation after a placement was judged.
 struct PlacementJudged {
-  PlacementRecord record;
+  PlacementRecord record;  ///< record of the placement
 };
-struct FrictionMeasured {  ///< between a stone and the table, by dragging it
-  int stone = -1;
-  double friction = 0.0;
+/// The friction between a stone and the table was measured by dragging it.
+struct FrictionMeasured {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
+  double friction = 0.0;        ///< coefficient
 };
+/// The estimate of the friction was updated.
 struct FrictionUpdated {
-  FrictionEstimate friction;
+  FrictionEstimate friction;  ///< new estimate
 };
-struct StoneToppled {  ///< after it was set down
-  int stone = -1;
+/// A stone toppled after it was set down.
+struct StoneToppled {
+  StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
+/// The run ended.
 struct RunEnded {
-  RunEnd end = RunEnd::kAllPlaced;
-  std::string reason;
+  RunEnd end = RunEnd::kAllPlaced;  ///< reason as a value
+  std::string reason;               ///< reason for a person
 };
 
 // Steps of a motion
+/// The executor began a step of a plan.
 struct StepBegun {
-  std::string name;
+  std::string name;  ///< name of the step
 };
-struct HoldMeasured {  ///< after the lift; N, N, m
-  double weight = 0, expected = 0, offset = 0;
+/// Load of the stone after the lift: measured weight, expected weight (N), offset of the line of action (m).
+struct HoldMeasured {
+  double weight = 0;    ///< measured weight [N]
+  double expected = 0;  ///< expected weight [N]
+  double offset = 0;    ///< distance of the line of action from the expected centre of mass [m]
 };
-struct CarriedMeasured {  ///< before the stone is lowered; N, N, m, m
-  double weight = 0, expected = 0, offset = 0, uncertainty = 0;
-  bool held = false;
+/// Load of the stone before it is lowered.
+struct CarriedMeasured {
+  double weight = 0;       ///< measured weight [N]
+  double expected = 0;     ///< expected weight [N]
+  double offset = 0;       ///< distance of the line of action from the expected centre of mass [m]
+  double uncertainty = 0;  ///< of the offset [m]
+  bool held = false;       ///< true if the stone is still in the gripper
 };
+/// The descent ended.
 struct TouchMeasured {
-  bool touched = false;
+  bool touched = false;  ///< true if a contact ended it
   double force = 0;      ///< contact force, N
   double above_end = 0;  ///< height above the end of the step, m
 };
-struct ReleaseMeasured {  ///< load on the gripper after release, and the largest load that counts as empty
-                          ///< [N]
-  double weight = 0, max_weight = 0;
+/// Load on the gripper after release, and the largest load that counts as empty.
+struct ReleaseMeasured {
+  double weight = 0;      ///< load [N]
+  double max_weight = 0;  ///< limit [N]
 };
 
+/// Anything that happens in a run.
 using Event =
     std::variant<Observed, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain, CameraRefined,
                  CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit, StonesNotHeld,
@@ -163,6 +208,7 @@ using Event =
                  SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionMeasured,
                  FrictionUpdated, StoneToppled, RunEnded, StepBegun, HoldMeasured, CarriedMeasured,
                  TouchMeasured, ReleaseMeasured>;
+/// Receiver of events.
 using Listener = std::function<void(const Event&)>;
 
 /// A line for a person; empty for an event that is for the journal only.

@@ -35,7 +35,7 @@ namespace stonestack::stacking {
 /// The motion task that brings loose stone `stone` from where it is seen to lie to T_W_O.
 /// @throws InvalidArgument when it is not among the loose stones.
 [[nodiscard]] PickAndPlaceTask make_task(const Catalogue& catalogue, const Arrangement& arrangement,
-                                         int stone, const Pose& T_W_O, const Joints& q_start);
+                                         StoneIndex stone, const Pose& T_W_O, const Joints& q_start);
 
 /// Where the arm waits and starts: folded above the middle of the cell, tool down, view free.
 [[nodiscard]] Joints home_joints();
@@ -56,11 +56,11 @@ namespace stonestack::stacking {
 
 /// A stone seen in one of several views, in the world.
 struct Sighting {
-  int stone = -1;
-  Pose T_W_O = Pose::Identity();
-  double score = 0.0;
-  double visible = 0.0;
-  double certainty = 1.0;  ///< of this stone in this pose: Detection::certainty
+  StoneIndex stone = kNoStone;    ///< index into the catalogue
+  Pose T_W_O = Pose::Identity();  ///< pose that was measured
+  double score = 0.0;             ///< score of the detection
+  double visible = 0.0;           ///< share of the stone's surface that was seen
+  double certainty = 1.0;         ///< of this stone in this pose: Detection::certainty
 };
 
 /// Finds `wanted` stones in every view and keeps, for each, the sighting with the best score; of those
@@ -69,9 +69,9 @@ struct Sighting {
 /// elsewhere, nor are stones of the stack that are hidden below one that is found in its place.
 [[nodiscard]] std::vector<Sighting> find_in_views(const std::vector<CameraView>& views,
                                                   const DetectionModels& models,
-                                                  const std::vector<int>& wanted,
-                                                  const std::vector<int>& together, const Arrangement& before,
-                                                  const DetectionOptions& options);
+                                                  const std::vector<StoneIndex>& wanted,
+                                                  const std::vector<StoneIndex>& together,
+                                                  const Arrangement& before, const DetectionOptions& options);
 
 }  // namespace stonestack::stacking
 

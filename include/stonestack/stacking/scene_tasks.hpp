@@ -21,23 +21,23 @@ namespace stonestack::stacking {
 
 /// A search in a scene, as a user asks for it.
 struct SceneSearchTask {
-  std::string catalogue;    ///< folder of the stones
-  std::string scene;        ///< scene file or view; empty: `stones` on the empty table
-  std::string camera_pose;  ///< of a view, as `parse_pose` reads it; may be empty
-  std::string stones;       ///< by name, comma-separated
-  std::string site;         ///< x,y; may be empty
-  bool world = false;       ///< the view is a cloud in the world frame
-  DepthInput depth;
-  std::string robot;  ///< only poses to which this arm brings the stones, in one go; empty: any pose
-  int levels = 1;     ///< to plan, as if each placement succeeded
-  SearchOptions search;
-  DetectionOptions detection;
-  MotionOptions motion;
+  std::string catalogue;       ///< folder of the stones
+  std::string scene;           ///< scene file or view; empty: `stones` on the empty table
+  std::string camera_pose;     ///< of a view, as `parse_pose` reads it; may be empty
+  std::string stones;          ///< by name, comma-separated
+  std::string site;            ///< x,y; may be empty
+  bool world = false;          ///< the view is a cloud in the world frame
+  DepthInput depth;            ///< how a depth image or cloud is read
+  std::string robot;           ///< only poses to which this arm brings the stones, in one go; empty: any pose
+  int levels = 1;              ///< to plan, as if each placement succeeded
+  SearchOptions search;        ///< options of the search
+  DetectionOptions detection;  ///< options of detection
+  MotionOptions motion;        ///< options of motion planning, with a robot
 };
 /// A search problem with the frame that it is stated in.
 struct SearchStart {
   std::shared_ptr<const ShapeList> shapes;  ///< of the stones that occur, by catalogue index; others are null
-  SearchProblem problem;
+  SearchProblem problem;                    ///< stack, loose stones and site
   /// Definition of W: cell (nothing was seen), scene_file, camera_pose, world_cloud, or table (found in a
   /// view); unknown before the input was read.
   std::string frame = "unknown";
@@ -48,12 +48,12 @@ struct SearchStart {
 };
 /// Result of a search in a scene.
 struct SceneSearch {
-  Catalogue catalogue;
+  Catalogue catalogue;                  ///< stones of the task
   SearchStart start;                    ///< empty, or as far as it came, where the time was over before
   std::vector<Placement> placements;    ///< the next one, or one a level; empty: see `reason`
   std::vector<Placement> alternatives;  ///< other poses for the first, should the arm refuse it
-  std::string reason;
-  bool repeatable = true;  ///< not ended by the clock or the user: the same seed gives the same
+  std::string reason;                   ///< reason why no more was found; empty: nothing stood in the way
+  bool repeatable = true;               ///< not ended by the clock or the user: the same seed gives the same
   /// Every candidate of a search of one level that was made, with SearchOptions::trace.
   std::optional<std::vector<CandidateTrace>> trace;
 };
@@ -69,18 +69,18 @@ struct SceneSearch {
 
 /// A motion to plan.
 struct ScenePlanTask {
-  std::string scene;               ///< scene file with the stones' poses and, if there are any, obstacles
-  std::vector<NamedPose> targets;  ///< in order of preference: which stone, and where to
-  RobotModel robot;
-  CellLayout layout;  ///< obstacles and paddings of the scene are added
-  Joints q_start = Joints::Zero();
-  MotionOptions options;
+  std::string scene;                ///< scene file with the stones' poses and, if there are any, obstacles
+  std::vector<NamedPose> targets;   ///< in order of preference: which stone, and where to
+  RobotModel robot;                 ///< arm
+  CellLayout layout;                ///< obstacles and paddings of the scene are added
+  Joints q_start = Joints::Zero();  ///< joint angles at the start [rad]
+  MotionOptions options;            ///< options of motion planning
 };
 /// A plan with its scene; the task points into the catalogue.
 struct ScenePlan {
-  PlanningScene scene;
-  PickAndPlaceTask task;
-  PickAndPlacePlan plan;
+  PlanningScene scene;    ///< scene in which the motion was planned
+  PickAndPlaceTask task;  ///< stone, its target, and the start of the arm
+  PickAndPlacePlan plan;  ///< plan, or why there is none
 };
 /// Plans for the first target that can be carried out.
 /// @return the last plan that failed, with what stands in the way of each target as its reason, where none
@@ -90,12 +90,12 @@ struct ScenePlan {
 
 /// A tower of a scene file, and whether and how firmly it stands.
 struct TowerCheck {
-  Stack stack;
-  double friction = 0.0;
-  double seconds = 0.0;  ///< simulated
-  StandVerdict verdict;
-  Equilibrium equilibrium;
-  StackStatics statics;
+  Stack stack;              ///< stack that was checked
+  double friction = 0.0;    ///< friction coefficient that was assumed
+  double seconds = 0.0;     ///< simulated
+  StandVerdict verdict;     ///< verdict by simulation
+  Equilibrium equilibrium;  ///< equilibrium and margin by statics
+  StackStatics statics;     ///< bodies and contacts of the equilibrium
 };
 /// Simulates the stack of a scene file for `seconds`, and solves its equilibrium.
 /// @throws FileError for a file without a stack, for stones that cannot be, and for stones that overlap by

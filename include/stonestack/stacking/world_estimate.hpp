@@ -14,20 +14,21 @@ namespace stonestack::stacking {
 
 /// Stones of a scene by where they are: the stack from the table up, and the loose ones.
 struct Arrangement {
-  std::vector<PlacedStone> stack;
-  std::vector<PlacedStone> loose;
+  std::vector<PlacedStone> stack;  ///< stones of the tower, from the table up
+  std::vector<PlacedStone> loose;  ///< other stones
 };
 
 /// One depth image and where it was taken from.
 struct CameraView {
-  DepthImage image;
-  Pose T_W_C = Pose::Identity();
+  DepthImage image;               ///< depth image
+  Pose T_W_C = Pose::Identity();  ///< pose of the camera, from the arm
 };
+/// Views of one observation, in order.
 using Views = std::vector<CameraView>;
 
 /// Where one stone is.
 struct StoneEstimate {
-  int stone = -1;
+  StoneIndex stone = kNoStone;            ///< index into the catalogue
   Pose T_W_O_seen = Pose::Identity();     ///< as the camera showed it last while it had not come to rest; as
                                           ///< aimed before it was seen
   Pose T_W_O_at_rest = Pose::Identity();  ///< where it rests according to physics; of a loose stone as seen
@@ -38,9 +39,9 @@ enum class SiteStatus { kUnseen, kFree, kOccupied };
 
 /// The stack at one assumed friction: as it comes to rest, or why it would not stand.
 struct RestingStack {
-  double friction = 0.0;
-  std::optional<Stack> stack;
-  std::string reason;
+  double friction = 0.0;       ///< friction coefficient at which it was settled
+  std::optional<Stack> stack;  ///< stack at rest; empty if it does not stand
+  std::string reason;          ///< reason why it does not stand
 };
 
 /// How likely each of some frictions is that the stones may have.
@@ -51,19 +52,20 @@ struct FrictionEstimate {
 
 /// State of the cell as the program knows it: only from what camera and sensors reported.
 struct WorldEstimate {
-  std::vector<StoneEstimate> stack;  ///< from the table up
-  std::vector<StoneEstimate> loose;  ///< on the table
-  SiteStatus site = SiteStatus::kFree;
-  CellLayout layout;                   ///< as calibrated, the camera's mount as the first views corrected it
-  std::vector<RestingStack> resting;   ///< the stack (`T_W_O_at_rest`) at each friction that is assumed
-  std::shared_ptr<const Views> views;  ///< that it was made from; null when it was read from a file
+  std::vector<StoneEstimate> stack;     ///< from the table up
+  std::vector<StoneEstimate> loose;     ///< on the table
+  SiteStatus site = SiteStatus::kFree;  ///< state of the site
+  CellLayout layout;                    ///< as calibrated, the camera's mount as the first views corrected it
+  std::vector<RestingStack> resting;    ///< the stack (`T_W_O_at_rest`) at each friction that is assumed
+  std::shared_ptr<const Views> views;   ///< that it was made from; null when it was read from a file
 };
 
 /// The stones where they rest.
 [[nodiscard]] Arrangement at_rest(const WorldEstimate& world);
 /// The stones where they were seen, as if they rested there.
 [[nodiscard]] std::vector<StoneEstimate> as_estimates(const std::vector<PlacedStone>& stones);
-[[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, int stone);
+/// True if `stone` is among `stones`.
+[[nodiscard]] bool holds(const std::vector<StoneEstimate>& stones, StoneIndex stone);
 
 }  // namespace stonestack::stacking
 

@@ -11,11 +11,14 @@ namespace stonestack::stone {
 /// Stones in a folder: `DIR/NAME/stone.yaml`, `DIR/NAME/mesh.ply` (reduced), `DIR/NAME/scan.ply` (full) and
 /// `DIR/NAME/pieces/1.ply` and so on (convex). Metres, frame O.
 struct Catalogue {
-  std::string path;
+  std::string path;           ///< folder
   std::vector<Stone> stones;  ///< sorted by name
 
+  /// Stone of an index.
+  /// @throws InvalidArgument for one that is not in the catalogue.
+  [[nodiscard]] const Stone& operator[](StoneIndex stone) const { return at(stones, stone); }
   /// Index of the stone with that name; throws InvalidArgument naming the nearest.
-  [[nodiscard]] int index(const std::string& name) const;
+  [[nodiscard]] StoneIndex index(const std::string& name) const;
 };
 
 /// Reads every stone; throws FileError naming file and value, also for a folder without stones.

@@ -18,8 +18,8 @@ struct LimestoneOptions {
   double max_extent = 0.20;    ///< [m]
   double widest = 0.125;       ///< second extent [m]: a gripper that opens 155 mm gets around it
   double min_fullness = 0.80;  ///< volume over the volume of the convex hull
-  double max_fullness = 0.90;
-  int faces = 4000;  ///< at most, of the full-resolution scan
+  double max_fullness = 0.90;  ///< upper limit of the fullness
+  int faces = 4000;            ///< at most, of the full-resolution scan
 };
 
 /// A closed mesh like a piece of limestone rubble: bedding planes and cleavage faces, broken edges and
@@ -45,8 +45,8 @@ struct ModelOptions {
 
 /// A stone, and what had to be done to the scan: holes closed, fragments dropped, odd size.
 struct ModelResult {
-  Stone stone;
-  std::vector<std::string> warnings;
+  Stone stone;                        ///< stone that was made
+  std::vector<std::string> warnings;  ///< holes closed, fragments dropped, odd size; for a person
 };
 
 /// From a mesh in file units. Holes are closed by CGAL with a warning.

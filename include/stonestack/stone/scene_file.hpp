@@ -13,8 +13,8 @@ namespace stonestack::stone {
 
 /// A stone in a scene file, by name.
 struct NamedPose {
-  std::string stone;
-  Pose T_W_O = Pose::Identity();
+  std::string stone;              ///< name of the stone in its catalogue
+  Pose T_W_O = Pose::Identity();  ///< pose of the stone
 };
 
 /// A scene in a file: what stands, what lies loose, and how it was seen. YAML, schema "stonestack.scene/1":
@@ -34,13 +34,13 @@ struct NamedPose {
 ///
 /// Every key but `schema` may be missing.
 struct SceneFile {
-  std::optional<CameraIntrinsics> camera;
-  std::optional<Pose> T_W_C;
-  std::string depth_file;   ///< path, resolved against the scene file; empty: none
-  double depth_unit = 0.0;  ///< metres per count
-  std::string cloud_file;
-  std::vector<NamedPose> stack;
-  std::vector<NamedPose> stones;
+  std::optional<CameraIntrinsics> camera;  ///< intrinsics of the depth image
+  std::optional<Pose> T_W_C;               ///< pose of the camera
+  std::string depth_file;                  ///< path, resolved against the scene file; empty: none
+  double depth_unit = 0.0;                 ///< metres per count
+  std::string cloud_file;             ///< path of the cloud, resolved against the scene file; empty: none
+  std::vector<NamedPose> stack;       ///< stones of the stack, from the table up
+  std::vector<NamedPose> stones;      ///< loose stones
   std::vector<Obstacle> obstacles;    ///< read, never written
   std::vector<PairPadding> paddings;  ///< the same
 };
@@ -54,9 +54,9 @@ void write_scene_file(const std::string& path, const SceneFile& scene);
 
 /// A view that came from a file: the frame, and where the camera stood if that is known.
 struct SceneView {
-  DepthImage image;
-  std::optional<Pose> T_W_C;
-  bool world = false;  ///< of a cloud in W: no camera took it, T_W_C is one that is put above it
+  DepthImage image;           ///< depth image, or a cloud turned into one
+  std::optional<Pose> T_W_C;  ///< pose of the camera, if it is known
+  bool world = false;         ///< of a cloud in W: no camera took it, T_W_C is one that is put above it
 };
 
 /// Data that a depth image, a recording or a cloud does not contain, as a user writes it.

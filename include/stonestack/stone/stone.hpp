@@ -1,4 +1,10 @@
 #pragma once
+#include <compare>
+#include <concepts>
+#include <cstddef>
+#include <functional>
+#include <iosfwd>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -8,16 +14,87 @@
 
 namespace stonestack::stone {
 
+/// Index of a stone in a list that has the order of a catalogue: its stones, their contact shapes, their
+/// models. A type of its own, because levels of a stack, bodies of a world, objects of a planning scene and
+/// counts are plain integers, and the compiler is to refuse one in the place of the other. So integers are
+/// converted explicitly only, in both directions. A conversion to std::size_t that is not explicit would
+/// allow `list[stone]`, but also pass a stone as a count: `at(list, stone)` and `catalogue[stone]` do the
+/// first without the second.
+class StoneIndex {
+ public:
+  /// No stone: equal to kNoStone.
+  constexpr StoneIndex() = default;
+  /// Stone number `value` of the list, from 0.
+  template <std::integral Integer>
+  requires(!std::same_as<Integer, bool>) explicit constexpr StoneIndex(Integer value)
+      : value_(static_cast<int>(value)) {}
+
+  /// Number of the stone in the list, from 0; -1 for kNoStone.
+  [[nodiscard]] constexpr int value() const { return value_; }
+  /// True for a stone of a list of `count` stones.
+  [[nodiscard]] constexpr bool is_within(std::size_t count) const {
+    return value_ >= 0 && static_cast<std::size_t>(value_) < count;
+  }
+
+  /// True for the same number.
+  friend constexpr bool operator==(StoneIndex, StoneIndex) = default;
+  /// Order of the numbers; kNoStone comes first.
+  friend constexpr auto operator<=>(StoneIndex, StoneIndex) = default;
+
+  /// Writes the number.
+  template <class Traits>
+  friend std::basic_ostream<char, Traits>& operator<<(std::basic_ostream<char, Traits>& out,
+                                                      StoneIndex stone) {
+    return out << stone.value_;
+  }
+  /// Makes the number of a nlohmann::json, which finds this by name.
+  template <class Json>
+  friend void to_json(Json& json, StoneIndex stone) {
+    json = stone.value_;
+  }
+  /// Reads the number of a nlohmann::json.
+  template <class Json>
+  friend void from_json(const Json& json, StoneIndex& stone) {
+    stone.value_ = json.template get<int>();
+  }
+
+ private:
+  int value_ = -1;
+};
+
+/// Index where there is no stone.
+inline constexpr StoneIndex kNoStone{};
+
+/// Index as a literal: `2_stone` is StoneIndex(2).
+[[nodiscard]] consteval StoneIndex operator""_stone(unsigned long long value) {
+  return StoneIndex(value);
+}
+
+/// Ends what asks a list of `count` stones for one that it has not.
+/// @throws InvalidArgument with both numbers.
+[[noreturn]] void throw_no_such_stone(StoneIndex stone, std::size_t count);
+
+/// Element of a stone in a list that has the order of the catalogue.
+/// @throws InvalidArgument for a stone that the list has not.
+template <class List>
+[[nodiscard]] constexpr decltype(auto) at(List& list, StoneIndex stone) {
+  if (!stone.is_within(std::size(list))) throw_no_such_stone(stone, std::size(list));
+  return list[static_cast<std::size_t>(stone.value())];
+}
+
+/// Indices of the first `count` stones, in order: of all stones with the size of a list.
+[[nodiscard]] std::vector<StoneIndex> first_stones(std::size_t count);
+
 /// How far one surface lies from another, metres.
 struct Deviation {
-  double median = 0.0;
-  double worst = 0.0;
+  double median = 0.0;  ///< median distance [m]
+  double worst = 0.0;   ///< largest distance [m]
 };
 
 /// Model of a stone: its scan, measured once. Frame O: origin at the centre of mass
 /// of the uniform scan, axes of the scanned file unless asked otherwise.
 struct Stone {
-  std::string name;
+  std::string name;                  ///< name of the stone and of its folder
   Mesh mesh;                         ///< at most 500 faces: detection, rough search (paper §4.1)
   Mesh scan;                         ///< full resolution: contact, verdict, the true world
   std::vector<Mesh> pieces;          ///< convex pieces: motion's collision checks
@@ -33,10 +110,19 @@ struct Stone {
 
 /// A stone somewhere, by index into whatever list of stones the owner holds.
 struct PlacedStone {
-  int stone = -1;
-  Pose T_W_O = Pose::Identity();
+  StoneIndex stone = kNoStone;    ///< index into the owner's list
+  Pose T_W_O = Pose::Identity();  ///< pose of the stone
 };
 
 }  // namespace stonestack::stone
+
+/// Hash of the number, for unordered containers.
+template <>
+struct std::hash<stonestack::stone::StoneIndex> {
+  /// Hash of the number.
+  std::size_t operator()(stonestack::stone::StoneIndex stone) const noexcept {
+    return std::hash<int>{}(stone.value());
+  }
+};
 
 #pragma GCC visibility pop

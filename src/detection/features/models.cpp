@@ -100,7 +100,7 @@ DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data&
   if (stones.empty()) return scene;
   const auto explained = [&](const Eigen::Vector3f& p) {
     return std::any_of(stones.begin(), stones.end(), [&](const KnownStone& k) {
-      return explains(data.models[static_cast<std::size_t>(k.stone)], k.T_C_O, p, kExplainedMargin);
+      return explains(at(data.models, k.stone), k.T_C_O, p, kExplainedMargin);
     });
   };
   for (auto& view : scene.views) {

@@ -41,8 +41,9 @@ struct DetectionModel {
 
 struct DetectionModels::Data {
   std::vector<DetectionModel> models;
-  DetectionOptions options;              ///< that the models were made with
-  std::vector<std::vector<int>> rivals;  ///< of each model, the others of like shape: detection/identity.hpp
+  DetectionOptions options;  ///< that the models were made with
+  std::vector<std::vector<StoneIndex>>
+      rivals;  ///< of each model, the others of like shape: detection/identity.hpp
 };
 
 /// Prepares one stone.

@@ -67,7 +67,7 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
 
 }  // namespace
 
-std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
+std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex stone, const Pose& T_C_O,
                                     const DetectionScene& scene, double hidden_weight) {
   const auto near = points_near(model, T_C_O, scene.surface, kIcpGate, kFinePoints);
   const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement());
@@ -92,7 +92,7 @@ std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose&
   return verify_pose(model, T_C_O, scene, strict).pixels;
 }
 
-std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
+std::vector<Candidate> judge_hypotheses(const DetectionModel& model, StoneIndex stone,
                                         std::span<const Hypothesis> hypotheses, const DetectionScene& scene,
                                         const DetectionOptions& options, std::size_t kept_poses) {
   std::vector<Candidate> candidates;

@@ -18,7 +18,7 @@ struct Candidate {
 
 /// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
 /// them (`kept_poses`, more if they tie). Best score first; nothing below half the accept score.
-[[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, int stone,
+[[nodiscard]] std::vector<Candidate> judge_hypotheses(const DetectionModel& model, StoneIndex stone,
                                                       std::span<const Hypothesis> hypotheses,
                                                       const DetectionScene& scene,
                                                       const DetectionOptions& options,
@@ -29,7 +29,8 @@ struct Candidate {
                                                       const DetectionScene& scene);
 
 /// The fine refinement and the verdict alone.
-[[nodiscard]] std::optional<Candidate> judge_pose(const DetectionModel& model, int stone, const Pose& T_C_O,
-                                                  const DetectionScene& scene, double hidden_weight);
+[[nodiscard]] std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex stone,
+                                                  const Pose& T_C_O, const DetectionScene& scene,
+                                                  double hidden_weight);
 
 }  // namespace stonestack::detection

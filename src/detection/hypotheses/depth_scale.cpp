@@ -94,7 +94,7 @@ DepthScale fit_depth_scale(const std::vector<Detection>& found, const DetectionM
                            const DetectionScene& scene) {
   std::vector<Fit> fits(found.size());
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-    fits[i] = fit_stone(found[i], data.models[static_cast<std::size_t>(found[i].stone)], scene);
+    fits[i] = fit_stone(found[i], at(data.models, found[i].stone), scene);
   });
   double sum = 0, weights = 0;
   for (const auto& fit : fits) {

@@ -149,8 +149,7 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
                                         const DetectionScene& scene) {
   if (found.empty() || scene.views.empty()) return found;
   std::vector<Part> parts;
-  for (const auto& d : found)
-    parts.push_back({data.models[static_cast<std::size_t>(d.stone)], d.T_C_O.inverse(), {}});
+  for (const auto& d : found) parts.push_back({at(data.models, d.stone), d.T_C_O.inverse(), {}});
   fill_views(parts, scene);
   std::vector<Pose> T_C_V;
   for (const auto& view : scene.views) T_C_V.push_back(view.T_C_V);

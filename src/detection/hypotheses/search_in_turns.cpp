@@ -101,7 +101,7 @@ struct ModelSearch {
   std::vector<Candidate> candidates;
 };
 
-ModelSearch search_model(const DetectionModel& model, int stone, const DetectionScene& scene,
+ModelSearch search_model(const DetectionModel& model, StoneIndex stone, const DetectionScene& scene,
                          const SearchView& view, const DetectionOptions& options) {
   ModelSearch out;
   if (view.seen != nullptr) {
@@ -126,7 +126,7 @@ ModelSearch search_model(const DetectionModel& model, int stone, const Detection
   return out;
 }
 
-void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const SearchView& view,
+void note_search(TracedTurn& turn, const ModelSearch& found, StoneIndex stone, const SearchView& view,
                  const DetectionModel& model) {
   for (const auto& m : found.matches)
     turn.matches.push_back({stone, view.seen->points[static_cast<std::size_t>(m.scene)],
@@ -136,20 +136,19 @@ void note_search(TracedTurn& turn, const ModelSearch& found, int stone, const Se
 }
 
 /// Candidates of every missing model.
-std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<int>& missing,
+std::vector<Candidate> search(const DetectionModels::Data& data, const std::vector<StoneIndex>& missing,
                               const DetectionScene& scene, const SearchView& view,
                               const DetectionOptions& options, TracedTurn* turn) {
-  std::vector<int> stones = missing;
+  std::vector<StoneIndex> stones = missing;
   stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
   std::vector<ModelSearch> found(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
-    const DetectionModel& model = data.models[static_cast<std::size_t>(stones[k])];
+    const DetectionModel& model = at(data.models, stones[k]);
     found[k] = search_model(model, stones[k], scene, view, options);
   });
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < stones.size(); ++k) {
-    if (turn != nullptr)
-      note_search(*turn, found[k], stones[k], view, data.models[static_cast<std::size_t>(stones[k])]);
+    if (turn != nullptr) note_search(*turn, found[k], stones[k], view, at(data.models, stones[k]));
     all.insert(all.end(), std::make_move_iterator(found[k].candidates.begin()),
                std::make_move_iterator(found[k].candidates.end()));
   }
@@ -203,7 +202,7 @@ double min_score(const DetectionOptions& options, const DetectionScene& scene) {
 
 /// How far a search has come.
 struct Search {
-  std::vector<int> missing;
+  std::vector<StoneIndex> missing;
   DetectionScene scene;  ///< what is still unexplained
   std::vector<Candidate> taken;
   std::vector<Candidate> refused;  ///< since something was taken last
@@ -273,8 +272,8 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
   if (rest.taken.empty()) return;
   const DetectionScene alone = without_stones(so_far.scene, data, poses_of(rest.taken));
   const Hypothesis again{best->detection.T_C_O, 1.0};
-  auto judged = judge_hypotheses(data.models[static_cast<std::size_t>(best->detection.stone)],
-                                 best->detection.stone, std::span(&again, 1), alone, options);
+  auto judged = judge_hypotheses(at(data.models, best->detection.stone), best->detection.stone,
+                                 std::span(&again, 1), alone, options);
   if (judged.empty() || !acceptable(judged.front().detection, options, min_score(options, alone))) return;
   take(so_far, std::move(judged.front()));
   for (auto& c : rest.taken) take(so_far, std::move(c));
@@ -282,7 +281,7 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
 
 }  // namespace
 
-std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<int> missing,
+std::vector<Candidate> search_in_turns(const DetectionModels::Data& data, std::vector<StoneIndex> missing,
                                        DetectionScene scene, const DetectionOptions& options,
                                        DetectionTrace* trace) {
   Search so_far{std::move(missing), std::move(scene), {}, {}};

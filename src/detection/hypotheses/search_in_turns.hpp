@@ -12,7 +12,7 @@ namespace stonestack::detection {
 /// was nearly accepted is taken for granted, to see whether the obstruction is a missing stone.
 /// `missing` names a model as often as it may be there. Fills `trace` if given.
 [[nodiscard]] std::vector<Candidate> search_in_turns(const DetectionModels::Data& data,
-                                                     std::vector<int> missing, DetectionScene scene,
+                                                     std::vector<StoneIndex> missing, DetectionScene scene,
                                                      const DetectionOptions& options, DetectionTrace* trace);
 
 }  // namespace stonestack::detection

@@ -73,8 +73,7 @@ std::vector<Detection> without_doubles(const std::vector<Detection>& found, cons
                                        const DetectionScene& scene, const DetectionOptions& options) {
   std::vector<Candidate> candidates;
   for (const auto& d : found)
-    candidates.push_back(
-        {d, explained_pixels(data.models[static_cast<std::size_t>(d.stone)], d.T_C_O, scene)});
+    candidates.push_back({d, explained_pixels(at(data.models, d.stone), d.T_C_O, scene)});
   std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
     return worth(a, options) > worth(b, options);
   });
@@ -89,15 +88,16 @@ std::vector<Detection> without_doubles(const std::vector<Detection>& found, cons
 }
 
 std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
-                                           const std::vector<int>& missing, const DetectionScene& scene,
-                                           const DetectionOptions& options, double min) {
+                                           const std::vector<StoneIndex>& missing,
+                                           const DetectionScene& scene, const DetectionOptions& options,
+                                           double min) {
   std::vector<std::size_t> order(candidates.size()), taken;
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return worth(candidates[a], options) > worth(candidates[b], options);
   });
-  std::map<int, int> left;
-  for (const int stone : missing) ++left[stone];
+  std::map<StoneIndex, int> left;
+  for (const StoneIndex stone : missing) ++left[stone];
   Claims claims(scene);
   for (const std::size_t i : order) {
     const Candidate& c = candidates[i];

@@ -12,7 +12,7 @@ namespace stonestack::detection {
 /// Takes acceptable candidates in order of worth, each model at most as often as `missing` names it, each
 /// only if what it explains is mostly still free. Indices into `candidates`, best first.
 [[nodiscard]] std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candidates,
-                                                         const std::vector<int>& missing,
+                                                         const std::vector<StoneIndex>& missing,
                                                          const DetectionScene& scene,
                                                          const DetectionOptions& options, double min = -1.0);
 

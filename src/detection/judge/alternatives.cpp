@@ -115,7 +115,7 @@ std::vector<Detection> judged_alternatives(const Detection& d, const DetectionMo
     const auto candidate = judge_pose(model, d.stone, poses[k], alone, kHiddenWeight);
     if (candidate) judged[k] = candidate->detection;
   });
-  std::erase_if(judged, [](const Detection& one) { return one.stone < 0; });
+  std::erase_if(judged, [](const Detection& one) { return one.stone == kNoStone; });
   std::stable_sort(judged.begin(), judged.end(),
                    [](const Detection& a, const Detection& b) { return a.score > b.score; });
   std::vector<Detection> alternatives;

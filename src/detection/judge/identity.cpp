@@ -55,16 +55,16 @@ std::pair<std::vector<int>, int> shown_points(const Detection& d, const Detectio
 std::vector<Detection> rivals_at(const Detection& d, const DetectionModels::Data& data,
                                  const DetectionScene& scene, const DetectionOptions& options,
                                  std::span<const KnownStone> known) {
-  std::vector<int> stones = data.rivals[static_cast<std::size_t>(d.stone)];
-  std::erase_if(stones, [&](int s) {
+  std::vector<StoneIndex> stones = at(data.rivals, d.stone);
+  std::erase_if(stones, [&](StoneIndex s) {
     return std::any_of(known.begin(), known.end(), [&](const KnownStone& k) { return k.stone == s; });
   });
   if (stones.empty()) return {};
-  const auto [points, view] = shown_points(d, data.models[static_cast<std::size_t>(d.stone)], scene);
+  const auto [points, view] = shown_points(d, at(data.models, d.stone), scene);
   const Eigen::Vector3f eye = scene.views[static_cast<std::size_t>(view)].T_C_V.translation().cast<float>();
   std::vector<std::vector<Candidate>> judged(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
-    const DetectionModel& model = data.models[static_cast<std::size_t>(stones[k])];
+    const DetectionModel& model = at(data.models, stones[k]);
     const auto hypotheses = sweep_orientations(model, scene.surface, points, eye, {});
     judged[k] = judge_hypotheses(model, stones[k], hypotheses, scene, options, 1);
   });
@@ -84,7 +84,7 @@ struct Evidence {
 /// Weighs `all`; those of other stones by how much of the scene they explain as well.
 std::vector<Evidence> weighed(const std::vector<Detection>& all, const DetectionModels::Data& data) {
   const auto area = [&](const Detection& d) {
-    return std::max(1e-6, d.visible * data.models[static_cast<std::size_t>(d.stone)].area);
+    return std::max(1e-6, d.visible * at(data.models, d.stone).area);
   };
   const Detection& own = all.front();
   std::vector<Evidence> evidence;
@@ -113,14 +113,14 @@ Detection most_likely(const std::vector<Detection>& all, const DetectionModels::
 
 }  // namespace
 
-std::vector<std::vector<int>> models_of_similar_shape(std::span<const DetectionModel> models) {
+std::vector<std::vector<StoneIndex>> models_of_similar_shape(std::span<const DetectionModel> models) {
   std::vector<Eigen::Array3d> logarithms;
   for (const auto& model : models) logarithms.emplace_back(extents(model).array().log());
-  std::vector<std::vector<int>> rivals(models.size());
+  std::vector<std::vector<StoneIndex>> rivals(models.size());
   for (std::size_t i = 0; i < models.size(); ++i)
     for (std::size_t k = 0; k < models.size(); ++k)
       if (i != k && (logarithms[i] - logarithms[k]).abs().maxCoeff() < kSimilarExtents)
-        rivals[i].push_back(static_cast<int>(k));
+        rivals[i].emplace_back(k);
   return rivals;
 }
 
@@ -128,7 +128,7 @@ std::vector<Detection> among_alternatives(std::vector<Detection> found, const De
                                           const DetectionScene& scene, const DetectionOptions& options,
                                           std::span<const KnownStone> known) {
   for (auto& d : found) {
-    const DetectionModel& model = data.models[static_cast<std::size_t>(d.stone)];
+    const DetectionModel& model = at(data.models, d.stone);
     const auto rivals = rivals_at(d, data, scene, options, known);
     if (model.symmetries.empty() && rivals.empty()) continue;
     std::vector<KnownStone> others;
@@ -138,7 +138,7 @@ std::vector<Detection> among_alternatives(std::vector<Detection> found, const De
     auto all = judged_alternatives(d, model, alone);
     if (all.empty()) continue;
     for (const auto& rival : rivals) {
-      const auto more = judged_alternatives(rival, data.models[static_cast<std::size_t>(rival.stone)], alone);
+      const auto more = judged_alternatives(rival, at(data.models, rival.stone), alone);
       all.insert(all.end(), more.begin(), more.end());
     }
     d = most_likely(all, data);

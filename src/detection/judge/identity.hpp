@@ -7,7 +7,8 @@
 namespace stonestack::detection {
 
 /// Of each model the others that are about as long, as wide and as thick.
-[[nodiscard]] std::vector<std::vector<int>> models_of_similar_shape(std::span<const DetectionModel> models);
+[[nodiscard]] std::vector<std::vector<StoneIndex>> models_of_similar_shape(
+    std::span<const DetectionModel> models);
 
 /// Compares each detection with the poses that the turns of its model lead to, and with the stones of like
 /// shape that may stand there instead, but for those of `known`. Takes the pose of its stone that fits best,

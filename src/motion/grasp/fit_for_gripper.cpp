@@ -65,14 +65,13 @@ std::string unfit_for_gripper(const Stone& stone, const GripperModel& gripper, c
   return {};
 }
 
-std::vector<int> draw_stones(const Catalogue& catalogue, int count, int seed, const GripperModel& gripper,
-                             const RobotModel& robot) {
-  std::vector<int> order(catalogue.stones.size());
-  std::iota(order.begin(), order.end(), 0);
+std::vector<StoneIndex> draw_stones(const Catalogue& catalogue, int count, int seed,
+                                    const GripperModel& gripper, const RobotModel& robot) {
+  std::vector<StoneIndex> order = first_stones(catalogue.stones.size());
   Random::stream(static_cast<std::uint64_t>(seed), "stones of the run").shuffle(order.begin(), order.end());
   std::string unfit;
-  std::erase_if(order, [&](int k) {
-    const Stone& stone = catalogue.stones[static_cast<std::size_t>(k)];
+  std::erase_if(order, [&](StoneIndex k) {
+    const Stone& stone = catalogue[k];
     const std::string why = unfit_for_gripper(stone, gripper, robot);
     if (!why.empty()) unfit += concat(unfit.empty() ? "" : ", ", stone.name, " (", why, ")");
     return !why.empty();
