@@ -3,6 +3,7 @@
 
 #include "bench.hpp"
 #include "collision_reference.hpp"
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/hardware/cell.hpp"
@@ -10,7 +11,6 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kNear = 0.0001;  // m: nearer to the padding than this, either answer is right
 
 /// Thirteen boxes and spheres of stone size: some stacked, the others around.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "motion/cartesian.hpp"
 #include "motion/clearance_below.hpp"
 #include "motion/collision.hpp"
@@ -16,7 +17,6 @@ namespace {
 
 using Status = MotionResult::Status;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kHighest = 0.12;   // m, between stone and support while the gripper moves aside
 constexpr double kGap = 0.0005;     // m: contact that is reported further away is a false trigger
 constexpr double kSlipped = 0.015;  // m, in the gripper: then another stone is taken

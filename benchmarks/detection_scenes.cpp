@@ -4,10 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/constants.hpp"
+
 namespace stonestack::bench {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kApart = 0.001;  // m, between stones that "touch"
 
 double lowest(const Stone& stone, const Eigen::Quaterniond& R) {

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "core/quantile.hpp"
 
 namespace stonestack::bench {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kChi2Of95 = 12.592;  // six degrees of freedom
-constexpr double kRightAngle = 5 * kDegree;
-constexpr double kRightShift = 0.005;  // m
+constexpr double kTallyRightAngle = 5 * kDegree;
+constexpr double kTallyRightShift = 0.005;  // m
 
 double mahalanobis2(const Detection& d, const Pose& truth) {
   Eigen::Matrix<double, 6, 1> e;
@@ -35,7 +35,7 @@ std::vector<const TrueStone*>::iterator nearest(std::vector<const TrueStone*>& l
 void judge_found(const Detection& d, const TrueStone& truth, const SceneKind& kind, Results* list,
                  DetectionTally& tally) {
   const PoseDifference off = difference(d.T_C_O, truth.T_C_O);
-  const bool right = off.angle < kRightAngle && off.translation < kRightShift;
+  const bool right = off.angle < kTallyRightAngle && off.translation < kTallyRightShift;
   if (truth.unhidden >= kind.min_unhidden) tally.right += right ? 1 : 0;
   (right ? tally.right_scores : tally.bad_scores).push_back(d.score);
   if (list != nullptr)

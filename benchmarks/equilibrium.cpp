@@ -21,7 +21,7 @@ namespace {
 constexpr double kSettlingFriction = 0.6;  // what only high friction holds is wanted, too
 constexpr int kAttempts = 60;              // for each level of a random stack
 
-struct BenchOptions {
+struct EquilibriumBenchOptions {
   int stacks = 500, stones = 3, seed = 1;
   double friction = 0.3, push = 0.02, seconds = 2.0, band = 0.02;
   bool steps = false;
@@ -54,7 +54,8 @@ struct Compared {
 
 /// A stone let down wherever chance has it over the top of a stack, a few times if need be; false if it never
 /// comes to rest there.
-bool add_at_random(const BenchOptions& options, const StonePool& pool, Random& random, Stack* stack) {
+bool add_at_random(const EquilibriumBenchOptions& options, const StonePool& pool, Random& random,
+                   Stack* stack) {
   SettleOptions settling;
   settling.world.friction = std::max(options.friction, kSettlingFriction);
   settling.max_travel = 0.06;
@@ -83,7 +84,8 @@ bool add_at_random(const BenchOptions& options, const StonePool& pool, Random& r
   return false;
 }
 
-std::optional<Stack> random_stack(const BenchOptions& options, const StonePool& pool, Random& random) {
+std::optional<Stack> random_stack(const EquilibriumBenchOptions& options, const StonePool& pool,
+                                  Random& random) {
   Stack stack;
   for (int level = 0; level < options.stones; ++level)
     if (!add_at_random(options, pool, random, &stack)) return std::nullopt;
@@ -91,7 +93,7 @@ std::optional<Stack> random_stack(const BenchOptions& options, const StonePool& 
 }
 
 /// The simulated verdict is on the stack from the moment at which the contacts were taken.
-Compared compare(const BenchOptions& options, const StonePool& pool, const Stack& stack) {
+Compared compare(const EquilibriumBenchOptions& options, const StonePool& pool, const Stack& stack) {
   Compared out;
   StackStatics statics;
   for (std::size_t i = 0; i < stack.stones.size(); ++i) {
@@ -115,7 +117,7 @@ Compared compare(const BenchOptions& options, const StonePool& pool, const Stack
 }
 
 /// The search's verdict: ten seconds that end once nothing moves.
-void judge_by(const BenchOptions& options, const StonePool& pool, const Stack& stack,
+void judge_by(const EquilibriumBenchOptions& options, const StonePool& pool, const Stack& stack,
               std::vector<Stepping>* list) {
   StandOptions stand;
   stand.friction = options.friction;
@@ -142,7 +144,7 @@ void report(const std::string& pool, const std::vector<Stepping>& list, int coun
 }
 
 /// How far from the edge, in units of the friction: margin of what stands, missing friction of what falls.
-bool outside_band(const BenchOptions& options, const Equilibrium& e) {
+bool outside_band(const EquilibriumBenchOptions& options, const Equilibrium& e) {
   if (e.stands) return e.margin >= options.band;
   return e.min_friction - options.friction >= options.band;
 }
@@ -154,7 +156,7 @@ struct PoolFindings {
   int count = 0;
 };
 
-PoolFindings measure_pool(const BenchOptions& options, const StonePool& pool) {
+PoolFindings measure_pool(const EquilibriumBenchOptions& options, const StonePool& pool) {
   int agree = 0, clear = 0, clear_agree = 0, only_lp = 0, only_simulated = 0, stand = 0, count = 0;
   std::vector<double> times;
   std::vector<Stepping> list = steppings();
@@ -184,7 +186,7 @@ PoolFindings measure_pool(const BenchOptions& options, const StonePool& pool) {
           count};
 }
 
-void measure(const BenchOptions& options, Results& results) {
+void measure(const EquilibriumBenchOptions& options, Results& results) {
   results.settings({{"stacks", options.stacks},
                     {"stones", options.stones},
                     {"settling_friction", std::max(options.friction, kSettlingFriction)},
@@ -210,7 +212,7 @@ void measure(const BenchOptions& options, Results& results) {
 }  // namespace
 
 void add_equilibrium(CLI::App& app) {
-  auto options = std::make_shared<BenchOptions>();
+  auto options = std::make_shared<EquilibriumBenchOptions>();
   CLI::App* sub =
       app.add_subcommand("equilibrium", "Agreement of equilibrium and simulation on random stacks");
   sub->add_option("--stacks", options->stacks, "From each pool")

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bench.hpp"
+#include "core/constants.hpp"
 #include "core/quantile.hpp"
 #include "motion/grasp/pad_press.hpp"
 #include "stacking/execute.hpp"
@@ -23,7 +24,6 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSlid = 0.005;          // m in the gripper: more spoils the placement
 constexpr double kTurned = 3 * kDegree;  // the same
 constexpr double kLost = 0.05;           // m: not in the gripper any more
@@ -40,11 +40,11 @@ struct Settings {
 };
 
 /// Outcomes of lifts.
-struct Tally {
+struct HoldTally {
   int tried = 0, no_plan = 0, not_held = 0, dropped = 0, moved = 0;
   std::vector<double> slide, turn;
 
-  void add(const Tally& other) {
+  void add(const HoldTally& other) {
     tried += other.tried;
     no_plan += other.no_plan;
     not_held += other.not_held;
@@ -80,8 +80,8 @@ void print_lift(const Stone& stone, const PlanningScene& scene, const PickAndPla
 }
 
 /// Lifts and carries one stone that lies somewhere in a cell of its own.
-void lift(const Stone& stone, const Settings& settings, const MotionOptions& options, int seed, Tally& tally,
-          Results& results) {
+void lift(const Stone& stone, const Settings& settings, const MotionOptions& options, int seed,
+          HoldTally& tally, Results& results) {
   const RobotModel robot = read_robot("ur10");
   const CellLayout layout;
   Random random = Random::stream(static_cast<std::uint64_t>(seed), "hold " + stone.name);
@@ -140,7 +140,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   if (settings.every) print_lift(stone, scene, plan, T_W_T, off, what, results);
 }
 
-void report(const std::string& name, const Tally& t, Results& results) {
+void report(const std::string& name, const HoldTally& t, Results& results) {
   const auto mm = [&](double share) { return 1e3 * quantile(t.slide, share); };
   const auto deg = [&](double share) { return quantile(t.turn, share) / kDegree; };
   results.row({name, t.tried, t.no_plan, t.not_held, t.dropped, t.moved, mm(0.5), mm(0.9), mm(1.0), deg(0.5),
@@ -165,9 +165,9 @@ void measure(const Catalogue& catalogue, const Settings& settings, bool press_pa
                                                {"deg_median", 1},
                                                {"deg_p90", 1},
                                                {"deg_max", 1}});
-  Tally all;
+  HoldTally all;
   for (const Stone& stone : catalogue.stones) {
-    Tally tally;
+    HoldTally tally;
     for (int k = 0; k < settings.picks; ++k) {
       throw_if_interrupted();
       lift(stone, settings, options, settings.seed * 1000 + k, tally, results);

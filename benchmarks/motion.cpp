@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/constants.hpp"
 #include "core/quantile.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/problem_file.hpp"
@@ -18,7 +19,6 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kLong = 1.2;  // times the shortest path that is known
 
 SceneObject object(const std::string& name, const Mesh& mesh, const Pose& T_W_object) {
@@ -33,7 +33,7 @@ PlanningScene ur10_scene() {
 }
 
 /// Thirteen stones: some stacked, the others around.
-PlanningScene thirteen_objects(std::uint64_t seed) {
+PlanningScene thirteen_loose_objects(std::uint64_t seed) {
   PlanningScene scene = ur10_scene();
   Random random = Random::stream(seed, "thirteen objects");
   for (int i = 0; i < 13; ++i) {
@@ -75,7 +75,7 @@ std::vector<Joints> tool_down_at(const PlanningScene& scene, const Eigen::Vector
 void measure_collision(std::uint64_t seed, Results& results) {
   results.table("collision checks among 13 objects",
                 {{"configurations"}, {"checks_per_s", 0}, {"collide_percent", 1}});
-  const CollisionChecker checker(thirteen_objects(seed));
+  const CollisionChecker checker(thirteen_loose_objects(seed));
   Random random = Random::stream(seed, "configurations");
   std::vector<Joints> anywhere(50000), working;
   for (auto& q : anywhere)

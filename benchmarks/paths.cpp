@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bench.hpp"
+#include "core/constants.hpp"
 #include "core/quantile.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/cartesian.hpp"
@@ -22,7 +23,6 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kTilt = 25.0 * kPi / 180.0;  // off the vertical, most: "near-vertical"
 constexpr double kResample = 0.001;           // s
 constexpr double kJerk = 50.0;                // rad/s^3

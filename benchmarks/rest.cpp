@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bench.hpp"
+#include "core/constants.hpp"
 #include "grasp_problems.hpp"
 #include "motion/pick_and_place/set_down.hpp"
 #include "stacking/execute.hpp"
@@ -22,13 +23,12 @@
 namespace stonestack::bench {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kToppled = 15 * kDegree;  // between the stone's up directions: it lies in another pose
 constexpr double kLater = 3.0;             // s that it is looked at after the gripper left
 constexpr std::array kTilts = {2, 4, 6, 8, 12, 16, 24, 90};  // deg, upper ends of the ranges
 constexpr int kStarts = 6;                                   // initial poses, until a grasp leads on
 
-struct Settings {
+struct RestSettings {
   std::string catalogue = data_path("stones");
   int generated = 0, each = 4, seed = 1;
   ViewError view;
@@ -36,7 +36,7 @@ struct Settings {
 };
 
 /// Of one range of tilts.
-struct Tally {
+struct RestTally {
   int poses = 0, no_plan = 0, not_held = 0, set_down = 0, toppled = 0;
 };
 
@@ -47,7 +47,7 @@ double between_ups(const Pose& a, const Pose& b) {
 /// One stone in a cell of its own, to be set down in one pose.
 class Trial {
  public:
-  Trial(const Stone& stone, const RestPose& rest, const Settings& settings, int number)
+  Trial(const Stone& stone, const RestPose& rest, const RestSettings& settings, int number)
       : stones_{stone},
         rest_(rest),
         settings_(settings),
@@ -109,7 +109,7 @@ class Trial {
   const MotionOptions options_;
   std::vector<Stone> stones_;
   RestPose rest_;
-  const Settings& settings_;
+  const RestSettings& settings_;
   Random random_;
   SimulatedCell simulated_;
   Cell cell_;
@@ -119,8 +119,8 @@ class Trial {
   double turned_ = 0.0, moved_ = 0.0;
 };
 
-void set_down(const Stone& stone, const RestPose& rest, const Settings& settings, int number, Tally& tally,
-              Results& results) {
+void set_down(const Stone& stone, const RestPose& rest, const RestSettings& settings, int number,
+              RestTally& tally, Results& results) {
   Trial trial(stone, rest, settings, number);
   std::string what = "no grasp leads there";
   if (!trial.plan()) {
@@ -140,7 +140,7 @@ void set_down(const Stone& stone, const RestPose& rest, const Settings& settings
                  rest.tilt / kDegree, what.c_str());
 }
 
-void measure(const Settings& settings, Results& results) {
+void measure(const RestSettings& settings, Results& results) {
   std::vector<Stone> stones;
   for (int k = 0; k < settings.generated; ++k)
     stones.push_back(random_stone(static_cast<std::uint64_t>(100 * settings.seed + k),
@@ -156,7 +156,7 @@ void measure(const Settings& settings, Results& results) {
                     {"shift_mm", 1e3 * settings.view.shift},
                     {"turn_deg", settings.view.turn / kDegree},
                     {"seed", settings.seed}});
-  std::array<Tally, kTilts.size()> tallies;
+  std::array<RestTally, kTilts.size()> tallies;
   for (const Stone& stone : stones)
     for (const RestPose& rest : rest_poses(stone, shaky)) {
       std::size_t range = 0;
@@ -178,7 +178,7 @@ void measure(const Settings& settings, Results& results) {
 }  // namespace
 
 void add_rest(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<RestSettings>();
   CLI::App* sub = app.add_subcommand(
       "rest", "Stones set down in other resting poses in the simulated cell: which topple");
   sub->add_option("--catalogue", settings->catalogue, "Folder of stones (default: those that come along)")

@@ -17,7 +17,7 @@
 namespace stonestack::bench {
 namespace {
 
-struct BenchOptions {
+struct SearchBenchOptions {
   int draws = 10, stones = 4, seed = 1;
   bool paper = true;
   bool ode = false;
@@ -30,7 +30,7 @@ struct BenchOptions {
 };
 
 /// The worth of a tower: how many of its stones stay, clean, and how far it is from falling.
-SearchOutcome witness(const BenchOptions& options, const StonePool& pool, const Stack& tower) {
+SearchOutcome witness(const SearchBenchOptions& options, const StonePool& pool, const Stack& tower) {
   SearchOutcome outcome;
   outcome.planned = static_cast<int>(tower.stones.size());
   if (tower.stones.empty()) return outcome;
@@ -62,8 +62,8 @@ Stack stack_of(const std::vector<Placement>& placements) {
 }
 
 /// Builds with noisy placements: plans, puts down, plans anew. The first stone that falls ends it.
-BuiltTower build_noisily(const BenchOptions& options, SearchProblem problem, const SearchOptions& search,
-                         int k) {
+BuiltTower build_noisily(const SearchBenchOptions& options, SearchProblem problem,
+                         const SearchOptions& search, int k) {
   Random random = Random::stream(static_cast<std::uint64_t>(options.seed), concat("placement noise ", k));
   PlacementNoise noise;
   noise.shift = 1e-3 * options.noise;
@@ -87,14 +87,14 @@ BuiltTower build_noisily(const BenchOptions& options, SearchProblem problem, con
   return {problem.stack, reason};
 }
 
-BuiltTower build(const BenchOptions& options, const SearchProblem& problem, const SearchOptions& search,
+BuiltTower build(const SearchBenchOptions& options, const SearchProblem& problem, const SearchOptions& search,
                  int k) {
   if (options.noise > 0.0 || options.noise_turn > 0.0) return build_noisily(options, problem, search, k);
   const TowerPlan planned = plan_tower(problem, options.stones, search);
   return {stack_of(planned.placements), planned.reason};
 }
 
-SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, int k) {
+SearchOutcome run_default(const SearchBenchOptions& options, const StonePool& pool, int k) {
   const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   const double start = processor_seconds();
   const Stopwatch watch;
@@ -109,7 +109,7 @@ SearchOutcome run_default(const BenchOptions& options, const StonePool& pool, in
 
 /// The paper's search; with exact placement restarted with new seeds until the CPU time is used, of which the
 /// highest tower counts.
-SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int k, double cpu) {
+SearchOutcome run_paper(const SearchBenchOptions& options, const StonePool& pool, int k, double cpu) {
   const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
   SearchOptions search = options.search;
   search.method = "paper";
@@ -139,7 +139,7 @@ SearchOutcome run_paper(const BenchOptions& options, const StonePool& pool, int 
 }
 
 /// Candidates a CPU second of one thread, both methods, on the second level of the first draw.
-void report_speed(const BenchOptions& options, const StonePool& pool, Results& results) {
+void report_speed(const SearchBenchOptions& options, const StonePool& pool, Results& results) {
   SearchOptions search = options.search;
   search.threads = 1;
   search.horizon = 1;
@@ -161,8 +161,8 @@ struct PoolOutcomes {
   std::vector<SearchOutcome> of_default, of_paper;
 };
 
-PoolOutcomes measure_pool(const BenchOptions& options, const StonePool& pool, const SearchRow& of_search,
-                          const SearchRow& paper) {
+PoolOutcomes measure_pool(const SearchBenchOptions& options, const StonePool& pool,
+                          const SearchRow& of_search, const SearchRow& paper) {
   PoolOutcomes outcomes;
   for (int k = 0; k < options.draws; ++k) {
     const SearchOutcome found = run_default(options, pool, k);
@@ -178,7 +178,7 @@ PoolOutcomes measure_pool(const BenchOptions& options, const StonePool& pool, co
   return outcomes;
 }
 
-std::vector<Figure> settings_of(const BenchOptions& options) {
+std::vector<Figure> settings_of(const SearchBenchOptions& options) {
   const SearchOptions& s = options.search;
   std::vector<Figure> settings{{"draws", options.draws},
                                {"stones", options.stones},
@@ -201,7 +201,7 @@ std::vector<Figure> settings_of(const BenchOptions& options) {
   return settings;
 }
 
-void measure(const BenchOptions& options, Results& results) {
+void measure(const SearchBenchOptions& options, Results& results) {
   const SearchOptions& s = options.search;
   results.settings(settings_of(options));
   results.table("towers", search_columns(options.ode));
@@ -231,7 +231,7 @@ void measure(const BenchOptions& options, Results& results) {
 }  // namespace
 
 void add_search(CLI::App& app) {
-  auto options = std::make_shared<BenchOptions>();
+  auto options = std::make_shared<SearchBenchOptions>();
   CLI::App* sub =
       app.add_subcommand("search", "Heights, time and margins of planned towers; default beside paper");
   sub->add_option("--draws", options->draws, "Sets of stones from each pool")

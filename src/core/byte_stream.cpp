@@ -23,10 +23,6 @@ constexpr double kLongest = 1e9;                 // s, what a deadline may be aw
 constexpr double kTurn = 0.1;                    // s between checks for Ctrl-C
 constexpr std::size_t kMaxDropped = 16U << 20U;  // bytes: a peer that never stops sending must not hold us
 
-double steady_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 // Errors of sockets and ttys whose peer is gone.
 bool means_closed(int code) {
   return code == ECONNRESET || code == EPIPE || code == ENOTCONN || code == ECONNABORTED || code == EIO ||
@@ -38,11 +34,11 @@ bool means_closed(int code) {
 Deadline Deadline::in(double seconds) {
   require(std::isfinite(seconds) && seconds >= 0 && seconds <= kLongest,
           "a deadline lies 0 to 1e9 s away, not ", seconds, " s");
-  return Deadline(steady_seconds() + seconds);
+  return Deadline(host_seconds() + seconds);
 }
 
 double Deadline::left() const {
-  return std::max(0.0, at_ - steady_seconds());
+  return std::max(0.0, at_ - host_seconds());
 }
 
 Deadline Deadline::or_in(double seconds) const {

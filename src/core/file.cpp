@@ -8,21 +8,11 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/byte_stream.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::core {
 namespace {
-
-/// A file descriptor that closes itself.
-struct Descriptor {
-  int fd;
-  explicit Descriptor(int opened) : fd(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-};
 
 [[noreturn]] void cannot_write(const std::string& path, const std::string& problem) {
   throw FileError(path, "cannot be written: " + problem, "check the folder, its rights and the disk");
@@ -48,16 +38,16 @@ bool put_all(int fd, std::string_view content) {
 
 std::string read_file(const std::string& path, std::size_t max_bytes) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (file.fd < 0) throw FileError(path, std::strerror(errno), "check the path");
+  if (file.number() < 0) throw FileError(path, std::strerror(errno), "check the path");
   struct stat about {};
-  if (::fstat(file.fd, &about) != 0) throw FileError(path, std::strerror(errno), "check the path");
+  if (::fstat(file.number(), &about) != 0) throw FileError(path, std::strerror(errno), "check the path");
   if (!S_ISREG(about.st_mode)) throw FileError(path, "is not a regular file", "give a file");
   const auto size = static_cast<std::size_t>(about.st_size);
   if (size > max_bytes)
     throw FileError(path, concat("has ", size, " bytes"), concat("at most ", max_bytes, " are read"));
   std::string content(size, '\0');
   for (std::size_t done = 0; done < size;) {
-    const ssize_t got = ::read(file.fd, content.data() + done, size - done);
+    const ssize_t got = ::read(file.number(), content.data() + done, size - done);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) throw FileError(path, "could not be read to its end", "check the disk");
     done += static_cast<std::size_t>(got);
@@ -72,14 +62,15 @@ void write_file(const std::string& path, std::string_view content) {
   if (failed) cannot_write(path, concat("its folder cannot be made: ", failed.message()));
   if (is_device(path)) {  // a device or a pipe takes bytes; a rename would put a file in its place
     const Descriptor device(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-    if (device.fd < 0 || !put_all(device.fd, content)) cannot_write(path, std::strerror(errno));
+    if (device.number() < 0 || !put_all(device.number(), content)) cannot_write(path, std::strerror(errno));
     return;
   }
   const std::string part = concat(path, ".part-", ::getpid());
   const Descriptor file(::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-  if (file.fd < 0) cannot_write(path, std::strerror(errno));
+  if (file.number() < 0) cannot_write(path, std::strerror(errno));
   // Before the rename: after a power cut the name must not stand for an empty file.
-  if (!put_all(file.fd, content) || ::fsync(file.fd) != 0 || ::rename(part.c_str(), path.c_str()) != 0) {
+  if (!put_all(file.number(), content) || ::fsync(file.number()) != 0 ||
+      ::rename(part.c_str(), path.c_str()) != 0) {
     const std::string problem = std::strerror(errno);
     ::unlink(part.c_str());
     cannot_write(path, problem);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
+
 namespace stonestack::core {
 namespace {
 
@@ -15,8 +17,6 @@ std::uint64_t splitmix(std::uint64_t& state) {
 std::uint64_t rotate_left(std::uint64_t x, int k) {
   return (x << k) | (x >> (64 - k));
 }
-
-constexpr double kTwoPi = 6.283185307179586476925286766559;
 
 }  // namespace
 

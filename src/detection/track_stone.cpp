@@ -9,8 +9,8 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr double kMinVisible = 0.01;  // of the whole surface; the guess is evidence too
-constexpr double kFurthest = 0.030;   // m, rad: a pose further off than this is another stone
+constexpr double kTrackMinVisible = 0.01;  // of the whole surface; the guess is evidence too
+constexpr double kTrackFurthest = 0.030;   // m, rad: a pose further off than this is another stone
 constexpr double kFurthestAngle = 0.45;
 constexpr double kNudge = 0.008;  // m: perturbed starts
 constexpr double kTurn = 0.14;    // rad
@@ -61,8 +61,8 @@ std::optional<Detection> track_stone(const DepthImage& image, const DetectionMod
       judge_hypotheses(model, stone, perturbed(T_C_O_guess, model.centre), scene, options);
   for (const auto& c : candidates) {
     const PoseDifference moved = difference(T_C_O_guess, c.detection.T_C_O);
-    if (c.detection.score >= options.accept_score && c.detection.visible >= kMinVisible &&
-        moved.translation < kFurthest && moved.angle < kFurthestAngle)
+    if (c.detection.score >= options.accept_score && c.detection.visible >= kTrackMinVisible &&
+        moved.translation < kTrackFurthest && moved.angle < kFurthestAngle)
       return refined_together({c.detection}, data, scene).front();
   }
   return {};

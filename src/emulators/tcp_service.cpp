@@ -8,7 +8,7 @@
 
 namespace stonestack::emulators {
 namespace {
-constexpr double kTurn = 0.5;  // s between checks for threads that ended
+constexpr double kServiceTurn = 0.5;  // s between checks for threads that ended
 }
 
 TcpService::TcpService(const ListenOptions& options, Serve serve, int max_clients)
@@ -45,7 +45,7 @@ void TcpService::sweep() {
 void TcpService::accept_clients() {
   while (!listener_.is_closed()) {
     try {
-      auto stream = listener_.accept(Deadline::in(kTurn));
+      auto stream = listener_.accept(Deadline::in(kServiceTurn));
       sweep();
       if (!stream || clients() >= max_clients_) continue;
       const std::lock_guard lock(mutex_);

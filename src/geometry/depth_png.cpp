@@ -12,7 +12,7 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMaxFile = 256U << 20U;
+constexpr std::size_t kPngMaxFile = 256U << 20U;
 constexpr double kMaxCounts = 65535.0;
 
 /// libpng reports errors by a long jump; nothing with a destructor may live in the functions that it leaves.
@@ -129,7 +129,7 @@ void write_depth_png(const std::string& path, const DepthImage& image, double un
 DepthImage read_depth_png(const std::string& path, const CameraIntrinsics& camera, double unit) {
   require_unit(unit);
   DepthImage image = make_empty_image(camera);
-  const std::string file = read_file(path, kMaxFile);
+  const std::string file = read_file(path, kPngMaxFile);
   std::vector<unsigned char> bytes(2 * image.z.size());
   Message message;
   if (!decode({file.data(), file.size()}, camera, bytes.data(), message))

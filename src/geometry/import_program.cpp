@@ -31,7 +31,7 @@
 
 namespace {
 
-constexpr std::size_t kMaxFile = 64U << 20U;
+constexpr std::size_t kProgramMaxFile = 64U << 20U;
 constexpr rlim_t kMemory = 1U << 30U;     // bytes
 constexpr rlim_t kProcessorSeconds = 10;  // assimp needs 0.1 s to start, hostile files never end
 constexpr rlim_t kMaxResult = 256U << 20U;
@@ -90,7 +90,7 @@ bool restrict_this_process() {
 
 bool read_all(std::vector<std::uint8_t>& content) {
   std::array<std::uint8_t, 65536> block{};
-  while (content.size() <= kMaxFile) {
+  while (content.size() <= kProgramMaxFile) {
     const ssize_t got = ::read(STDIN_FILENO, block.data(), block.size());
     if (got == 0) return true;
     if (got < 0 && errno == EINTR) continue;

@@ -18,17 +18,17 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMaxFile = 64U << 20U;
-constexpr double kMaxCoordinate = 1e5;  // the unit is not known yet: 100 km, or 100 m in millimetres
+constexpr std::size_t kMeshMaxFile = 64U << 20U;
+constexpr double kMeshMaxCoordinate = 1e5;  // the unit is not known yet: 100 km, or 100 m in millimetres
 
 void require_plausible(const std::string& path, const Mesh& mesh) {
   if (mesh.faces.empty())
     throw FileError(path, concat("has ", mesh.vertices.size(), " vertices, but no faces"),
                     "give a mesh, not a point cloud");
   for (const Eigen::Vector3d& p : mesh.vertices) {
-    if (p.allFinite() && p.cwiseAbs().maxCoeff() <= kMaxCoordinate) continue;
+    if (p.allFinite() && p.cwiseAbs().maxCoeff() <= kMeshMaxCoordinate) continue;
     throw FileError(path, concat("has a vertex at (", p.transpose(), ")"),
-                    concat("coordinates must be finite and within ", kMaxCoordinate));
+                    concat("coordinates must be finite and within ", kMeshMaxCoordinate));
   }
 }
 
@@ -137,7 +137,7 @@ Mesh parse_mesh(const std::string& path, const std::string& extension, std::stri
 }
 
 Mesh read_mesh(const std::string& path) {
-  const std::string content = read_file(path, kMaxFile);
+  const std::string content = read_file(path, kMeshMaxFile);
   if (content.empty()) throw FileError(path, "is empty", "make it again");
   const std::string extension = lower_case_extension(path);
   if (is_imported(extension)) return parse_mesh(path, "ply", import_as_ply(path, extension, content));

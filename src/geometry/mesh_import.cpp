@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::array<std::string_view, 6> kFormats = {"glb", "gltf", "dae", "3ds", "off", "fbx"};
 constexpr const char* kRemedy = "convert it to PLY, OBJ or STL";
-constexpr std::size_t kMaxResult = 256U << 20U;
+constexpr std::size_t kImportMaxResult = 256U << 20U;
 constexpr std::size_t kLongestReason = 300;
 constexpr auto kPause = std::chrono::milliseconds(2);
 
@@ -159,7 +159,7 @@ std::string import_as_ply(const std::string& path, const std::string& extension,
   }
   if (const std::string warning = first_line(words.get(kLongestReason)); !warning.empty())
     log_warning(concat(path, ": assimp reports: ", warning));
-  return out.get(kMaxResult);
+  return out.get(kImportMaxResult);
 }
 
 }  // namespace stonestack::geometry

@@ -5,7 +5,7 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr const char* kRemedy = "write the OBJ file again with another program";
+constexpr const char* kObjRemedy = "write the OBJ file again with another program";
 constexpr int kMaxCorners = 1000;
 
 /// "v x y z", then nothing, a weight or a colour.
@@ -13,7 +13,7 @@ void parse_vertex(const FileCursor& cursor, std::string_view rest, Mesh& mesh) {
   Eigen::Vector3d p;
   for (int k = 0; k < 3; ++k) {
     const std::string_view word = take_word(rest);
-    if (word.empty()) cursor.fail("a vertex has fewer than three numbers", kRemedy);
+    if (word.empty()) cursor.fail("a vertex has fewer than three numbers", kObjRemedy);
     p[k] = cursor.finite_number(word);
   }
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest))
@@ -28,10 +28,10 @@ int parse_corner(const FileCursor& cursor, std::string_view word, std::size_t ve
   int index = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
   if (error != std::errc() || end != digits.data() + digits.size() || index == 0)
-    cursor.fail(concat("'", FileCursor::printable(word), "' is not a vertex index"), kRemedy);
+    cursor.fail(concat("'", FileCursor::printable(word), "' is not a vertex index"), kObjRemedy);
   if (index > 0) return index - 1;
   const auto from_start = static_cast<std::int64_t>(vertices_so_far) + index;
-  if (from_start < 0) cursor.fail(concat("vertex index ", index, " is before the first vertex"), kRemedy);
+  if (from_start < 0) cursor.fail(concat("vertex index ", index, " is before the first vertex"), kObjRemedy);
   return static_cast<int>(from_start);
 }
 
@@ -45,9 +45,9 @@ void parse_face(const FileCursor& cursor, std::string_view rest, Mesh& mesh) {
     if (corners >= 2) mesh.faces.emplace_back(first, before, index);
     before = index;
     if (++corners > kMaxCorners)
-      cursor.fail(concat("a face has more than ", kMaxCorners, " corners"), kRemedy);
+      cursor.fail(concat("a face has more than ", kMaxCorners, " corners"), kObjRemedy);
   }
-  if (corners < 3) cursor.fail(concat("a face has ", corners, " corners"), kRemedy);
+  if (corners < 3) cursor.fail(concat("a face has ", corners, " corners"), kObjRemedy);
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ Mesh parse_obj(const std::string& path, std::string_view content) {
   Mesh mesh;
   while (cursor.bytes_left() > 0) {
     std::string_view rest = cursor.next_line();
-    if (!rest.empty() && rest.back() == '\\') cursor.fail("a line is continued on the next", kRemedy);
+    if (!rest.empty() && rest.back() == '\\') cursor.fail("a line is continued on the next", kObjRemedy);
     const std::string_view key = take_word(rest);
     if (key == "v") parse_vertex(cursor, rest, mesh);
     if (key == "f") parse_face(cursor, rest, mesh);
@@ -66,7 +66,8 @@ Mesh parse_obj(const std::string& path, std::string_view content) {
   for (const Eigen::Vector3i& face : mesh.faces) {
     const int max = face.maxCoeff();
     if (static_cast<std::size_t>(max) >= mesh.vertices.size())
-      cursor.fail(concat("a face has vertex ", max + 1.0, ", but there are ", mesh.vertices.size()), kRemedy);
+      cursor.fail(concat("a face has vertex ", max + 1.0, ", but there are ", mesh.vertices.size()),
+                  kObjRemedy);
   }
   return mesh;
 }

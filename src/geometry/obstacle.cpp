@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxObstacles = 200;           // obstacles
 constexpr double kMinSize = 0.001, kMaxSize = 20.0;  // m
-constexpr std::size_t kMaxFaces = 4000;              // that convex_pieces takes
+constexpr std::size_t kObstacleMaxFaces = 4000;      // that convex_pieces takes
 constexpr const char* kShapes[] = {"box", "sphere", "cylinder", "mesh"};
 
 std::vector<Mesh> read_pieces(yaml::Map& entry) {
@@ -29,7 +29,7 @@ std::vector<Mesh> read_pieces(yaml::Map& entry) {
   try {
     ConvexPiecesOptions options;
     options.max_pieces = 16;
-    if (is_closed(mesh) && mesh.faces.size() <= kMaxFaces) return convex_pieces(mesh, options);
+    if (is_closed(mesh) && mesh.faces.size() <= kObstacleMaxFaces) return convex_pieces(mesh, options);
     return {convex_hull(mesh)};
   } catch (const InvalidArgument& problem) {
     entry.fail("mesh", concat("is '", name, "': ", problem.what()), "give a body with a volume");

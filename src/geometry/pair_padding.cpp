@@ -7,8 +7,8 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMax = 200;  // entries
-constexpr double kWidest = 1.0;    // m
+constexpr std::size_t kMax = 200;       // entries
+constexpr double kPaddingWidest = 1.0;  // m
 constexpr const char* kMoves[] = {"arm",     "hand",    "held",    "shoulder", "upper arm",
                                   "forearm", "wrist 1", "wrist 2", "wrist 3"};
 
@@ -45,7 +45,7 @@ std::vector<PairPadding> parse_pair_paddings(const std::string& text, const std:
   for (std::size_t i = 0; i < list.size(); ++i) {
     yaml::Map entry(list[i], path, concat(where, "[", i, "]"));
     PairPadding padding{name_of(entry, "a", moves), name_of(entry, "b", stands),
-                        entry.number("m", 0.0, kWidest)};
+                        entry.number("m", 0.0, kPaddingWidest)};
     if (padding.a == "shoulder" && padding.b == "table")
       entry.fail("a", "is 'shoulder'", "the shoulder stands on the table; name another link");
     entry.finish();

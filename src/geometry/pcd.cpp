@@ -14,7 +14,7 @@ constexpr std::size_t kMaxValues = 64;  // of a point
 constexpr std::uint64_t kMaxPoints = 20'000'000;
 constexpr std::size_t kMaxHeader = 64U << 10U;
 constexpr std::size_t kMaxExpansion = 100;  // LZF packs at most 264 bytes into 3
-constexpr const char* kRemedy = "write the PCD file again with another program";
+constexpr const char* kPcdRemedy = "write the PCD file again with another program";
 constexpr const char* kCut = "the file is truncated; make it again";
 
 struct Field {
@@ -46,7 +46,7 @@ std::uint64_t parse_whole(const FileCursor& cursor, std::string_view word, std::
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || word.empty() || value < low || value > high)
     cursor.fail(concat("'", FileCursor::printable(word), "' is not a whole number from ", low, " to ", high),
-                kRemedy);
+                kPcdRemedy);
   return value;
 }
 
@@ -55,7 +55,7 @@ void parse_columns(const FileCursor& cursor, std::string_view key, std::string_v
   std::size_t i = 0;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++i) {
     if (key == "FIELDS") {
-      if (i == kMaxFields) cursor.fail(concat("a point has more than ", kMaxFields, " fields"), kRemedy);
+      if (i == kMaxFields) cursor.fail(concat("a point has more than ", kMaxFields, " fields"), kPcdRemedy);
       header.fields.push_back({std::string(word)});
       continue;
     }
@@ -64,39 +64,39 @@ void parse_columns(const FileCursor& cursor, std::string_view key, std::string_v
     if (key == "SIZE") {
       field.size = parse_whole(cursor, word, 1, 8);
       if ((field.size & (field.size - 1)) != 0)
-        cursor.fail(concat("a value of ", field.size, " bytes"), kRemedy);
+        cursor.fail(concat("a value of ", field.size, " bytes"), kPcdRemedy);
     } else if (key == "COUNT") {
       field.count = parse_whole(cursor, word, 1, kMaxValues);
     } else {
       field.type = word.front();
       if (word != "F" && word != "I" && word != "U")
-        cursor.fail(concat("'", FileCursor::printable(word), "' is not a PCD type"), kRemedy);
+        cursor.fail(concat("'", FileCursor::printable(word), "' is not a PCD type"), kPcdRemedy);
     }
     if (i + 1 == header.fields.size() && take_word(rest).empty()) return;
   }
   if (key != "FIELDS")
     cursor.fail(concat(key, " does not name one value for each of the ", header.fields.size(), " fields"),
-                kRemedy);
+                kPcdRemedy);
 }
 
 void check(const FileCursor& cursor, const Header& header) {
-  if (header.fields.empty()) cursor.fail("the header has no FIELDS", kRemedy);
+  if (header.fields.empty()) cursor.fail("the header has no FIELDS", kPcdRemedy);
   std::size_t values = 0;
   for (const Field& field : header.fields) {
     values += field.count;
     if (field.type == 'F' && field.size < 4)
       cursor.fail(
           concat("field ", FileCursor::printable(field.name), " is a float of ", field.size, " bytes"),
-          kRemedy);
+          kPcdRemedy);
   }
-  if (values > kMaxValues) cursor.fail(concat("a point has more than ", kMaxValues, " values"), kRemedy);
+  if (values > kMaxValues) cursor.fail(concat("a point has more than ", kMaxValues, " values"), kPcdRemedy);
   if (header.width * header.height > kMaxPoints)  // each is at most kMaxPoints: no overflow
     cursor.fail(concat("has ", header.width * header.height, " points, more than ", kMaxPoints),
                 "thin it out");
   if (header.has_points && header.points != header.width * header.height)
     cursor.fail(
         concat("POINTS ", header.points, " is not WIDTH ", header.width, " times HEIGHT ", header.height),
-        kRemedy);
+        kPcdRemedy);
 }
 
 Header parse_header(FileCursor& cursor) {
@@ -106,7 +106,7 @@ Header parse_header(FileCursor& cursor) {
     if (cursor.bytes_left() == 0) cursor.fail("the header has no DATA line", "give a whole PCD file");
     std::string_view rest = cursor.next_line();
     if (whole - cursor.bytes_left() > kMaxHeader)
-      cursor.fail(concat("the header is longer than ", kMaxHeader, " bytes"), kRemedy);
+      cursor.fail(concat("the header is longer than ", kMaxHeader, " bytes"), kPcdRemedy);
     const std::string_view key = take_word(rest);
     if (key.empty() || key.front() == '#' || key == "VERSION" || key == "VIEWPOINT") continue;
     if (key == "FIELDS" || key == "SIZE" || key == "TYPE" || key == "COUNT") {
@@ -121,7 +121,8 @@ Header parse_header(FileCursor& cursor) {
     } else if (key == "DATA") {
       header.data = take_word(rest);
       if (header.data != "ascii" && header.data != "binary" && header.data != "binary_compressed")
-        cursor.fail(concat("'", FileCursor::printable(header.data), "' is not a kind of PCD data"), kRemedy);
+        cursor.fail(concat("'", FileCursor::printable(header.data), "' is not a kind of PCD data"),
+                    kPcdRemedy);
     } else {
       cursor.fail(concat("'", FileCursor::printable(key), "' is not a PCD header line"), "give a PCD file");
     }
@@ -139,11 +140,11 @@ std::vector<std::size_t> field_slots(const FileCursor& cursor, const Header& hea
     std::size_t slot = 0;
     while (slot < kNames.size() && kNames[slot] != field.name) ++slot;
     if (slot < kNames.size() && (field.type != 'F' || field.count != 1 || found[slot] > 0))
-      cursor.fail(concat("field ", field.name, " must be one float"), kRemedy);
+      cursor.fail(concat("field ", field.name, " must be one float"), kPcdRemedy);
     ++found[slot];
     slots.push_back(slot);
   }
-  if (found[0] == 0 || found[1] == 0 || found[2] == 0) cursor.fail("the points lack x, y or z", kRemedy);
+  if (found[0] == 0 || found[1] == 0 || found[2] == 0) cursor.fail("the points lack x, y or z", kPcdRemedy);
   has_normals = found[3] > 0 && found[4] > 0 && found[5] > 0;
   return slots;
 }
@@ -170,7 +171,7 @@ class Body {
       const std::string_view bytes = cursor.next_bytes(packed);
       if (unpacked != expected || unpacked / kMaxExpansion > packed)
         cursor.fail(concat("announces ", unpacked, " bytes from ", packed, ", the header ", expected),
-                    kRemedy);
+                    kPcdRemedy);
       if (expected > 0) expanded_ = expand_lzf(bytes, expected);
       if (expanded_.size() != expected) cursor.fail("the compressed data are damaged", "make the file again");
       data_ = expanded_;
@@ -193,7 +194,8 @@ class Body {
   }
 
   void require_end() {
-    if (is_ascii_ && !cursor_.next_word().empty()) cursor_.fail("data stand after the last point", kRemedy);
+    if (is_ascii_ && !cursor_.next_word().empty())
+      cursor_.fail("data stand after the last point", kPcdRemedy);
   }
 
  private:
@@ -214,7 +216,7 @@ class Body {
     const std::string_view rest = cursor_.next_bytes(count);
     const bool padding =
         header.data == "binary_compressed" && rest.find_first_not_of('\0') == std::string_view::npos;
-    if (count > 0 && !padding) cursor_.fail(concat(count, " bytes stand after the points"), kRemedy);
+    if (count > 0 && !padding) cursor_.fail(concat(count, " bytes stand after the points"), kPcdRemedy);
   }
 
   FileCursor& cursor_;

@@ -9,8 +9,8 @@ namespace stonestack::geometry {
 namespace {
 
 constexpr std::size_t kMaxVertices = 20'000'000;
-constexpr double kMaxCorners = 1000;
-constexpr const char* kRemedy = "write the PLY file again with another program";
+constexpr double kPlyMaxCorners = 1000;
+constexpr const char* kPlyRemedy = "write the PLY file again with another program";
 
 /// Values one after the other, whatever the format.
 class PlyBody {
@@ -49,7 +49,7 @@ class PlyBody {
     const double value = next(type);
     if (!(value >= low && value <= high) || value != std::floor(value))
       cursor_.fail(concat(what, " must be a whole number from ", low, " to ", high, ", got ", value),
-                   kRemedy);
+                   kPlyRemedy);
     return static_cast<int>(value);
   }
 
@@ -68,7 +68,7 @@ class PlyBody {
     std::size_t min = 0;
     for (const PlyProperty& property : element.properties)
       min += is_ascii_ ? 2 : size_of(property.is_list ? property.count_type : property.type);
-    if (min == 0) cursor_.fail(concat("element ", element.name, " has no properties"), kRemedy);
+    if (min == 0) cursor_.fail(concat("element ", element.name, " has no properties"), kPlyRemedy);
     const std::size_t capacity =
         cursor_.bytes_left() + (is_ascii_ ? 1 : 0);  // the last line may lack its end
     if (element.count > capacity / min)
@@ -79,7 +79,7 @@ class PlyBody {
 
   void require_end() {
     if (is_ascii_ ? !cursor_.next_word().empty() : cursor_.bytes_left() > 0)
-      cursor_.fail("data stand after the last element", kRemedy);
+      cursor_.fail("data stand after the last element", kPlyRemedy);
   }
 
  private:
@@ -95,13 +95,13 @@ std::vector<std::size_t> vertex_slots(const FileCursor& cursor, const PlyElement
   std::vector<std::size_t> slots;
   std::array<bool, 6> found{};
   for (const PlyProperty& property : element.properties) {
-    if (property.is_list) cursor.fail("a vertex has a list property", kRemedy);
+    if (property.is_list) cursor.fail("a vertex has a list property", kPlyRemedy);
     std::size_t slot = 0;
     while (slot < kNames.size() && kNames[slot] != property.name) ++slot;
     if (slot < kNames.size()) found[slot] = true;
     slots.push_back(slot);
   }
-  if (!found[0] || !found[1] || !found[2]) cursor.fail("vertices lack x, y or z", kRemedy);
+  if (!found[0] || !found[1] || !found[2]) cursor.fail("vertices lack x, y or z", kPlyRemedy);
   has_normals = found[3] && found[4] && found[5];
   return slots;
 }
@@ -128,7 +128,7 @@ void read_faces(const FileCursor& cursor, const PlyElement& element, PlyBody& bo
   };
   bool found = false;
   for (const PlyProperty& property : element.properties) found = found || is_corners(property);
-  if (!found) cursor.fail("faces lack the list vertex_indices", kRemedy);
+  if (!found) cursor.fail("faces lack the list vertex_indices", kPlyRemedy);
   const double last = static_cast<double>(content.points.size()) - 1.0;
   for (std::size_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
@@ -136,7 +136,7 @@ void read_faces(const FileCursor& cursor, const PlyElement& element, PlyBody& bo
         body.skip(property);
         continue;
       }
-      const int corners = body.next_whole(property.count_type, 3, kMaxCorners, "the corners of a face");
+      const int corners = body.next_whole(property.count_type, 3, kPlyMaxCorners, "the corners of a face");
       const int first = body.next_whole(property.type, 0, last, "a vertex index");
       int before = body.next_whole(property.type, 0, last, "a vertex index");
       for (int k = 2; k < corners; ++k) {

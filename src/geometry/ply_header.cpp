@@ -6,10 +6,10 @@
 namespace stonestack::geometry {
 namespace {
 
-constexpr std::size_t kMaxHeader = 64U << 10U;
+constexpr std::size_t kHeaderMaxHeader = 64U << 10U;
 constexpr std::size_t kMaxElements = 16;
 constexpr std::size_t kMaxProperties = 32;
-constexpr const char* kRemedy = "write the PLY file again with another program";
+constexpr const char* kHeaderRemedy = "write the PLY file again with another program";
 
 PlyType parse_type(const FileCursor& cursor, std::string_view word) {
   static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kNames{{
@@ -32,47 +32,48 @@ PlyType parse_type(const FileCursor& cursor, std::string_view word) {
   }};
   for (const auto& [name, type] : kNames)
     if (name == word) return type;
-  cursor.fail(concat("'", FileCursor::printable(word), "' is not a PLY type"), kRemedy);
+  cursor.fail(concat("'", FileCursor::printable(word), "' is not a PLY type"), kHeaderRemedy);
 }
 
 std::size_t parse_count(const FileCursor& cursor, std::string_view word) {
   std::size_t count = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
   if (error != std::errc() || end != word.data() + word.size() || word.empty())
-    cursor.fail(concat("'", FileCursor::printable(word), "' is not a count"), kRemedy);
+    cursor.fail(concat("'", FileCursor::printable(word), "' is not a count"), kHeaderRemedy);
   return count;
 }
 
 void parse_format(const FileCursor& cursor, std::string_view rest, PlyHeader& header) {
   const std::string_view format = take_word(rest);
-  if (take_word(rest) != "1.0") cursor.fail("only PLY format 1.0 is known", kRemedy);
+  if (take_word(rest) != "1.0") cursor.fail("only PLY format 1.0 is known", kHeaderRemedy);
   header.is_ascii = format == "ascii";
   if (format == "binary_big_endian")
     header.order = std::endian::big;
   else if (!header.is_ascii && format != "binary_little_endian")
-    cursor.fail(concat("'", FileCursor::printable(format), "' is not a PLY format"), kRemedy);
+    cursor.fail(concat("'", FileCursor::printable(format), "' is not a PLY format"), kHeaderRemedy);
 }
 
 void parse_property(const FileCursor& cursor, std::string_view rest, PlyHeader& header) {
-  if (header.elements.empty()) cursor.fail("a property stands before any element", kRemedy);
+  if (header.elements.empty()) cursor.fail("a property stands before any element", kHeaderRemedy);
   PlyProperty property;
   std::string_view word = take_word(rest);
   if (word == "list") {
     property.is_list = true;
     property.count_type = parse_type(cursor, take_word(rest));
-    if (property.count_type >= PlyType::kFloat32) cursor.fail("a list is counted by a whole number", kRemedy);
+    if (property.count_type >= PlyType::kFloat32)
+      cursor.fail("a list is counted by a whole number", kHeaderRemedy);
     word = take_word(rest);
   }
   property.type = parse_type(cursor, word);
   property.name = take_word(rest);
-  if (property.name.empty()) cursor.fail("a property has no name", kRemedy);
+  if (property.name.empty()) cursor.fail("a property has no name", kHeaderRemedy);
   PlyElement& element = header.elements.back();
   for (const PlyProperty& other : element.properties)
     if (other.name == property.name)
-      cursor.fail(concat("property ", property.name, " stands twice"), kRemedy);
+      cursor.fail(concat("property ", property.name, " stands twice"), kHeaderRemedy);
   element.properties.push_back(property);
   if (element.properties.size() > kMaxProperties)
-    cursor.fail(concat("an element has more than ", kMaxProperties, " properties"), kRemedy);
+    cursor.fail(concat("an element has more than ", kMaxProperties, " properties"), kHeaderRemedy);
 }
 
 void parse_element(const FileCursor& cursor, std::string_view rest, PlyHeader& header) {
@@ -80,10 +81,11 @@ void parse_element(const FileCursor& cursor, std::string_view rest, PlyHeader& h
   element.name = take_word(rest);
   element.count = parse_count(cursor, take_word(rest));
   for (const PlyElement& other : header.elements)
-    if (other.name == element.name) cursor.fail(concat("element ", element.name, " stands twice"), kRemedy);
+    if (other.name == element.name)
+      cursor.fail(concat("element ", element.name, " stands twice"), kHeaderRemedy);
   header.elements.push_back(element);
   if (header.elements.size() > kMaxElements)
-    cursor.fail(concat("there are more than ", kMaxElements, " elements"), kRemedy);
+    cursor.fail(concat("there are more than ", kMaxElements, " elements"), kHeaderRemedy);
 }
 
 /// Width and height of an organised cloud; anything else in a comment is a comment.
@@ -113,8 +115,8 @@ PlyHeader parse_ply_header(FileCursor& cursor) {
     if (cursor.bytes_left() == 0)
       cursor.fail("the header has no end", "the file is truncated; make it again");
     std::string_view rest = cursor.next_line();
-    if (whole - cursor.bytes_left() > kMaxHeader)
-      cursor.fail(concat("the header is longer than ", kMaxHeader, " bytes"), kRemedy);
+    if (whole - cursor.bytes_left() > kHeaderMaxHeader)
+      cursor.fail(concat("the header is longer than ", kHeaderMaxHeader, " bytes"), kHeaderRemedy);
     const std::string_view key = take_word(rest);
     if (key == "end_header") break;
     if (key == "format") {
@@ -127,10 +129,10 @@ PlyHeader parse_ply_header(FileCursor& cursor) {
     } else if (key == "comment" || key == "obj_info") {
       parse_remark(rest, header);
     } else if (!key.empty()) {
-      cursor.fail(concat("'", FileCursor::printable(key), "' is not a PLY header line"), kRemedy);
+      cursor.fail(concat("'", FileCursor::printable(key), "' is not a PLY header line"), kHeaderRemedy);
     }
   }
-  if (!has_format) cursor.fail("the header names no format", kRemedy);
+  if (!has_format) cursor.fail("the header names no format", kHeaderRemedy);
   return header;
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kHeader = 84;  // 80 bytes of anything, then the count of faces
 constexpr std::size_t kRecord = 50;  // normal, three corners, two bytes of attributes
-constexpr const char* kRemedy = "write the STL file again with another program";
+constexpr const char* kStlRemedy = "write the STL file again with another program";
 
 void add_face(Mesh& mesh) {
   const auto n = static_cast<int>(mesh.vertices.size());
@@ -43,7 +43,7 @@ bool is_word(std::string_view word, std::string_view lower_case) {
 void expect(FileCursor& cursor, std::string_view lower_case) {
   const std::string_view word = cursor.next_word();
   if (!is_word(word, lower_case))
-    cursor.fail(concat("expected '", lower_case, "', got '", FileCursor::printable(word), "'"), kRemedy);
+    cursor.fail(concat("expected '", lower_case, "', got '", FileCursor::printable(word), "'"), kStlRemedy);
 }
 
 void parse_ascii_face(FileCursor& cursor, Mesh& mesh) {
@@ -67,13 +67,14 @@ Mesh parse_ascii(FileCursor& cursor) {
   std::string_view word = cursor.next_word();
   while (!word.empty()) {
     if (!is_word(word, "solid"))
-      cursor.fail(concat("expected 'solid', got '", FileCursor::printable(word), "'"), kRemedy);
+      cursor.fail(concat("expected 'solid', got '", FileCursor::printable(word), "'"), kStlRemedy);
     (void)cursor.next_line();  // its name
     for (word = cursor.next_word(); is_word(word, "facet"); word = cursor.next_word())
       parse_ascii_face(cursor, mesh);
     if (word.empty()) cursor.fail("ends too early: no 'endsolid'", "the file is truncated; make it again");
     if (!is_word(word, "endsolid"))
-      cursor.fail(concat("expected 'facet' or 'endsolid', got '", FileCursor::printable(word), "'"), kRemedy);
+      cursor.fail(concat("expected 'facet' or 'endsolid', got '", FileCursor::printable(word), "'"),
+                  kStlRemedy);
     (void)cursor.next_line();
     word = cursor.next_word();
   }
@@ -93,7 +94,7 @@ Mesh parse_stl(const std::string& path, std::string_view content) {
   const std::size_t first = start.find_first_not_of(" \t\r\n");
   if (first != std::string_view::npos && is_word(start.substr(first, 5), "solid")) return parse_ascii(cursor);
   if (content.size() < kHeader)
-    cursor.fail(concat("has ", content.size(), " bytes, too few for an STL file"), kRemedy);
+    cursor.fail(concat("has ", content.size(), " bytes, too few for an STL file"), kStlRemedy);
   cursor.fail(concat("announces ", decoded<std::uint32_t>(content.substr(80, 4)), " faces, but has ",
                      content.size(), " bytes"),
               "the file is truncated or no STL file; make it again");

@@ -25,15 +25,15 @@ struct Node {
   }
 };
 
-struct Triangle {
+struct TreeTriangle {
   Eigen::Vector3d a, ab, ac;
   Eigen::Vector3d middle;  ///< of a ball around the triangle
   double radius;
   int face;
 };
 
-Triangle make_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                       int face) {
+TreeTriangle make_triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                           int face) {
   const Eigen::Vector3d middle = (a + b + c) / 3.0;
   const double radius = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
   return {a, b - a, c - a, middle, radius, face};
@@ -56,7 +56,7 @@ using WaitingList = std::array<Waiting, 64>;
 
 struct SurfaceTree::Tree {
   std::vector<Node> nodes;
-  std::vector<Triangle> triangles;
+  std::vector<TreeTriangle> triangles;
   std::vector<int> triangle_of_face;  ///< -1: without area
   std::vector<Eigen::Vector3i> faces;
   std::vector<Eigen::Vector3d> face_normal, vertex_normal;
@@ -73,7 +73,7 @@ struct SurfaceTree::Tree {
 void SurfaceTree::Tree::split(std::size_t node, int first, int last) {
   Eigen::AlignedBox3d centres;
   for (int i = first; i < last; ++i) {
-    const Triangle& t = triangles[static_cast<std::size_t>(i)];
+    const TreeTriangle& t = triangles[static_cast<std::size_t>(i)];
     centres.extend(t.middle);
     for (const Eigen::Vector3d& corner : {t.a, Eigen::Vector3d(t.a + t.ab), Eigen::Vector3d(t.a + t.ac)}) {
       nodes[node].low = nodes[node].low.cwiseMin(corner);
@@ -89,7 +89,7 @@ void SurfaceTree::Tree::split(std::size_t node, int first, int last) {
   centres.sizes().maxCoeff(&axis);
   const int middle = first + (last - first) / 2;
   std::nth_element(triangles.begin() + first, triangles.begin() + middle, triangles.begin() + last,
-                   [&](const Triangle& s, const Triangle& t) {
+                   [&](const TreeTriangle& s, const TreeTriangle& t) {
                      const double cs = s.middle[axis];
                      const double ct = t.middle[axis];
                      return cs < ct || (cs == ct && s.face < t.face);
@@ -102,7 +102,7 @@ void SurfaceTree::Tree::split(std::size_t node, int first, int last) {
 }
 
 void SurfaceTree::Tree::try_triangle(int index, const Eigen::Vector3d& p, Best& best) const {
-  const Triangle& t = triangles[static_cast<std::size_t>(index)];
+  const TreeTriangle& t = triangles[static_cast<std::size_t>(index)];
   const ClosestOnTriangle closest = closest_on_triangle(t.a, t.ab, t.ac, p);
   const double squared = (p - closest.point).squaredNorm();
   if (squared < best.squared) best = {squared, index, closest};
@@ -223,7 +223,7 @@ std::vector<SurfacePoint> SurfaceTree::nearest(const std::vector<Eigen::Vector3d
     tree_->try_triangle(first, p, best);
     double distance = std::sqrt(best.squared);
     for (const int index : candidates) {
-      const Triangle& t = tree_->triangles[static_cast<std::size_t>(index)];
+      const TreeTriangle& t = tree_->triangles[static_cast<std::size_t>(index)];
       const double reach = distance + t.radius;
       if ((p - t.middle).squaredNorm() >= reach * reach) continue;
       const double before = best.squared;

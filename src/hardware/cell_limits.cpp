@@ -4,15 +4,15 @@
 #include <limits>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "core/yaml.hpp"
 #include "hardware/cell_config.hpp"
 
 namespace stonestack::hardware {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kRounding = 1e-3;  // deg: a turn as 6.28318 rad is one
-constexpr double kFarthest = 10.0;  // m, more than any of these robots reaches
+constexpr double kLimitsRounding = 1e-3;  // deg: a turn as 6.28318 rad is one
+constexpr double kFarthest = 10.0;        // m, more than any of these robots reaches
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 struct Range {
@@ -43,7 +43,7 @@ void limit_joints(RobotModel& robot, const std::string& text, const std::string&
     const std::string where = concat("limits.joints[", j, "]");
     const Range range = read_range(list[static_cast<std::size_t>(j)], path, where);
     const double min = robot.lower[j] / kDegree, max = robot.upper[j] / kDegree;
-    if (range.min < min - kRounding || range.max > max + kRounding)
+    if (range.min < min - kLimitsRounding || range.max > max + kLimitsRounding)
       throw FileError(path,
                       concat(where, " is [", range.min, ", ", range.max,
                              "] deg, wider than the robot's own, ", min, " to ", max, " deg"),

@@ -4,13 +4,13 @@
 #include <bit>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "kinematics/closed_form.hpp"
 #include "kinematics/polish.hpp"
 
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kCalibration = 0.02;  // m: what a factory calibration may move
 constexpr double kBeside = 0.1;        // rad: starts keep that far from where the closed form's branches meet
 constexpr double kAstray = 0.5;        // rad, a joint's distance from its start: perhaps to another branch

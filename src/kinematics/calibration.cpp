@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/constants.hpp"
 #include "kinematics/dh.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -10,7 +11,6 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kFurthest = 0.05;  // m, a link's origin from the nominal one: more is another robot
 constexpr const char* kRosNames[] = {"shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"};
 

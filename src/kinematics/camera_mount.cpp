@@ -10,8 +10,9 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr int kRounds = 4;        // Gauss-Newton steps; the problem is nearly linear
-constexpr double kBeside = 0.15;  // m: the table is represented by three points so far from the view's middle
+constexpr int kRounds = 4;  // Gauss-Newton steps; the problem is nearly linear
+constexpr double kMountBeside =
+    0.15;  // m: the table is represented by three points so far from the view's middle
 constexpr Eigen::Index kMount = 6;  // translation, rotation; then three unknowns a mark
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
@@ -35,7 +36,7 @@ std::vector<Eigen::Vector3d> points_of(const Plane& table_C) {
   const Eigen::Vector3d u = table_C.normal.unitOrthogonal(), v = table_C.normal.cross(u);
   std::vector<Eigen::Vector3d> points;
   for (const double angle : {0.0, 2.0943951023931953, 4.1887902047863905})
-    points.emplace_back(middle + kBeside * (std::cos(angle) * u + std::sin(angle) * v));
+    points.emplace_back(middle + kMountBeside * (std::cos(angle) * u + std::sin(angle) * v));
   return points;
 }
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
+
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kTurn = 2.0 * kPi;
 constexpr double kFreeWrist = 1e-10;  // sine of wrist 2 below which wrist 3 is free
 
 }  // namespace
@@ -96,8 +96,8 @@ void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist) {
   const double half = std::acos(std::clamp(cosine, -1.0, 1.0));
   const double heading = std::atan2(v5, u5);
   const double now = std::atan2(wrist.v - v5, wrist.u - u5);
-  const double one = std::remainder(heading + half - now, kTurn);
-  const double other = std::remainder(heading - half - now, kTurn);
+  const double one = std::remainder(heading + half - now, kTwoPi);
+  const double other = std::remainder(heading - half - now, kTwoPi);
   const double turn = std::abs(one) <= std::abs(other) ? one : other;
   if (wrist.sine * std::abs(turn) > kGuess) return;
   set_tool(robot, t, turn_by(wrist.q6 + (wrist.q5.c > 0.0 ? -turn : turn)), wrist);
@@ -105,7 +105,7 @@ void turn_into_reach(const RobotModel& robot, const Target& t, Wrist& wrist) {
 
 double nearest_turn(double angle, double seed) {
   if (std::abs(angle - seed) <= kPi) return angle;
-  return angle - kTurn * std::round((angle - seed) / kTurn);
+  return angle - kTwoPi * std::round((angle - seed) / kTwoPi);
 }
 
 ArmBend bend_of(const RobotModel& robot, const Wrist& wrist, const Turn& q3) {

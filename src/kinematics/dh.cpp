@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // A factory calibration stays well within these; another kind of robot does not.
 constexpr double kAngleTolerance = 0.02;  // rad
 constexpr double kGapTolerance = 0.01;    // m

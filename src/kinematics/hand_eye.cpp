@@ -17,9 +17,9 @@ using Stations = std::vector<HandEyePair>;
 using Vector12d = Eigen::Matrix<double, 12, 1>;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-constexpr double kMaxTurn = 3.0;  // rad, of a motion: near 180 deg the axis' sign is a matter of noise
-constexpr int kRounds = 40;       // of the joint refinement; it ends after 5 to 10
-constexpr double kStep = 1e-6;    // of the difference quotients
+constexpr double kMaxTurn = 3.0;    // rad, of a motion: near 180 deg the axis' sign is a matter of noise
+constexpr int kHandEyeRounds = 40;  // of the joint refinement; it ends after 5 to 10
+constexpr double kStep = 1e-6;      // of the difference quotients
 
 /// Stations as if the camera were on the gripper: with kOnBase, the base moves about in the flange's frame.
 Stations on_hand(std::span<const HandEyePair> pairs, CameraMount mount) {
@@ -116,7 +116,7 @@ struct Joint {
 /// Gauss-Newton with Cauchy weights, so that one bad station does not spoil the others.
 Pose refine_jointly(const Stations& stations, const Pose& T_F_C) {
   Joint joint{T_F_C, mean_target(stations, T_F_C)};
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kHandEyeRounds; ++round) {
     Matrix12d H = 1e-9 * Matrix12d::Identity();
     Vector12d g = Vector12d::Zero();
     for (const auto& s : stations) {

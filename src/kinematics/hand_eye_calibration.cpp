@@ -4,17 +4,17 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "geometry/pose_json.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 // Fifteen stations of our simulated arm leave 0.5 mm and 0.1 deg; a poor board and a loose mount ten times
 // that.
-constexpr double kMaxShift = 0.010;         // m, root mean square: more is no calibration
-constexpr double kMaxTurn = 2.0 * kDegree;  // the same
+constexpr double kMaxShift = 0.010;                    // m, root mean square: more is no calibration
+constexpr double kCalibrationMaxTurn = 2.0 * kDegree;  // the same
 
 /// Stations that give no result are the file's fault.
 HandEyeResult solve(const HandEyeFile& stations) {
@@ -39,8 +39,9 @@ HandEyeCheck check_file(const std::string& path, const HandEyeFile& stations, co
 /// Describes what is wrong with the result, and the remedy; empty if nothing is.
 std::string fault_of(const HandEyeResult& result, const HandEyeSolution& chosen) {
   if (!result.warning.empty()) return result.warning;
-  if (chosen.residual.translation <= kMaxShift && chosen.residual.rotation <= kMaxTurn) return {};
-  return concat(to_text(chosen.residual), ", more than ", 1000 * kMaxShift, " mm or ", kMaxTurn / kDegree,
+  if (chosen.residual.translation <= kMaxShift && chosen.residual.rotation <= kCalibrationMaxTurn) return {};
+  return concat(to_text(chosen.residual), ", more than ", 1000 * kMaxShift, " mm or ",
+                kCalibrationMaxTurn / kDegree,
                 " deg: arm and target poses do not belong together, or are in other units");
 }
 

@@ -2,12 +2,11 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::kinematics {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Camera over a board at the origin of B (z out of the board), seen from a random side.
 Pose random_view(Random& random) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "kinematics/calibrated_inverse.hpp"
 #include "kinematics/closed_form.hpp"
 #include "kinematics/polish.hpp"
@@ -12,7 +13,6 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kTurn = 2.0 * 3.14159265358979323846;
 constexpr double kRounding = 1e-5;  // m: what rounding may make of a reachable pose where singularities meet
 constexpr double kLimitSlack = 2e-10;  // rad: an angle this far outside its limit is set onto it
 
@@ -30,8 +30,8 @@ struct Equivalents {
 
 Equivalents equivalents(double angle, double lower, double upper) {
   Equivalents result;
-  const double first = angle + kTurn * std::ceil((lower - kLimitSlack - angle) / kTurn);
-  for (double value = first; value <= upper + kLimitSlack && result.count < 4; value += kTurn)
+  const double first = angle + kTwoPi * std::ceil((lower - kLimitSlack - angle) / kTwoPi);
+  for (double value = first; value <= upper + kLimitSlack && result.count < 4; value += kTwoPi)
     result.values[static_cast<std::size_t>(result.count++)] = std::clamp(value, lower, upper);
   return result;
 }

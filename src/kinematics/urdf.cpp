@@ -9,6 +9,7 @@
 #include <mutex>
 #include <set>
 
+#include "core/constants.hpp"
 #include "kinematics/urdf_shapes.hpp"
 #include "kinematics/xml_guard.hpp"
 #include "stonestack/core/error.hpp"
@@ -16,8 +17,7 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kTurn = 2.0 * 3.14159265358979323846;
-constexpr double kLongest = 10.0;  // m: nothing on an arm is further away or larger
+constexpr double kUrdfLongest = 10.0;  // m: nothing on an arm is further away or larger
 constexpr double kSlowest = 0.01;  // rad/s: slower than any arm is driven; a plan would take minutes a turn
 
 /// Keeps the parser's complaints, so that they reach the user in one message and nothing else is written to
@@ -180,9 +180,9 @@ class Chain {
   [[nodiscard]] Pose pose(const urdf::Pose& from, const std::string& where) const {
     const auto& p = from.position;
     const auto& r = from.rotation;
-    if (!sane(p.x, kLongest) || !sane(p.y, kLongest) || !sane(p.z, kLongest))
+    if (!sane(p.x, kUrdfLongest) || !sane(p.y, kUrdfLongest) || !sane(p.z, kUrdfLongest))
       refuse(concat("'", where, "' has an origin at (", p.x, ", ", p.y, ", ", p.z, ") m"),
-             concat("distances are finite and at most ", kLongest, " m"));
+             concat("distances are finite and at most ", kUrdfLongest, " m"));
     const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
     if (!q.coeffs().allFinite() || std::abs(q.norm() - 1.0) > 1e-6)
       refuse(concat("'", where, "' has no valid rotation"), "give finite roll, pitch and yaw");
@@ -216,8 +216,8 @@ class Chain {
                       " to 1000 rad/s"));
     if (!sane(limit.effort, 1e6) || limit.effort < 0)
       complain(concat("has the effort ", limit.effort, " Nm"));
-    robot.lower[index] = std::max(limit.lower, -kTurn);
-    robot.upper[index] = std::min(limit.upper, kTurn);
+    robot.lower[index] = std::max(limit.lower, -kTwoPi);
+    robot.upper[index] = std::min(limit.upper, kTwoPi);
     if (!(robot.lower[index] < robot.upper[index]))
       complain(concat("has limits beyond one turn: ", limit.lower, " to ", limit.upper, " rad"));
     robot.velocity[index] = limit.velocity;

@@ -16,15 +16,15 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kLongest = 10.0;   // m
-constexpr double kMinMesh = 0.005;  // m
+constexpr double kShapesLongest = 10.0;  // m
+constexpr double kMinMesh = 0.005;       // m
 constexpr std::size_t kMaxCapsulesPerMesh = 6;
 constexpr std::size_t kMaxCapsules = 48;  // 64 movers of a collision check, less gripper and held stone
 
 void check_size(double size, const std::string& link, const std::string& path) {
-  if (!std::isfinite(size) || size < 0 || size > kLongest)
+  if (!std::isfinite(size) || size < 0 || size > kShapesLongest)
     throw FileError(path, concat("link '", link, "' has a collision shape of size ", size, " m"),
-                    concat("sizes are from 0 to ", kLongest, " m"));
+                    concat("sizes are from 0 to ", kShapesLongest, " m"));
 }
 
 LinkCapsule on_link(const Capsule& capsule) {
@@ -57,9 +57,9 @@ std::vector<LinkCapsule> around_mesh(const urdf::Mesh& shape, const std::string&
                     "give three numbers that are not zero");
   for (auto& v : mesh.vertices) v = scale.cwiseProduct(v);
   const double size = mesh.faces.empty() ? 0.0 : bounds(mesh).diagonal().norm();
-  if (!(size >= kMinMesh && size <= kLongest))
+  if (!(size >= kMinMesh && size <= kShapesLongest))
     throw FileError(file, concat("is a collision mesh ", size, " m across, of link '", link, "' in ", path),
-                    concat("it must be ", kMinMesh, " to ", kLongest,
+                    concat("it must be ", kMinMesh, " to ", kShapesLongest,
                            " m across; scale=\"0.001 0.001 0.001\" where it is in millimetres"));
   const std::vector<Capsule> capsules = cover_by_capsules(mesh, kMaxCapsulesPerMesh);
   log_info(concat(link, ": ", std::filesystem::path(file).filename().string(), " is covered by ",

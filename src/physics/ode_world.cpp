@@ -17,8 +17,8 @@ namespace {
 constexpr int kFound = 256;            // contacts that ODE may report for a pair
 constexpr std::size_t kContacts = 12;  // of these, the deepest and most spread: the solver is cubic in them
 constexpr double kSoftness = 1e-9;     // ODE's CFM: without it redundant contacts have no solution
-constexpr double kRecovery = 0.2;      // ODE's ERP: share of a depth that one step takes away
-constexpr double kFastest = 0.1;       // m/s, while depths are corrected
+constexpr double kOdeRecovery = 0.2;   // ODE's ERP: share of a depth that one step takes away
+constexpr double kOdeFastest = 0.1;    // m/s, while depths are corrected
 constexpr double kLayer = 2e-5;        // m: depth that is left alone, so that resting contacts do not flicker
 constexpr double kSlides = 1e-3;       // m/s: slower counts as at rest
 constexpr unsigned long kTableBits = 1, kStoneBits = 2, kBoxBits = 4;  // boxes meet stones only
@@ -109,8 +109,8 @@ struct OdeWorld::Ode {
     space = dSimpleSpaceCreate(nullptr);
     group = dJointGroupCreate(0);
     dWorldSetCFM(world, kSoftness);
-    dWorldSetERP(world, kRecovery);
-    dWorldSetContactMaxCorrectingVel(world, kFastest);
+    dWorldSetERP(world, kOdeRecovery);
+    dWorldSetContactMaxCorrectingVel(world, kOdeFastest);
     dWorldSetContactSurfaceLayer(world, kLayer);
     table = dCreatePlane(space, 0, 0, 1, 0);
     dGeomSetCategoryBits(table, kTableBits);

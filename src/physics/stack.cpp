@@ -16,7 +16,7 @@ constexpr int kStill = 3;                 // samples without motion that end a v
 constexpr double kFineStep = 0.001;       // s, while contacts for an equilibrium are found
 constexpr double kSettle = 0.1;           // s, before they are collected, at most;
 constexpr double kSettleCheck = 0.01;     // s, between checks whether
-constexpr double kCalm = 0.0005;          // m/s, of any surface: less, twice running, is settled
+constexpr double kStackCalm = 0.0005;     // m/s, of any surface: less, twice running, is settled
 constexpr int kCollect = 8;               // steps over which they are collected
 constexpr double kCarries = 0.0003;       // m: contacts further apart carry nothing
 constexpr std::size_t kMaxContacts = 16;  // of a pair
@@ -202,7 +202,7 @@ StackStatics stack_statics(const ShapeList& shapes, const Stack& stack, double f
   World world = world_of(shapes, stack, settings);
   for (int calm = 0; calm < 2 && world.time() < kSettle - 1e-9;) {
     world.run(kSettleCheck);
-    calm = speed(shapes, stack, world) < kCalm ? calm + 1 : 0;
+    calm = speed(shapes, stack, world) < kStackCalm ? calm + 1 : 0;
   }
   StackStatics statics;
   for (int i = 0; i < kCollect; ++i) {

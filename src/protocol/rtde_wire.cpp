@@ -8,9 +8,9 @@
 namespace stonestack::protocol {
 namespace {
 
-constexpr std::size_t kHeader = 3;
+constexpr std::size_t kRtdeHeader = 3;
 constexpr std::size_t kMaxPacket = 65535;
-constexpr std::size_t kLongestText = 255;
+constexpr std::size_t kRtdeLongestText = 255;
 constexpr std::size_t kKeptBytes = 1 << 16;  // consumed bytes are dropped beyond this
 
 bool is_known(std::uint8_t type) {
@@ -22,7 +22,7 @@ bool is_known(std::uint8_t type) {
 }
 
 void put_text(std::string& out, std::string_view text) {
-  const std::size_t length = std::min(text.size(), kLongestText);
+  const std::size_t length = std::min(text.size(), kRtdeLongestText);
   put(out, static_cast<std::uint8_t>(length));
   out.append(text.substr(0, length));
 }
@@ -38,7 +38,7 @@ bool has_recipe(int protocol, bool from_controller) {
 }  // namespace
 
 std::string encode(const RtdePacket& packet) {
-  const std::size_t size = packet.payload.size() + kHeader;
+  const std::size_t size = packet.payload.size() + kRtdeHeader;
   require(size <= kMaxPacket, "an RTDE packet holds ", kMaxPacket, " bytes at most, not ", size);
   std::string bytes;
   put(bytes, static_cast<std::uint16_t>(size));
@@ -56,16 +56,16 @@ void RtdeStream::feed(std::string_view bytes) {
 }
 
 std::optional<RtdePacket> RtdeStream::next() {
-  if (!problem_.empty() || bytes_.size() - begin_ < kHeader) return std::nullopt;
+  if (!problem_.empty() || bytes_.size() - begin_ < kRtdeHeader) return std::nullopt;
   BigEndianReader in(std::string_view(bytes_).substr(begin_));
   const auto size = in.get<std::uint16_t>();
   const auto type = in.get<std::uint8_t>();
-  if (size < kHeader || size > max_)
-    problem_ = concat("RTDE packet of ", size, " bytes (", kHeader, " to ", max_, " expected)");
+  if (size < kRtdeHeader || size > max_)
+    problem_ = concat("RTDE packet of ", size, " bytes (", kRtdeHeader, " to ", max_, " expected)");
   else if (!is_known(type))
     problem_ = concat("RTDE packet of unknown type ", int{type});
   if (!problem_.empty() || bytes_.size() - begin_ < size) return std::nullopt;
-  RtdePacket packet{static_cast<RtdeKind>(type), std::string(in.take(size - kHeader))};
+  RtdePacket packet{static_cast<RtdeKind>(type), std::string(in.take(size - kRtdeHeader))};
   begin_ += size;
   return packet;
 }
@@ -120,7 +120,7 @@ RtdePacket encode_text(const RtdeText& text, int protocol) {
     put(packet.payload, level);
   } else {
     put(packet.payload, level);
-    packet.payload.append(text.message.substr(0, kLongestText));
+    packet.payload.append(text.message.substr(0, kRtdeLongestText));
   }
   return packet;
 }

@@ -9,7 +9,8 @@
 namespace stonestack::report {
 namespace {
 
-constexpr double kWidth = 900, kLeft = 70, kRight = 130, kTop = 84, kPanel = 190, kGap = 34, kFooter = 50;
+constexpr double kPlotWidth = 900, kPlotLeft = 70, kPlotRight = 130, kPlotTop = 84, kPanel = 190, kGap = 34,
+                 kFooter = 50;
 constexpr double kDegrees = 180.0 / 3.14159265358979323846, kMillimetres = 1000.0;
 
 /// One curve of a panel.
@@ -41,7 +42,9 @@ std::vector<Panel> panels() {
 /// From data to one panel.
 struct Frame {
   double top = 0, end = 1, low = 0, high = 1;
-  [[nodiscard]] double x(double time) const { return kLeft + (kWidth - kLeft - kRight) * time / end; }
+  [[nodiscard]] double x(double time) const {
+    return kPlotLeft + (kPlotWidth - kPlotLeft - kPlotRight) * time / end;
+  }
   [[nodiscard]] double y(double value) const {
     return top + kPanel * (1.0 - (std::clamp(value, low, high) - low) / (high - low));
   }
@@ -71,7 +74,7 @@ std::string value_axis(const Panel& panel, const Frame& frame) {
     text += format(
         "<line x1='%.0f' x2='%.0f' y1='%.1f' y2='%.1f' stroke='#ddd'/>"
         "<text x='%.0f' y='%.1f' text-anchor='end'>%g</text>\n",
-        kLeft, kWidth - kRight, frame.y(v), frame.y(v), kLeft - 8, frame.y(v) + 4,
+        kPlotLeft, kPlotWidth - kPlotRight, frame.y(v), frame.y(v), kPlotLeft - 8, frame.y(v) + 4,
         std::round(v / step) * step);
   return text + format("<text transform='translate(18 %.0f) rotate(-90)' text-anchor='middle'>%s</text>\n",
                        frame.top + kPanel / 2, panel.title.c_str());
@@ -89,7 +92,7 @@ std::string legend(const Panel& panel, const Frame& frame) {
   std::string text;
   double y = frame.top + 12;
   for (const auto& curve : panel.curves) {
-    text += format("<text x='%.0f' y='%.0f' fill='%s'>%s</text>\n", kWidth - kRight + 12, y,
+    text += format("<text x='%.0f' y='%.0f' fill='%s'>%s</text>\n", kPlotWidth - kPlotRight + 12, y,
                    curve.colour.c_str(), curve.name.c_str());
     y += 17;
   }
@@ -118,10 +121,11 @@ std::string step_marks(const PickAndPlacePlan& plan, const std::vector<PlanMomen
     if (i > 0 && moments[i].step == moments[i - 1].step) continue;
     const double x = frame.x(moments[i].time);
     text += format("<line x1='%.1f' x2='%.1f' y1='%.0f' y2='%.0f' stroke='#aaa' stroke-dasharray='3 3'/>", x,
-                   x, kTop - 6, bottom);
+                   x, kPlotTop - 6, bottom);
     const std::string name = escaped(plan.steps[moments[i].step].name);
-    text += format("<text transform='translate(%.1f %.0f) rotate(-24)' font-size='10'>", x + 2, kTop - 8) +
-            name + "</text>\n";
+    text +=
+        format("<text transform='translate(%.1f %.0f) rotate(-24)' font-size='10'>", x + 2, kPlotTop - 8) +
+        name + "</text>\n";
   }
   return text;
 }
@@ -133,7 +137,7 @@ std::string time_axis(double end, double bottom) {
   for (double t = 0; t <= frame.end + 1e-9; t += step)
     text += format("<text x='%.1f' y='%.0f' text-anchor='middle'>%g</text>\n", frame.x(t), bottom + 18, t);
   return text + format("<text x='%.0f' y='%.0f' text-anchor='middle'>s of motion</text>\n",
-                       (kLeft + kWidth - kRight) / 2, bottom + 38);
+                       (kPlotLeft + kPlotWidth - kPlotRight) / 2, bottom + 38);
 }
 
 }  // namespace
@@ -141,12 +145,12 @@ std::string time_axis(double end, double bottom) {
 std::string plan_plot(const PickAndPlacePlan& plan, const std::vector<PlanMoment>& moments) {
   require(!moments.empty(), "a plot needs a plan with motions");
   const auto all = panels();
-  const double bottom = kTop + static_cast<double>(all.size()) * (kPanel + kGap) - kGap;
+  const double bottom = kPlotTop + static_cast<double>(all.size()) * (kPanel + kGap) - kGap;
   std::string text = format(
       "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' "
       "font-size='12'>\n<rect width='100%%' height='100%%' fill='white'/>\n",
-      kWidth, bottom + kFooter);
-  double top = kTop;
+      kPlotWidth, bottom + kFooter);
+  double top = kPlotTop;
   for (const auto& panel : all) {
     const Frame frame = frame_of(panel, moments, top);
     text += value_axis(panel, frame);

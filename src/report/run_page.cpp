@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "core/constants.hpp"
 #include "report/base64.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
@@ -21,7 +22,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kGravity = 9.81;     // m/s^2
 constexpr double kSamePoint = 0.003;  // m: contacts of one pair that are drawn as one
 const std::array<const char*, 4> kTerms{"area", "kinetic_energy", "distance", "normal"};  // of eq. (2)
 

@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kDegrees = 57.295779513082321;
+constexpr double kReportDegrees = 57.295779513082321;
 
 json placement_entry(const PlacementRecord& record) {
   return {{"stone", record.stone},
@@ -58,7 +58,7 @@ double term(const Placement& placement, const std::string& name) {
 std::string pose_text(const Pose& pose) {
   const Eigen::Vector3d& p = pose.translation();
   const Eigen::AngleAxisd turn(pose.linear());
-  const Eigen::Vector3d r = turn.angle() * turn.axis() * kDegrees;
+  const Eigen::Vector3d r = turn.angle() * turn.axis() * kReportDegrees;
   return format("(%4.0f %4.0f %4.0f) mm (%4.0f %4.0f %4.0f) deg", 1000 * p.x(), 1000 * p.y(), 1000 * p.z(),
                 r.x(), r.y(), r.z());
 }

@@ -6,9 +6,10 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kActive = 0.022;       ///< cells further from touching are left out (measured) [m]
-constexpr double kMaxSlope = 0.2;       ///< about 11 deg of tilt (measured)
-constexpr double kTouch = 0.0006;       ///< cells nearer than this to the resting plane carry (measured) [m]
+constexpr double kActive = 0.022;  ///< cells further from touching are left out (measured) [m]
+constexpr double kMaxSlope = 0.2;  ///< about 11 deg of tilt (measured)
+constexpr double kLandingTouch =
+    0.0006;                             ///< cells nearer than this to the resting plane carry (measured) [m]
 constexpr double kDoesNotHold = -0.25;  ///< [g]
 
 /// `cells`: where the search for a rest begins, and the rest's cells.
@@ -24,7 +25,7 @@ Landing set_down(const StackField& stack, const Underside& underside, int i, int
   landing.b = rest.b;
   landing.estimate = kDoesNotHold;
   if (!rest.clean) return landing;
-  const GapContact contact = contact_of(*buffer, rest, stack.surface, kTouch);
+  const GapContact contact = contact_of(*buffer, rest, stack.surface, kLandingTouch);
   landing.margin = contact.margin;
   landing.lever = std::max(contact.height, 1e-3);
   return landing;

@@ -9,14 +9,14 @@ namespace stonestack::search {
 namespace {
 
 constexpr int kProposalsPerStone = 16;
-constexpr int kTableYaws = 4;         ///< a first stone may be turned freely: variety for the arm
+constexpr int kOfferTableYaws = 4;    ///< a first stone may be turned freely: variety for the arm
 constexpr int kAskedPerSettled = 12;  ///< reach is asked at most so many times for each wanted
 
 }  // namespace
 
 std::optional<Pose> TowerSearch::reachable_pose(const Proposal& proposal, const Stack& below) {
   const auto& reachable = context_.problem->reachable;
-  const int yaws = below.stones.empty() && reachable ? kTableYaws : 1;
+  const int yaws = below.stones.empty() && reachable ? kOfferTableYaws : 1;
   for (int yaw = 0; yaw < yaws; ++yaw) {
     BodyPose body = proposal.body;
     body.R_W_O = yaw_rotation(6.283185307179586 * yaw / yaws) * body.R_W_O;

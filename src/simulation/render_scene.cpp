@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/true_shape.hpp"
 #include "simulation/true_view.hpp"
@@ -11,8 +12,6 @@
 
 namespace stonestack::simulation {
 namespace {
-
-constexpr double kTwoPi = 6.283185307179586;
 
 // Optical frame that looks from `tilt` off the vertical at a point on the table.
 Pose look_at(const Eigen::Vector2d& target, double distance, double tilt, double azimuth) {

@@ -12,7 +12,7 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kTick = 0.010;           // s, control and force samples
+constexpr double kArmTick = 0.010;        // s, control and force samples
 constexpr double kStartTolerance = 0.01;  // rad, hardware/arm.hpp
 constexpr int kFirstLink = 2;             // links below the upper arm stand on the table
 constexpr int kTicksPerCheck = 5;         // links are compared with table and stones every 50 ms
@@ -170,10 +170,10 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
   int above = 0, tick = 0;
   GuardReadings readings;
   // What the guard knows is force_delay old; before the motion the force was the one it started with.
-  std::deque<double> felt(static_cast<std::size_t>(std::lround(force_delay_ / kTick)), 0.0);
+  std::deque<double> felt(static_cast<std::size_t>(std::lround(force_delay_ / kArmTick)), 0.0);
   for (double t = 0; t < duration;) {
     throw_if_interrupted();
-    const double chunk = std::min(kTick, duration - t);
+    const double chunk = std::min(kArmTick, duration - t);
     const auto path = [&](double s) {
       jitter_ = old_jitter + smooth((t + s) / duration) * (new_jitter - old_jitter);
       GripperPose gripper_pose = world_->gripper_pose();

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "simulation/simulated_devices.hpp"
 
 namespace stonestack::simulation {
@@ -10,7 +11,6 @@ constexpr double kForceSigma = 0.3, kTorqueSigma = 0.005;   // N, Nm: design cho
 constexpr double kForceCount = 0.1, kTorqueCount = 0.001;   // N (data sheet), Nm
 constexpr double kForceOffset = 2.0, kTorqueOffset = 0.05;  // N, Nm: unknown at power-up
 constexpr int kZeroSamples = 20;
-constexpr double kGravity = 9.81;
 
 Eigen::Vector3d normals(Random& random, double sigma) {
   const double x = random.normal(0, sigma), y = random.normal(0, sigma);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMinForce = 15.0, kMaxForce = 60.0;    // N a finger (data sheet)
 constexpr double kMinSpeed = 0.022, kMaxSpeed = 0.110;  // m/s, of the opening
-constexpr double kTick = 0.002;                         // s
+constexpr double kGripperTick = 0.002;                  // s
 constexpr double kStalled = 0.15;                       // s without motion until the drives report rest
 constexpr double kDeadline = 20.0;                      // s
 constexpr double kSpread = 1.0;       // s, for fingers B and C to draw together or apart; design choice
@@ -42,19 +42,19 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
   world_->drive_fingers(drives);
   object_ = false;
   double still = 0.0;
-  for (double t = 0; still < kStalled; t += kTick) {
+  for (double t = 0; still < kStalled; t += kGripperTick) {
     throw_if_interrupted();
     if (t > kDeadline)
       throw DeviceError("simulated gripper", concat("still moving after ", kDeadline, " s"),
                         "check what blocks the fingers");
     const GripperPose from = world_->gripper_pose();
-    const Progress progress = world_->wait(kTick);
+    const Progress progress = world_->wait(kGripperTick);
     if (!progress.stopped.empty())
       throw DeviceError("simulated gripper", progress.stopped, "move the arm away and look at the cell");
     double max_move = 0.0;
     for (std::size_t f = 0; f < drives.size(); ++f)
       max_move = std::max(max_move, std::abs(world_->gripper_pose().finger[f] - from.finger[f]));
-    still = max_move < kPositioned ? still + kTick : 0.0;
+    still = max_move < kPositioned ? still + kGripperTick : 0.0;
   }
   for (const auto& drive : *world_->finger_drives()) object_ = object_ || drive.holding;
   return state();

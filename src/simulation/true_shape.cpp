@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack::simulation {
@@ -9,7 +10,6 @@ namespace {
 
 constexpr int kWaves = 64;        // that add up to the error
 constexpr double kWidth = 0.020;  // m, over which neighbours err alike: of views that were joined askew
-constexpr double kTwoPi = 6.283185307179586;
 
 /// A smooth random function of place, like a Gaussian process of width kWidth.
 struct SmoothError {

@@ -19,7 +19,7 @@ constexpr double kRestTurn = 0.0002;      // rad
 constexpr double kGripperFriction = 0.0;  // rigid parts slide; only pads grip, and what they feel is complete
 constexpr double kTableStiffness = 1e5;   // N/m, gripper on table
 constexpr double kDeepestPress = 0.003;   // m into the table
-constexpr double kMaxForce = 150.0;       // N on the gripper: where a UR's protective stop is by default
+constexpr double kArmMaxForce = 150.0;    // N on the gripper: where a UR's protective stop is by default
 
 Twist twist_between(const Pose& from, const Pose& to, double seconds) {
   const Eigen::AngleAxisd turn(to.rotation() * from.rotation().transpose());
@@ -164,8 +164,8 @@ std::string TrueWorld::hard_contact() const {
   if (corner.z() < -kDeepestPress)
     return concat("the gripper is pressed ", -1e3 * corner.z(), " mm into the table at x ", corner.x(), " y ",
                   corner.y());
-  if (felt_.norm() > kMaxForce)
-    return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kMaxForce,
+  if (felt_.norm() > kArmMaxForce)
+    return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kArmMaxForce,
                   " N): ", pad_load_.force.norm(), " N by the pads, ", table_load().force.norm(),
                   " N by the table, the rest by its rigid parts");
   return {};

@@ -16,12 +16,8 @@ constexpr double kExtent = 0.75;     // of the bounding radius: stones are longe
 constexpr double kGap = 0.002;       // m, that it falls
 constexpr std::size_t kMaxPlaces = 8;
 
-const ContactShape& shape_of(const ShapeList& shapes, StoneIndex stone) {
-  return *at(shapes, stone);
-}
-
 double radius(const ShapeList& shapes, StoneIndex stone) {
-  return kExtent * shape_of(shapes, stone).radius;
+  return kExtent * at(shapes, stone)->radius;
 }
 
 /// How the stone would come to rest on the table from how it is held: rotation, and height of O.
@@ -30,7 +26,7 @@ Pose rest_on_table(const ShapeList& shapes, const PlacedStone& held) {
   options.world.friction = 0.5;  // it shall roll to rest, not slide about
   options.max_travel = 0.20;     // m
   options.seconds = 2.0;
-  const double low = lowest(shape_of(shapes, held.stone), held.T_W_O);
+  const double low = lowest(*at(shapes, held.stone), held.T_W_O);
   const Pose lifted = Eigen::Translation3d(0, 0, kGap - low) * held.T_W_O;
   return settle(shapes, Stack{}, held.stone, lifted, options).T_W_O;
 }
@@ -41,7 +37,7 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
                               const Arrangement& arrangement, const PlacedStone& held) {
   const StoneIndex stone = held.stone;
   const Pose rest = rest_on_table(shapes, held);
-  const Eigen::Vector3d com = rest * shape_of(shapes, stone).mass.p_O_M;
+  const Eigen::Vector3d com = rest * at(shapes, stone)->mass.p_O_M;
   std::vector<std::pair<double, Pose>> places;
   const Eigen::Vector2d half = 0.5 * kSeen * layout.field_size;
   for (double x = -half.x(); x <= half.x(); x += kRaster)
@@ -49,7 +45,7 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
       const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
       double clearance = 1.0;
       for (const auto& other : arrangement.loose) {
-        const Eigen::Vector3d p_W_M = other.T_W_O * shape_of(shapes, other.stone).mass.p_O_M;
+        const Eigen::Vector3d p_W_M = other.T_W_O * at(shapes, other.stone)->mass.p_O_M;
         clearance = std::min(
             clearance, (p_W_M.head<2>() - at).norm() - radius(shapes, other.stone) - radius(shapes, stone));
       }
@@ -63,7 +59,7 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
   std::vector<Pose> poses;
   for (int quarter = 0; quarter < 4; ++quarter)
     for (const auto& [clearance, T_W_O] : places) {
-      const Eigen::Vector3d p_W_M = T_W_O * shape_of(shapes, stone).mass.p_O_M;
+      const Eigen::Vector3d p_W_M = T_W_O * at(shapes, stone)->mass.p_O_M;
       poses.push_back(Eigen::Translation3d(p_W_M) *
                       Eigen::AngleAxisd(quarter * M_PI / 2, Eigen::Vector3d::UnitZ()) *
                       Eigen::Translation3d(-p_W_M) * T_W_O);

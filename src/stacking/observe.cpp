@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// Camera at `p_W_eye` looking at `p_W_target`, image "up" away from the ground, turned by `roll` about the
 /// optical axis.

@@ -16,10 +16,10 @@ constexpr double kOtherSide = 0.5;      // cosine between two level directions t
 constexpr double kBelowTop = 0.03;      // m: where the camera points at a tower
 constexpr double kFieldHeight = 0.05;   // m: where it points at the field
 // The next view may show a stone this much beside where the last one did, and it lies as it was predicted to.
-constexpr double kSameShift = 0.015;  // m
-constexpr double kSameTurn = 0.10;    // rad
-constexpr double kSameLevel = 0.002;  // m, a stone of the tower: the most that two views of it differ by
-constexpr double kSameTilt = 0.035;   // rad
+constexpr double kSameShift = 0.015;    // m
+constexpr double kViewSameTurn = 0.10;  // rad
+constexpr double kSameLevel = 0.002;    // m, a stone of the tower: the most that two views of it differ by
+constexpr double kSameTilt = 0.035;     // rad
 
 Eigen::Vector2d level_direction(const Pose& T_W_C) {
   return T_W_C.linear().col(2).head<2>().normalized();
@@ -100,7 +100,7 @@ bool adopt(const ShapeList& shapes, const std::optional<WorldEstimate>& predicte
   if (!predicted || predicted->site != world.site) return false;
   const Arrangement a = at_rest(*predicted), b = at_rest(world);
   if (!alike(shapes, a.stack, b.stack, kSameLevel, kSameTilt) ||
-      !alike(shapes, a.loose, b.loose, kSameShift, kSameTurn))
+      !alike(shapes, a.loose, b.loose, kSameShift, kViewSameTurn))
     return false;
   for (std::size_t i = 0; i < world.stack.size(); ++i)
     world.stack[i].T_W_O_at_rest = predicted->stack[i].T_W_O_at_rest;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "motion/cartesian.hpp"
 #include "motion/timing.hpp"
 #include "stacking/constants.hpp"
@@ -16,7 +17,6 @@ namespace {
 constexpr double kRetreatSpeed = 0.05;  // m/s: slow, the fingers leave the stone
 constexpr double kStrokeSpeed = 0.06;   // m/s, of the fingers when the plan names none
 constexpr double kFingerForce = 60.0;   // N, when the plan names none
-constexpr double kGravity = 9.81;       // m/s^2
 // A stone slips towards the finger tips by up to 2 mm while it is carried, so the gripper ends lower than
 // planned: this near the table it goes back a little, with the stone loose, before fingers open into the
 // table.

@@ -10,9 +10,10 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kSameShift = 0.015;   // m: a stone seen further off in the other view is not the same pose
-constexpr double kSameTurn = 0.10;     // rad
-constexpr double kTowardsSite = 0.10;  // m
+constexpr double kCameraSameShift =
+    0.015;  // m: a stone seen further off in the other view is not the same pose
+constexpr double kCameraSameTurn = 0.10;  // rad
+constexpr double kTowardsSite = 0.10;     // m
 // A mount further off than this was calibrated wrongly or has been hit; a person should know.
 constexpr double kMaxShift = 0.008;  // m
 constexpr double kMaxTurn = 0.026;   // rad
@@ -36,7 +37,7 @@ void add_marks(const ShapeList& shapes, const CameraView& a, const DetectionResu
     for (const Detection& seen_b : in_b.detections) {
       if (seen_a.stone != seen_b.stone) continue;
       const auto apart = difference(a.T_W_C * seen_a.T_C_O, b.T_W_C * seen_b.T_C_O);
-      if (apart.translation > kSameShift || apart.angle > kSameTurn) continue;
+      if (apart.translation > kCameraSameShift || apart.angle > kCameraSameTurn) continue;
       const Eigen::Vector3d& p_O_M = at(shapes, seen_a.stone)->mass.p_O_M;
       view_a.marks.push_back({seen_a.stone, seen_a.T_C_O * p_O_M});
       view_b.marks.push_back({seen_b.stone, seen_b.T_C_O * p_O_M});

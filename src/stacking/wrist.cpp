@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
+#include "core/constants.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
 constexpr int kReadings = 10;
-constexpr double kGravity = 9.81;        // m/s^2
 constexpr double kDrift = 2.0;           // N, error of the sensor after a carry; design choice
 constexpr double kGripperCentre = 0.03;  // m, error of the gripper's assumed centre of mass; design choice
 constexpr double kSettle = 1.0;          // s, at most, for fingers that close on

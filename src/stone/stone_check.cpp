@@ -9,15 +9,15 @@ namespace stonestack::stone {
 namespace {
 
 constexpr const char* kScanAgain = "scan the stone again with `stonestack scan`";
-constexpr std::size_t kMaxFaces = 500;      // paper §4.1
-constexpr double kMin = 0.001, kMax = 2.0;  // m
+constexpr std::size_t kMaxFaces = 500;                // paper §4.1
+constexpr double kCheckMin = 0.001, kCheckMax = 2.0;  // m
 
 void check_surface(const Mesh& mesh, const std::string& path) {
   if (!is_closed(mesh)) throw FileError(path, "is not a closed surface", kScanAgain);
   if (volume(mesh) <= 0.0)
     throw FileError(path, concat("encloses ", volume(mesh), " m^3, so its faces look inwards"), kScanAgain);
   const double size = bounds(mesh).sizes().maxCoeff();
-  if (size < kMin || size > kMax)
+  if (size < kCheckMin || size > kCheckMax)
     throw FileError(path, concat("is ", size, " m long, it must be 1 mm to 2 m"), "the unit is metres");
 }
 

@@ -9,7 +9,7 @@
 namespace stonestack::stone {
 namespace {
 
-constexpr const char* kSchema = "stonestack.stone/1";
+constexpr const char* kStoneSchema = "stonestack.stone/1";
 
 /// Shortest text that reads back as the same number.
 std::string number(double value) {
@@ -77,7 +77,7 @@ std::string stone_to_yaml(const Stone& s) {
   const Eigen::Vector3d& c = s.mass.p_O_M;
   const Eigen::Matrix3d& I = s.mass.I_M;
   return concat(
-      "schema: ", kSchema, "\nname: ", quoted(s.name), "\nsource: ", quoted(s.source),
+      "schema: ", kStoneSchema, "\nname: ", quoted(s.name), "\nsource: ", quoted(s.source),
       "\nmass: ", number(s.mass.mass), "  # kg\ndensity: ", number(s.density),
       "  # kg/m^3\nfriction: ", number(s.friction), "  # stone on stone, what the planner assumes\n",
       "centre_of_mass: {x: ", number(c.x()), ", y: ", number(c.y()), ", z: ", number(c.z()), "}  # m, in O\n",
@@ -95,8 +95,8 @@ std::string stone_to_yaml(const Stone& s) {
 StoneFile read_stone_yaml(const std::string& path) {
   yaml::Map map(yaml::read_file(path), path);
   const std::string schema = map.text("schema");
-  if (schema != kSchema)
-    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kSchema));
+  if (schema != kStoneSchema)
+    map.fail("schema", concat("is '", schema, "'"), concat("this version reads ", kStoneSchema));
   StoneFile file;
   Stone& stone = file.stone;
   stone.name = map.text("name");

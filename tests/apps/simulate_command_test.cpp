@@ -6,12 +6,13 @@ namespace {
 
 using SimulateCommand = Commands;
 
-const std::string kFreePorts =
+const std::string kSimulateCommandFreePorts =
     "simulate: true\narm: {rtde: {stale_after: 1.0}}\nforce_torque: {stale: 0.5}\nsimulators:\n"
     "  arm: {standard_ports: false}\n  camera: {port: 0}\n";
 
 TEST_F(SimulateCommand, ServesEachDeviceAlone) {
-  write("cell.yaml", kFreePorts + "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n");
+  write("cell.yaml",
+        kSimulateCommandFreePorts + "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n");
   const auto served = [&](const std::string& only) {
     const Outcome outcome = run("simulate --cell cell.yaml --seconds 0.1 --only " + only);
     EXPECT_EQ(outcome.code, 0) << only << "\n" << outcome.err;
@@ -30,7 +31,8 @@ TEST_F(SimulateCommand, ServesEachDeviceAlone) {
 
 // Every fault can be reached without writing a file.
 TEST_F(SimulateCommand, SwitchesCanBeSetOnTheCommandLine) {
-  write("cell.yaml", kFreePorts + "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n");
+  write("cell.yaml",
+        kSimulateCommandFreePorts + "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n");
   const Outcome closed =
       run("simulate --cell cell.yaml --seconds 0.1 --only arm --set simulators.arm.faults.no_dashboard=true");
   EXPECT_EQ(closed.code, 0) << closed.err;
@@ -58,7 +60,8 @@ TEST_F(SimulateCommand, ReportsAtOnceWhatItIsDoing) {
 
 TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
   const std::string serial =
-      kFreePorts + "  gripper: {tcp: false, rtu: true}\n  force_torque: {cap: false, serial: true}\n";
+      kSimulateCommandFreePorts +
+      "  gripper: {tcp: false, rtu: true}\n  force_torque: {cap: false, serial: true}\n";
   // Whether the cell file asks for the serial lines or not: nothing else is there.
   for (const std::string wish : {"", "gripper: {preset: rtu, device: /none}\n"}) {
     write("serial.yaml", wish + serial);
@@ -68,7 +71,7 @@ TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
     EXPECT_THAT(outcome.err, HasSubstr("ok    force sensor, reading"));
   }
   // Where both are served the cell file chooses; a fault of the serial line shows which it was.
-  write("both.yaml", "gripper: {preset: rtu}\n" + kFreePorts +
+  write("both.yaml", "gripper: {preset: rtu}\n" + kSimulateCommandFreePorts +
                          "  gripper: {port: 0, rtu: true, wire_faults: {bad_crc: -1}}\n"
                          "  force_torque: {port: 0, command_port: 0}\n");
   EXPECT_EQ(run("doctor --cell both.yaml").code, 6);

@@ -5,13 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack::bench {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Pose turned(double angle, const Eigen::Vector3d& axis) {
   return make_pose(Eigen::Vector3d::Zero(), Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)));

@@ -18,13 +18,13 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr double kSoon = 0.02, kLong = 10.0;  // s
+constexpr double kSocketSoon = 0.02, kSocketLong = 10.0;  // s
 
 /// Two connected sockets over loopback.
 struct Pair {
   TcpListener listener{ListenOptions{}};
-  TcpStream client = TcpStream::connect(listener.endpoint(), Deadline::in(kLong));
-  TcpStream server = listener.accept(Deadline::in(kLong)).value();
+  TcpStream client = TcpStream::connect(listener.endpoint(), Deadline::in(kSocketLong));
+  TcpStream server = listener.accept(Deadline::in(kSocketLong)).value();
 };
 
 TEST(Deadline, IsBoundedAndRefusesNonsense) {
@@ -41,8 +41,8 @@ TEST(Socket, BytesWithoutEndDoNotPutOffTheDeadline) {
   std::atomic<bool> enough{false};
   std::thread talker([&] {
     const Bytes some(65536, 'x');
-    for (const Deadline end = Deadline::in(kLong); !enough && !end.over();)
-      if (!pair.client.write_all(some, Deadline::in(kSoon))) continue;
+    for (const Deadline end = Deadline::in(kSocketLong); !enough && !end.over();)
+      if (!pair.client.write_all(some, Deadline::in(kSocketSoon))) continue;
   });
   EXPECT_EQ(pair.server.read_line(std::size_t{1} << 28U, Deadline::in(0.05)).status, IoStatus::kTimeOut);
   enough = true;
@@ -51,14 +51,14 @@ TEST(Socket, BytesWithoutEndDoNotPutOffTheDeadline) {
 
 TEST(Socket, CarriesBytesBothWays) {
   Pair pair;
-  ASSERT_TRUE(pair.client.write_all("hello", Deadline::in(kLong)));
+  ASSERT_TRUE(pair.client.write_all("hello", Deadline::in(kSocketLong)));
   Bytes got(5);
-  const IoResult result = pair.server.read_exact(got, Deadline::in(kLong));
+  const IoResult result = pair.server.read_exact(got, Deadline::in(kSocketLong));
   EXPECT_TRUE(result);
   EXPECT_EQ(std::string(got.begin(), got.end()), "hello");
-  ASSERT_TRUE(pair.server.write_all("back", Deadline::in(kLong)));
+  ASSERT_TRUE(pair.server.write_all("back", Deadline::in(kSocketLong)));
   Bytes some(100);
-  const IoResult part = pair.client.read_some(some, Deadline::in(kLong));
+  const IoResult part = pair.client.read_some(some, Deadline::in(kSocketLong));
   EXPECT_TRUE(part);
   EXPECT_GE(part.bytes, 1U);
   EXPECT_EQ(pair.client.name(), to_text(pair.listener.endpoint()));
@@ -71,11 +71,11 @@ TEST(Socket, AMegabyteInFragmentsArrivesWhole) {
   std::thread writer([&] {
     for (std::size_t at = 0; at < sent.size(); at += 4093)
       if (!pair.client.write_all(std::span(sent).subspan(at, std::min<std::size_t>(4093, sent.size() - at)),
-                                 Deadline::in(kLong)))
+                                 Deadline::in(kSocketLong)))
         return;
   });
   Bytes got(sent.size());
-  const IoResult result = pair.server.read_exact(got, Deadline::in(kLong));
+  const IoResult result = pair.server.read_exact(got, Deadline::in(kSocketLong));
   writer.join();
   EXPECT_TRUE(result);
   EXPECT_EQ(got, sent);
@@ -84,13 +84,13 @@ TEST(Socket, AMegabyteInFragmentsArrivesWhole) {
 TEST(Socket, DistinguishesATimeoutFromAClosedPeer) {
   Pair pair;
   Bytes got(4);
-  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
-  ASSERT_TRUE(pair.server.write_all("ab", Deadline::in(kLong)));
-  const IoResult part = pair.client.read_exact(got, Deadline::in(kSoon));
+  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kSocketSoon)).status, IoStatus::kTimeOut);
+  ASSERT_TRUE(pair.server.write_all("ab", Deadline::in(kSocketLong)));
+  const IoResult part = pair.client.read_exact(got, Deadline::in(kSocketSoon));
   EXPECT_EQ(part.status, IoStatus::kTimeOut);
   EXPECT_EQ(part.bytes, 2U);
   { const TcpStream gone = std::move(pair.server); }
-  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kLong)).status, IoStatus::kClosed);
+  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kSocketLong)).status, IoStatus::kClosed);
 }
 
 TEST(Socket, AResetAndAWriteToAClosedPeerAreClosedNotASignal) {
@@ -99,8 +99,8 @@ TEST(Socket, AResetAndAWriteToAClosedPeerAreClosedNotASignal) {
   ASSERT_EQ(::setsockopt(pair.server.descriptor(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once), 0);
   { const TcpStream gone = std::move(pair.server); }
   Bytes got(4);
-  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kLong)).status, IoStatus::kClosed);
-  EXPECT_EQ(pair.client.write_all("x", Deadline::in(kLong)).status, IoStatus::kClosed);
+  EXPECT_EQ(pair.client.read_some(got, Deadline::in(kSocketLong)).status, IoStatus::kClosed);
+  EXPECT_EQ(pair.client.write_all("x", Deadline::in(kSocketLong)).status, IoStatus::kClosed);
 }
 
 TEST(Socket, WritingToAPeerThatDoesNotReadTimesOut) {
@@ -113,33 +113,33 @@ TEST(Socket, WritingToAPeerThatDoesNotReadTimesOut) {
 
 TEST(Socket, ReadsLinesWhateverThePacketsAre) {
   Pair pair;
-  ASSERT_TRUE(pair.server.write_all("one\r\ntwo\n\nthr", Deadline::in(kLong)));
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "one");
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "two");
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "");
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
-  ASSERT_TRUE(pair.server.write_all("ee\nrest", Deadline::in(kLong)));
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "three") << "the first half was lost";
+  ASSERT_TRUE(pair.server.write_all("one\r\ntwo\n\nthr", Deadline::in(kSocketLong)));
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketLong)).line, "one");
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketLong)).line, "two");
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketLong)).line, "");
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketSoon)).status, IoStatus::kTimeOut);
+  ASSERT_TRUE(pair.server.write_all("ee\nrest", Deadline::in(kSocketLong)));
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketLong)).line, "three") << "the first half was lost";
   Bytes rest(4);
-  ASSERT_TRUE(pair.client.read_exact(rest, Deadline::in(kLong)));
+  ASSERT_TRUE(pair.client.read_exact(rest, Deadline::in(kSocketLong)));
   EXPECT_EQ(std::string(rest.begin(), rest.end()), "rest");
 }
 
 TEST(Socket, RefusesALineThatNeverEnds) {
   Pair pair;
-  ASSERT_TRUE(pair.server.write_all(std::string(2000, 'x'), Deadline::in(kLong)));
-  EXPECT_THROW((void)pair.client.read_line(1024, Deadline::in(kLong)), DeviceError);
+  ASSERT_TRUE(pair.server.write_all(std::string(2000, 'x'), Deadline::in(kSocketLong)));
+  EXPECT_THROW((void)pair.client.read_line(1024, Deadline::in(kSocketLong)), DeviceError);
 }
 
 TEST(Socket, DropsWhatHasArrived) {
   Pair pair;
-  ASSERT_TRUE(pair.server.write_all("old\nolder", Deadline::in(kLong)));
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kLong)).line, "old");
+  ASSERT_TRUE(pair.server.write_all("old\nolder", Deadline::in(kSocketLong)));
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketLong)).line, "old");
   std::size_t dropped = 0;
-  for (const Deadline limit = Deadline::in(kLong); dropped < 5 && !limit.over();)
+  for (const Deadline limit = Deadline::in(kSocketLong); dropped < 5 && !limit.over();)
     dropped += pair.client.discard_input();
   EXPECT_EQ(dropped, 5U);
-  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSoon)).status, IoStatus::kTimeOut);
+  EXPECT_EQ(pair.client.read_line(100, Deadline::in(kSocketSoon)).status, IoStatus::kTimeOut);
 }
 
 TEST(Socket, ShutWakesAWaitingReader) {
@@ -153,7 +153,7 @@ TEST(Socket, ShutWakesAWaitingReader) {
   reader.join();
   EXPECT_EQ(result.status, IoStatus::kClosed);
   EXPECT_TRUE(pair.client.is_shut());
-  EXPECT_EQ(pair.client.write_all("x", Deadline::in(kLong)).status, IoStatus::kClosed);
+  EXPECT_EQ(pair.client.write_all("x", Deadline::in(kSocketLong)).status, IoStatus::kClosed);
 }
 
 TEST(Socket, ARefusedConnectionNamesAddressAndPort) {
@@ -162,7 +162,7 @@ TEST(Socket, ARefusedConnectionNamesAddressAndPort) {
     const TcpListener listener{ListenOptions{}};
     nobody = listener.endpoint();
   }
-  EXPECT_THAT([&] { (void)TcpStream::connect(nobody, Deadline::in(kLong)); },
+  EXPECT_THAT([&] { (void)TcpStream::connect(nobody, Deadline::in(kSocketLong)); },
               ThrowsMessage<DeviceError>(HasSubstr(to_text(nobody) + ": connection refused")));
 }
 
@@ -182,7 +182,7 @@ TEST(Socket, AServerThatDoesNotAcceptEndsAtTheDeadline) {
 
 TEST(Socket, RefusesBadAddresses) {
   const auto connect = [](const char* address, int port) {
-    (void)TcpStream::connect({address, port}, Deadline::in(kSoon));
+    (void)TcpStream::connect({address, port}, Deadline::in(kSocketSoon));
   };
   EXPECT_THROW(connect("robot.local", 502), InvalidArgument);
   EXPECT_THROW(connect("", 502), InvalidArgument);
@@ -195,9 +195,9 @@ TEST(Listener, TakesAnyLoopbackAddressAndReportsThePort) {
   options.address = "127.77.0.3";
   TcpListener listener(options);
   EXPECT_GT(listener.endpoint().port, 0);
-  TcpStream client = TcpStream::connect(listener.endpoint(), Deadline::in(kLong));
-  EXPECT_TRUE(listener.accept(Deadline::in(kLong)).has_value());
-  EXPECT_FALSE(listener.accept(Deadline::in(kSoon)).has_value());
+  TcpStream client = TcpStream::connect(listener.endpoint(), Deadline::in(kSocketLong));
+  EXPECT_TRUE(listener.accept(Deadline::in(kSocketLong)).has_value());
+  EXPECT_FALSE(listener.accept(Deadline::in(kSocketSoon)).has_value());
 }
 
 TEST(Listener, RefusesOtherAddressesUnlessRequested) {
@@ -234,7 +234,7 @@ TEST(Listener, APortIsFreeAgainAfterUse) {
   {
     Pair pair;
     options.port = pair.listener.endpoint().port;
-    ASSERT_TRUE(pair.server.write_all("x", Deadline::in(kLong)));
+    ASSERT_TRUE(pair.server.write_all("x", Deadline::in(kSocketLong)));
   }
   EXPECT_NO_THROW(TcpListener{options});
 }

@@ -7,13 +7,13 @@
 #include <map>
 #include <sstream>
 
+#include "core/constants.hpp"
 #include "detection/test_scene.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::detection {
 namespace {
 
-constexpr double kDegree = 3.14159265358979 / 180.0;
 constexpr double kSameShift = 2e-5;            // m: another compiler rounds differently, no more
 constexpr double kSameAngle = 0.02 * kDegree;  // rad
 constexpr int kScenes = 20, kStones = 4;       // two of the four in each scene

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "detection/features/consistency.hpp"
 #include "detection/features/keypoints.hpp"
 #include "detection/features/matching.hpp"
@@ -15,8 +16,6 @@
 
 namespace stonestack::detection {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 SurfacePoints cube_surface(double size, double spacing) {
   SurfacePoints out;

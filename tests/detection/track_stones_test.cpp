@@ -5,12 +5,11 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "detection/test_scene.hpp"
 
 namespace stonestack::detection {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 class Track : public test::FourOfFive {};
 

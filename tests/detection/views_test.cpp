@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/constants.hpp"
 #include "detection/scene/align_views.hpp"
 #include "detection/test_scene.hpp"
 #include "detection/trace.hpp"
@@ -18,8 +19,6 @@
 
 namespace stonestack::detection {
 namespace {
-
-constexpr double kDegree = 3.14159265358979 / 180.0;
 
 class Views : public test::StonesOnce<3> {
  protected:

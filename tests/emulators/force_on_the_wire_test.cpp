@@ -21,7 +21,7 @@ using Status = MotionResult::Status;
 
 constexpr double kOffset = 40.0;  // N, of a sensor that has forgotten its zero; eight times the threshold
 
-struct Bench {
+struct ForceOnTheWireBench {
   RobotModel robot = read_robot("ur10");
   IdealPlant joints{ScriptBench::start()};
   IdealWrenchPlant wrist;
@@ -30,7 +30,7 @@ struct Bench {
   std::unique_ptr<RobotiqFtSensor> sensor;
   std::unique_ptr<UrArm> arm;
 
-  explicit Bench(int contact_samples = 2) {
+  explicit ForceOnTheWireBench(int contact_samples = 2) {
     server.start();
     push(0.0);
     FtSimulatorOptions served;
@@ -85,7 +85,7 @@ struct Bench {
 };
 
 TEST(ForceOnTheWire, OffsetAndDriftAreNoContact) {
-  Bench bench;
+  ForceOnTheWireBench bench;
   FtFaults drifting;
   drifting.drift = 0.5;
   bench.simulator->set_faults(drifting);
@@ -99,7 +99,7 @@ TEST(ForceOnTheWire, OffsetAndDriftAreNoContact) {
 
 TEST(ForceOnTheWire, OneWildReadingIsNoContact) {
   const auto descend_with_wild_readings = [](int contact_samples) {
-    Bench bench(contact_samples);
+    ForceOnTheWireBench bench(contact_samples);
     return bench
         .descend([&] {
           for (int k = 0; k < 5; ++k) {

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kLong = 20.0;  // s
+constexpr double kRtdeLong = 20.0;  // s
 
 struct Controller {
   explicit Controller(const ControllerFaults& faults, double speed = 1.0)
@@ -53,7 +53,7 @@ RtdeOptions patient() {
 /// Waits until `good` of the newest state, or for long.
 template <class Good>
 bool becomes(const RtdeClient& client, const Good& good) {
-  for (const Deadline limit = Deadline::in(kLong); !limit.over();)
+  for (const Deadline limit = Deadline::in(kRtdeLong); !limit.over();)
     if (const auto sample = client.wait_for_next(Deadline::in(1.0)); sample && good(*sample)) return true;
   return false;
 }
@@ -72,7 +72,7 @@ TEST_P(EveryLostSession, IsSetUpAnewFromTheFirstPacketOn) {
   RtdeClient client(controller.rtde(), recipe, patient());
   EXPECT_EQ(client.counts().sessions, 1);
   bool reported = false;
-  for (const Deadline limit = Deadline::in(kLong); client.counts().sessions < 2 && !limit.over();) {
+  for (const Deadline limit = Deadline::in(kRtdeLong); client.counts().sessions < 2 && !limit.over();) {
     try {
       (void)client.sample();
     } catch (const DeviceError& error) {
@@ -104,13 +104,13 @@ TEST(RtdeOnController, AStreamOutOfStepIsLeftAndMadeAnew) {
   faults.out_of_step = true;
   Controller controller(faults);
   const RtdeClient client(controller.rtde(), recipe, patient());
-  for (const Deadline limit = Deadline::in(kLong); client.counts().sessions < 3 && !limit.over();)
+  for (const Deadline limit = Deadline::in(kRtdeLong); client.counts().sessions < 3 && !limit.over();)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_GE(client.counts().sessions, 3) << "every session breaks at its tenth package";
   controller.server.set_faults({});
   EXPECT_TRUE(becomes(client, [](const RtdeSample&) { return true; }));
   const int sessions = client.counts().sessions;
-  for (int k = 0; k < 30; ++k) EXPECT_TRUE(client.wait_for_next(Deadline::in(kLong)));
+  for (int k = 0; k < 30; ++k) EXPECT_TRUE(client.wait_for_next(Deadline::in(kRtdeLong)));
   EXPECT_LE(client.counts().sessions, sessions + 1) << "the last broken one may still have been open";
 }
 
@@ -143,8 +143,8 @@ TEST(RtdeOnController, ManySessionsAreAsGoodAsTheFirst) {
   std::int32_t beat = 0;
   double last = 0.0, cut_at = controller.server.time() + 60.0;
   int cuts = 0;
-  for (const Deadline limit = Deadline::in(3 * kLong); cuts < 12 && !limit.over();) {
-    const auto sample = client.wait_for_next(Deadline::in(kLong));
+  for (const Deadline limit = Deadline::in(3 * kRtdeLong); cuts < 12 && !limit.over();) {
+    const auto sample = client.wait_for_next(Deadline::in(kRtdeLong));
     ASSERT_TRUE(sample) << "after " << cuts << " sessions";
     EXPECT_GT(sample->device_time(), last);
     last = sample->device_time();
@@ -161,7 +161,7 @@ TEST(RtdeOnController, ManySessionsAreAsGoodAsTheFirst) {
   EXPECT_EQ(cuts, 12);
   EXPECT_EQ(client.counts().refused, 0);
   EXPECT_EQ(client.counts().skipped, 0) << "no sample is missed while a session lasts";
-  for (const Deadline limit = Deadline::in(kLong); open_files() > files && !limit.over();)
+  for (const Deadline limit = Deadline::in(kRtdeLong); open_files() > files && !limit.over();)
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   EXPECT_LE(open_files(), files) << "neither end keeps what a session leaves behind";
 }

@@ -244,8 +244,8 @@ TEST(UrArmOnController, FollowsSetsPayloadAndStops) {
 }
 
 /// Somebody at the Dashboard while the arm follows a trajectory.
-struct Pendant {
-  explicit Pendant(Loopback& cell)
+struct UrArmOnControllerPendant {
+  explicit UrArmOnControllerPendant(Loopback& cell)
       : arm(*cell.arm),
         stream(TcpStream::connect({"127.0.0.1", cell.server.ports().dashboard}, Deadline::in(5))),
         motion([this] {
@@ -257,11 +257,11 @@ struct Pendant {
     while (!limit.over() && !over && (arm.state().q - ScriptBench::start()).cwiseAbs().maxCoeff() < 0.1)
       pass();
   }
-  ~Pendant() {
+  ~UrArmOnControllerPendant() {
     if (motion.joinable()) motion.join();
   }
-  Pendant(const Pendant&) = delete;
-  Pendant& operator=(const Pendant&) = delete;
+  UrArmOnControllerPendant(const UrArmOnControllerPendant&) = delete;
+  UrArmOnControllerPendant& operator=(const UrArmOnControllerPendant&) = delete;
   std::string ask(const std::string& command) {
     EXPECT_TRUE(stream.write_all(command + "\n", Deadline::in(5)));
     return stream.read_line(1024, Deadline::in(5)).line;
@@ -279,13 +279,13 @@ struct Pendant {
 
 TEST(UrArmOnController, APauseAtTheDashboardIsWaitedForUntilPlay) {
   Loopback cell;
-  Pendant pendant(cell);
+  UrArmOnControllerPendant pendant(cell);
   EXPECT_EQ(pendant.ask("pause"), "Pausing program");
-  Pendant::pass(1000);  // a program that is gone is given 0.3 s
+  UrArmOnControllerPendant::pass(1000);  // a program that is gone is given 0.3 s
   EXPECT_FALSE(pendant.over);
   EXPECT_THAT(pendant.ask("programState"), HasSubstr("PAUSED stonestack_"));
   const Joints held = cell.arm->state().q;
-  Pendant::pass(200);
+  UrArmOnControllerPendant::pass(200);
   EXPECT_LT((cell.arm->state().q - held).cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_EQ(pendant.ask("play"), "Starting program");
   pendant.motion.join();
@@ -300,7 +300,7 @@ TEST(UrArmOnController, AfterTooLongAPauseNothingIsLeftToPlay) {
   cell.arm.reset();
   cell.arm =
       std::make_unique<UrArm>(cell.robot, options, Pose::Identity(), Pose(Eigen::Translation3d(0, 0, 0.264)));
-  Pendant pendant(cell);
+  UrArmOnControllerPendant pendant(cell);
   EXPECT_EQ(pendant.ask("pause"), "Pausing program");
   pendant.motion.join();
   EXPECT_EQ(pendant.moved.status, Status::kStopped);
@@ -308,7 +308,7 @@ TEST(UrArmOnController, AfterTooLongAPauseNothingIsLeftToPlay) {
   EXPECT_THAT(pendant.ask("programState"), HasSubstr("STOPPED"));
   const Joints held = cell.arm->state().q;
   EXPECT_EQ(pendant.ask("play"), "Failed to execute: play");
-  Pendant::pass(300);
+  UrArmOnControllerPendant::pass(300);
   EXPECT_LT((cell.arm->state().q - held).cwiseAbs().maxCoeff(), 1e-9);
 }
 

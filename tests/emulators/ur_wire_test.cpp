@@ -27,7 +27,7 @@ std::string hex(const std::string& digits) {
   return bytes;
 }
 
-std::string packet(char type, const std::string& payload) {
+std::string wire_packet(char type, const std::string& payload) {
   const auto size = payload.size() + 3;
   return {std::string{static_cast<char>(size >> 8), static_cast<char>(size & 0xFF), type} + payload};
 }
@@ -58,8 +58,8 @@ TEST(UrWire, RtdeHandshakeByteByByte) {
   EXPECT_EQ(rtde.ask(hex("00 03 76")), hex("00 13 76 00000003 0000000f 00000008 00019f63"));
   EXPECT_EQ(rtde.ask(hex("00 03 53")), hex("00 04 53 00")) << "no start without outputs";
   // 125 Hz, names with the trailing comma of ur_rtde.
-  EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + "timestamp,robot_mode,")),
-            packet('O', "\1DOUBLE,INT32"));
+  EXPECT_EQ(rtde.ask(wire_packet('O', hex("405f400000000000") + "timestamp,robot_mode,")),
+            wire_packet('O', "\1DOUBLE,INT32"));
   EXPECT_EQ(rtde.ask(hex("00 03 53")), hex("00 04 53 01"));
   rtde.bench.controller.step();
   EXPECT_EQ(rtde.session.sample(), hex("00 10 55 01 3f80624dd2f1a9fc 00000007")) << "0.008 s, RUNNING";
@@ -71,8 +71,8 @@ TEST(UrWire, RtdeHandshakeByteByByte) {
 
 TEST(UrWire, RtdeProtocol1HasNoFrequencyAndNoOutputRecipe) {
   Rtde rtde;
-  EXPECT_EQ(rtde.ask(packet('O', "timestamp")), packet('O', "DOUBLE"));
-  EXPECT_EQ(rtde.ask(packet('I', "input_int_register_0")), packet('I', "\1INT32"));
+  EXPECT_EQ(rtde.ask(wire_packet('O', "timestamp")), wire_packet('O', "DOUBLE"));
+  EXPECT_EQ(rtde.ask(wire_packet('I', "input_int_register_0")), wire_packet('I', "\1INT32"));
   EXPECT_EQ(rtde.ask(hex("00 03 53")), hex("00 04 53 01"));
   rtde.bench.controller.step();
   EXPECT_EQ(rtde.session.sample(), hex("00 0b 55 3f80624dd2f1a9fc"));
@@ -82,41 +82,42 @@ TEST(UrWire, RtdeTypesAreTheDocumentedOnes) {
   Rtde rtde;
   rtde.ask(hex("00 05 56 00 02"));
   EXPECT_EQ(
-      rtde.ask(packet('O', hex("405f400000000000") +
-                               "actual_q,actual_TCP_pose,actual_digital_output_bits,joint_mode,"
-                               "runtime_state,safety_status,output_bit_register_64,elbow_position,"
-                               "output_bit_registers0_to_31,output_int_register_47,tcp_offset")),
-      packet('O',
-             "\1VECTOR6D,VECTOR6D,UINT64,VECTOR6INT32,UINT32,INT32,BOOL,VECTOR3D,UINT32,INT32,VECTOR6D"));
-  EXPECT_EQ(rtde.ask(packet('I',
-                            "speed_slider_mask,speed_slider_fraction,standard_digital_output_mask,"
-                            "external_force_torque,input_bit_register_127")),
-            packet('I', "\1UINT32,DOUBLE,UINT8,VECTOR6D,BOOL"));
+      rtde.ask(wire_packet('O', hex("405f400000000000") +
+                                    "actual_q,actual_TCP_pose,actual_digital_output_bits,joint_mode,"
+                                    "runtime_state,safety_status,output_bit_register_64,elbow_position,"
+                                    "output_bit_registers0_to_31,output_int_register_47,tcp_offset")),
+      wire_packet(
+          'O', "\1VECTOR6D,VECTOR6D,UINT64,VECTOR6INT32,UINT32,INT32,BOOL,VECTOR3D,UINT32,INT32,VECTOR6D"));
+  EXPECT_EQ(rtde.ask(wire_packet('I',
+                                 "speed_slider_mask,speed_slider_fraction,standard_digital_output_mask,"
+                                 "external_force_torque,input_bit_register_127")),
+            wire_packet('I', "\1UINT32,DOUBLE,UINT8,VECTOR6D,BOOL"));
 }
 
 TEST(UrWire, RtdeReportsNotFoundAndStartsNothing) {
   Rtde rtde;
   rtde.ask(hex("00 05 56 00 02"));
-  EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + "timestamp,nonsense")),
-            packet('O', std::string(1, '\0') + "DOUBLE,NOT_FOUND"));
+  EXPECT_EQ(rtde.ask(wire_packet('O', hex("405f400000000000") + "timestamp,nonsense")),
+            wire_packet('O', std::string(1, '\0') + "DOUBLE,NOT_FOUND"));
   EXPECT_EQ(rtde.ask(hex("00 03 53")), hex("00 04 53 00"));
   Rtde old(from_zero(), "3.5.4.10845");
   old.ask(hex("00 05 56 00 02"));
-  EXPECT_EQ(old.ask(packet('O', hex("405f400000000000") + "tcp_offset,safety_status,output_int_register_24")),
-            packet('O', std::string(1, '\0') + "NOT_FOUND,NOT_FOUND,NOT_FOUND"));
+  EXPECT_EQ(
+      old.ask(wire_packet('O', hex("405f400000000000") + "tcp_offset,safety_status,output_int_register_24")),
+      wire_packet('O', std::string(1, '\0') + "NOT_FOUND,NOT_FOUND,NOT_FOUND"));
   auto faults = from_zero();
   faults.missing_fields = "payload,actual_q";
   Rtde missing(faults);
   missing.ask(hex("00 05 56 00 02"));
-  EXPECT_EQ(missing.ask(packet('O', hex("405f400000000000") + "actual_q,actual_qd")),
-            packet('O', std::string(1, '\0') + "NOT_FOUND,VECTOR6D"));
+  EXPECT_EQ(missing.ask(wire_packet('O', hex("405f400000000000") + "actual_q,actual_qd")),
+            wire_packet('O', std::string(1, '\0') + "NOT_FOUND,VECTOR6D"));
 }
 
 TEST(UrWire, RtdeFieldsCameWithVersions) {
   const auto types = [](const std::string& version, const std::string& names) {
     Rtde rtde(from_zero(), version);
     rtde.ask(hex("00 05 56 00 02"));
-    return rtde.ask(packet('O', hex("405f400000000000") + names)).substr(4);
+    return rtde.ask(wire_packet('O', hex("405f400000000000") + names)).substr(4);
   };
   // Each as UR's guide says.
   const std::string payload = "payload,payload_cog", wrench = "ft_raw_wrench,actual_current_as_torque";
@@ -146,7 +147,7 @@ TEST(UrWire, UrsRecordingExampleGetsAllOfItsFields) {
   for (const char* version : {"3.15.8.106339", "5.12.2.1101534"}) {
     Rtde rtde(from_zero(), version);
     rtde.ask(hex("00 05 56 00 02"));
-    const std::string reply = rtde.ask(packet('O', hex("405f400000000000") + names));
+    const std::string reply = rtde.ask(wire_packet('O', hex("405f400000000000") + names));
     EXPECT_EQ(reply.find("NOT_FOUND"), std::string::npos) << version << ": " << reply.substr(4);
     EXPECT_EQ(reply.substr(reply.size() - 13), "UINT32,DOUBLE") << version;
     EXPECT_EQ(rtde.ask(hex("00 03 53")), hex("00 04 53 01")) << version;
@@ -161,13 +162,13 @@ TEST(UrWire, RtdeReads2048BytesOfASetup) {
   }
   Rtde rtde;
   rtde.ask(hex("00 05 56 00 02"));
-  EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + names)), packet('O', "\1" + types));
-  EXPECT_EQ(rtde.ask(packet('O', hex("405f400000000000") + names + ",timestamp")),
-            packet('O', std::string(1, '\0') + types + ",NOT_FOUND"));
+  EXPECT_EQ(rtde.ask(wire_packet('O', hex("405f400000000000") + names)), wire_packet('O', "\1" + types));
+  EXPECT_EQ(rtde.ask(wire_packet('O', hex("405f400000000000") + names + ",timestamp")),
+            wire_packet('O', std::string(1, '\0') + types + ",NOT_FOUND"));
   std::string inputs;
   for (int i = 0; i < 48; ++i) inputs += "input_double_register_" + std::to_string(i) + ",";
   for (int i = 64; i < 128; ++i) inputs += "input_bit_register_" + std::to_string(i) + ",";
-  const std::string answer = rtde.ask(packet('I', inputs));
+  const std::string answer = rtde.ask(wire_packet('I', inputs));
   EXPECT_EQ(answer[3], '\0');
   EXPECT_EQ(answer.substr(answer.size() - 9), "NOT_FOUND");
 }
@@ -175,41 +176,45 @@ TEST(UrWire, RtdeReads2048BytesOfASetup) {
 TEST(UrWire, RtdeInputsHaveOneOwner) {
   Rtde rtde;
   RtdeSession* other = new RtdeSession(2, rtde.bench.controller, rtde.owners);
-  EXPECT_THAT(other->feed(packet('I', "input_int_register_24")), ElementsAre(packet('I', "\1INT32")));
-  EXPECT_EQ(rtde.ask(packet('I', "input_int_register_24,input_int_register_25")),
-            packet('I', std::string(1, '\0') + "IN_USE,INT32"));
-  EXPECT_THAT(other->feed(packet('I', "input_int_register_25")), ElementsAre(packet('I', "\2INT32")))
+  EXPECT_THAT(other->feed(wire_packet('I', "input_int_register_24")),
+              ElementsAre(wire_packet('I', "\1INT32")));
+  EXPECT_EQ(rtde.ask(wire_packet('I', "input_int_register_24,input_int_register_25")),
+            wire_packet('I', std::string(1, '\0') + "IN_USE,INT32"));
+  EXPECT_THAT(other->feed(wire_packet('I', "input_int_register_25")),
+              ElementsAre(wire_packet('I', "\2INT32")))
       << "a failed setup owns nothing; recipes count from 1";
   delete other;
-  EXPECT_EQ(rtde.ask(packet('I', "input_int_register_24")), packet('I', "\1INT32"))
+  EXPECT_EQ(rtde.ask(wire_packet('I', "input_int_register_24")), wire_packet('I', "\1INT32"))
       << "free when its owner has gone";
   auto faults = from_zero();
   faults.fieldbus_owns_lower_registers = true;
   Rtde shared(faults);
-  EXPECT_EQ(shared.ask(packet('I', "input_int_register_23,input_bit_registers0_to_31,input_int_register_24")),
-            packet('I', std::string(1, '\0') + "IN_USE,IN_USE,INT32"));
+  EXPECT_EQ(
+      shared.ask(wire_packet('I', "input_int_register_23,input_bit_registers0_to_31,input_int_register_24")),
+      wire_packet('I', std::string(1, '\0') + "IN_USE,IN_USE,INT32"));
 }
 
 TEST(UrWire, RtdeInputsTakeEffect) {
   Rtde rtde;
   rtde.ask(hex("00 05 56 00 02"));
-  EXPECT_EQ(rtde.ask(packet('I', "input_int_register_24,input_double_register_24")),
-            packet('I', "\1INT32,DOUBLE"));
-  EXPECT_EQ(rtde.ask(packet('I', "standard_digital_output_mask,standard_digital_output")),
-            packet('I', "\2UINT8,UINT8"));
-  EXPECT_EQ(rtde.ask(packet('I', "speed_slider_mask,speed_slider_fraction")), packet('I', "\3UINT32,DOUBLE"));
-  EXPECT_EQ(rtde.ask(packet('U', hex("01 fffffffe 3fd0000000000000"))), "");
+  EXPECT_EQ(rtde.ask(wire_packet('I', "input_int_register_24,input_double_register_24")),
+            wire_packet('I', "\1INT32,DOUBLE"));
+  EXPECT_EQ(rtde.ask(wire_packet('I', "standard_digital_output_mask,standard_digital_output")),
+            wire_packet('I', "\2UINT8,UINT8"));
+  EXPECT_EQ(rtde.ask(wire_packet('I', "speed_slider_mask,speed_slider_fraction")),
+            wire_packet('I', "\3UINT32,DOUBLE"));
+  EXPECT_EQ(rtde.ask(wire_packet('U', hex("01 fffffffe 3fd0000000000000"))), "");
   EXPECT_EQ(rtde.bench.controller.registers.in_int[24], -2);
   EXPECT_EQ(rtde.bench.controller.registers.in_double[24], 0.25);
   rtde.bench.controller.io.digital_out = 0x81;
-  rtde.ask(packet('U', hex("02 0f 0a")));
+  rtde.ask(wire_packet('U', hex("02 0f 0a")));
   EXPECT_EQ(rtde.bench.controller.io.digital_out, 0x8AU) << "only where the mask is";
-  rtde.ask(packet('U', hex("03 00000001 3fe0000000000000")));
+  rtde.ask(wire_packet('U', hex("03 00000001 3fe0000000000000")));
   EXPECT_EQ(rtde.bench.controller.speed_slider, 0.5);
-  rtde.ask(packet('U', hex("03 00000000 3fd0000000000000")));
+  rtde.ask(wire_packet('U', hex("03 00000000 3fd0000000000000")));
   EXPECT_EQ(rtde.bench.controller.speed_slider, 0.5);
   // Too short, unknown recipe: ignored.
-  rtde.ask(packet('U', hex("01 00000000")) + packet('U', hex("09 00")));
+  rtde.ask(wire_packet('U', hex("01 00000000")) + wire_packet('U', hex("09 00")));
   EXPECT_EQ(rtde.bench.controller.registers.in_int[24], -2);
   EXPECT_FALSE(rtde.session.broken());
 }
@@ -217,7 +222,7 @@ TEST(UrWire, RtdeInputsTakeEffect) {
 TEST(UrWire, RtdeFrequencyDividesTheControlRate) {
   Rtde rtde(from_zero(), "5.12.2.1101534");
   rtde.ask(hex("00 05 56 00 02"));
-  rtde.ask(packet('O', hex("4059000000000000") + "timestamp") + hex("00 03 53"));  // 100 Hz
+  rtde.ask(wire_packet('O', hex("4059000000000000") + "timestamp") + hex("00 03 53"));  // 100 Hz
   int count = 0;
   for (int k = 0; k < 500; ++k) {
     rtde.bench.controller.step();

@@ -8,7 +8,7 @@
 namespace stonestack::emulators {
 namespace {
 
-struct Bench {
+struct WorldPlantBench {
   std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   RobotModel robot = read_robot("ur10");
   CellLayout layout;
@@ -18,7 +18,7 @@ struct Bench {
 };
 
 TEST(WorldPlant, MeasuresTheGrippersWeightAndTheTable) {
-  Bench bench;
+  WorldPlantBench bench;
   const auto plant = make_world_plant(bench.world, bench.q);
   PlantState state = plant->step(bench.q, 0.008);
   const double weight = 9.81 * carried_mass(bench.world.lock().world.gripper_body().gripper);
@@ -38,7 +38,7 @@ TEST(WorldPlant, MeasuresTheGrippersWeightAndTheTable) {
 
 /// The arm behind its protocols does not come back to a place more exactly than the one in process.
 TEST(WorldPlant, ComesBackToATenthOfAMillimetre) {
-  Bench bench;
+  WorldPlantBench bench;
   const auto plant = make_world_plant(bench.world, bench.q);
   Joints away = bench.q;
   away[0] += 0.02;

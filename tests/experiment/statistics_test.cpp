@@ -9,9 +9,9 @@
 namespace stonestack::experiment {
 namespace {
 
-using Outcome = PlacementRecord::Outcome;
+using StatisticsOutcome = PlacementRecord::Outcome;
 
-PlacementRecord placement(double predicted, Outcome outcome) {
+PlacementRecord placement(double predicted, StatisticsOutcome outcome) {
   PlacementRecord record;
   record.planned.predicted_success = predicted;
   record.outcome = outcome;
@@ -28,11 +28,12 @@ ExperimentRun run_of(int reported, int true_height, std::vector<PlacementRecord>
 
 Experiment sample() {
   Experiment experiment;
-  experiment.runs.push_back(run_of(2, 2,
-                                   {placement(0.95, Outcome::kPlaced), placement(0.9, Outcome::kPlaced),
-                                    placement(0.3, Outcome::kFallen)}));
   experiment.runs.push_back(
-      run_of(3, 1, {placement(1.0, Outcome::kPlaced), placement(1.0, Outcome::kNotPicked)}));
+      run_of(2, 2,
+             {placement(0.95, StatisticsOutcome::kPlaced), placement(0.9, StatisticsOutcome::kPlaced),
+              placement(0.3, StatisticsOutcome::kFallen)}));
+  experiment.runs.push_back(run_of(
+      3, 1, {placement(1.0, StatisticsOutcome::kPlaced), placement(1.0, StatisticsOutcome::kNotPicked)}));
   return experiment;
 }
 
@@ -124,9 +125,9 @@ TEST(Statistics, TheOrderOfTheStonesDoesNotMatter) {
 
 TEST(Statistics, PlacementsOfOneSetAreOneCluster) {
   Experiment experiment;
-  const auto placed = [] { return placement(0.9, Outcome::kPlaced); };
+  const auto placed = [] { return placement(0.9, StatisticsOutcome::kPlaced); };
   experiment.runs = {run_on("ab", 2, {placed(), placed()}), run_on("ab", 2, {placed(), placed()}),
-                     run_on("cd", 1, {placed(), placement(0.9, Outcome::kFallen)})};
+                     run_on("cd", 1, {placed(), placement(0.9, StatisticsOutcome::kFallen)})};
   const Rate observed = calibration(experiment).back().observed;
   EXPECT_EQ(observed.trials, 6);
   EXPECT_EQ(observed.clusters, 2);
@@ -134,27 +135,29 @@ TEST(Statistics, PlacementsOfOneSetAreOneCluster) {
 }
 
 TEST(Statistics, ThePapersProtocolEndsAtTheFirstPlacementThatWasNotPlaced) {
-  const auto records = [](const std::vector<Outcome>& outcomes) {
+  const auto records = [](const std::vector<StatisticsOutcome>& outcomes) {
     std::vector<PlacementRecord> list;
-    for (const Outcome outcome : outcomes) list.push_back(placement(0.9, outcome));
+    for (const StatisticsOutcome outcome : outcomes) list.push_back(placement(0.9, outcome));
     return list;
   };
-  const auto height = [&](int judged, const std::vector<Outcome>& outcomes) {
+  const auto height = [&](int judged, const std::vector<StatisticsOutcome>& outcomes) {
     return paper_height(run_of(4, judged, records(outcomes)).report);
   };
-  const Outcome placed = Outcome::kPlaced;
+  const StatisticsOutcome placed = StatisticsOutcome::kPlaced;
   EXPECT_EQ(height(4, {placed, placed, placed, placed}), 4);
   EXPECT_EQ(height(3, {placed, placed, placed, placed}), 3) << "what does not stand does not count";
-  EXPECT_EQ(height(4, {placed, placed, Outcome::kFallen, placed, placed}), 2);
-  EXPECT_EQ(height(1, {placed, placed, Outcome::kFallen}), 2) << "before the fall took the second with it";
-  EXPECT_EQ(height(4, {placed, Outcome::kNotPicked, placed, placed, placed}), 1) << "no second pick";
-  EXPECT_EQ(height(4, {placed, placed, Outcome::kUnstacked, placed, placed, placed}), 2);
-  EXPECT_EQ(height(4, {Outcome::kReoriented, placed, placed, placed, placed}), 0);
-  EXPECT_EQ(height(4, {placed, Outcome::kMoved, placed, placed}), 1);
+  EXPECT_EQ(height(4, {placed, placed, StatisticsOutcome::kFallen, placed, placed}), 2);
+  EXPECT_EQ(height(1, {placed, placed, StatisticsOutcome::kFallen}), 2)
+      << "before the fall took the second with it";
+  EXPECT_EQ(height(4, {placed, StatisticsOutcome::kNotPicked, placed, placed, placed}), 1)
+      << "no second pick";
+  EXPECT_EQ(height(4, {placed, placed, StatisticsOutcome::kUnstacked, placed, placed, placed}), 2);
+  EXPECT_EQ(height(4, {StatisticsOutcome::kReoriented, placed, placed, placed, placed}), 0);
+  EXPECT_EQ(height(4, {placed, StatisticsOutcome::kMoved, placed, placed}), 1);
 
   Experiment experiment;
   experiment.runs = {run_of(4, 4, records({placed, placed, placed, placed})),
-                     run_of(4, 4, records({placed, Outcome::kFallen, placed, placed, placed}))};
+                     run_of(4, 4, records({placed, StatisticsOutcome::kFallen, placed, placed, placed}))};
   EXPECT_THAT(paper_heights(experiment), testing::ElementsAre(0, 1, 0, 0, 1));
   EXPECT_EQ(reached_by_paper(experiment, 4).hits, 1);
   EXPECT_EQ(reached(experiment, 4).hits, 2);

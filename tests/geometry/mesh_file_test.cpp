@@ -30,7 +30,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-std::string problem(const std::string& extension, const std::string& content) {
+std::string mesh_problem(const std::string& extension, const std::string& content) {
   try {
     (void)parse_mesh("x." + extension, extension, content);
   } catch (const FileError& error) {
@@ -121,7 +121,7 @@ TEST(MeshFile, PlyBigEndianWithUnknownElements) {
   }
   const Mesh corner = parse_mesh("x", "ply", file);
   EXPECT_NEAR(volume(corner), 1.0 / 6.0, 1e-12);
-  EXPECT_THAT(problem("ply", file + "x"), HasSubstr("after the last element"));
+  EXPECT_THAT(mesh_problem("ply", file + "x"), HasSubstr("after the last element"));
 }
 
 TEST(MeshFile, StlIsWeldedBothWays) {
@@ -146,26 +146,29 @@ TEST(MeshFile, ObjWithColoursSeamsAndNegativeIndices) {
 
 TEST(MeshFile, RefusalsNameTheFault) {
   const std::string ply = kPyramid;
-  EXPECT_THAT(problem("ply", replaced(ply, "vertex 5", "vertex 2000000000")),
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "vertex 5", "vertex 2000000000")),
               AllOf(HasSubstr("2000000000"), HasSubstr("truncated")));
-  EXPECT_THAT(problem("ply", replaced(ply, "3 3 0 4", "3 3 0 5")), HasSubstr("from 0 to 4, got 5"));
-  EXPECT_THAT(problem("ply", replaced(ply, "3 3 0 4", "3 3 0 -5")), HasSubstr("got -5"));
-  EXPECT_THAT(problem("ply", replaced(ply, "0.5 0.5", "nan 0.5")), HasSubstr("finite"));
-  EXPECT_THAT(problem("ply", replaced(ply, "0.5 0.5", "1e400 0.5")), HasSubstr("1e400"));
-  EXPECT_THAT(problem("ply", replaced(ply, "0.5 0.5", "0,5 0.5")),
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "3 3 0 4", "3 3 0 5")), HasSubstr("from 0 to 4, got 5"));
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "3 3 0 4", "3 3 0 -5")), HasSubstr("got -5"));
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "0.5 0.5", "nan 0.5")), HasSubstr("finite"));
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "0.5 0.5", "1e400 0.5")), HasSubstr("1e400"));
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "0.5 0.5", "0,5 0.5")),
               HasSubstr("line 15: '0,5' is not a number"));
-  EXPECT_THAT(problem("ply", replaced(ply, "0.5 0.5", "200000 0.5")), HasSubstr("within 100000"));
-  EXPECT_THAT(problem("ply", replaced(ply, "float x", "list uchar float x")), HasSubstr("list property"));
-  EXPECT_THAT(problem("ply", ply.substr(0, ply.size() - 6)), HasSubstr("ends too early"));
-  EXPECT_THAT(problem("ply", "solid"), HasSubstr("begin with 'ply'"));
-  EXPECT_THAT(problem("stl", std::string(14, 'a')), HasSubstr("14 bytes"));
-  EXPECT_THAT(problem("stl", std::string(80, ' ') + "\xff\xff\xff\xff"), HasSubstr("4294967295 faces"));
-  EXPECT_THAT(problem("stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0"), HasSubstr("too early"));
-  EXPECT_THAT(problem("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"), HasSubstr("vertex 4, but there are 3"));
-  EXPECT_THAT(problem("obj", "v 0 0 0\nf 1 1 1\n"), HasSubstr("three different corners"));
-  EXPECT_THAT(problem("obj", "v 0 0 inf\n"), HasSubstr("line 1: 'inf' is not finite"));
-  EXPECT_THAT(problem("obj", "v 0 0 0\nf 0 1 1\n"), HasSubstr("'0' is not a vertex index"));
-  EXPECT_THAT(problem("obj", "v 0 0 0\n"), HasSubstr("no faces"));
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "0.5 0.5", "200000 0.5")), HasSubstr("within 100000"));
+  EXPECT_THAT(mesh_problem("ply", replaced(ply, "float x", "list uchar float x")),
+              HasSubstr("list property"));
+  EXPECT_THAT(mesh_problem("ply", ply.substr(0, ply.size() - 6)), HasSubstr("ends too early"));
+  EXPECT_THAT(mesh_problem("ply", "solid"), HasSubstr("begin with 'ply'"));
+  EXPECT_THAT(mesh_problem("stl", std::string(14, 'a')), HasSubstr("14 bytes"));
+  EXPECT_THAT(mesh_problem("stl", std::string(80, ' ') + "\xff\xff\xff\xff"), HasSubstr("4294967295 faces"));
+  EXPECT_THAT(mesh_problem("stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0"),
+              HasSubstr("too early"));
+  EXPECT_THAT(mesh_problem("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+              HasSubstr("vertex 4, but there are 3"));
+  EXPECT_THAT(mesh_problem("obj", "v 0 0 0\nf 1 1 1\n"), HasSubstr("three different corners"));
+  EXPECT_THAT(mesh_problem("obj", "v 0 0 inf\n"), HasSubstr("line 1: 'inf' is not finite"));
+  EXPECT_THAT(mesh_problem("obj", "v 0 0 0\nf 0 1 1\n"), HasSubstr("'0' is not a vertex index"));
+  EXPECT_THAT(mesh_problem("obj", "v 0 0 0\n"), HasSubstr("no faces"));
   EXPECT_THROW((void)read_mesh("/nonexistent/a.ply"), FileError);
 }
 
@@ -174,10 +177,10 @@ TEST(MeshFile, EveryTruncationIsRefused) {
   const std::pair<std::string, std::string> files[] = {
       {"ply", written(box, "cut.ply")}, {"stl", binary_stl(box)}, {"stl", ascii_stl(box)}};
   for (const auto& [extension, whole] : files) {
-    ASSERT_EQ(problem(extension, whole), "");
+    ASSERT_EQ(mesh_problem(extension, whole), "");
     for (std::size_t size = 0; size + 2 < whole.size(); ++size) {
       if (whole.substr(size).find_first_not_of("endsolid a stone\n") == std::string::npos) break;
-      EXPECT_NE(problem(extension, whole.substr(0, size)), "") << extension << " cut to " << size;
+      EXPECT_NE(mesh_problem(extension, whole.substr(0, size)), "") << extension << " cut to " << size;
     }
   }
 }

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack::geometry {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 TEST(Mesh, OfABoxIsExact) {
   const Mesh box = make_box({1, 2, 3});

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 
 const std::vector<std::string> kObstacles{"wall", "lamp"};
 
-std::string problem_of(const std::string& text) {
+std::string padding_problem_of(const std::string& text) {
   try {
     (void)parse_pair_paddings(text, "cell.yaml", "layout.padding", kObstacles);
   } catch (const FileError& error) {
@@ -34,16 +34,16 @@ TEST(PairPadding, ReadsWhoStaysHowFarFromWhat) {
 }
 
 TEST(PairPadding, RefusesWithFileKeyAndValue) {
-  EXPECT_THAT(problem_of("hand"), HasSubstr("cell.yaml: layout.padding is not a list"));
-  EXPECT_THAT(problem_of("- {a: hands, b: table, m: 0.1}"),
+  EXPECT_THAT(padding_problem_of("hand"), HasSubstr("cell.yaml: layout.padding is not a list"));
+  EXPECT_THAT(padding_problem_of("- {a: hands, b: table, m: 0.1}"),
               AllOf(HasSubstr("layout.padding[0]"), HasSubstr("'hands'"), HasSubstr("arm, hand, held")));
-  EXPECT_THAT(problem_of("- {a: hand, b: floor, m: 0.1}"),
+  EXPECT_THAT(padding_problem_of("- {a: hand, b: floor, m: 0.1}"),
               AllOf(HasSubstr("'floor'"), HasSubstr("table, wall, lamp")));
-  EXPECT_THAT(problem_of("- {a: hand, b: table, m: -0.1}"), HasSubstr("-0.1"));
-  EXPECT_THAT(problem_of("- {a: hand, b: table, m: .nan}"), HasSubstr("layout.padding[0].m"));
-  EXPECT_THAT(problem_of("- {a: shoulder, b: table, m: 0.1}"), HasSubstr("stands on the table"));
-  EXPECT_THAT(problem_of("- {a: hand, b: table}"), HasSubstr("m is missing"));
-  EXPECT_THAT(problem_of("- {a: hand, b: table, m: 0.1, mm: 3}"), HasSubstr("mm"));
+  EXPECT_THAT(padding_problem_of("- {a: hand, b: table, m: -0.1}"), HasSubstr("-0.1"));
+  EXPECT_THAT(padding_problem_of("- {a: hand, b: table, m: .nan}"), HasSubstr("layout.padding[0].m"));
+  EXPECT_THAT(padding_problem_of("- {a: shoulder, b: table, m: 0.1}"), HasSubstr("stands on the table"));
+  EXPECT_THAT(padding_problem_of("- {a: hand, b: table}"), HasSubstr("m is missing"));
+  EXPECT_THAT(padding_problem_of("- {a: hand, b: table, m: 0.1, mm: 3}"), HasSubstr("mm"));
 }
 
 }  // namespace

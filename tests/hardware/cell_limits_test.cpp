@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -14,8 +15,6 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 class CellLimitsFile : public testing::Test {
  protected:

@@ -43,7 +43,7 @@ std::string repeat(const std::string& bytes, int times) {
 
 /// Error of a call, if it comes in time.
 template <class Call>
-std::string error_of(Call&& call) {
+std::string prompt_error_of(Call&& call) {
   const Stopwatch watch;
   std::string problem;
   try {
@@ -64,7 +64,7 @@ RtdeOptions quick_rtde() {
   return options;
 }
 
-RtdeRecipe recipe(const UrVersion&) {
+RtdeRecipe joints_recipe(const UrVersion&) {
   return {{"actual_q"}, {}, {}};
 }
 
@@ -72,7 +72,7 @@ const std::string kText = hex("00 0C 4D 02 'Hi' 04 'RTDE' 02");
 
 TEST(HostilePeers, RtdeTextsWithoutEndDuringTheSetup) {
   FakeServer server(flood(repeat(hex("00 08 4D 02 'Hi' 00 02"), 4000), false));
-  EXPECT_THAT(error_of([&] { RtdeClient(server.endpoint(), recipe, quick_rtde()); }),
+  EXPECT_THAT(prompt_error_of([&] { RtdeClient(server.endpoint(), joints_recipe, quick_rtde()); }),
               HasSubstr("no reply to 'V' within 0.2 s"));
 }
 
@@ -86,7 +86,7 @@ TEST(HostilePeers, RtdeTextsWithoutEndInsteadOfData) {
     plan.data = [](long) { return repeat(kText, 1000); };
     return plan;
   });
-  EXPECT_THAT(error_of([&] { RtdeClient(server.endpoint(), recipe, quick_rtde()); }),
+  EXPECT_THAT(prompt_error_of([&] { RtdeClient(server.endpoint(), joints_recipe, quick_rtde()); }),
               AllOf(HasSubstr("boot"), HasSubstr("127.0.0.1")));
   EXPECT_GE(server.connections(), 2) << "no data is a lost link, whatever else arrives";
 }
@@ -102,7 +102,7 @@ ModbusOptions quick_modbus(int port) {
 TEST(HostilePeers, ModbusRepliesToOthersWithoutEnd) {
   FakeServer server(flood(repeat(hex("9999 0000 0005 02 04 02 0000"), 4000), false));
   ModbusClient client("Robotiq gripper", quick_modbus(server.port()));
-  EXPECT_THAT(error_of([&] { static_cast<void>(client.read_input(0, 1)); }),
+  EXPECT_THAT(prompt_error_of([&] { static_cast<void>(client.read_input(0, 1)); }),
               AllOf(HasSubstr("127.0.0.1:"), HasSubstr("to other requests")));
 }
 
@@ -116,7 +116,7 @@ FtSensorOptions cap(int port) {
 
 TEST(HostilePeers, AForceSensorOfGarbageWithoutEnd) {
   FakeServer server(flood(repeat("(1 , 2 , nan , x)", 2000), true));
-  EXPECT_THAT(error_of([&] { RobotiqFtSensor(cap(server.port())); }),
+  EXPECT_THAT(prompt_error_of([&] { RobotiqFtSensor(cap(server.port())); }),
               AllOf(HasSubstr("Robotiq force sensor at 127.0.0.1:"), HasSubstr("no valid frame")));
 }
 
@@ -126,11 +126,11 @@ TEST(HostilePeers, AForceSensorThatIsNotThereIsNamed) {
     const TcpListener listener{ListenOptions{}};
     port = listener.endpoint().port;
   }
-  EXPECT_THAT(error_of([&] { RobotiqFtSensor(cap(port)); }),
+  EXPECT_THAT(prompt_error_of([&] { RobotiqFtSensor(cap(port)); }),
               AllOf(HasSubstr("Robotiq force sensor at 127.0.0.1:"), HasSubstr("connection refused")));
   FtSensorOptions serial;
   serial.device = "/dev/ttyNothing";
-  EXPECT_THAT(error_of([&] { RobotiqFtSensor sensor(serial); }),
+  EXPECT_THAT(prompt_error_of([&] { RobotiqFtSensor sensor(serial); }),
               AllOf(HasSubstr("Robotiq force sensor on /dev/ttyNothing"), HasSubstr("cannot be opened"),
                     HasSubstr("force_torque.device")));
 }
@@ -142,14 +142,14 @@ TEST(HostilePeers, ACameraOfGarbageWithoutEnd) {
   options.frame_timeout = 0.2;
   options.attempts = 1;
   StreamCamera camera(options);
-  EXPECT_THAT(error_of([&] { static_cast<void>(camera.capture()); }),
+  EXPECT_THAT(prompt_error_of([&] { static_cast<void>(camera.capture()); }),
               HasSubstr("depth camera at 127.0.0.1:"));
 }
 
 TEST(HostilePeers, ADashboardThatNeverStopsGreeting) {
   FakeServer server(flood(repeat("Connected: Universal Robots Dashboard Server\n", 500), true));
   DashboardClient dashboard(server.endpoint(), {0.5, 0.2, 0.2});
-  EXPECT_THAT(error_of([&] { static_cast<void>(dashboard.robot_mode()); }), HasSubstr("Connected"));
+  EXPECT_THAT(prompt_error_of([&] { static_cast<void>(dashboard.robot_mode()); }), HasSubstr("Connected"));
 }
 
 /// Runs `call` in a process of its own in which Ctrl-C was pressed: 130 if it ends as Interrupted.
@@ -187,7 +187,7 @@ TEST(HostilePeers, CtrlCEndsTheWaitForASilentController) {
     const Silence silence;
     RtdeOptions options = quick_rtde();
     options.reply_timeout = kHang;
-    RtdeClient({"127.0.0.1", silence.port()}, recipe, options);
+    RtdeClient({"127.0.0.1", silence.port()}, joints_recipe, options);
   });
   expect_interrupted([] {
     const Silence silence;

@@ -26,7 +26,7 @@ const std::string kStarted =
     hex("0000002E 14 0000000000000003 FD 07 00000000 00000000 13 'PROGRAM_XXX_STARTED' 'stk'");
 const std::string kException = hex("00000022 14 0000000000000004 FD 0A 00000007 00000003 'type error!'");
 const std::string kSafety = hex("00000020 14 0000000000000005 FD 05 000000D2 00000001 03 00000000 00000000");
-const std::string kText = hex("00000013 14 0000000000000006 FE 00 'abcd'");
+const std::string kPrimaryClientText = hex("00000013 14 0000000000000006 FE 00 'abcd'");
 const std::string kState = hex("00000008 10 01 02 03");
 
 PrimaryMessage message(const std::string& bytes) {
@@ -58,11 +58,11 @@ TEST(PrimaryWire, Messages) {
   EXPECT_EQ(exception.text, "type error!");
   EXPECT_EQ(exception.timestamp, 4u);
   EXPECT_EQ(message(kSafety).level, 3);
-  EXPECT_EQ(message(kText).text, "abcd");
+  EXPECT_EQ(message(kPrimaryClientText).text, "abcd");
 }
 
 TEST(PrimaryWire, EncodesTheSameBytes) {
-  for (const auto& bytes : {kVersion, kReadOnly, kStarted, kException, kSafety, kText})
+  for (const auto& bytes : {kVersion, kReadOnly, kStarted, kException, kSafety, kPrimaryClientText})
     EXPECT_EQ(encode(message(bytes)), bytes);
 }
 
@@ -88,7 +88,7 @@ TEST(PrimaryWire, BrokenLengthsAndShortBodies) {
     EXPECT_NE(stream.problem(), "") << bytes;
   }
   PrimaryStream stream;
-  stream.feed(hex("00000005 14  00000010 14 0000000000000004 FD 0A 00") + kText);
+  stream.feed(hex("00000005 14  00000010 14 0000000000000004 FD 0A 00") + kPrimaryClientText);
   EXPECT_EQ(stream.next().value_or(PrimaryMessage{}).text, "abcd") << "a message cut short is passed over";
   EXPECT_EQ(stream.passed_over(), 2);
 }
@@ -167,7 +167,7 @@ TEST(PrimaryClient, DistinguishesAControllerFromOtherListeners) {
     return "";
   };
   EXPECT_EQ(problem_of(kVersion), "");
-  EXPECT_EQ(problem_of(kText + kState), "");
+  EXPECT_EQ(problem_of(kPrimaryClientText + kState), "");
   EXPECT_THAT(problem_of(""), AllOf(HasSubstr("127.0.0.1:"), HasSubstr("neither its version"),
                                     HasSubstr("arm.primary_port")));
   EXPECT_THAT(problem_of("HTTP/1.1 400 Bad Request\r\n"), HasSubstr("no UR controller: package of"));
@@ -177,7 +177,7 @@ TEST(PrimaryClient, ConnectsAgainWhenTheStreamIsLostOrGarbage) {
   std::atomic<int> scripts{0};
   FakePrimary robot("", [&scripts](const std::string&, int n) {
     ++scripts;
-    return n == 0 ? hex("00000000 14") : kText;
+    return n == 0 ? hex("00000000 14") : kPrimaryClientText;
   });
   PrimaryClient client("127.0.0.1", {{robot.server.port()}, 0.5, 0.5});
   client.send("a\n");

@@ -17,9 +17,9 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 const std::string kAccept = hex("00 04 56 01"), kRefuse = hex("00 04 56 00");
-const std::string kVersion = hex("00 13 76 00000003 0000000F 00000008 00019F63");
-const std::string kStarted = hex("00 04 53 01");
-const std::string kText = hex("00 0C 4D 02 'Hi' 04 'RTDE' 02");
+const std::string kRtdeVersion = hex("00 13 76 00000003 0000000F 00000008 00019F63");
+const std::string kRtdeStarted = hex("00 04 53 01");
+const std::string kRtdeText = hex("00 0C 4D 02 'Hi' 04 'RTDE' 02");
 
 /// timestamp and actual_q of the n-th step, all joints equal.
 std::string data(double time, double q = 0.5) {
@@ -33,10 +33,10 @@ std::string steady(long n) {
 FakeRtdePlan good_plan() {
   FakeRtdePlan plan;
   plan.replies = {{'V', {kAccept}},
-                  {'v', {kVersion}},
+                  {'v', {kRtdeVersion}},
                   {'O', {hex("00 13 4F 01 'DOUBLE,VECTOR6D'")}},
                   {'I', {hex("00 09 49 01 'INT32'")}},
-                  {'S', {kStarted}}};
+                  {'S', {kRtdeStarted}}};
   plan.data = steady;
   return plan;
 }
@@ -123,7 +123,7 @@ TEST(RtdeClient, RefusedVersionsAndStart) {
 TEST(RtdeClient, TextsBeforeEveryReplyAndBytesOneByOne) {
   FakeRtde server([](int) {
     FakeRtdePlan plan = good_plan();
-    plan.before_reply = kText + kText;
+    plan.before_reply = kRtdeText + kRtdeText;
     plan.byte_by_byte = true;
     return plan;
   });

@@ -15,12 +15,12 @@ using Status = MotionResult::Status;
 using State = FakeUr::State;
 using testing::HasSubstr;
 
-const RobotModel& ur10() {
-  static const RobotModel robot = read_robot(STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf");
+const RobotModel& arm_model() {
+  static const RobotModel robot = read_robot(STONESTACK_SOURCE_DIR "/data/robots/arm_model.urdf");
   return robot;
 }
 
-JointTrajectory small_move() {
+JointTrajectory small_arm_move() {
   JointTrajectory move;
   move.time = {0.0, 0.5};
   move.q = {Joints::Zero(), Joints::Constant(0.05)};  // 1.2 rad/s^2
@@ -63,21 +63,21 @@ std::string read_only() {
 }
 
 /// The arm, its controller, and what the controller does with scripts.
-struct Bench {
-  explicit Bench(FakeUr::OnScript on_script, UrVersion version = {3, 15, 8, 106339})
-      : robot(std::move(on_script), version), arm(ur10(), robot.options(), Pose::Identity(), tool()) {}
+struct ArmBench {
+  explicit ArmBench(FakeUr::OnScript on_script, UrVersion version = {3, 15, 8, 106339})
+      : robot(std::move(on_script), version), arm(arm_model(), robot.options(), Pose::Identity(), tool()) {}
   static Pose tool() { return Pose(Eigen::Translation3d(0, 0, 0.264)); }
   FakeUr robot;
   UrArm arm;
 };
 
 TEST(UrArm, FollowsToTheEnd) {
-  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   const ArmState before = bench.arm.state();
   EXPECT_TRUE(before.can_move);
   EXPECT_EQ(before.speed_scaling, 1.0);
   EXPECT_GT(before.device_time, 100.0);
-  const MotionResult moved = bench.arm.follow(small_move());
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
   EXPECT_NEAR(moved.q[5], 0.1, 1e-12);
   EXPECT_THAT(bench.robot.scripts(), HasSubstr("stk_to(1, 0.5"));
@@ -87,7 +87,7 @@ TEST(UrArm, FollowsToTheEnd) {
 
 TEST(UrArm, EndsOnlyWithRunIdAndNoProgramAndEndState) {
   std::atomic<bool> ended{false};
-  Bench bench([&ended](State& s, const std::string&, int run) {
+  ArmBench bench([&ended](State& s, const std::string&, int run) {
     s.set_run(run);
     s.set_end(ScriptEnd::kDone);  // written, but the program still runs
     s.set_running(true);
@@ -100,72 +100,72 @@ TEST(UrArm, EndsOnlyWithRunIdAndNoProgramAndEndState) {
       ended = true;
     });
   });
-  const MotionResult moved = bench.arm.follow(small_move());
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
   EXPECT_TRUE(ended);
 }
 
 TEST(UrArm, RefusesWhatDoesNotStartHereAndSendsNothing) {
-  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
-  JointTrajectory far = small_move();
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  JointTrajectory far = small_arm_move();
   for (Joints& q : far.q) q[2] += 0.5;
   const MotionResult refused = bench.arm.follow(far);
   EXPECT_EQ(refused.status, Status::kRefused);
   EXPECT_THAT(refused.reason, HasSubstr("from where the arm is"));
-  JointTrajectory nan = small_move();
+  JointTrajectory nan = small_arm_move();
   nan.qd[0][0] = NAN;
   EXPECT_EQ(bench.arm.follow(nan).status, Status::kRefused);
   EXPECT_EQ(bench.robot.scripts(), "");
 }
 
 TEST(UrArm, SilentControllerIsInLocalControl) {
-  Bench bench([](State&, const std::string&, int) {}, {5, 11, 0, 108249});
+  ArmBench bench([](State&, const std::string&, int) {}, {5, 11, 0, 108249});
   bench.robot.set_remote(false);
-  const MotionResult moved = bench.arm.follow(small_move());
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   EXPECT_EQ(moved.status, Status::kRefused);
   EXPECT_THAT(moved.reason, HasSubstr("switch to Remote"));
 }
 
 TEST(UrArm, ReconnectsOnceOnC210) {
   int scripts = 0;
-  Bench bench([&scripts](State& s, const std::string& script, int run) {
+  ArmBench bench([&scripts](State& s, const std::string& script, int run) {
     if (scripts++ == 0)
       s.to_send = read_only();
     else
       obey(s, script, run);
   });
-  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
+  EXPECT_EQ(bench.arm.follow(small_arm_move()).status, Status::kDone);
   EXPECT_EQ(bench.robot.script_connections(), 2);
-  Bench never([](State& s, const std::string&, int) { s.to_send = read_only(); });
-  EXPECT_EQ(never.arm.follow(small_move()).status, Status::kRefused);
+  ArmBench never([](State& s, const std::string&, int) { s.to_send = read_only(); });
+  EXPECT_EQ(never.arm.follow(small_arm_move()).status, Status::kRefused);
   EXPECT_EQ(never.robot.count("servoj(q"), 2) << "sent twice, not more";
 }
 
 TEST(UrArm, AProgramThatFailsReportsTheLine) {
-  Bench early([](State& s, const std::string&, int) { s.to_send = key_exception(5, "not found"); });
-  const MotionResult refused = early.arm.follow(small_move());
+  ArmBench early([](State& s, const std::string&, int) { s.to_send = key_exception(5, "not found"); });
+  const MotionResult refused = early.arm.follow(small_arm_move());
   EXPECT_EQ(refused.status, Status::kRefused);
   EXPECT_THAT(refused.reason, HasSubstr("line 5: not found: 'rtde_set_watchdog("));
-  Bench late([](State& s, const std::string& script, int run) {
+  ArmBench late([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     if (is_stop(script)) return;
     s.later.clear();
     s.to_send = key_exception(6, "no inverse kinematics");
     s.after(20, [](State& later) { later.set_running(false); });
   });
-  const MotionResult died = late.arm.follow(small_move());
+  const MotionResult died = late.arm.follow(small_arm_move());
   EXPECT_EQ(died.status, Status::kStopped);
   EXPECT_THAT(died.reason, HasSubstr("line 6: no inverse kinematics: 'set_tcp("));
-  Bench killed([](State& s, const std::string& script, int run) {
+  ArmBench killed([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     s.later.clear();
     s.after(20, [](State& later) { later.set_running(false); });
   });
-  EXPECT_THAT(killed.arm.follow(small_move()).reason, HasSubstr("was killed"));
+  EXPECT_THAT(killed.arm.follow(small_arm_move()).reason, HasSubstr("was killed"));
 }
 
 TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
-  Bench bench([](State& s, const std::string& script, int run) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     if (is_stop(script)) return;
     s.after(10, [](State& later) {
@@ -175,7 +175,7 @@ TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
       later.later.clear();
     });
   });
-  const MotionResult stopped = bench.arm.follow(small_move());
+  const MotionResult stopped = bench.arm.follow(small_arm_move());
   EXPECT_EQ(stopped.status, Status::kStopped);
   EXPECT_THAT(stopped.reason, HasSubstr("protective stop (safety 3, bits 0x404)"));
   EXPECT_FALSE(bench.arm.state().can_move);
@@ -187,7 +187,7 @@ TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
   });
   ASSERT_TRUE(
       eventually([&] { return bench.arm.state().stop_reason.find("bits 0x404") != std::string::npos; }));
-  const MotionResult refused = bench.arm.follow(small_move());
+  const MotionResult refused = bench.arm.follow(small_arm_move());
   EXPECT_EQ(refused.status, Status::kRefused);
   EXPECT_THAT(refused.reason, HasSubstr("re-armed"));
   EXPECT_EQ(bench.robot.count("servoj(q"), 1);
@@ -196,7 +196,7 @@ TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
 }
 
 TEST(UrArm, NotesAStopWhileNothingMoves) {
-  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   bench.robot.change([](State& s) {
     s.set("safety_status", std::int32_t{7});
     s.set("safety_status_bits", std::uint32_t{0xC0});
@@ -224,11 +224,11 @@ TEST(UrArm, SliderAtZeroIsAPauseNotATimeOut) {
       });
     };
   };
-  Bench bench(paused_for(600));  // 4.8 s of the controller's clock, allowed are 1.75 s
-  const MotionResult moved = bench.arm.follow(small_move());
+  ArmBench bench(paused_for(600));  // 4.8 s of the controller's clock, allowed are 1.75 s
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
-  Bench for_ever(paused_for(1000000));
-  const MotionResult given_up = for_ever.arm.follow(small_move());
+  ArmBench for_ever(paused_for(1000000));
+  const MotionResult given_up = for_ever.arm.follow(small_arm_move());
   EXPECT_EQ(given_up.status, Status::kStopped);
   EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
   EXPECT_TRUE(eventually([&] {
@@ -248,8 +248,9 @@ FakeUr::OnScript paused_soon(long later) {
 }
 
 TEST(UrArm, APausedProgramIsWaitedFor) {
-  Bench bench(paused_soon(600));  // 0.6 s, and 4.8 s of the controller's clock: allowed are 0.1 s and 1.75 s
-  const MotionResult moved = bench.arm.follow(small_move());
+  ArmBench bench(
+      paused_soon(600));  // 0.6 s, and 4.8 s of the controller's clock: allowed are 0.1 s and 1.75 s
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   EXPECT_EQ(moved.status, Status::kDone) << moved.reason;
   EXPECT_EQ(bench.robot.count("def stonestack"), 1) << "no stop";
 }
@@ -261,9 +262,9 @@ TEST(UrArm, APausedProgramIsStoppedAfterFiveMinutes) {
   options.pause_limit = UrArmOptions{}.pause_limit;
   EXPECT_EQ(options.pause_limit, 300.0) << "as documented";
   options.time_slack = 1e5;
-  UrArm arm(ur10(), options, Pose::Identity(), Bench::tool());
+  UrArm arm(arm_model(), options, Pose::Identity(), ArmBench::tool());
   const double before = arm.state().device_time;
-  const MotionResult given_up = arm.follow(small_move());
+  const MotionResult given_up = arm.follow(small_arm_move());
   EXPECT_GE(arm.state().device_time - before, 300.0);
   EXPECT_EQ(given_up.status, Status::kStopped);
   EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
@@ -271,47 +272,47 @@ TEST(UrArm, APausedProgramIsStoppedAfterFiveMinutes) {
 }
 
 TEST(UrArm, AnArmThatWasMovedInAPauseIsNotResumed) {
-  Bench bench([](State& s, const std::string& script, int run) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
     paused_soon(1000000)(s, script, run);
     if (!is_stop(script))
       s.after(200, [](State& now) { now.set("actual_q", std::array<double, 6>{0, 0, 0.02, 0, 0, 0}); });
   });
-  const MotionResult stopped = bench.arm.follow(small_move());
+  const MotionResult stopped = bench.arm.follow(small_arm_move());
   EXPECT_EQ(stopped.status, Status::kStopped);
   EXPECT_THAT(stopped.reason, HasSubstr("moved by 0.02 rad while the program was paused"));
   EXPECT_EQ(bench.robot.count("def stonestack"), 2) << "the paused program is ended";
 }
 
 TEST(UrArm, APausedProgramThatDoesNotObeyAStopLosesItsHeartbeat) {
-  Bench bench([](State& s, const std::string& script, int run) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
     if (!is_stop(script)) paused_soon(1000000)(s, script, run);
   });
-  const MotionResult given_up = bench.arm.follow(small_move());
+  const MotionResult given_up = bench.arm.follow(small_arm_move());
   EXPECT_THAT(given_up.reason, HasSubstr("paused by the user"));
   const auto beats = [&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size(); };
   std::this_thread::sleep_for(std::chrono::milliseconds(100));  // packets in transit have arrived
   const auto before = beats();
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   EXPECT_EQ(beats(), before) << "the watchdog ends it when somebody plays it";
-  EXPECT_THAT(bench.arm.follow(small_move()).reason, HasSubstr("did not obey a stop"));
+  EXPECT_THAT(bench.arm.follow(small_arm_move()).reason, HasSubstr("did not obey a stop"));
   EXPECT_THROW(bench.arm.rearm(), DeviceError) << "it is still there";
 }
 
 TEST(UrArm, AnotherClientsPausedProgramIsNotReplaced) {
-  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   bench.robot.change([](State& s) { s.set_paused(); });
   ASSERT_TRUE(eventually([&] {
-    return bench.arm.follow(small_move()).reason.find("paused on the controller") != std::string::npos;
+    return bench.arm.follow(small_arm_move()).reason.find("paused on the controller") != std::string::npos;
   }));
 }
 
 TEST(UrArm, EveryEndButItsOwnSendsAStop) {
   const auto stops_after = [](const std::function<void(State&, const std::string&, int)>& program) {
-    Bench bench([&](State& s, const std::string& script, int run) {
+    ArmBench bench([&](State& s, const std::string& script, int run) {
       obey(s, script, run);
       if (!is_stop(script)) program(s, script, run);
     });
-    EXPECT_NE(bench.arm.follow(small_move()).status, Status::kDone);
+    EXPECT_NE(bench.arm.follow(small_arm_move()).status, Status::kDone);
     return eventually([&] { return bench.robot.count("def stonestack") == 2; });
   };
   const auto soon = [](std::function<void(State&)> what) {
@@ -336,51 +337,51 @@ TEST(UrArm, EveryEndButItsOwnSendsAStop) {
 }
 
 TEST(UrArm, AProgramThatFellBehindIsAStop) {
-  Bench bench(
+  ArmBench bench(
       [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kFellBehind); });
-  const MotionResult stopped = bench.arm.follow(small_move());
+  const MotionResult stopped = bench.arm.follow(small_arm_move());
   EXPECT_EQ(stopped.status, Status::kStopped);
   EXPECT_THAT(stopped.reason, HasSubstr("too far from its path"));
 }
 
 TEST(UrArm, AMotionThatNeverEndsIsStopped) {
-  Bench bench([](State& s, const std::string& script, int run) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     if (!is_stop(script)) s.later.clear();
   });
-  const MotionResult moved = bench.arm.follow(small_move());
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   EXPECT_EQ(moved.status, Status::kStopped);
   EXPECT_THAT(moved.reason, HasSubstr("not done after"));
   EXPECT_TRUE(eventually([&] { return bench.robot.count("def stonestack") == 2; }));
 }
 
 TEST(UrArm, StopFromAnotherThread) {
-  Bench bench([](State& s, const std::string& script, int run) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run, ScriptEnd::kDone, is_stop(script) ? 2 : 150);
   });
   std::thread stopper([&] {
     EXPECT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
     bench.arm.stop();
   });
-  const MotionResult moved = bench.arm.follow(small_move());
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   stopper.join();
   EXPECT_EQ(moved.status, Status::kStopped);
   EXPECT_THAT(moved.reason, HasSubstr("by command"));
   EXPECT_EQ(bench.robot.count("def stonestack"), 2);
-  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone) << "a new command moves again";
+  EXPECT_EQ(bench.arm.follow(small_arm_move()).status, Status::kDone) << "a new command moves again";
 }
 
 TEST(UrArm, AStopThatIsNotObeyedIsAnError) {
-  Bench bench([](State&, const std::string&, int) {});
+  ArmBench bench([](State&, const std::string&, int) {});
   bench.robot.change([](State& s) { s.set("actual_qd", std::array<double, 6>{0.5, 0, 0, 0, 0, 0}); });
   std::this_thread::sleep_for(std::chrono::milliseconds(30));
   EXPECT_THROW(bench.arm.stop(), DeviceError);
 }
 
 TEST(UrArm, AStopThatCannotBeSentLeavesTheArmToTheWatchdog) {
-  Bench bench(
+  ArmBench bench(
       [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 100000); });
-  std::thread moving([&] { EXPECT_NE(bench.arm.follow(small_move()).status, Status::kDone); });
+  std::thread moving([&] { EXPECT_NE(bench.arm.follow(small_arm_move()).status, Status::kDone); });
   ASSERT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
   bench.robot.close_scripts();
   bench.robot.change([](State& s) { s.set("actual_qd", std::array<double, 6>{0.5, 0, 0, 0, 0, 0}); });
@@ -410,34 +411,34 @@ TEST(UrArm, AStopThatCannotBeSentLeavesTheArmToTheWatchdog) {
 }
 
 TEST(UrArm, AnotherClientsProgram) {
-  Bench taken([](State& s, const std::string& script, int run) {
+  ArmBench taken([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     if (is_stop(script)) return;
     s.later.clear();
     s.after(10, [](State& later) { later.set_run(4711); });
   });
-  EXPECT_THAT(taken.arm.follow(small_move()).reason, HasSubstr("another program"));
-  Bench busy([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  EXPECT_THAT(taken.arm.follow(small_arm_move()).reason, HasSubstr("another program"));
+  ArmBench busy([](State& s, const std::string& script, int run) { obey(s, script, run); });
   busy.robot.change([](State& s) { s.set_running(true); });
-  ASSERT_TRUE(eventually([&] { return busy.arm.follow(small_move()).status == Status::kRefused; }));
+  ASSERT_TRUE(eventually([&] { return busy.arm.follow(small_arm_move()).status == Status::kRefused; }));
 }
 
 TEST(UrArm, LosingTheLinkLosesTheMotion) {
-  Bench bench(
+  ArmBench bench(
       [](State& s, const std::string& script, int run) { obey(s, script, run, ScriptEnd::kDone, 2000); });
   std::thread cutter([&] {
     EXPECT_TRUE(eventually([&] { return bench.robot.count("servoj(q") == 1; }));
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     bench.robot.drop_rtde();
   });
-  const MotionResult moved = bench.arm.follow(small_move());
+  const MotionResult moved = bench.arm.follow(small_arm_move());
   cutter.join();
   EXPECT_EQ(moved.status, Status::kLost) << moved.reason;
   EXPECT_TRUE(eventually([&] { return bench.robot.count("def stonestack") == 2; })) << "a stop was sent";
 }
 
 TEST(UrArm, HeartbeatRises) {
-  Bench bench([](State&, const std::string&, int) {});
+  ArmBench bench([](State&, const std::string&, int) {});
   ASSERT_TRUE(eventually([&] { return bench.robot.rtde().requests(RtdeKind::kDataPackage).size() > 5; }));
   const std::vector<RtdeType> types = {RtdeType::kInt32, RtdeType::kInt32, RtdeType::kDouble,
                                        RtdeType::kDouble, RtdeType::kDouble};
@@ -464,7 +465,7 @@ struct FakeSensor : ForceTorqueSensor {
 
 GuardedMotion guarded() {
   GuardedMotion motion;
-  motion.trajectory = small_move();
+  motion.trajectory = small_arm_move();
   return motion;
 }
 
@@ -476,7 +477,7 @@ TEST(UrArm, GuardedMotionStreamsTheForceInTheBaseFrame) {
   FakeSensor sensor;
   Pose T_W_R = Pose::Identity();
   T_W_R.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  UrArm arm(ur10(), robot.options(), T_W_R, Bench::tool(), &sensor);
+  UrArm arm(arm_model(), robot.options(), T_W_R, ArmBench::tool(), &sensor);
   const MotionResult moved = arm.follow_guarded(guarded());
   EXPECT_EQ(moved.status, Status::kContact) << moved.reason;
   EXPECT_EQ(moved.force, 6.5);
@@ -484,7 +485,7 @@ TEST(UrArm, GuardedMotionStreamsTheForceInTheBaseFrame) {
   // -z of W is -y of R here, and the controller's base is half a turn about z from R.
   EXPECT_THAT(robot.scripts(), HasSubstr("+ 1.000000000 * read_input_float_register(25)"));
   const Eigen::Vector3d expected = Eigen::Vector3d(-1, -1, 1).cwiseProduct(
-      forward(ur10(), Joints::Zero()).rotation() * Eigen::Vector3d(1, 2, 3));
+      forward(arm_model(), Joints::Zero()).rotation() * Eigen::Vector3d(1, 2, 3));
   const std::vector<RtdeType> types = {RtdeType::kInt32, RtdeType::kInt32, RtdeType::kDouble,
                                        RtdeType::kDouble, RtdeType::kDouble};
   int fresh = 0, count = 0;
@@ -507,7 +508,7 @@ TEST(UrArm, GuardedEnds) {
                                     std::pair{ScriptEnd::kStaleForce, Status::kStopped}}) {
     FakeUr robot([end = end](State& s, const std::string& script, int run) { obey(s, script, run, end); });
     FakeSensor sensor;
-    UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool(), &sensor);
+    UrArm arm(arm_model(), robot.options(), Pose::Identity(), ArmBench::tool(), &sensor);
     EXPECT_EQ(arm.follow_guarded(guarded()).status, status);
   }
 }
@@ -518,7 +519,7 @@ TEST(UrArm, SilentOrBrokenSensor) {
   FakeSensor sensor;
   sensor.frozen = true;
   sensor.time = 1.0;
-  UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool(), &sensor);
+  UrArm arm(arm_model(), robot.options(), Pose::Identity(), ArmBench::tool(), &sensor);
   EXPECT_EQ(arm.follow_guarded(guarded()).status, Status::kStopped);
   const auto last = robot.rtde().requests(RtdeKind::kDataPackage).back();
   EXPECT_EQ(last.payload.substr(5, 4), hex("00 00 00 01")) << "one reading, one count";
@@ -528,12 +529,12 @@ TEST(UrArm, SilentOrBrokenSensor) {
   const MotionResult lost = arm.follow_guarded(guarded());
   EXPECT_EQ(lost.status, Status::kLost);
   EXPECT_THAT(lost.reason, HasSubstr("reading is old"));
-  Bench without([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  ArmBench without([](State& s, const std::string& script, int run) { obey(s, script, run); });
   EXPECT_THAT(without.arm.follow_guarded(guarded()).reason, HasSubstr("needs a force-torque sensor"));
 }
 
 TEST(UrArm, PayloadIsSetAndReadBack) {
-  Bench bench([](State& s, const std::string& script, int run) {
+  ArmBench bench([](State& s, const std::string& script, int run) {
     obey(s, script, run);
     s.set("payload", 2.5);
     s.set("payload_cog", std::array<double, 3>{0, 0, 0.1});
@@ -541,7 +542,7 @@ TEST(UrArm, PayloadIsSetAndReadBack) {
   });
   bench.arm.set_payload(2.5, {0, 0, 0.1});
   EXPECT_EQ(bench.robot.count("set_payload(2.500000000, [0.000000000, 0.000000000, 0.100000000])"), 1);
-  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
+  EXPECT_EQ(bench.arm.follow(small_arm_move()).status, Status::kDone);
   EXPECT_EQ(bench.robot.count("set_payload(2.500000000"), 2) << "every program sets it";
   EXPECT_THROW(bench.arm.set_payload(11.0, {0, 0, 0}), InvalidArgument);
   EXPECT_THROW(bench.arm.set_payload(NAN, {0, 0, 0}), InvalidArgument);
@@ -555,7 +556,7 @@ TEST(UrArm, PayloadIsSetAndReadBack) {
 
 TEST(UrArm, ACentreOrATurnedToolThatIsReadBackOtherwiseIsAnError) {
   const auto problem_of = [](std::array<double, 3> centre, std::array<double, 6> tool) -> std::string {
-    Bench bench([=](State& s, const std::string& script, int run) {
+    ArmBench bench([=](State& s, const std::string& script, int run) {
       obey(s, script, run);
       s.set("payload", 2.5);
       s.set("payload_cog", centre);
@@ -576,15 +577,15 @@ TEST(UrArm, ACentreOrATurnedToolThatIsReadBackOtherwiseIsAnError) {
 }
 
 TEST(UrArm, OldControllersUseTheLowerRegisters) {
-  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); }, {3, 8, 0, 0});
-  EXPECT_EQ(bench.arm.follow(small_move()).status, Status::kDone);
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); }, {3, 8, 0, 0});
+  EXPECT_EQ(bench.arm.follow(small_arm_move()).status, Status::kDone);
   EXPECT_THAT(bench.robot.scripts(), HasSubstr("rtde_set_watchdog(\"input_int_register_0\""));
 }
 
 TEST(UrArm, PolyScopeXIsRefused) {
   FakeUr robot([](State&, const std::string&, int) {}, {10, 7, 0, 0});
   try {
-    const UrArm arm(ur10(), robot.options(), Pose::Identity(), Bench::tool());
+    const UrArm arm(arm_model(), robot.options(), Pose::Identity(), ArmBench::tool());
     FAIL();
   } catch (const DeviceError& error) {
     EXPECT_THAT(error.what(), HasSubstr("UR controller at 127.0.0.1: PolyScope X 10.7.0.0"));
@@ -592,10 +593,10 @@ TEST(UrArm, PolyScopeXIsRefused) {
 }
 
 TEST(UrArm, NoPowerNoMotion) {
-  Bench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
+  ArmBench bench([](State& s, const std::string& script, int run) { obey(s, script, run); });
   bench.robot.change([](State& s) { s.set("robot_mode", std::int32_t{3}); });
   ASSERT_TRUE(eventually([&] { return !bench.arm.state().can_move; }));
-  EXPECT_THAT(bench.arm.follow(small_move()).reason, HasSubstr("powered off (mode 3)"));
+  EXPECT_THAT(bench.arm.follow(small_arm_move()).reason, HasSubstr("powered off (mode 3)"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -15,7 +16,6 @@
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 using testing::HasSubstr;
 
 struct Row {

@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack::kinematics {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 /// A camera that really sits a little off, above a table with marks.
 struct Scene {

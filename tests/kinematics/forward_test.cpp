@@ -4,13 +4,12 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "kinematics/dh.hpp"
 #include "stonestack/core/random.hpp"
 
 namespace stonestack::kinematics {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 // By hand from the DH table: at zero angles the arm lies along -x of the controller's frame, which is +x of
 // base_link; d4 and d6 add up sideways, d5 points down.

@@ -10,19 +10,18 @@
 #include <set>
 #include <sstream>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
 namespace stonestack::kinematics {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-const Pose kTrue = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
+const Pose kHandEyeTrue = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
 
 std::vector<HandEyePair> stations(CameraMount mount, const HandEyeNoise& noise, std::uint64_t seed,
                                   int count = 15) {
-  return simulate_hand_eye(kTrue, mount, count, noise, Random::stream(seed, "hand eye"));
+  return simulate_hand_eye(kHandEyeTrue, mount, count, noise, Random::stream(seed, "hand eye"));
 }
 
 TEST(HandEye, EveryMethodIsExactWithoutNoiseOnHandAndOnBase) {
@@ -31,8 +30,8 @@ TEST(HandEye, EveryMethodIsExactWithoutNoiseOnHandAndOnBase) {
     std::set<std::string> methods;
     for (const auto& s : result.solutions) {
       methods.insert(s.method);
-      EXPECT_LT(difference(s.T_A_C, kTrue).translation, 1e-7) << s.method << " " << to_text(mount);
-      EXPECT_LT(difference(s.T_A_C, kTrue).angle, 1e-6) << s.method << " " << to_text(mount);
+      EXPECT_LT(difference(s.T_A_C, kHandEyeTrue).translation, 1e-7) << s.method << " " << to_text(mount);
+      EXPECT_LT(difference(s.T_A_C, kHandEyeTrue).angle, 1e-6) << s.method << " " << to_text(mount);
       EXPECT_LT(s.residual.translation, 1e-7) << s.method;
     }
     EXPECT_EQ(methods, (std::set<std::string>{"joint", "tsai_lenz", "park_martin", "daniilidis"}));
@@ -46,11 +45,11 @@ TEST(HandEye, FifteenNoisyStationsGiveAMillimetreAndAFifthOfADegree) {
     const auto result = calibrate_hand_eye(pairs, CameraMount::kOnHand);
     const HandEyeSolution& joint = result.solutions.front();
     ASSERT_EQ(joint.method, "joint");
-    EXPECT_LT(difference(joint.T_A_C, kTrue).translation, 0.001) << "seed " << seed;
-    EXPECT_LT(difference(joint.T_A_C, kTrue).angle, 0.2 * kDegree) << "seed " << seed;
+    EXPECT_LT(difference(joint.T_A_C, kHandEyeTrue).translation, 0.001) << "seed " << seed;
+    EXPECT_LT(difference(joint.T_A_C, kHandEyeTrue).angle, 0.2 * kDegree) << "seed " << seed;
     EXPECT_GT(joint.residual.translation, 0.0003) << "noise cannot vanish, seed " << seed;
     for (const auto& s : result.solutions)
-      EXPECT_LT(difference(s.T_A_C, kTrue).translation, 0.006) << s.method << ", seed " << seed;
+      EXPECT_LT(difference(s.T_A_C, kHandEyeTrue).translation, 0.006) << s.method << ", seed " << seed;
   }
 }
 
@@ -59,8 +58,8 @@ TEST(HandEye, OneBadStationDoesNotSpoilTheJointResult) {
   pairs[7].T_C_B =
       make_pose({0.04, -0.02, 0.03}) * pairs[7].T_C_B * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX());
   const auto result = calibrate_hand_eye(pairs, CameraMount::kOnHand);
-  EXPECT_LT(difference(result.solutions.front().T_A_C, kTrue).translation, 0.0015);
-  EXPECT_LT(difference(result.solutions.front().T_A_C, kTrue).angle, 0.3 * kDegree);
+  EXPECT_LT(difference(result.solutions.front().T_A_C, kHandEyeTrue).translation, 0.0015);
+  EXPECT_LT(difference(result.solutions.front().T_A_C, kHandEyeTrue).angle, 0.3 * kDegree);
 }
 
 TEST(HandEye, PointsOutInvertedPosesAndAnInvertedResult) {
@@ -72,8 +71,8 @@ TEST(HandEye, PointsOutInvertedPosesAndAnInvertedResult) {
   EXPECT_NE(calibrate_hand_eye(arm, CameraMount::kOnHand).warning.find("arm's poses"), std::string::npos);
   EXPECT_NE(calibrate_hand_eye(target, CameraMount::kOnHand).warning.find("target's poses"),
             std::string::npos);
-  EXPECT_FALSE(looks_inverted(pairs, CameraMount::kOnHand, kTrue));
-  EXPECT_TRUE(looks_inverted(pairs, CameraMount::kOnHand, kTrue.inverse()));
+  EXPECT_FALSE(looks_inverted(pairs, CameraMount::kOnHand, kHandEyeTrue));
+  EXPECT_TRUE(looks_inverted(pairs, CameraMount::kOnHand, kHandEyeTrue.inverse()));
 }
 
 TEST(HandEye, RefusesStationsThatFixNothing) {
@@ -83,7 +82,7 @@ TEST(HandEye, RefusesStationsThatFixNothing) {
   EXPECT_THROW((void)calibrate_hand_eye(same, CameraMount::kOnHand), InvalidArgument);
   for (int i = 0; i < 8; ++i) {  // about one axis only
     const Pose T_R_F = pairs[0].T_R_F * Eigen::AngleAxisd(0.3 * i, Eigen::Vector3d::UnitZ());
-    turned.push_back({T_R_F, (T_R_F * kTrue).inverse() * make_pose({0.6, 0, 0})});
+    turned.push_back({T_R_F, (T_R_F * kHandEyeTrue).inverse() * make_pose({0.6, 0, 0})});
   }
   EXPECT_THROW((void)calibrate_hand_eye(turned, CameraMount::kOnHand), InvalidArgument);
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/constants.hpp"
 #include "kinematics/dh.hpp"
 #include "kinematics/jacobian.hpp"
 #include "stonestack/core/error.hpp"
@@ -15,8 +16,6 @@
 
 namespace stonestack::kinematics {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Joints random_joints(const RobotModel& robot, Random& random) {
   Joints q;

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string kUr10 = STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf";
+const std::string kMeshRobotUr10 = STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf";
 
 Mesh mesh_of(const LinkCapsule& capsule, double scale) {
   Mesh mesh = make_sphere(capsule.radius, 3);
@@ -46,7 +46,7 @@ class MeshRobot : public testing::Test {
   /// The robot of this project with its shapes as meshes, `scale` times too large.
   void write(double scale, const std::string& prefix, const std::string& attribute) {
     const RobotModel robot = read_robot("ur10");
-    std::string text = read_file(kUr10, 1 << 20);
+    std::string text = read_file(kMeshRobotUr10, 1 << 20);
     const char* links[] = {"base_link_inertia", "shoulder_link", "upper_arm_link", "forearm_link",
                            "wrist_1_link",      "wrist_2_link",  "wrist_3_link"};
     for (int link = 0; link < 7; ++link) {

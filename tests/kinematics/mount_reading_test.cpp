@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::kinematics {
 namespace {
 
 using Verdict = MountCheck::Verdict;
-
-constexpr double kDegree = 0.017453292519943295;
 
 /// A gripper over the table of which the camera sees a plane.
 struct MountReadings : testing::Test {

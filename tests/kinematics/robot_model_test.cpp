@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 
@@ -14,8 +15,6 @@ namespace stonestack::kinematics {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr double kPi = 3.14159265358979323846;
 
 std::string ur10_text() {
   return read_file(STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf", 1 << 20);

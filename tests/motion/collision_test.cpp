@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/collision/segment.hpp"
 #include "stonestack/core/error.hpp"
@@ -16,8 +17,6 @@ namespace stonestack::motion {
 namespace {
 
 using hardware::CellLayout;
-
-constexpr double kPi = 3.14159265358979323846;
 
 PlanningScene empty_scene() {
   PlanningScene scene;

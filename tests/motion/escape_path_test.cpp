@@ -20,12 +20,12 @@ PlanningScene scene_with(const std::vector<SceneObject>& objects) {
   return scene;
 }
 
-SceneObject box_at(const std::string& name, const Eigen::Vector3d& size, const Eigen::Vector3d& p_W) {
+SceneObject scene_box_at(const std::string& name, const Eigen::Vector3d& size, const Eigen::Vector3d& p_W) {
   return {name, {make_box(size)}, make_pose(p_W)};
 }
 
 /// Fingers down and wide open, tips at p_W.
-Joints above(const PlanningScene& scene, const Eigen::Vector3d& p_W) {
+Joints above_in_scene(const PlanningScene& scene, const Eigen::Vector3d& p_W) {
   Pose T_W_T = Pose::Identity();
   T_W_T.linear() = Eigen::AngleAxisd(kHalfTurn, Eigen::Vector3d::UnitX()).toRotationMatrix();
   T_W_T.translation() = p_W;
@@ -41,13 +41,13 @@ Eigen::Vector3d tip(const PlanningScene& scene, const Joints& q) {
 
 /// A stone as high as the fingers are long stands within the gripper's width.
 const SceneObject& neighbour() {
-  static const SceneObject made = box_at("neighbour", {0.04, 0.30, 0.10}, {0.785, 0.0, 0.05});
+  static const SceneObject made = scene_box_at("neighbour", {0.04, 0.30, 0.10}, {0.785, 0.0, 0.05});
   return made;
 }
 
 TEST(EscapePath, AGripperThatIsClearStaysWhereItIs) {
   const PlanningScene scene = scene_with({});
-  const Joints start = above(scene, {0.7, 0.0, 0.15});
+  const Joints start = above_in_scene(scene, {0.7, 0.0, 0.15});
   const auto path = escape_path(scene, start);
   ASSERT_TRUE(path.has_value());
   ASSERT_EQ(path->size(), 1U);
@@ -56,13 +56,13 @@ TEST(EscapePath, AGripperThatIsClearStaysWhereItIs) {
 
 TEST(EscapePath, AFingerBesideANeighbourIsRetractedAsFarAsNeeded) {
   const PlanningScene scene = scene_with({neighbour()});
-  const Joints start = above(scene, {0.7, 0.0, 0.02});
+  const Joints start = above_in_scene(scene, {0.7, 0.0, 0.02});
   CollisionRules rules;
   rules.padding = 0.002;
   rules.self_padding = 0.002;
   const CollisionChecker checker(scene, rules);
   ASSERT_TRUE(checker.collides(start)) << checker.clearance(start).distance;
-  const Joints goal = above(scene, {0.4, 0.4, 0.4});
+  const Joints goal = above_in_scene(scene, {0.4, 0.4, 0.4});
   EXPECT_FALSE(plan_transit(scene, start, goal, {}).has_value()) << "no transit begins there";
   const auto path = escape_path(scene, start);
   ASSERT_TRUE(path.has_value());
@@ -75,9 +75,9 @@ TEST(EscapePath, AFingerBesideANeighbourIsRetractedAsFarAsNeeded) {
 }
 
 TEST(EscapePath, NoneLeadsDeeperOrPastWhatIsAbove) {
-  const SceneObject lid = box_at("lid", {0.5, 0.5, 0.02}, {0.7, 0.0, 0.22});
+  const SceneObject lid = scene_box_at("lid", {0.5, 0.5, 0.02}, {0.7, 0.0, 0.22});
   const PlanningScene scene = scene_with({neighbour(), lid});
-  EXPECT_FALSE(escape_path(scene, above(scene, {0.7, 0.0, 0.02})).has_value());
+  EXPECT_FALSE(escape_path(scene, above_in_scene(scene, {0.7, 0.0, 0.02})).has_value());
 }
 
 }  // namespace

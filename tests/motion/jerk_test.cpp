@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/hard_scene.hpp"
 #include "motion/timing.hpp"
@@ -16,7 +17,6 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kMillisecond = 0.001;
-constexpr double kPi = 3.14159265358979323846;
 
 TimingLimits limits_with(double jerk) {
   TimingLimits limits;

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "motion/pick_and_place/pick_candidates.hpp"
 
 namespace stonestack::motion {
 namespace {
 
-constexpr double kGravity = 9.81;
-const GripperModel kGripper = make_robotiq_3f();
+const GripperModel kPressGripper = make_robotiq_3f();
 const Eigen::Vector3d kSize(0.10, 0.16, 0.06);
 
 Stone box_stone(double density) {
@@ -28,26 +28,26 @@ Grasp middle_grasp(double tilt) {
   Grasp grasp;
   grasp.T_O_T.linear() = Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()).toRotationMatrix() *
                          Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  grasp.T_O_T.translation() = grasp.T_O_T.linear() * Eigen::Vector3d(0, 0, 0.5 * kGripper.pad_length);
+  grasp.T_O_T.translation() = grasp.T_O_T.linear() * Eigen::Vector3d(0, 0, 0.5 * kPressGripper.pad_length);
   grasp.opening = tilt == 0.0 ? kSize.x() : std::hypot(kSize.x(), kSize.z());
   grasp.pre_opening = grasp.opening + 0.02;
-  grasp.spacing = kGripper.finger_spacing;
+  grasp.spacing = kPressGripper.finger_spacing;
   return grasp;
 }
 
 PadPress press(const Stone& stone, const Grasp& grasp) {
-  return {sample_surface(stone.scan, 0.002), stone.mass, kGripper, grasp};
+  return {sample_surface(stone.scan, 0.002), stone.mass, kPressGripper, grasp};
 }
 
 TEST(PadPress, FlatFacesAreHeldByTheRubbersShear) {
   const Stone stone = box_stone(2600.0);
   const PadPress pads = press(stone, middle_grasp(0.0));
-  const double area = kGripper.finger_width * kGripper.pad_length;
-  EXPECT_NEAR(pads.deepest(0), kGripper.force / (kGripper.pad_stiffness * area), 5e-5);
-  EXPECT_NEAR(pads.deepest(1), 0.5 * kGripper.force / (kGripper.pad_stiffness * area), 5e-5);
+  const double area = kPressGripper.finger_width * kPressGripper.pad_length;
+  EXPECT_NEAR(pads.deepest(0), kPressGripper.force / (kPressGripper.pad_stiffness * area), 5e-5);
+  EXPECT_NEAR(pads.deepest(1), 0.5 * kPressGripper.force / (kPressGripper.pad_stiffness * area), 5e-5);
   const PadPress::Load load = pads.bear(Eigen::Vector3d::UnitZ(), 1.5);
   EXPECT_EQ(load.share, 1.5);
-  EXPECT_NEAR(load.moved, kGravity * stone.mass.mass / (3 * kGripper.pad_shear * area), 2e-5);
+  EXPECT_NEAR(load.moved, kGravity * stone.mass.mass / (3 * kPressGripper.pad_shear * area), 2e-5);
   EXPECT_LT(load.turned, 0.002);
 }
 
@@ -67,8 +67,10 @@ TEST(PadPress, AnEdgePressesDeepAndHoldsLess) {
   // A wedge with a right angle, its edge along the pad: depth^2 / (2 sin cos) of area on both flanks
   // together.
   const double flank = std::sin(tilt) * std::cos(tilt);
-  EXPECT_NEAR(pads.deepest(0),
-              std::sqrt(2 * kGripper.force * flank / (kGripper.pad_stiffness * kGripper.finger_width)), 4e-4);
+  EXPECT_NEAR(
+      pads.deepest(0),
+      std::sqrt(2 * kPressGripper.force * flank / (kPressGripper.pad_stiffness * kPressGripper.finger_width)),
+      4e-4);
   const double flat = press(stone, middle_grasp(0.0)).bear(Eigen::Vector3d::UnitZ(), 1.0).moved;
   EXPECT_GT(pads.bear(Eigen::Vector3d::UnitZ(), 1.0).moved, 2 * flat);
 }

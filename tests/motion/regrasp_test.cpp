@@ -23,12 +23,12 @@ Stone block(const std::string& name, const Eigen::Vector3d& size) {
 }
 
 /// A block lies in the field; the target wants it upside down, which no grasp from above brings about.
-struct Workplace {
+struct RegraspWorkplace {
   Stone stone = block("block", {0.10, 0.08, 0.07});
   PlanningScene scene;
   PickAndPlaceTask task;
 
-  Workplace() {
+  RegraspWorkplace() {
     scene.robot = read_robot("ur10");
     scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
     task.T_W_O_pick = make_pose({0.70, -0.18, 0.035});
@@ -90,7 +90,7 @@ TEST(RestPoses, LeavesOutWhatDidNotHold) {
 
 TEST(GraspFinder, SamplesMoreWhereHardlyAnyGraspServes) {
   // A wall stands on either side of the block, so that one of its two widths is out of the question.
-  Workplace cell;
+  RegraspWorkplace cell;
   const int usual = GraspFinder(cell.scene, cell.stone, 0, cell.task.T_W_O_pick).set().tried;
   const Mesh wall = make_box({0.02, 0.30, 0.10});
   cell.scene.objects.push_back({"wall", {wall}, make_pose({0.70 + 0.066, -0.18, 0.05})});
@@ -114,7 +114,7 @@ Stone loaf() {
 
 TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableObstructs) {
   const Stone stone = loaf();
-  Workplace cell;
+  RegraspWorkplace cell;
   const Pose T_W_O = make_pose({0.70, -0.18, 0.014});
   cell.scene.objects = {{"loaf", stone.pieces, T_W_O}};
   const auto usual = cached_grasps(stone, cell.scene.gripper);
@@ -132,7 +132,7 @@ TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableObstructs) {
 
 TEST(GraspFinder, AStoneThatNoFingerReachesUnderCannotBeHeld) {
   const Stone plate = block("plate", {0.12, 0.10, 0.008});
-  Workplace cell;
+  RegraspWorkplace cell;
   const Pose T_W_O = make_pose({0.70, -0.18, 0.004});
   cell.scene.objects = {{"plate", plate.pieces, T_W_O}};
   EXPECT_FALSE(GraspFinder(cell.scene, plate, 0, T_W_O).at_pick().can_be_held());
@@ -145,7 +145,7 @@ TEST(GraspFinder, AStoneThatNoFingerReachesUnderCannotBeHeld) {
 }
 
 TEST(RegraspFinder, ReportsTheResultOfAReorientation) {
-  const Workplace cell;
+  const RegraspWorkplace cell;
   const auto finder = [&](std::span<const Pose> avoid = {}) {
     return RegraspFinder(cell.scene, cell.stone, cell.task.object, cell.task.T_W_O_pick, avoid);
   };
@@ -175,7 +175,7 @@ TEST(RegraspFinder, ReportsTheResultOfAReorientation) {
 }
 
 TEST(Regrasp, TurnsAStoneOver) {
-  const Workplace cell;
+  const RegraspWorkplace cell;
   ASSERT_FALSE(can_grasp(cell.scene, cell.task)) << "or this test tries nothing";
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
   ASSERT_TRUE(plan.planned) << plan.reason;
@@ -208,7 +208,7 @@ TEST(Regrasp, TurnsAStoneOver) {
 }
 
 TEST(Regrasp, GivesTheReasonWhereItCannotHelp) {
-  Workplace cell;
+  RegraspWorkplace cell;
   cell.task.T_W_O_place.translation().x() = 2.5;
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);
   EXPECT_FALSE(plan.planned);
@@ -216,7 +216,7 @@ TEST(Regrasp, GivesTheReasonWhereItCannotHelp) {
 }
 
 TEST(Regrasp, KeepsAwayFromOtherStones) {
-  Workplace cell;
+  RegraspWorkplace cell;
   const Mesh rock = make_box({0.06, 0.06, 0.06});
   cell.scene.objects.push_back({"rock", {rock}, make_pose({0.70, -0.05, 0.03})});
   const RegraspPlan plan = plan_regrasp(cell.scene, cell.task);

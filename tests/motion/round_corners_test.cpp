@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/hard_scene.hpp"
 #include "motion/transit.hpp"
@@ -13,7 +14,6 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kChord = 3e-5;  // m: chords of the curves are certified, the curves lie within 0.01 mrad
 
 /// A gripper between two walls and two towers, a post and bars on its path.

@@ -20,12 +20,12 @@ Stone block(const Eigen::Vector3d& size) {
 }
 
 /// A block in the field.
-struct Field {
+struct SceneProblemField {
   Stone stone;
   PlanningScene scene;
   PickAndPlaceTask task;
 
-  explicit Field(const Eigen::Vector3d& size = {0.10, 0.08, 0.07}) : stone(block(size)) {
+  explicit SceneProblemField(const Eigen::Vector3d& size = {0.10, 0.08, 0.07}) : stone(block(size)) {
     scene.robot = read_robot("ur10");
     scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
     task.T_W_O_pick = Pose(Eigen::Translation3d(0.70, -0.18, 0.5 * size.z()));
@@ -41,29 +41,29 @@ struct Field {
 };
 
 TEST(SceneProblem, IsNoneWhereStonesTouch) {
-  Field field;
+  SceneProblemField field;
   EXPECT_EQ(scene_problem(field.scene, field.task), "");
   field.add_box("beside", {0.1, 0.1, 0.1}, 0.70 + 0.05 + 0.05 - 0.005, -0.18, 0.05);
   EXPECT_EQ(scene_problem(field.scene, field.task), "") << "measured poses err by more than 5 mm";
 }
 
 TEST(SceneProblem, NamesStonesThatLieInEachOther) {
-  Field field;
+  SceneProblemField field;
   field.add_box("other", {0.1, 0.1, 0.1}, 0.70 + 0.05 + 0.05 - 0.02, -0.18, 0.05);
   EXPECT_EQ(scene_problem(field.scene, field.task), "block and other overlap by 10 mm where they are");
-  Field around;
+  SceneProblemField around;
   around.add_box("shell", {0.5, 0.5, 0.5}, 0.70, -0.18, 0.0);
   EXPECT_THAT(scene_problem(around.scene, around.task), HasSubstr("block and shell overlap"));
 }
 
 TEST(SceneProblem, NamesAStoneInTheTable) {
-  Field field;
+  SceneProblemField field;
   field.task.T_W_O_pick.translation().z() -= 0.03;
   EXPECT_EQ(scene_problem(field.scene, field.task), "block reaches 30 mm into the table where it lies");
 }
 
 TEST(SceneProblem, NamesTheObjectThatTheArmTouches) {
-  Field field;
+  SceneProblemField field;
   field.add_box("cupboard", {0.5, 0.5, 0.3}, 0.5, 0.0, 0.6);
   EXPECT_THAT(scene_problem(field.scene, field.task), HasSubstr("at the start the arm stands in something"));
   EXPECT_THAT(scene_problem(field.scene, field.task), HasSubstr("cupboard"));
@@ -72,9 +72,9 @@ TEST(SceneProblem, NamesTheObjectThatTheArmTouches) {
 /// A flat slab, which few grasps hold as it lies: 24 times as many are sampled, unless a lid covers it.
 TEST(GraspFinder, SamplesNoMoreGraspsWhereALidObstructsAll) {
   const Eigen::Vector3d flat(0.12, 0.10, 0.022);
-  Field bare(flat), covered(flat);
+  SceneProblemField bare(flat), covered(flat);
   covered.add_box("lid", {0.6, 0.6, 0.02}, 0.70, -0.18, 0.15);
-  const auto total = [](const Field& field) {
+  const auto total = [](const SceneProblemField& field) {
     return GraspFinder(field.scene, field.stone, field.task.object, field.task.T_W_O_pick).at_pick().total;
   };
   const auto usual = static_cast<int>(cached_grasps(bare.stone, bare.scene.gripper)->grasps.size());

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -16,19 +17,17 @@ namespace {
 
 using hardware::CellLayout;
 
-constexpr double kPi = 3.14159265358979323846;
-
-Joints tool_down() {
+Joints transit_tool_down() {
   Joints q;
   q << 0, -0.5 * kPi, 0.5 * kPi, -0.5 * kPi, -0.5 * kPi, 0;
   return q;
 }
 
-SceneObject box_at(const std::string& name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
+SceneObject transit_box_at(const std::string& name, const Eigen::Vector3d& size, const Eigen::Vector3d& p) {
   return {name, {make_box(size)}, make_pose(p)};
 }
 
-PlanningScene empty_scene() {
+PlanningScene empty_transit_scene() {
   PlanningScene scene;
   scene.robot = read_robot("ur10");
   scene.T_F_T = CellLayout().T_F_T;
@@ -38,11 +37,11 @@ PlanningScene empty_scene() {
 /// A wall between the two places, a post beside it and a bar above the wall: the gripper has to go around or
 /// through the gap.
 PlanningScene hard_scene() {
-  PlanningScene scene = empty_scene();
-  scene.objects = {box_at("wall", {0.5, 0.05, 0.35}, {0.75, 0.0, 0.175}),
-                   box_at("bar", {1.0, 0.05, 0.05}, {0.75, 0.0, 0.95}),
-                   box_at("tower", {0.12, 0.12, 0.4}, {0.5, 0.65, 0.2}),
-                   box_at("post", {0.05, 0.05, 1.0}, {0.45, -0.6, 0.5})};
+  PlanningScene scene = empty_transit_scene();
+  scene.objects = {transit_box_at("wall", {0.5, 0.05, 0.35}, {0.75, 0.0, 0.175}),
+                   transit_box_at("bar", {1.0, 0.05, 0.05}, {0.75, 0.0, 0.95}),
+                   transit_box_at("tower", {0.12, 0.12, 0.4}, {0.5, 0.65, 0.2}),
+                   transit_box_at("post", {0.05, 0.05, 1.0}, {0.45, -0.6, 0.5})};
   return scene;
 }
 
@@ -51,7 +50,8 @@ std::vector<Joints> solutions_above(const PlanningScene& scene, const Eigen::Vec
   T_W_T.linear() = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()).toRotationMatrix();
   T_W_T.translation() = p_W_tip;
   std::vector<Joints> goals;
-  for (const auto& s : inverse(scene.robot, T_W_T * scene.T_F_T.inverse(), tool_down())) goals.push_back(s.q);
+  for (const auto& s : inverse(scene.robot, T_W_T * scene.T_F_T.inverse(), transit_tool_down()))
+    goals.push_back(s.q);
   EXPECT_FALSE(goals.empty());
   return goals;
 }
@@ -65,8 +65,8 @@ void expect_free(const CollisionChecker& checker, const JointPath& path) {
 }
 
 TEST(Transit, StaysInTheWorkspaceOfTheCell) {
-  PlanningScene scene = empty_scene();
-  scene.objects = {box_at("wall", {1.4, 0.05, 0.45}, {0.95, 0.0, 0.225})};
+  PlanningScene scene = empty_transit_scene();
+  scene.objects = {transit_box_at("wall", {1.4, 0.05, 0.45}, {0.95, 0.0, 0.225})};
   const auto highest = [&](const JointPath& path) {
     double z = -1.0;
     for (std::size_t i = 1; i < path.size(); ++i)
@@ -95,7 +95,7 @@ TEST(Transit, StaysInTheWorkspaceOfTheCell) {
 }
 
 TEST(Transit, GoesStraightWhereNothingObstructs) {
-  const PlanningScene scene = empty_scene();
+  const PlanningScene scene = empty_transit_scene();
   const CollisionChecker checker(scene);
   const Joints start = solutions_above(scene, {0.7, -0.3, 0.3}).front();
   const auto goals = solutions_above(scene, {0.7, 0.3, 0.3});
@@ -141,13 +141,13 @@ TEST(Transit, SameSeedSamePath) {
 }
 
 TEST(Transit, GivesUpWhereThereIsNoPath) {
-  PlanningScene scene = empty_scene();
-  const Joints start = tool_down();
+  PlanningScene scene = empty_transit_scene();
+  const Joints start = transit_tool_down();
   EXPECT_TRUE(find_path(CollisionChecker(scene), start, solutions_above(scene, {0.8, 0.3, 0.3})).has_value());
   // A goal in a closed cage.
   for (const double side : {-1.0, 1.0}) {
-    scene.objects.push_back(box_at("x", {0.02, 0.8, 1.6}, {0.8 + side * 0.35, 0.3, 0.8}));
-    scene.objects.push_back(box_at("y", {0.7, 0.02, 1.6}, {0.8, 0.3 + side * 0.4, 0.8}));
+    scene.objects.push_back(transit_box_at("x", {0.02, 0.8, 1.6}, {0.8 + side * 0.35, 0.3, 0.8}));
+    scene.objects.push_back(transit_box_at("y", {0.7, 0.02, 1.6}, {0.8, 0.3 + side * 0.4, 0.8}));
   }
   MotionOptions options;
   options.planning_effort = 0.05;
@@ -193,7 +193,7 @@ TEST(Transit, ReachesAGoalThatNearlyCollides) {
   PlanningScene scene = hard_scene();
   const Joints start = solutions_above(scene, {0.8, -0.3, 0.15}).front();
   const Joints goal = solutions_above(scene, {0.8, 0.3, 0.15}).front();
-  scene.objects.push_back(box_at("near", {0.3, 0.02, 0.3}, {0.8, 0.43, 0.15}));
+  scene.objects.push_back(transit_box_at("near", {0.3, 0.02, 0.3}, {0.8, 0.43, 0.15}));
   CollisionRules rules;
   rules.self_padding = 0.0;
   double free = 0.0, hit = 0.1;
@@ -211,8 +211,8 @@ TEST(Transit, ReachesAGoalThatNearlyCollides) {
 
 /// Fingers that let go beside another stone are no further open than there was clearance.
 TEST(Transit, LeavesWithTheGripperAsFarOpenAsItIs) {
-  PlanningScene scene = empty_scene();
-  const Joints start = tool_down();
+  PlanningScene scene = empty_transit_scene();
+  const Joints start = transit_tool_down();
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, start) * scene.T_F_T;
   for (const double side : {-1.0, 1.0}) {  // a wall close to either finger, 60 mm from the middle
     const Eigen::Vector3d p = T_W_T * Eigen::Vector3d(side * (0.060 + 0.013 + 0.01), 0, -0.02);
@@ -243,8 +243,8 @@ TEST(Transit, IsTimedFromStartToGoal) {
 }
 
 TEST(Transit, ToWhereTheArmIsTakesNoTime) {
-  const PlanningScene scene = empty_scene();
-  const auto trajectory = plan_transit(scene, tool_down(), tool_down());
+  const PlanningScene scene = empty_transit_scene();
+  const auto trajectory = plan_transit(scene, transit_tool_down(), transit_tool_down());
   ASSERT_TRUE(trajectory.has_value());
   EXPECT_DOUBLE_EQ(trajectory->duration(), 0.0);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "physics/bodies.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -15,7 +16,6 @@ using test::body;
 using test::box;
 
 constexpr double kStep = 0.0005;
-constexpr double kGravity = 9.81;
 
 WorldOptions with_friction(double friction) {
   WorldOptions options;

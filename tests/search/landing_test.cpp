@@ -7,15 +7,15 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kCell = 0.004;
+constexpr double kLandingCell = 0.004;
 
 StackField field_of(const std::vector<BodyPose>& stack, double clean_height = 0.006) {
-  return {top_surface(stack, {{0, 0}, kCell, 70}, clean_height), interfaces({stack, {}}), 0.1};
+  return {top_surface(stack, {{0, 0}, kLandingCell, 70}, clean_height), interfaces({stack, {}}), 0.1};
 }
 
 LandingGrid land_box(const StackField& field, const Mesh& box, int i, int j) {
   UndersideOptions options;
-  options.cell = kCell;
+  options.cell = kLandingCell;
   options.stride = field.surface.heights.stride;
   GapField buffer;
   return land(field, make_underside(box.vertices, box.faces, Eigen::Matrix3d::Identity(), options), 1.0,

@@ -9,7 +9,7 @@
 namespace stonestack::simulation {
 namespace {
 
-struct Bench {
+struct SharedBench {
   std::vector<Stone> stones{make_pebble("pebble", 1.2)};
   RobotModel robot = read_robot("ur10");
   CellLayout layout;
@@ -19,7 +19,7 @@ struct Bench {
 };
 
 TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
-  Bench bench;
+  SharedBench bench;
   const double start = bench.world.time();
   const GripperPose before = bench.world.lock().world.gripper_pose();
   int ticks = 0;
@@ -41,7 +41,7 @@ TEST(SharedWorld, ArmAndFingersMoveInOneStretchOfTime) {
 }
 
 TEST(SharedWorld, OthersWaitForSimulatedTime) {
-  Bench bench;
+  SharedBench bench;
   const double start = bench.world.time();
   EXPECT_FALSE(bench.world.wait_until(start + 0.1, 0.01)) << "nobody lets time pass";
   std::atomic<bool> arrived = false;

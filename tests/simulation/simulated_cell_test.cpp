@@ -14,14 +14,15 @@ namespace {
 using Status = MotionResult::Status;
 
 /// A cell with pebbles, and a gripper that moves along straight lines.
-struct Bench {
+struct SimulatedCellBench {
   std::vector<Stone> stones;
   RobotModel robot = read_robot("ur10");
   CellLayout layout;
   SimulatedCell simulated;
   Cell cell;
 
-  explicit Bench(std::vector<Stone> all, const SimulationOptions& options = {}, const CellLayout& in = {})
+  explicit SimulatedCellBench(std::vector<Stone> all, const SimulationOptions& options = {},
+                              const CellLayout& in = {})
       : stones(std::move(all)),
         layout(in),
         simulated(stones, first_stones(stones.size()), robot, layout, options),
@@ -74,7 +75,7 @@ struct Bench {
 };
 
 TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
-  Bench bench({make_pebble("pebble", 1.2)});
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
   const auto& [arm, gripper, force_torque, camera, clock, layout] = bench.cell;
   const Eigen::Vector3d p = bench.centre(0_stone);
   const double yaw = bench.yaw(0_stone), low = std::max(0.004, p.z() - 0.015);
@@ -107,7 +108,7 @@ TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
 }
 
 TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
-  Bench bench({make_pebble("pebble", 1.2)});
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
   ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
   const auto contact = bench.cell.arm.follow_guarded({bench.line(tool_down({0.7, 0.3, -0.02}), 0.005)});
   EXPECT_EQ(contact.status, Status::kContact);
@@ -123,7 +124,7 @@ TEST(SimulatedCell, ALateForceLetsTheGripperPressHarder) {
   const auto height_at_contact = [](double delay) {
     SimulationOptions options;
     options.force_delay = delay;
-    Bench bench({make_pebble("pebble", 1.2)}, options);
+    SimulatedCellBench bench({make_pebble("pebble", 1.2)}, options);
     EXPECT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
     const auto contact = bench.cell.arm.follow_guarded({bench.line(tool_down({0.7, 0.3, -0.02}), 0.005)});
     EXPECT_EQ(contact.status, Status::kContact);
@@ -134,7 +135,7 @@ TEST(SimulatedCell, ALateForceLetsTheGripperPressHarder) {
 }
 
 TEST(SimulatedCell, EveryStateHasTheTimeOfTheCellsClock) {
-  Bench bench({make_pebble("pebble", 1.2)});
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
   bench.cell.force_torque.zero();  // takes its time
   const double before = bench.cell.clock.now();
   ASSERT_GT(before, 0.0);
@@ -145,7 +146,7 @@ TEST(SimulatedCell, EveryStateHasTheTimeOfTheCellsClock) {
 }
 
 TEST(SimulatedCell, ArmRefusesAndStops) {
-  Bench bench({make_pebble("pebble", 1.2)});
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
   auto& arm = bench.cell.arm;
   auto elsewhere = bench.line(tool_down({0.7, 0.1, 0.4}), 0.2);
   for (auto& q : elsewhere.q) q[0] += 0.05;
@@ -166,7 +167,7 @@ TEST(SimulatedCell, ArmRefusesAndStops) {
 }
 
 TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
-  Bench bench({make_pebble("pebble", 1.2)});
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
   RobotModel robot = bench.robot;
   robot.workspace = ToolWorkspace{
       {Eigen::Vector3d(-2, -2, 0.2), Eigen::Vector3d(2, 2, 2)}, bench.layout.T_W_R, bench.layout.T_F_T};
@@ -181,7 +182,7 @@ TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
 TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
   std::vector<Stone> stones;
   for (int i = 0; i < 5; ++i) stones.push_back(make_pebble("pebble_" + std::to_string(i), 0.5 + 0.3 * i));
-  Bench bench(stones);
+  SimulatedCellBench bench(stones);
   const auto truth = bench.simulated.truth();
   for (int i = 0; i < 5; ++i) {
     const Eigen::Vector3d p = bench.centre(StoneIndex(i));
@@ -211,7 +212,7 @@ TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
 TEST(SimulatedCell, ACameraMountedStraightDoesNotSeeItself) {
   CellLayout layout;
   layout.T_T_C = Pose(Eigen::Translation3d(0.0, 0.11, -0.17));  // its box, along T's axes, holds the lens
-  Bench bench({make_pebble("pebble", 1.2)}, {}, layout);
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)}, {}, layout);
   const DepthImage image = bench.cell.camera.capture().image;
   const auto seen = std::count_if(image.z.begin(), image.z.end(), [](float z) { return z > 0.0F; });
   EXPECT_GT(seen, static_cast<std::ptrdiff_t>(image.z.size() / 2));
@@ -226,7 +227,7 @@ TEST(SimulatedCell, TooManyStonesAreRefusedWithAReason) {
 
 TEST(SimulatedCell, SameSeedSameStonesSameImage) {
   const std::vector<Stone> stones{make_pebble("a", 0.6), make_pebble("b", 1.0)};
-  Bench first(stones), again(stones);
+  SimulatedCellBench first(stones), again(stones);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_TRUE((first.simulated.truth().T_W_O[i].matrix().array() ==
                  again.simulated.truth().T_W_O[i].matrix().array())
@@ -238,7 +239,7 @@ TEST(SimulatedCell, SameSeedSameStonesSameImage) {
 }
 
 TEST(SimulatedCell, WaitingLetsThatMuchTimePassAndStonesRest) {
-  Bench bench({make_pebble("pebble", 1.2)});
+  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
   const double begin = bench.cell.clock.now();
   const Pose before = bench.simulated.truth().T_W_O[0];
   bench.simulated.wait(10.0);

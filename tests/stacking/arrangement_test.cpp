@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "box_shape.hpp"
+#include "core/constants.hpp"
 
 namespace stonestack::stacking {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 /// Four slabs, the lower ones wider; the site is the default one.
 const ShapeList& slabs() {

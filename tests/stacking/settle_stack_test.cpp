@@ -10,7 +10,7 @@ namespace {
 constexpr double kFriction = 0.4;
 
 /// A slab, and a narrow one that stands on its edge: it falls when it is set down askew.
-const ShapeList& slabs() {
+const ShapeList& stack_of_slabs() {
   static const ShapeList list = {box("wide", {0.12, 0.12, 0.05}), box("narrow", {0.06, 0.016, 0.05})};
   return list;
 }
@@ -21,7 +21,7 @@ Stack settled(const Stack& seen, bool lowered = false) {
   std::vector<MeasuredStone> measured;
   for (const StoneEstimate& stone : as_estimates(seen.stones)) measured.push_back({stone, lowered});
   Stack stack;
-  for (const StoneEstimate& stone : settle_stack(slabs(), measured, kFriction))
+  for (const StoneEstimate& stone : settle_stack(stack_of_slabs(), measured, kFriction))
     stack.stones.push_back({stone.stone, stone.T_W_O_at_rest});
   return stack;
 }
@@ -35,7 +35,7 @@ bool stands(const Stack& stack) {
   StandOptions stand;
   stand.friction = kFriction;
   stand.seconds = 1.0;
-  const StandVerdict verdict = judge_stack(slabs(), stack, stand);
+  const StandVerdict verdict = judge_stack(stack_of_slabs(), stack, stand);
   return verdict.stands && verdict.clean;
 }
 
@@ -89,7 +89,7 @@ TEST(SettleStack, WhereAStoneWasSeenStaysApartFromWhereItRests) {
   const Stack seen = two(0.0015, 0.0);
   std::vector<MeasuredStone> measured;
   for (const StoneEstimate& stone : as_estimates(seen.stones)) measured.push_back({stone, true});
-  const auto estimates = settle_stack(slabs(), measured, kFriction);
+  const auto estimates = settle_stack(stack_of_slabs(), measured, kFriction);
   ASSERT_EQ(estimates.size(), 2U);
   EXPECT_EQ(estimates[1].T_W_O_seen.matrix(), seen.stones[1].T_W_O.matrix());
   EXPECT_NEAR(estimates[1].T_W_O_at_rest.translation().z(), 0.075, 1e-4);
@@ -97,11 +97,11 @@ TEST(SettleStack, WhereAStoneWasSeenStaysApartFromWhereItRests) {
 
 TEST(RestingStacks, ReportTheFrictionsAtWhichAStackIsStable) {
   Stack stack = two(0.0, 0.0);
-  const auto resting = resting_stacks(slabs(), stack, {}, {0.1, 0.4});
+  const auto resting = resting_stacks(stack_of_slabs(), stack, {}, {0.1, 0.4});
   ASSERT_EQ(resting.size(), 2U);
   for (const RestingStack& at : resting) EXPECT_TRUE(at.stack.has_value()) << at.reason;
   stack.stones[1].T_W_O.translation().x() = 0.075;  // its centre of mass is beyond the edge
-  const auto falling = resting_stacks(slabs(), stack, {}, {0.1, 0.4});
+  const auto falling = resting_stacks(stack_of_slabs(), stack, {}, {0.1, 0.4});
   for (const RestingStack& at : falling) {
     EXPECT_FALSE(at.stack.has_value());
     EXPECT_FALSE(at.reason.empty());

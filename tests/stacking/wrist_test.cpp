@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "core/constants.hpp"
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kGravity = 9.81;
 const GripperMass kGripper{2.3, {0.01, -0.02, 0.12}};
 
 /// Carries the gripper and perhaps a stone, as the arm stands.

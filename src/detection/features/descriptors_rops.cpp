@@ -10,8 +10,8 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr std::size_t kChunk = 128;  // keypoints a task; every estimator indexes all triangles anew
-constexpr int kLength = 135;         // 5 x 5 bins and 3 rotations: PCL's output type holds no other
+constexpr std::size_t kRopsChunk = 128;  // keypoints a task; every estimator indexes all triangles anew
+constexpr int kLength = 135;             // 5 x 5 bins and 3 rotations: PCL's output type holds no other
 
 }  // namespace
 
@@ -26,8 +26,9 @@ Features rops_features(const TriangulatedSurface& mesh, std::span<const int> key
   std::vector<pcl::Vertices> triangles(mesh.triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t)
     triangles[t].vertices.assign(mesh.triangles[t].data(), mesh.triangles[t].data() + 3);
-  tbb::parallel_for(std::size_t{0}, (keypoints.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const auto some = keypoints.subspan(chunk * kChunk, std::min(kChunk, keypoints.size() - chunk * kChunk));
+  tbb::parallel_for(std::size_t{0}, (keypoints.size() + kRopsChunk - 1) / kRopsChunk, [&](std::size_t chunk) {
+    const auto some =
+        keypoints.subspan(chunk * kRopsChunk, std::min(kRopsChunk, keypoints.size() - chunk * kRopsChunk));
     pcl::ROPSEstimation<pcl::PointXYZ, pcl::Histogram<kLength>> estimator;
     estimator.setInputCloud(cloud);
     estimator.setSearchMethod(tree);
@@ -38,7 +39,7 @@ Features rops_features(const TriangulatedSurface& mesh, std::span<const int> key
     pcl::PointCloud<pcl::Histogram<kLength>> result;
     estimator.compute(result);
     for (std::size_t k = 0; k < some.size(); ++k) {
-      auto row = rows.row(static_cast<Eigen::Index>(chunk * kChunk + k));
+      auto row = rows.row(static_cast<Eigen::Index>(chunk * kRopsChunk + k));
       if (k < result.size())
         row = Eigen::Map<const Eigen::RowVectorXf>(result[k].histogram, kLength);
       else

@@ -9,7 +9,7 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr std::size_t kChunk = 64;  // keypoints a task
+constexpr std::size_t kShotChunk = 64;  // keypoints a task
 
 }  // namespace
 
@@ -21,8 +21,9 @@ Features shot_features(const SurfacePoints& surface, std::span<const int> keypoi
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // it prints every keypoint that it drops
   const auto tree = pcl::make_shared<pcl::search::KdTree<pcl::PointXYZ>>(false);
   tree->setInputCloud(cloud);  // once; the estimators find it in place
-  tbb::parallel_for(std::size_t{0}, (keypoints.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const auto some = keypoints.subspan(chunk * kChunk, std::min(kChunk, keypoints.size() - chunk * kChunk));
+  tbb::parallel_for(std::size_t{0}, (keypoints.size() + kShotChunk - 1) / kShotChunk, [&](std::size_t chunk) {
+    const auto some =
+        keypoints.subspan(chunk * kShotChunk, std::min(kShotChunk, keypoints.size() - chunk * kShotChunk));
     pcl::SHOTEstimation<pcl::PointXYZ, pcl::Normal, pcl::SHOT352> estimator;
     estimator.setInputCloud(cloud);
     estimator.setInputNormals(normals);
@@ -32,7 +33,7 @@ Features shot_features(const SurfacePoints& surface, std::span<const int> keypoi
     pcl::PointCloud<pcl::SHOT352> result;
     estimator.compute(result);
     for (std::size_t k = 0; k < some.size(); ++k)
-      rows.row(static_cast<Eigen::Index>(chunk * kChunk + k)) =
+      rows.row(static_cast<Eigen::Index>(chunk * kShotChunk + k)) =
           Eigen::Map<const Eigen::RowVectorXf>(result[k].descriptor, 352);
   });
   return finite_features(surface, keypoints, rows);

@@ -13,7 +13,7 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kIterations = 5;
+constexpr int kJointIterations = 5;
 constexpr int kMaxSamples = 2500;      // of a stone, in all views
 constexpr double kNearby = 0.006;      // m: points further from a stone are not its own
 constexpr double kPriorShift = 0.005;  // m, rad: how right the poses are that come in
@@ -154,7 +154,7 @@ std::vector<Detection> refined_together(std::vector<Detection> found, const Dete
   std::vector<Pose> T_C_V;
   for (const auto& view : scene.views) T_C_V.push_back(view.T_C_V);
   LinearSystem system;
-  for (int turn = 0; turn < kIterations; ++turn) {
+  for (int turn = 0; turn < kJointIterations; ++turn) {
     system = joint_system(parts, T_C_V, scene);
     const Eigen::VectorXd x = -system.H.ldlt().solve(system.g);
     if (!x.allFinite()) break;

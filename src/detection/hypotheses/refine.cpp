@@ -7,7 +7,7 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kFewest = 20;  // correspondences: fewer do not hold six degrees of freedom
+constexpr int kRefineFewest = 20;  // correspondences: fewer do not hold six degrees of freedom
 
 /// One linearised step in O: rotation and translation of the seen points onto the model.
 struct Normal {
@@ -74,7 +74,7 @@ Refined refine_pose(const DetectionModel& model, const Pose& T_C_O, const Surfac
     const Normal sum =
         accumulate(model, T_O_C, seen, indices, gate, robust, s < 0.5 ? 0.0 : options.min_cosine);
     out.correspondences = sum.count;
-    if (sum.count < kFewest) break;
+    if (sum.count < kRefineFewest) break;
     out.rms = std::sqrt(sum.squares / std::max(sum.weights, 1e-9));
     // A little damping (1e-6 of the trace) keeps directions that the view does not fix where they are.
     Eigen::Matrix<double, 6, 6> H = sum.H;

@@ -21,7 +21,7 @@ constexpr double kFar = 0.008;                // m: distances count up to this
 constexpr double kAlike = 0.0025;             // m, mean distance: nearly indistinguishable
 constexpr double kApart = 0.3;                // rad
 constexpr std::size_t kMaxTurns = 24;
-constexpr double kHiddenWeight = 0.1;  // as in the search
+constexpr double kAlternativeHiddenWeight = 0.1;  // as in the search
 
 /// A turn about the model's centre, and how far it leaves the surface from itself.
 struct Turned {
@@ -112,7 +112,7 @@ std::vector<Detection> judged_alternatives(const Detection& d, const DetectionMo
   for (const auto& T_O_S : model.symmetries) poses.push_back(d.T_C_O * T_O_S);
   std::vector<Detection> judged(poses.size());
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t k) {
-    const auto candidate = judge_pose(model, d.stone, poses[k], alone, kHiddenWeight);
+    const auto candidate = judge_pose(model, d.stone, poses[k], alone, kAlternativeHiddenWeight);
     if (candidate) judged[k] = candidate->detection;
   });
   std::erase_if(judged, [](const Detection& one) { return one.stone == kNoStone; });

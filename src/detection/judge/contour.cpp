@@ -16,7 +16,7 @@ constexpr double kSameNormal = 0.94;    // cosine: less is a crease
 struct Direction {
   int x, y;
 };
-constexpr std::array<Direction, 4> kDirections = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+constexpr std::array<Direction, 4> kContourDirections = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 /// Whether the surface goes on from one pixel to the other; neither known to be one surface without a normal.
 bool one_surface(const DepthImage& depth, int u, int v, int to_u, int to_v) {
@@ -47,7 +47,7 @@ ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn) {
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
       if (!is_drawn(x, y)) continue;
-      for (const Direction d : kDirections) {
+      for (const Direction d : kContourDirections) {
         if (is_drawn(x + d.x, y + d.y)) continue;
         const int u = drawn.u0 + x * drawn.step, v = drawn.v0 + y * drawn.step;
         const int in_u = u - kBeside * d.x, in_v = v - kBeside * d.y;

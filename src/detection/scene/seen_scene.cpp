@@ -8,7 +8,7 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kFewestPixels = 200;  // of depth in the whole image: less is no scene
+constexpr int kSceneFewestPixels = 200;  // of depth in the whole image: less is no scene
 constexpr float kSurelyNotMetres = 50.0F;
 
 /// Why an image cannot be a scene; empty if it can.
@@ -27,7 +27,7 @@ std::string unusable(const DepthImage& image) {
 std::string no_surface(const DepthImage& image, const DetectionOptions& options) {
   if (std::string problem = out_of_range(image, options); !problem.empty()) return problem;
   return concat("depths within ", options.nearest, " to ", options.farthest, " m are there, but fewer than ",
-                kFewestPixels, " lie on a surface: they are too far apart, or noise");
+                kSceneFewestPixels, " lie on a surface: they are too far apart, or noise");
 }
 
 /// The plane in V of a plane in C.
@@ -76,7 +76,7 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
   view.T_C_V = view.T_C_V_reported = T_C_V;
   view.depth = smooth_depth(image, options);
   const auto valid = std::count_if(view.depth.z.begin(), view.depth.z.end(), [](float z) { return z > 0; });
-  if (valid < kFewestPixels) return no_surface(image, options);
+  if (valid < kSceneFewestPixels) return no_surface(image, options);
   std::optional<Plane> expected_V;
   if (expected_table) expected_V = in_view(*expected_table, T_C_V);
   if (expected_table || look_for_table) view.table_V = find_table(view.depth, expected_V, options);
@@ -103,11 +103,11 @@ std::string out_of_range(const DepthImage& image, const DetectionOptions& option
   if (seen.empty()) return "no pixel has a depth";
   const auto within = std::count_if(seen.begin(), seen.end(),
                                     [&](float z) { return z >= options.nearest && z <= options.farthest; });
-  if (within >= kFewestPixels) return {};
+  if (within >= kSceneFewestPixels) return {};
   const auto middle = seen.begin() + static_cast<std::ptrdiff_t>(seen.size() / 2);
   std::nth_element(seen.begin(), middle, seen.end());
   const std::string range =
-      concat("fewer than ", kFewestPixels, " pixels have a depth within ", options.nearest, " to ",
+      concat("fewer than ", kSceneFewestPixels, " pixels have a depth within ", options.nearest, " to ",
              options.farthest, " m; of ", seen.size(), " the middle one is ", *middle, " m");
   return *middle > kSurelyNotMetres
              ? range + ": are these millimetres? (--units of a cloud, --depth-unit of pictures)"

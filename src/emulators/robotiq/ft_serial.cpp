@@ -7,9 +7,9 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kTurn = 0.002;   // s between reads of the line
-constexpr double kSend = 0.05;    // s that a reader may lag behind
-constexpr std::size_t kJam = 50;  // bytes 0xFF that stop the stream (manual)
+constexpr double kTurn = 0.002;       // s between reads of the line
+constexpr double kSerialSend = 0.05;  // s that a reader may lag behind
+constexpr std::size_t kJam = 50;      // bytes 0xFF that stop the stream (manual)
 constexpr std::array<std::uint8_t, 6> kNoise{0x20, 0x4E, 0x20, 0x00, 0xFF, 0x4E};
 constexpr std::uint16_t kStreamOn = 0x0200;
 constexpr int kForces = 180, kAcceleration = 190, kOutputSelect = 410, kFirmware = 500, kSerialNumber = 510,
@@ -124,7 +124,7 @@ void FtSerialServer::stream(const FtReading& reading) {
 }
 
 void FtSerialServer::send(std::span<const std::uint8_t> bytes) {
-  if (!line_.write_all(bytes, Deadline::in(kSend))) line_.discard_output();  // nobody reads
+  if (!line_.write_all(bytes, Deadline::in(kSerialSend))) line_.discard_output();  // nobody reads
 }
 
 }  // namespace stonestack::emulators

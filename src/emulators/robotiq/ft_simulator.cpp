@@ -9,9 +9,9 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kTurn = 0.1;     // s between checks for a client that left
-constexpr double kSend = 1.0;     // s that a reader may lag behind before it is sent away
-constexpr double kIdle = 3600.0;  // s that a client of the command socket may stay silent
+constexpr double kFtTurn = 0.1;     // s between checks for a client that left
+constexpr double kFtSend = 1.0;     // s that a reader may lag behind before it is sent away
+constexpr double kFtIdle = 3600.0;  // s that a client of the command socket may stay silent
 constexpr std::string_view kZero = "SET ZRO";
 constexpr std::size_t kLongest = 256;  // bytes without a command among them
 
@@ -64,7 +64,7 @@ struct FtSimulator::Parts {
 
   void stream(TcpStream& stream) {
     for (long sent = 0; !stream.is_shut();) {
-      const auto sample = source.newer_than(sent, kTurn);
+      const auto sample = source.newer_than(sent, kFtTurn);
       if (!sample || source.faults().silent) continue;
       sent = sample->number;
       if (!send(stream, text(sample->reading))) return;
@@ -83,7 +83,7 @@ struct FtSimulator::Parts {
   }
 
   bool send(TcpStream& stream, const std::string& message) {
-    const Deadline deadline = Deadline::in(kSend);
+    const Deadline deadline = Deadline::in(kFtSend);
     if (!source.faults().split) return static_cast<bool>(stream.write_all(message, deadline));
     const auto half = message.size() / 2;
     if (!stream.write_all(std::string_view(message).substr(0, half), deadline)) return false;
@@ -94,7 +94,7 @@ struct FtSimulator::Parts {
   void obey(TcpStream& stream) {
     for (std::string kept;;) {
       std::array<std::uint8_t, 64> bytes;
-      const IoResult got = stream.read_some(bytes, Deadline::in(kIdle));
+      const IoResult got = stream.read_some(bytes, Deadline::in(kFtIdle));
       if (!got) return;
       kept.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(got.bytes));
       for (auto at = kept.find(kZero); at != std::string::npos; at = kept.find(kZero)) {
@@ -104,7 +104,7 @@ struct FtSimulator::Parts {
           const std::lock_guard lock(mutex);
           zero = now;
         }
-        if (!stream.write_all("Done", Deadline::in(kSend))) return;
+        if (!stream.write_all("Done", Deadline::in(kFtSend))) return;
       }
       if (kept.size() > kLongest) return;
     }

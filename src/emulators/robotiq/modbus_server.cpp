@@ -9,23 +9,23 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kIdle = 3600.0;        // s that a client may stay silent
-constexpr double kSend = 2.0;           // s that a client may take to read a reply
+constexpr double kModbusIdle = 3600.0;  // s that a client may stay silent
+constexpr double kModbusSend = 2.0;     // s that a client may take to read a reply
 constexpr double kGap = 0.05;           // s of silence that ends an unfinished RTU frame
 constexpr std::size_t kMaxKept = 1024;  // bytes without a request among them
 const modbus::Bytes kGarbage{0xDE, 0xAD, 0xBE, 0xEF, 0x00, 0x20, 0x4E, 0xFF, 0x13, 0x37, 0x00, 0x00};
 
-void sleep_for(double seconds) {
+void pause(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
 template <class Stream>
 bool send_bytes(Stream& stream, const modbus::Bytes& bytes, bool fragments) {
-  const Deadline deadline = Deadline::in(kSend);
+  const Deadline deadline = Deadline::in(kModbusSend);
   if (!fragments) return static_cast<bool>(stream.write_all(bytes, deadline));
   for (const auto byte : bytes) {
     if (!stream.write_all(modbus::View(&byte, 1), deadline)) return false;
-    sleep_for(0.0005);
+    pause(0.0005);
   }
   return true;
 }
@@ -88,7 +88,7 @@ ModbusAnswer answer_modbus(modbus::View pdu, const ModbusHandler& handler, Modbu
   }
   answer.pdu = modbus::reply_pdu(request, std::get<std::vector<std::uint16_t>>(result));
   if (faults.take(&ModbusFaults::wrong_count)) ++answer.pdu.at(1);
-  if (faults.take(&ModbusFaults::delayed)) sleep_for(faults.now().delay);
+  if (faults.take(&ModbusFaults::delayed)) pause(faults.now().delay);
   return answer;
 }
 
@@ -100,11 +100,11 @@ ModbusTcpServer::ModbusTcpServer(const ListenOptions& options, ModbusHandler han
 void ModbusTcpServer::serve(TcpStream& stream) {
   for (;;) {
     std::array<std::uint8_t, modbus::kTcpHeader> bytes;
-    if (!stream.read_exact(bytes, Deadline::in(kIdle))) return;
+    if (!stream.read_exact(bytes, Deadline::in(kModbusIdle))) return;
     const auto header = modbus::parse_tcp_header(bytes);
     if (!header) return;  // the framing is lost; only a new connection helps
     modbus::Bytes pdu(header->length - 1U);
-    if (!stream.read_exact(pdu, Deadline::in(kSend))) return;
+    if (!stream.read_exact(pdu, Deadline::in(kModbusSend))) return;
     if (!reply(stream, *header, answer_modbus(pdu, handler_, *faults_))) return;
   }
 }
@@ -144,7 +144,7 @@ void ModbusRtuServer::serve() {
   modbus::Bytes kept;
   for (;;) {
     std::array<std::uint8_t, 256> part;
-    const IoResult got = line_.read_some(part, Deadline::in(kept.empty() ? kIdle : kGap));
+    const IoResult got = line_.read_some(part, Deadline::in(kept.empty() ? kModbusIdle : kGap));
     if (got.status == IoStatus::kClosed) return;
     if (got.status == IoStatus::kTimeOut || kept.size() > kMaxKept) kept.clear();
     kept.insert(kept.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(got.bytes));

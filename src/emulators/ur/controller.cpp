@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::emulators {
@@ -16,8 +17,7 @@ constexpr double kHarder = 20.0;          // N, than when a stop was acknowledge
 constexpr double kTouchLeft = 0.2;        // rad of a joint, in which a touch is left
 constexpr double kApart = 0.2;            // s; links are looked at every 50 ms
 constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider takes effect
-constexpr double kGravity = 9.81;
-constexpr std::size_t kHistory = 1000;                 // control steps
+constexpr std::size_t kHistory = 1000;    // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kWarning = 2, kViolation = 3;            // report levels
 constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE samples before a script is through

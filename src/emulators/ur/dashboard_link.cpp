@@ -4,7 +4,7 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr std::size_t kLongestLine = 4096;
+constexpr std::size_t kDashboardLongestLine = 4096;
 
 }  // namespace
 
@@ -18,7 +18,7 @@ void DashboardLink::receive(std::string_view bytes) {
   bool closes = false;
   for (const char c : bytes) {
     if (c != '\n') {
-      closes = line_.size() >= kLongestLine;
+      closes = line_.size() >= kDashboardLongestLine;
       if (closes) break;
       if (c != '\r') line_ += c;
       continue;

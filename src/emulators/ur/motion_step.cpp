@@ -8,14 +8,14 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kTiny = 1e-9;
+constexpr double kStepTiny = 1e-9;
 constexpr double kOverspeed = 1.02;   // of a joint's limit: what stops the arm
 constexpr double kPressGain = 0.002;  // m/s a N
 constexpr double kTurnGain = 0.02;    // rad/s a Nm
 
 Eigen::Matrix3d turned(const Eigen::Vector3d& w) {
   const double angle = w.norm();
-  if (angle < kTiny) return Eigen::Matrix3d::Identity();
+  if (angle < kStepTiny) return Eigen::Matrix3d::Identity();
   return Eigen::AngleAxisd(angle, w / angle).toRotationMatrix();
 }
 
@@ -53,7 +53,7 @@ bool Motion::next_moves(double seconds, Joints& q) {
   for (auto& move : moves_) {
     move.t += seconds;
     const double share =
-        move.profile.length > kTiny ? move.profile.displacement(move.t) / move.profile.length : 1.0;
+        move.profile.length > kStepTiny ? move.profile.displacement(move.t) / move.profile.length : 1.0;
     sum += share * move.displacement;
     pose = compose(pose, move.displacement_at(share));
     all_over = all_over && move.t >= move.profile.duration();
@@ -121,7 +121,7 @@ std::string Motion::judge(const Joints& q, double seconds) const {
 std::string Motion::step(double seconds, const Six& wrench_B) {
   Joints q = q_unpressed_;
   bool reached = true;
-  if (seconds <= kTiny) {
+  if (seconds <= kStepTiny) {
     qd_.setZero();
     qdd_.setZero();
     return {};

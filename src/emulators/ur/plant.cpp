@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/constants.hpp"
 #include "simulation/shared_world.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -10,7 +11,6 @@ namespace stonestack::emulators {
 namespace {
 
 constexpr double kCheckPeriod = 0.050;  // s between two comparisons of links with table and stones
-constexpr double kGravity = 9.81;
 constexpr double kFade = 0.1;  // s of motion in which the error of the last stop becomes that of the next
 
 class WorldPlant final : public Plant {

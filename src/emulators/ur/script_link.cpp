@@ -6,9 +6,9 @@
 namespace stonestack::emulators {
 namespace {
 
-constexpr double kStateRate = 10.0;  // Hz of primary and secondary
-constexpr int kReadsAStep = 16;      // a script of 4,000,000 characters has come in some 30 steps
-constexpr double kPatience = 1.0;    // s for the rest of a program: then it is a syntax error
+constexpr double kStateRate = 10.0;      // Hz of primary and secondary
+constexpr int kReadsAStep = 16;          // a script of 4,000,000 characters has come in some 30 steps
+constexpr double kScriptPatience = 1.0;  // s for the rest of a program: then it is a syntax error
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void ScriptLink::take(const std::string& script) {
 
 void ScriptLink::after_step() {
   UrController& c = controller();
-  if (collector_.inside_program() && c.uptime() - heard_ > kPatience) take(collector_.give_up());
+  if (collector_.inside_program() && c.uptime() - heard_ > kScriptPatience) take(collector_.give_up());
   if (kind_ == Kind::kRealtime) return offer(encode_realtime(c));
   if (c.steps() < next_state_) return;
   next_state_ = c.steps() + static_cast<std::uint64_t>(1.0 / (kStateRate * c.period()) + 0.5);

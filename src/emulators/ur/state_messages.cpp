@@ -8,8 +8,8 @@ namespace stonestack::emulators {
 namespace {
 
 constexpr std::uint8_t kRobotState = 16;
-constexpr float kVolts = 48.0F, kWarm = 25.0F;
-constexpr std::uint8_t kJointRunning = 253, kJointIdle = 255, kJointOff = 239;
+constexpr float kVolts = 48.0F, kStateWarm = 25.0F;
+constexpr std::uint8_t kStateJointRunning = 253, kStateJointIdle = 255, kStateJointOff = 239;
 constexpr double kJointAcceleration = 40.0;  // rad/s^2, as in the configuration
 
 void put_float(std::string& out, float value) {
@@ -25,9 +25,9 @@ void put_zeros(std::string& out, int count) {
 }
 
 std::uint8_t joint_mode(const UrController& c) {
-  return c.robot_mode == RobotMode::kRunning ? kJointRunning
-         : c.robot_mode == RobotMode::kIdle  ? kJointIdle
-                                             : kJointOff;
+  return c.robot_mode == RobotMode::kRunning ? kStateJointRunning
+         : c.robot_mode == RobotMode::kIdle  ? kStateJointIdle
+                                             : kStateJointOff;
 }
 
 // Sub-package: length with itself, type, data.
@@ -65,7 +65,7 @@ std::string joint_data(const UrController& c) {
     put(data, c.plant().qd[j]);
     put_float(data, 0.0F);
     put_float(data, c.robot_mode >= RobotMode::kIdle ? kVolts : 0.0F);
-    put_float(data, kWarm);
+    put_float(data, kStateWarm);
     put_float(data, 0.0F);
     put(data, joint_mode(c));
   }
@@ -80,8 +80,8 @@ std::string tool_data() {
   put_float(data, kVolts);
   put(data, std::uint8_t{0});
   put_float(data, 0.0F);
-  put_float(data, kWarm);
-  put(data, kJointRunning);
+  put_float(data, kStateWarm);
+  put(data, kStateJointRunning);
   return data;
 }
 
@@ -94,7 +94,7 @@ std::string masterboard_data(const UrController& c) {
   put_zeros(data, 2);
   for (unsigned i = 0; i < 2; ++i) put(data, static_cast<std::uint8_t>(c.io.analog_out_types >> i & 1U));
   for (const double share : c.io.analog_out) put(data, share);
-  put_float(data, kWarm);
+  put_float(data, kStateWarm);
   put_float(data, kVolts);
   put_float(data, 0.3F);
   put_float(data, 0.0F);
@@ -201,7 +201,7 @@ std::string encode_realtime(const UrController& c) {
   put_six(data, urscript::to_vector(geometry.T_B_P(c.motion.q())));
   put_six(data, geometry.twist(c.motion.q(), c.motion.qd() * c.scaling()));
   put(data, static_cast<double>(c.io.digital_in));
-  put_six(data, Six::Constant(kWarm));
+  put_six(data, Six::Constant(kStateWarm));
   put(data, c.period());
   put(data, 0.0);  // UR's own
   put(data, static_cast<double>(c.robot_mode));

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMark = "stonestack v4l2 1";
-constexpr std::size_t kMaxFrames = 1000000;
+constexpr std::size_t kV4l2MaxFrames = 1000000;
 
 }  // namespace
 
@@ -70,7 +70,7 @@ std::vector<RecordedFrame> parse_v4l2_list(const std::string& text, const std::s
     if (!note.error && note.bytes >= needed) {
       if (!frames.empty() && note.time() <= frames.back().time)
         fail(concat("line ", number, ": a time that does not rise"));
-      if (frames.size() == kMaxFrames) fail("more than a million frames");
+      if (frames.size() == kV4l2MaxFrames) fail("more than a million frames");
       frames.push_back(
           {note.time(), (fs::path(folder) / "v4l2.raw").string(), offset, format.bytes_per_line});
     }

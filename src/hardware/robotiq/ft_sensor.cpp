@@ -16,8 +16,8 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr double kTurn = 0.05;       // s between checks of the stop mark
-constexpr double kRateWindow = 1.0;  // s
+constexpr double kFtSensorTurn = 0.05;  // s between checks of the stop mark
+constexpr double kRateWindow = 1.0;     // s
 
 std::chrono::duration<double> seconds(double value) {
   return std::chrono::duration<double>(value);
@@ -92,7 +92,7 @@ void RobotiqFtSensor::Stream::drain() {
     try {
       std::array<std::uint8_t, 512> bytes;
       if (!lost) {
-        const IoResult got = link.stream->read_some(bytes, Deadline::in(kTurn));
+        const IoResult got = link.stream->read_some(bytes, Deadline::in(kFtSensorTurn));
         lost = got.status == IoStatus::kClosed;
         link.parser.feed(std::span<const std::uint8_t>(bytes).first(got.bytes));
       }
@@ -113,7 +113,7 @@ void RobotiqFtSensor::Stream::drain() {
       problem = error.what();
       link.stream.reset();
     }
-    if (!link.stream) std::this_thread::sleep_for(seconds(kTurn));
+    if (!link.stream) std::this_thread::sleep_for(seconds(kFtSensorTurn));
     last_heard = clock.seconds();
   }
 }

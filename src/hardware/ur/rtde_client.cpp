@@ -17,9 +17,9 @@ namespace {
 
 constexpr std::size_t kKeptTexts = 64;
 constexpr int kRefusedInARow = 3;
-constexpr double kLatest = 1e9;   // s: no controller has run for 30 years
-constexpr double kTurn = 0.1;     // s between checks for Ctrl-C
-constexpr double kRestart = 1.0;  // s that a controller's clock goes back only when it restarted
+constexpr double kLatest = 1e9;    // s: no controller has run for 30 years
+constexpr double kRtdeTurn = 0.1;  // s between checks for Ctrl-C
+constexpr double kRestart = 1.0;   // s that a controller's clock goes back only when it restarted
 
 }  // namespace
 
@@ -91,7 +91,7 @@ struct RtdeClient::Link {
     std::unique_lock lock(mutex);
     const Deadline limit = Deadline::in(options.boot_timeout);
     while (!booted && !limit.over() && !interrupt_noted())
-      changed.wait_for(lock, std::chrono::duration<double>(limit.or_in(kTurn).left()));
+      changed.wait_for(lock, std::chrono::duration<double>(limit.or_in(kRtdeTurn).left()));
     if (booted) return;
     const std::string why = problem.empty() ? "no steady data" : problem;
     lock.unlock();

@@ -9,7 +9,7 @@
 namespace stonestack::hardware {
 namespace {
 
-constexpr std::size_t kChunk = 16384;
+constexpr std::size_t kSessionChunk = 16384;
 constexpr double kWriteTime = 0.2;  // s; a controller that takes longer is not reading
 constexpr std::size_t kLongestNames = 2048;
 
@@ -75,7 +75,7 @@ void RtdeSession::write(const RtdePacket& packet) {
 }
 
 std::optional<RtdePacket> RtdeSession::next_packet(Deadline deadline) {
-  std::array<std::uint8_t, kChunk> bytes{};
+  std::array<std::uint8_t, kSessionChunk> bytes{};
   for (;;) {
     if (auto packet = stream_.next()) return packet;
     if (!stream_.problem().empty())

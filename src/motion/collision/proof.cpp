@@ -32,12 +32,12 @@ struct Middle {
 };
 
 /// A mover at a middle.
-struct Placed {
+struct ProofPlaced {
   Segment axis;
   Bounds box;
   double shift = 0.0;
-  Placed() = default;
-  Placed(const Middle& middle, const Mover& mover)
+  ProofPlaced() = default;
+  ProofPlaced(const Middle& middle, const Mover& mover)
       : axis{middle.pose[mover.link] * mover.core.axis.a, middle.pose[mover.link] * mover.core.axis.b},
         box(bounds(axis)),
         shift(max_shift(middle.pose, middle.turn, axis, mover.core.reach, mover.link)) {}
@@ -81,10 +81,10 @@ class Proof {
   /// Appends the pairs of [first, last) that remain undecided. False: a collision.
   bool look_again(const Middle& middle, std::size_t first, std::size_t last) {
     std::size_t placed_mover = std::numeric_limits<std::size_t>::max();
-    Placed placed;
+    ProofPlaced placed;
     for (std::size_t k = first; k < last; ++k) {
       const Couple couple = undecided_[k];
-      if (couple.mover != placed_mover) placed = Placed(middle, shapes_.movers[couple.mover]);
+      if (couple.mover != placed_mover) placed = ProofPlaced(middle, shapes_.movers[couple.mover]);
       placed_mover = couple.mover;
       if (!note(ask(middle, placed, couple), couple)) return false;
     }
@@ -92,8 +92,9 @@ class Proof {
   }
 
   bool look_at_all(const Middle& middle) {
-    for (std::size_t i = 0; i < shapes_.movers.size(); ++i) placed_[i] = Placed(middle, shapes_.movers[i]);
-    Placed gripper;
+    for (std::size_t i = 0; i < shapes_.movers.size(); ++i)
+      placed_[i] = ProofPlaced(middle, shapes_.movers[i]);
+    ProofPlaced gripper;
     const bool has_gripper = shapes_.first_gripper < shapes_.movers.size();
     if (has_gripper) {
       gripper.axis = {middle.pose[6] * shapes_.gripper.axis.a, middle.pose[6] * shapes_.gripper.axis.b};
@@ -135,7 +136,7 @@ class Proof {
     return answer != Answer::kHit;
   }
 
-  [[nodiscard]] Answer ask(const Middle& middle, const Placed& placed, const Couple& couple) const {
+  [[nodiscard]] Answer ask(const Middle& middle, const ProofPlaced& placed, const Couple& couple) const {
     switch (couple.with) {
       case Couple::With::kTable:
         return ask_table(middle, placed, couple);
@@ -154,7 +155,8 @@ class Proof {
     return answer(workspace_left(shapes_, middle.pose), kWorkspaceMargin, shift);
   }
 
-  [[nodiscard]] Answer ask_table(const Middle& middle, const Placed& placed, const Couple& couple) const {
+  [[nodiscard]] Answer ask_table(const Middle& middle, const ProofPlaced& placed,
+                                 const Couple& couple) const {
     const Mover& mover = shapes_.movers[couple.mover];
     const double axis = std::min(shapes_.n_R_table.dot(placed.axis.a), shapes_.n_R_table.dot(placed.axis.b));
     if (axis + shapes_.table_offset - mover.core.reach > couple.padding + placed.shift) return Answer::kClear;
@@ -167,7 +169,8 @@ class Proof {
     return answer(height, couple.padding, placed.shift);
   }
 
-  [[nodiscard]] Answer ask_piece(const Middle& middle, const Placed& placed, const Couple& couple) const {
+  [[nodiscard]] Answer ask_piece(const Middle& middle, const ProofPlaced& placed,
+                                 const Couple& couple) const {
     const Mover& mover = shapes_.movers[couple.mover];
     const auto& piece = shapes_.obstacles[couple.other];
     const double bound = mover.core.reach + couple.padding + placed.shift;
@@ -183,7 +186,8 @@ class Proof {
   }
 
   /// Seen from the earlier link only the joints between the two move the later one.
-  [[nodiscard]] Answer ask_mover(const Middle& middle, const Placed& placed, const Couple& couple) const {
+  [[nodiscard]] Answer ask_mover(const Middle& middle, const ProofPlaced& placed,
+                                 const Couple& couple) const {
     const Mover &a = shapes_.movers[couple.other], &b = shapes_.movers[couple.mover];
     const Segment axis{middle.pose[a.link] * a.core.axis.a, middle.pose[a.link] * a.core.axis.b};
     const double reach = a.core.reach + b.core.reach + couple.padding;
@@ -210,7 +214,7 @@ class Proof {
 
   const CollisionShapes& shapes_;
   double resolution_;
-  std::array<Placed, CollisionShapes::kMaxMovers> placed_;
+  std::array<ProofPlaced, CollisionShapes::kMaxMovers> placed_;
   std::vector<Couple> undecided_;
 };
 

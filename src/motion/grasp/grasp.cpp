@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.hpp"
 #include "motion/grasp/finger_strips.hpp"
 #include "motion/grasp/grasp_wrench.hpp"
 #include "stonestack/core/error.hpp"
@@ -13,7 +14,6 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr int kEqualiseRounds = 4;
 
 /// Directions spread evenly over the sphere (golden spiral).

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/constants.hpp"
 #include "motion/grasp/grasp_wrench.hpp"
@@ -12,7 +13,6 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr std::size_t kFew = 4;            // grasps that pick a stone up, below which more are sampled,
 constexpr int kDenser = 4;                 // so many times the directions;
 constexpr std::size_t kFewOverTable = 12;  // and where most of them meet the table,

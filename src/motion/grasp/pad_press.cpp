@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
+
 namespace stonestack::motion {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr std::array<double, 3> kSide{1.0, -1.0, -1.0};
 constexpr double kMinFacing = 0.2;  ///< cosine: steeper surface lies beside the pad, not on it
 constexpr double kReach = 0.008;    ///< distance [m] before a pad: what may come to lie on it
@@ -16,11 +17,11 @@ constexpr int kSqueezeRounds = 12;
 constexpr int kIterations = 12;
 constexpr double kUnbalanced = 0.03;  ///< share of the load
 constexpr double kMaxMove = 0.003,
-                 kMaxTurn = 0.06;  ///< limits [rad] and [m]: beyond them the stone counts as lost
-constexpr double kLength = 0.05;   ///< makes torques comparable with forces [m]
-constexpr double kLoadStep = 0.5;  ///< of the weight
-constexpr double kDeepest = 0.02;  ///< that a stone is pressed into a pad [m]
-constexpr int kHalvings = 24;      ///< of that
+                 kMaxTurn = 0.06;      ///< limits [rad] and [m]: beyond them the stone counts as lost
+constexpr double kPressLength = 0.05;  ///< makes torques comparable with forces [m]
+constexpr double kLoadStep = 0.5;      ///< of the weight
+constexpr double kDeepest = 0.02;      ///< that a stone is pressed into a pad [m]
+constexpr int kHalvings = 24;          ///< of that
 
 /// Adds J^T diag(along, across, across) J to the lower triangle of `K`, where J = (1, -[r]x) is how a point
 /// at `r` follows the stone's shift and turn. Written out: most of the time of a press is spent here.
@@ -126,7 +127,7 @@ bool PadPress::settle(State& state, const Vector6& load) const {
   Matrix6 K;
   for (int i = 0; i < kIterations; ++i) {
     const Vector6 rest = forces(state, &K) + load;
-    if (rest.head<3>().norm() + rest.tail<3>().norm() / kLength < kUnbalanced * scale) return true;
+    if (rest.head<3>().norm() + rest.tail<3>().norm() / kPressLength < kUnbalanced * scale) return true;
     K.diagonal().head<3>().array() += 1.0;  // N/m: keeps a lost stone's step finite
     K.diagonal().tail<3>().array() += 1e-3;
     Vector6 step = K.ldlt().solve(rest);
@@ -136,7 +137,7 @@ bool PadPress::settle(State& state, const Vector6& load) const {
     if (state.u.head<3>().norm() > 2 * kMaxMove || state.u.tail<3>().norm() > 2 * kMaxTurn) return false;
   }
   const Vector6 rest = forces(state, nullptr) + load;
-  return rest.head<3>().norm() + rest.tail<3>().norm() / kLength < 2 * kUnbalanced * scale;
+  return rest.head<3>().norm() + rest.tail<3>().norm() / kPressLength < 2 * kUnbalanced * scale;
 }
 
 // The fingers close until each has its force; the stone yields meanwhile.

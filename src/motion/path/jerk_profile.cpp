@@ -8,7 +8,7 @@ namespace stonestack::motion {
 namespace {
 
 constexpr double kSpeedStep = 1.25;  // speed bounds are rounded down to its powers, so that neighbours join
-constexpr int kHalvings = 60;
+constexpr int kJerkHalvings = 60;
 constexpr double kSame = 1e-12;  // rad/s
 
 /// One line or curve, and what the path parameter s may do on it.
@@ -83,7 +83,7 @@ double distance(const Stretch& s, double from, double to) {
 template <class Fits>
 double max_fitting(double low, double high, const Fits& fits) {
   if (fits(high)) return high;
-  for (int k = 0; k < kHalvings; ++k) {
+  for (int k = 0; k < kJerkHalvings; ++k) {
     const double middle = 0.5 * (low + high);
     (fits(middle) ? low : high) = middle;
   }

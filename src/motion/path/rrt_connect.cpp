@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::motion {
@@ -18,8 +19,7 @@ namespace {
 namespace ob = ompl::base;
 using Space = ob::RealVectorStateSpace;
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kStep = 0.5;         // scaled rad, how far a tree grows at once
+constexpr double kRrtStep = 0.5;      // scaled rad, how far a tree grows at once
 constexpr double kWithin = 0.9;       // of the samples, once a length is given
 constexpr double kNearLine = 0.7;     // of the others
 constexpr double kArmAnywhere = 0.2;  // of the others
@@ -39,10 +39,10 @@ void set_state(const Joints& q, ob::State* state) {
 /// Most samples lie about the straight lines from start to the goals, where a path around a small obstacle
 /// passes; some have the arm anywhere and the wrist nearly on such a line; the rest is uniform. Once a length
 /// is given, most are drawn from all that a path of this length can reach (Gammell et al. 2014).
-class Sampler : public ob::StateSampler {
+class RrtSampler : public ob::StateSampler {
  public:
-  Sampler(const ob::StateSpace* space, const Joints& low, const Joints& high, const Joints& start,
-          std::span<const Joints> goals, double longest, Random random)
+  RrtSampler(const ob::StateSpace* space, const Joints& low, const Joints& high, const Joints& start,
+             std::span<const Joints> goals, double longest, Random random)
       : ob::StateSampler(space),
         low_(low),
         high_(high),
@@ -155,7 +155,7 @@ Tree rrt_connect(const CollisionChecker& checker, const Joints& start, std::span
   }
   space->setBounds(bounds);
   space->setStateSamplerAllocator([&, &low = low, &high = high](const ob::StateSpace* s) {
-    return std::make_shared<Sampler>(s, low, high, start, goals, limits.longest, random);
+    return std::make_shared<RrtSampler>(s, low, high, start, goals, limits.longest, random);
   });
   auto information = std::make_shared<ob::SpaceInformation>(space);
   information->setStateValidityChecker(
@@ -176,7 +176,7 @@ Tree rrt_connect(const CollisionChecker& checker, const Joints& start, std::span
   problem->setGoal(goal_states);
 
   ompl::geometric::RRTConnect planner(information);
-  planner.setRange(kStep);
+  planner.setRange(kRrtStep);
   planner.setProblemDefinition(problem);
   planner.setup();
   // A turn of the planner without a motion check (a sample on a tree) is counted as well, so that it ends.

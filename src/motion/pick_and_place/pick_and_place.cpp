@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/cartesian.hpp"
 #include "motion/constants.hpp"
@@ -19,7 +20,6 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kInTable = 0.003;  ///< what a scan and a measured pose may err by [m]
 
 using Status = PickAndPlacePlan::Status;

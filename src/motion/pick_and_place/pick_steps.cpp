@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "motion/constants.hpp"
 #include "motion/path/tool_speed.hpp"
 #include "motion/pick_and_place/pick_attempt.hpp"
@@ -10,7 +11,6 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kMinForce = 50.0;  ///< the gripper can do 15 to 60 N a finger (Robotiq) [N]
 
 using Kind = PlanStep::Kind;

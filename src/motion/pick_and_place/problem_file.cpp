@@ -17,9 +17,9 @@ constexpr double kFurthest = 100.0;       ///< nothing a robot plans with is lar
 constexpr double kGripperLength = 0.264;  ///< flange to tip of the gripper that a file has by default [m]
 
 /// The statements of one line and where it stands, for messages.
-class Line {
+class ProblemFileLine {
  public:
-  Line(const std::string& text, const std::string& file, int number)
+  ProblemFileLine(const std::string& text, const std::string& file, int number)
       : stream_(text), file_(file), number_(number) {}
 
   [[noreturn]] void refuse(const std::string& problem) const {
@@ -76,7 +76,7 @@ class Line {
 };
 
 /// A shape statement; false if `word` names none.
-bool read_shape(const std::string& word, Line& line, PlanningScene& scene) {
+bool read_shape(const std::string& word, ProblemFileLine& line, PlanningScene& scene) {
   if (word != "box" && word != "sphere" && word != "cylinder" && word != "capsule") return false;
   if (scene.objects.size() >= kMaxObjects) line.refuse(concat("is object ", kMaxObjects + 1, ", too many"));
   SceneObject object;
@@ -96,7 +96,7 @@ bool read_shape(const std::string& word, Line& line, PlanningScene& scene) {
   return true;
 }
 
-void read_statement(const std::string& word, Line& line, MotionProblems& out) {
+void read_statement(const std::string& word, ProblemFileLine& line, MotionProblems& out) {
   if (read_shape(word, line, out.scene)) return;
   const bool begun = !out.problems.empty();
   if (word == "robot" && !begun) {
@@ -138,7 +138,7 @@ MotionProblems parse_motion_problems(const std::string& text, const std::string&
   std::istringstream lines(text);
   std::string content;
   for (int number = 1; std::getline(lines, content); ++number) {
-    Line line(content.substr(0, content.find('#')), name, number);
+    ProblemFileLine line(content.substr(0, content.find('#')), name, number);
     const std::string word = line.word();
     if (word.empty()) continue;
     read_statement(word, line, out);

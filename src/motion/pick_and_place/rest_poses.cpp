@@ -10,11 +10,11 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kSame = 0.97;  // cosine (14 deg): faces this similar give one resting pose
+constexpr double kRestSame = 0.97;  // cosine (14 deg): faces this similar give one resting pose
 
 bool is_listed(const Eigen::Vector3d& n_O_up, const std::vector<Eigen::Vector3d>& list) {
   return std::any_of(list.begin(), list.end(),
-                     [&](const Eigen::Vector3d& n) { return n_O_up.dot(n) > kSame; });
+                     [&](const Eigen::Vector3d& n) { return n_O_up.dot(n) > kRestSame; });
 }
 
 /// A resting pose: the up direction in the stone's frame.
@@ -55,7 +55,7 @@ std::vector<RestPose> rest_poses(const Stone& stone, const RegraspOptions& optio
   for (const auto& stand : stands)
     if (!is_listed(stand.n_O_up, options.n_O_not_up) &&
         std::none_of(kept.begin(), kept.end(),
-                     [&](const Stand& k) { return k.n_O_up.dot(stand.n_O_up) > kSame; }))
+                     [&](const Stand& k) { return k.n_O_up.dot(stand.n_O_up) > kRestSame; }))
       kept.push_back(stand);
   std::vector<RestPose> all;
   for (const auto& stand : kept)

@@ -26,18 +26,18 @@ CameraIntrinsics small_camera() {
   return camera;
 }
 
-struct Bench {
+struct CameraBench {
   IdealDepthPlant plant{small_camera(), 0.7, 0.000125};
   CameraSimulator simulator{plant};
   StreamCameraOptions options;
-  Bench() {
+  CameraBench() {
     options.port = simulator.endpoint().port;
     options.frame_timeout = 2.0;
   }
 };
 
 TEST(CameraSimulator, AFrameArrivesAsItWasSeen) {
-  Bench bench;
+  CameraBench bench;
   StreamCamera camera(bench.options);
   const DepthFrame first = camera.capture(), second = camera.capture();
   EXPECT_EQ(first.image.camera.width, 64);
@@ -50,7 +50,7 @@ TEST(CameraSimulator, AFrameArrivesAsItWasSeen) {
 }
 
 TEST(CameraSimulator, StreamsToWhoAsksForIt) {
-  Bench bench;
+  CameraBench bench;
   TcpStream viewer = TcpStream::connect(bench.simulator.endpoint(), Deadline::in(10));
   StreamCamera camera(bench.options);
   ASSERT_TRUE(viewer.write_all("stream\n", Deadline::in(10)));
@@ -67,7 +67,7 @@ TEST(CameraSimulator, StreamsToWhoAsksForIt) {
 TEST(CameraSimulator, OneDamagedFrameIsAskedForAgain) {
   for (int CameraFaults::*fault : {&CameraFaults::hang_up, &CameraFaults::bad_crc, &CameraFaults::garbage,
                                    &CameraFaults::wrong_size, &CameraFaults::not_finite}) {
-    Bench bench;
+    CameraBench bench;
     StreamCamera camera(bench.options);
     CameraFaults faults;
     faults.*fault = 1;
@@ -87,7 +87,7 @@ TEST(CameraSimulator, DamageWithoutEndIsAnErrorThatNamesTheAddress) {
       {&CameraFaults::not_finite, "values out of range"},
       {&CameraFaults::delayed, "no frame within 0.2 s"}};
   for (const auto& [fault, text] : cases) {
-    Bench bench;
+    CameraBench bench;
     bench.options.frame_timeout = 0.2;
     StreamCamera camera(bench.options);
     CameraFaults faults;
@@ -107,7 +107,7 @@ TEST(CameraSimulator, StaleFrozenEmptyAndMisscaledFramesAreRefused) {
       {&CameraFaults::empty, "of the pixels have a depth"},
       {&CameraFaults::scaled, "check depth_scale"}};
   for (const auto& [fault, text] : cases) {
-    Bench bench;
+    CameraBench bench;
     StreamCamera camera(bench.options);
     (void)camera.capture();
     CameraFaults faults;
@@ -121,7 +121,7 @@ TEST(CameraSimulator, StaleFrozenEmptyAndMisscaledFramesAreRefused) {
 TEST(CameraSimulator, AMissingDeviceIsNamed) {
   StreamCameraOptions options;
   {
-    const Bench bench;
+    const CameraBench bench;
     options.port = bench.options.port;
   }
   EXPECT_THAT([&] { StreamCamera camera(options); },

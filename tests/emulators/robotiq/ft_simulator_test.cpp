@@ -24,12 +24,12 @@ using testing::ThrowsMessage;
 
 constexpr double kLong = 10.0;  // s
 
-struct Bench {
+struct SensorBench {
   IdealWrenchPlant plant;
   std::unique_ptr<FtSimulator> simulator;
   FtSensorOptions options;
 
-  explicit Bench(const std::string& link = "serial", bool streaming = false) {
+  explicit SensorBench(const std::string& link = "serial", bool streaming = false) {
     FtSimulatorOptions served;
     served.cap = true;
     served.port = served.command_port = 0;
@@ -58,7 +58,7 @@ double read_until(RobotiqFtSensor& sensor, double fz) {
 }
 
 TEST(FtSimulator, AnswersTheManualsFrameAndStreamsAfterRegister410) {
-  Bench bench;
+  SensorBench bench;
   bench.push(-12.5);
   SerialPort line = SerialPort::open(bench.simulator->serial_path(), 19200);
   const Bytes read_all{0x09, 0x03, 0x00, 0xB4, 0x00, 0x06, 0x84, 0xA6};
@@ -84,7 +84,7 @@ TEST(FtSimulator, AnswersTheManualsFrameAndStreamsAfterRegister410) {
 }
 
 TEST(FtSimulator, LibmodbusReadsWhoItIsAndTheJamStopsTheStream) {
-  Bench bench("serial", true);
+  SensorBench bench("serial", true);
   {
     SerialPort line = SerialPort::open(bench.simulator->serial_path(), 19200);
     ASSERT_TRUE(line.write_all(Bytes(50, 0xFF), Deadline::in(kLong)));
@@ -113,7 +113,7 @@ TEST(FtSimulator, LibmodbusReadsWhoItIsAndTheJamStopsTheStream) {
 TEST(FtSimulator, ADriverThatFindsTheSensorStreamingOrNotStartsIt) {
   ASSERT_EQ(std::system("command -v python3 >/dev/null 2>&1"), 0) << "./dev packages installs python3";
   for (const bool streaming : {false, true}) {
-    Bench bench("serial", streaming);
+    SensorBench bench("serial", streaming);
     bench.push(-12.5);
     const std::string peer = "python3 " STONESTACK_SOURCE_DIR "/tests/emulators/robotiq/peer_ft.py ";
     EXPECT_EQ(std::system((peer + bench.simulator->serial_path() + " -12.5").c_str()), 0) << streaming;
@@ -121,7 +121,7 @@ TEST(FtSimulator, ADriverThatFindsTheSensorStreamingOrNotStartsIt) {
 }
 
 TEST(FtSimulator, TheCapZeroesItsOwnStreamOnCommand) {
-  Bench bench("ur_cap");
+  SensorBench bench("ur_cap");
   bench.push(30.0);
   RobotiqFtSensor sensor(bench.options);
   EXPECT_NEAR(read_until(sensor, 30.0), 30.0, 0.1);
@@ -136,7 +136,7 @@ TEST(FtSimulator, TheCapZeroesItsOwnStreamOnCommand) {
 class EveryFtLink : public testing::TestWithParam<const char*> {};
 
 TEST_P(EveryFtLink, ReadsZeroesAndReadsTheDifference) {
-  Bench bench(GetParam());
+  SensorBench bench(GetParam());
   bench.push(20.0);
   RobotiqFtSensor sensor(bench.options);
   EXPECT_NEAR(read_until(sensor, 20.0), 20.0, 0.1);
@@ -149,7 +149,7 @@ TEST_P(EveryFtLink, ReadsZeroesAndReadsTheDifference) {
 }
 
 TEST_P(EveryFtLink, GarbledFramesAreSkippedNeverRead) {
-  Bench bench(GetParam());
+  SensorBench bench(GetParam());
   bench.push(-7.0);
   RobotiqFtSensor sensor(bench.options);
   EXPECT_NEAR(read_until(sensor, -7.0), -7.0, 0.1);
@@ -167,7 +167,7 @@ TEST_P(EveryFtLink, GarbledFramesAreSkippedNeverRead) {
 }
 
 TEST_P(EveryFtLink, SilenceIsAnErrorAndPassesWhenTheSensorComesBack) {
-  Bench bench(GetParam());
+  SensorBench bench(GetParam());
   bench.options.stale = 0.2;
   RobotiqFtSensor sensor(bench.options);
   FtFaults faults;
@@ -191,7 +191,7 @@ TEST_P(EveryFtLink, SilenceIsAnErrorAndPassesWhenTheSensorComesBack) {
 }
 
 TEST_P(EveryFtLink, TenReadingsASecondAreTooFew) {
-  Bench bench(GetParam());
+  SensorBench bench(GetParam());
   bench.options.stale = 0.05;
   RobotiqFtSensor strict(bench.options);
   FtFaults faults;
@@ -206,7 +206,7 @@ TEST_P(EveryFtLink, TenReadingsASecondAreTooFew) {
 
 TEST_P(EveryFtLink, AStuckOrDeadReadingIsAnError) {
   for (bool FtFaults::*fault : {&FtFaults::stuck, &FtFaults::zeros}) {
-    Bench bench(GetParam());
+    SensorBench bench(GetParam());
     bench.options.stuck_samples = 20;
     RobotiqFtSensor sensor(bench.options);
     FtFaults faults;
@@ -221,7 +221,7 @@ TEST_P(EveryFtLink, AStuckOrDeadReadingIsAnError) {
 }
 
 TEST_P(EveryFtLink, SaturationAndSpikesBeyondTheRangeAreErrors) {
-  Bench bench(GetParam());
+  SensorBench bench(GetParam());
   RobotiqFtSensor sensor(bench.options);
   FtFaults faults;
   faults.saturated = true;
@@ -234,7 +234,7 @@ TEST_P(EveryFtLink, SaturationAndSpikesBeyondTheRangeAreErrors) {
 }
 
 TEST_P(EveryFtLink, AMovingLoadCannotBeZeroed) {
-  Bench bench(GetParam());
+  SensorBench bench(GetParam());
   RobotiqFtSensor sensor(bench.options);
   FtFaults faults;
   faults.drift = 100.0;
@@ -245,7 +245,7 @@ TEST_P(EveryFtLink, AMovingLoadCannotBeZeroed) {
 INSTANTIATE_TEST_SUITE_P(FtSimulator, EveryFtLink, testing::Values("serial", "ur_cap"));
 
 TEST(FtSensor, TakesOverASensorThatStreamsAlready) {
-  Bench bench("serial", true);
+  SensorBench bench("serial", true);
   bench.options.listen = 5.0;
   RobotiqFtSensor sensor(bench.options);
   (void)sensor.read();
@@ -253,13 +253,13 @@ TEST(FtSensor, TakesOverASensorThatStreamsAlready) {
 }
 
 TEST(FtSensor, StartsASilentSensorAndAsksWhoItIs) {
-  Bench bench;
+  SensorBench bench;
   RobotiqFtSensor sensor(bench.options);
   EXPECT_EQ(sensor.firmware(), "FTS-2.0.1");
 }
 
 TEST(FtSensor, RefusesAnotherDeviceOnTheLine) {
-  Bench bench;
+  SensorBench bench;
   FtFaults faults;
   faults.firmware = "GRIPPER";
   bench.arm(faults);
@@ -268,7 +268,7 @@ TEST(FtSensor, RefusesAnotherDeviceOnTheLine) {
 }
 
 TEST(FtSensor, AMissingSensorEndsAtTheDeadlineWithLineAndRate) {
-  Bench bench;
+  SensorBench bench;
   FtFaults faults;
   faults.silent = true;
   bench.arm(faults);
@@ -279,7 +279,7 @@ TEST(FtSensor, AMissingSensorEndsAtTheDeadlineWithLineAndRate) {
 }
 
 TEST(FtSensor, GarbageOnTheLineIsShownInTheError) {
-  Bench bench("serial", true);
+  SensorBench bench("serial", true);
   FtFaults faults;
   faults.deaf = true;
   faults.bad_crc = -1;
@@ -290,7 +290,7 @@ TEST(FtSensor, GarbageOnTheLineIsShownInTheError) {
 }
 
 TEST(FtSensor, StartsTheStreamAgainAfterAPowerCycle) {
-  Bench bench;
+  SensorBench bench;
   RobotiqFtSensor sensor(bench.options);
   FtFaults faults;
   faults.forgets = true;
@@ -307,7 +307,7 @@ TEST(FtSensor, StartsTheStreamAgainAfterAPowerCycle) {
 }
 
 TEST(FtSensor, TurnsIntoTheFlangesAxes) {
-  Bench bench;
+  SensorBench bench;
   Wrench wrench;
   wrench.force.x() = 10.0;
   bench.plant.set(wrench);

@@ -12,7 +12,7 @@ using Words = GripperRegisters::Words;
 constexpr double kTick = 0.002;  // s
 
 /// A gripper whose time is advanced by the test.
-struct Bench {
+struct RegisterBench {
   IdealGripperPlant plant;
   GripperRegisters registers{plant};
 
@@ -31,14 +31,14 @@ struct Bench {
 };
 
 TEST(GripperRegisters, StartsReset) {
-  Bench bench;
+  RegisterBench bench;
   bench.pass(0.1);
   EXPECT_EQ(bench.byte(0), 0x00U);
   EXPECT_EQ(bench.byte(2), 0U);
 }
 
 TEST(GripperRegisters, ActivatesOverOpenAndClosedFingers) {
-  Bench bench;
+  RegisterBench bench;
   bench.write({0x0100, 0, 0});
   bench.pass(0.01);
   EXPECT_EQ(bench.byte(0), 0x11U) << "the manual's 'not activated' status";
@@ -53,7 +53,7 @@ TEST(GripperRegisters, ActivatesOverOpenAndClosedFingers) {
 }
 
 TEST(GripperRegisters, ClosesUponAnObjectAsInTheManual) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.plant.set_obstacles({0xBC, 0xC1, 0xBD, 256});
   bench.write({0x0900, 0x00FF, 0xFFFF});
@@ -67,7 +67,7 @@ TEST(GripperRegisters, ClosesUponAnObjectAsInTheManual) {
 }
 
 TEST(GripperRegisters, OpenReportsItsSoftwareLimitNotZero) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.write({0x0900, 0x0000, 0xFFFF});
   bench.pass(1.0);
@@ -78,7 +78,7 @@ TEST(GripperRegisters, OpenReportsItsSoftwareLimitNotZero) {
 }
 
 TEST(GripperRegisters, OneFingerStoppedEarlyIsReported) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.plant.set_obstacles({256, 100, 256, 256});
   bench.write({0x0900, 0x00FF, 0xFFFF});
@@ -90,7 +90,7 @@ TEST(GripperRegisters, OneFingerStoppedEarlyIsReported) {
 TEST(GripperRegisters, SpeedAndForceFollowTheDataSheet) {
   // 22 mm/s at 0 and 110 mm/s at 255; 155 mm are 255 counts.
   for (const auto& [speed, counts] : {std::pair{0, 36.2}, std::pair{255, 181.0}}) {
-    Bench bench;
+    RegisterBench bench;
     bench.activate();
     const unsigned start = bench.byte(4);
     bench.write({0x0900, 0x00FF, static_cast<std::uint16_t>(speed << 8)});
@@ -100,7 +100,7 @@ TEST(GripperRegisters, SpeedAndForceFollowTheDataSheet) {
 }
 
 TEST(GripperRegisters, IndividualFingersGoWhereEachIsSent) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.write({0x090C, 0x0032, 0xFFFF, 0x64FF, 0xFF96, 0xFFFF, 0x50FF, 0xFF00});
   bench.pass(5.0);
@@ -112,7 +112,7 @@ TEST(GripperRegisters, IndividualFingersGoWhereEachIsSent) {
 }
 
 TEST(GripperRegisters, AModeChangeTakesTimeAndPinchClosesLess) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.write({0x0300, 0, 0});
   bench.pass(0.1);
@@ -127,7 +127,7 @@ TEST(GripperRegisters, AModeChangeTakesTimeAndPinchClosesLess) {
 }
 
 TEST(GripperRegisters, GoingBeforeTheActivationIsAFault) {
-  Bench bench;
+  RegisterBench bench;
   bench.write({0x0800, 0x00FF, 0xFFFF});
   bench.pass(0.1);
   EXPECT_EQ(bench.byte(2), 7U);
@@ -137,7 +137,7 @@ TEST(GripperRegisters, GoingBeforeTheActivationIsAFault) {
 }
 
 TEST(GripperRegisters, AnAutomaticReleaseNeedsAReset) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.write({0x0900, 0x00FF, 0xFFFF});
   bench.pass(3.0);
@@ -154,7 +154,7 @@ TEST(GripperRegisters, AnAutomaticReleaseNeedsAReset) {
 }
 
 TEST(GripperRegisters, StopsWhenTheGoBitIsCleared) {
-  Bench bench;
+  RegisterBench bench;
   bench.activate();
   bench.write({0x0900, 0x00FF, 0xFFFF});
   bench.pass(0.5);

@@ -21,7 +21,7 @@ using Bytes = std::vector<std::uint8_t>;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kLong = 10.0;  // s
+constexpr double kGripperLong = 10.0;  // s
 
 GripperSimulatorOptions fast(bool rtu) {
   GripperSimulatorOptions options;
@@ -45,9 +45,9 @@ ThreeFingerOptions client_options(const GripperSimulator& simulator, const std::
 }
 
 Bytes exchange(ByteStream& stream, const Bytes& request, std::size_t length) {
-  EXPECT_TRUE(stream.write_all(request, Deadline::in(kLong)));
+  EXPECT_TRUE(stream.write_all(request, Deadline::in(kGripperLong)));
   Bytes reply(length);
-  const IoResult got = stream.read_exact(reply, Deadline::in(kLong));
+  const IoResult got = stream.read_exact(reply, Deadline::in(kGripperLong));
   reply.resize(got.bytes);
   return reply;
 }
@@ -55,14 +55,14 @@ Bytes exchange(ByteStream& stream, const Bytes& request, std::size_t length) {
 TEST(GripperSimulator, AnswersTheManualsTcpFramesByteForByte) {
   IdealGripperPlant plant;
   const GripperSimulator simulator(plant, fast(false));
-  TcpStream stream = TcpStream::connect(simulator.endpoint(), Deadline::in(kLong));
+  TcpStream stream = TcpStream::connect(simulator.endpoint(), Deadline::in(kGripperLong));
   const Bytes activate{0x33, 0x9A, 0x00, 0x00, 0x00, 0x0D, 0x02, 0x10, 0x00, 0x00,
                        0x00, 0x03, 0x06, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00};
   EXPECT_EQ(exchange(stream, activate, 12),
             (Bytes{0x33, 0x9A, 0x00, 0x00, 0x00, 0x06, 0x02, 0x10, 0x00, 0x00, 0x00, 0x03}));
   const Bytes status{0x45, 0x33, 0x00, 0x00, 0x00, 0x06, 0x02, 0x04, 0x00, 0x00, 0x00, 0x01};
   const Bytes done{0x45, 0x33, 0x00, 0x00, 0x00, 0x05, 0x02, 0x04, 0x02, 0x31, 0x00};
-  const Deadline limit = Deadline::in(kLong);
+  const Deadline limit = Deadline::in(kGripperLong);
   Bytes reply;
   while (reply != done && !limit.over()) reply = exchange(stream, status, done.size());
   EXPECT_EQ(reply, done);
@@ -79,7 +79,7 @@ TEST(GripperSimulator, AnswersTheManualsSerialFramesByteForByte) {
   EXPECT_EQ(exchange(line, activate, 8), (Bytes{0x09, 0x10, 0x03, 0xE8, 0x00, 0x03, 0x01, 0x30}));
   const Bytes status{0x09, 0x03, 0x07, 0xD0, 0x00, 0x01, 0x85, 0xCF};
   const Bytes done{0x09, 0x03, 0x02, 0x31, 0x00, 0x4C, 0x15};
-  const Deadline limit = Deadline::in(kLong);
+  const Deadline limit = Deadline::in(kGripperLong);
   Bytes reply;
   while (reply != done && !limit.over()) reply = exchange(line, status, done.size());
   EXPECT_EQ(reply, done);
@@ -95,7 +95,7 @@ TEST(GripperSimulator, KeepsSilentOnTheSerialLineWhereTheGripperDoes) {
   for (const Bytes& request : {Bytes{0x02, 0x03, 0x07, 0xD0, 0x00, 0x01, 0x84, 0xB4},     // another unit
                                Bytes{0x09, 0x03, 0x07, 0xD0, 0x00, 0x01, 0x85, 0xCE},     // bad CRC
                                Bytes{0x09, 0x03, 0x00, 0xB4, 0x00, 0x06, 0x84, 0xA6}}) {  // no such registers
-    ASSERT_TRUE(line.write_all(request, Deadline::in(kLong)));
+    ASSERT_TRUE(line.write_all(request, Deadline::in(kGripperLong)));
     EXPECT_EQ(line.read_some(got, Deadline::in(0.1)).status, IoStatus::kTimeOut);
   }
   const Bytes status{0x09, 0x03, 0x07, 0xD0, 0x00, 0x01, 0x85, 0xCF};
@@ -106,7 +106,7 @@ TEST(GripperSimulator, KeepsSilentOnTheSerialLineWhereTheGripperDoes) {
 void drive_by_libmodbus(modbus_t* master, int commands, int status) {
   std::array<std::uint16_t, 8> words{};
   const auto wait_for = [&](unsigned mask, unsigned value) {
-    for (const Deadline limit = Deadline::in(kLong); !limit.over();) {
+    for (const Deadline limit = Deadline::in(kGripperLong); !limit.over();) {
       EXPECT_EQ(modbus_read_input_registers(master, status, 8, words.data()), 8) << modbus_strerror(errno);
       if ((words[0] >> 8U & mask) == value) return true;
     }
@@ -161,7 +161,7 @@ TEST(GripperSimulator, MbpollDrivesItOnBothWires) {
   const std::string rtu = "-m rtu -b 115200 -P none -a 9 ", line = ' ' + simulator.serial_path();
   const auto until = [](const std::string& wanted, const std::string& arguments) {
     std::string message;
-    for (const Deadline limit = Deadline::in(kLong); !limit.over();) {
+    for (const Deadline limit = Deadline::in(kGripperLong); !limit.over();) {
       message = mbpoll(arguments);
       if (message.find(wanted) != std::string::npos) break;
     }

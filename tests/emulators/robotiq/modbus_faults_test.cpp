@@ -15,12 +15,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-struct Bench {
+struct FaultBench {
   IdealGripperPlant plant;
   std::unique_ptr<GripperSimulator> simulator;
   ThreeFingerOptions options;
 
-  explicit Bench(const std::string& preset = "tcp2018") {
+  explicit FaultBench(const std::string& preset = "tcp2018") {
     GripperSimulatorOptions served;
     served.port = 0;
     served.rtu = true;
@@ -73,7 +73,7 @@ TEST_P(EveryLink, OneSpoiltReplyIsRepeated) {
   for (const auto& fault : kWireFaults) {
     if (!applies(fault)) continue;
     SCOPED_TRACE(fault.name);
-    const Bench bench(preset());
+    const FaultBench bench(preset());
     ThreeFingerGripper gripper = bench.ready();
     ModbusFaults faults;
     faults.*fault.fault = 1;
@@ -88,7 +88,7 @@ TEST_P(EveryLink, WithoutEndItIsADeviceErrorThatNamesDeviceAddressAndUnit) {
   for (const auto& fault : kWireFaults) {
     if (!applies(fault)) continue;
     SCOPED_TRACE(fault.name);
-    Bench bench(preset());
+    FaultBench bench(preset());
     bench.options.modbus.attempts = 2;
     ThreeFingerGripper gripper = bench.ready();
     ModbusFaults faults;
@@ -107,7 +107,7 @@ TEST_P(EveryLink, WithoutEndItIsADeviceErrorThatNamesDeviceAddressAndUnit) {
 }
 
 TEST_P(EveryLink, FragmentsAndMergedFramesDoNoHarm) {
-  const Bench bench(preset());
+  const FaultBench bench(preset());
   ThreeFingerGripper gripper = bench.ready();
   ModbusFaults faults;
   faults.fragments = true;
@@ -121,7 +121,7 @@ TEST_P(EveryLink, FragmentsAndMergedFramesDoNoHarm) {
 }
 
 TEST_P(EveryLink, ExceptionsAreNamedAndBusyIsRepeated) {
-  const Bench bench(preset());
+  const FaultBench bench(preset());
   ThreeFingerGripper gripper = bench.ready();
   for (const auto& [code, text] :
        {std::pair{1, "1 (illegal function)"}, std::pair{2, "2 (illegal data address)"},
@@ -145,7 +145,7 @@ TEST_P(EveryLink, ExceptionsAreNamedAndBusyIsRepeated) {
 INSTANTIATE_TEST_SUITE_P(ModbusFaults, EveryLink, testing::Values("tcp2018", "rtu"));
 
 TEST(GripperFaults, AnActivationThatNeverCompletesTimesOut) {
-  const Bench bench;
+  const FaultBench bench;
   ThreeFingerGripper gripper(bench.options);
   GripperFaults faults;
   faults.activation_hangs = true;
@@ -158,7 +158,7 @@ TEST(GripperFaults, AnActivationThatNeverCompletesTimesOut) {
 }
 
 TEST(GripperFaults, AMajorFaultStopsEverythingUntilANewActivation) {
-  const Bench bench;
+  const FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
   for (const int code : {0xD, 0xE, 0xF}) {
     GripperFaults faults;
@@ -173,7 +173,7 @@ TEST(GripperFaults, AMajorFaultStopsEverythingUntilANewActivation) {
 }
 
 TEST(GripperFaults, AFaultDuringAMotionEndsIt) {
-  const Bench bench;
+  const FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
   GripperFaults faults;
   faults.stuck_moving = true;
@@ -186,7 +186,7 @@ TEST(GripperFaults, AFaultDuringAMotionEndsIt) {
 }
 
 TEST(GripperFaults, ALostRequestIsSentOnceMoreThenReported) {
-  const Bench bench;
+  const FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
   GripperFaults faults;
   faults.ignored_writes = 1;
@@ -200,7 +200,7 @@ TEST(GripperFaults, ALostRequestIsSentOnceMoreThenReported) {
 
 TEST(GripperFaults, AnOldStatusIsNotReportedAsTheNewOne) {
   // The gripper is still at its last request and reports it until it acts upon the next one.
-  const Bench bench;
+  const FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
   EXPECT_NEAR(gripper.move(0.1, 0.11, 15).opening, 0.1, 0.001);
   GripperFaults faults;
@@ -210,7 +210,7 @@ TEST(GripperFaults, AnOldStatusIsNotReportedAsTheNewOne) {
 }
 
 TEST(GripperFaults, ContactReportedAtTheRequestIsNoObject) {
-  const Bench bench;
+  const FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
   GripperFaults faults;
   faults.false_object = true;
@@ -219,7 +219,7 @@ TEST(GripperFaults, ContactReportedAtTheRequestIsNoObject) {
 }
 
 TEST(GripperFaults, ASlowSlipShowsInTheOpeningAndThenAsALostObject) {
-  Bench bench;
+  FaultBench bench;
   ThreeFingerGripper gripper = bench.ready();
   bench.plant.set_obstacles({120, 120, 120, 256});
   const GripperState held = gripper.move(0.0, 0.11, 60);

@@ -8,19 +8,19 @@ namespace stonestack::hardware {
 namespace {
 
 using Words = std::vector<std::uint16_t>;
-using Status = ThreeFingerStatus;
+using WordStatus = ThreeFingerStatus;
 using Object = ThreeFingerStatus::Axis::Object;
 
-// Status bytes of the manual's TCP examples, two a word.
+// WordStatus bytes of the manual's TCP examples, two a word.
 const Words kMoving{0x39C0, 0x00FF, 0x080F, 0x0008, 0x1000, 0x080F, 0x0089, 0x0000};
 const Words kGripped{0xB9EA, 0x00FF, 0xBC00, 0x00C1, 0x0000, 0xBD00, 0x0089, 0x0000};
 
 TEST(GripperWords, TheMovingExampleOfTheManual) {
-  const Status s = decode_gripper_status(kMoving);
+  const WordStatus s = decode_gripper_status(kMoving);
   EXPECT_TRUE(s.active);
   EXPECT_TRUE(s.go);
-  EXPECT_EQ(s.stage, Status::Stage::kReady);
-  EXPECT_EQ(s.motion, Status::Motion::kMoving);
+  EXPECT_EQ(s.stage, WordStatus::Stage::kReady);
+  EXPECT_EQ(s.motion, WordStatus::Motion::kMoving);
   EXPECT_EQ(s.axes[0].request, 255);
   EXPECT_EQ(s.axes[0].position, 8);
   EXPECT_NEAR(s.axes[0].current, 0.15, 1e-12);
@@ -29,8 +29,8 @@ TEST(GripperWords, TheMovingExampleOfTheManual) {
 }
 
 TEST(GripperWords, TheGrippedExampleOfTheManual) {
-  const Status s = decode_gripper_status(kGripped);
-  EXPECT_EQ(s.motion, Status::Motion::kAllStopped);
+  const WordStatus s = decode_gripper_status(kGripped);
+  EXPECT_EQ(s.motion, WordStatus::Motion::kAllStopped);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(s.axes[i].object, Object::kContactClosing) << i;
   EXPECT_EQ(s.axes[0].position, 0xBC);
   EXPECT_EQ(s.axes[1].position, 0xC1);
