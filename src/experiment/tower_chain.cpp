@@ -22,6 +22,7 @@ int find_base(const TrueWorld& world, const std::vector<Pose>& T_W_O, const Neig
   int base = -1;
   double nearest = kSiteRadius;
   for (const int i : neighbours.of(kTable)) {
+    if (world.is_foreign(i)) continue;
     const double distance = (centre_of_mass(world, T_W_O, i).head<2>() - site).norm();
     if (distance < nearest) {
       nearest = distance;
@@ -46,7 +47,7 @@ Neighbours::Neighbours(const TrueWorld& world, const std::vector<Pose>& T_W_O, d
     const auto& shape = *world.shapes()[at(i)];
     for (const auto& sample : shape.samples) {
       const Eigen::Vector3d p_W = T_W_O[at(i)] * sample.point;
-      if (p_W.z() < touch_gap) pairs_.insert({kTable, i});
+      if (p_W.z() - world.table().height(p_W) < touch_gap) pairs_.insert({kTable, i});
       for (const int j : world.present()) {
         if (j == i) continue;
         const auto& other = *world.shapes()[at(j)];

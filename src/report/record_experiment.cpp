@@ -88,8 +88,9 @@ class Runs {
     done.folder = folder_;
     Experiment& experiment = done.experiment;
     experiment.per_run = order_.per_run;
-    experiment.title = concat(order_.runs, " runs of ", order_.per_run, " of ", catalogue_.stones.size(),
-                              " stones, ", order_.robot.name, ", seed ", order_.seed);
+    experiment.title =
+        concat(order_.runs, " runs of ", order_.per_run, " of ", catalogue_.stones.size(), " stones, ",
+               order_.robot.name, ", seed ", order_.seed, ", cell ", settings_.simulation.cell);
     experiment.survival_seconds = survival_.seconds;
     if (order_.continues) experiment.runs = runs_done();
     // Before the first run ends, too: what --continue must agree with.

@@ -6,6 +6,7 @@
 
 #include "physics/shape_store.hpp"
 #include "simulation/constants.hpp"
+#include "simulation/true_shape.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
@@ -35,8 +36,10 @@ MassProperties true_mass(const MassProperties& assumed, const SimulationOptions&
 // The rubber that grips it: what plans count on (GripperModel) is another matter.
 PadOptions true_pad(const PadOptions& shape, const SimulationOptions& options, Random random) {
   PadOptions pad = shape;
-  pad.stiffness = options.pad_stiffness;
-  pad.shear = options.pad_stiffness / 3.0;
+  Random wear = Random::stream(static_cast<std::uint64_t>(options.seed), "true pad stiffness");
+  const double factor = std::pow(options.pad_stiffness_spread, wear.uniform(-1.0, 1.0));
+  pad.stiffness = options.pad_stiffness * factor;
+  pad.shear = pad.stiffness / 3.0;
   const double spread = options.pad_friction_spread;
   pad.friction = std::max(0.05, options.pad_friction + random.uniform(-spread, spread));
   return pad;
@@ -50,8 +53,8 @@ Pose away_pose(int k) {
 }  // namespace
 
 TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& present,
-                     const GripperModel& gripper, const SimulationOptions& options)
-    : options_(options), model_(make_gripper_body(gripper)), present_(present) {
+                     const GripperModel& gripper, const SimulationOptions& options, const TrueScene& scene)
+    : options_(options), scene_(scene), model_(make_gripper_body(gripper)), present_(present) {
   std::sort(present_.begin(), present_.end());
   present_.erase(std::unique(present_.begin(), present_.end()), present_.end());
   const auto count = stones.size();
@@ -68,7 +71,7 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
   // A surface drawn beside its scan is this world's own and goes with it.
   const ShapeOptions fine{kShapeCell, kShapeBand, kShapeSpacing};
   const auto shapes =
-      options.scan_error > 0.0 ? make_passing_shapes(real, fine) : make_contact_shapes(real, fine);
+      differs_from_scan(options) ? make_passing_shapes(real, fine) : make_contact_shapes(real, fine);
   for (std::size_t k = 0; k < present_.size(); ++k) {
     auto& it = states_[at(present_[k])];
     shapes_[at(present_[k])] = shapes[k];
@@ -77,15 +80,21 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<int>& p
         true_pad(model_.pad, options, Random::stream(seed, "true pad friction " + real[k].name));
     for (int f = 0; f < kFingers; ++f) it.pads.emplace_back(*shapes[k], pad);
   }
-  Random random = Random::stream(seed, "true friction");
+  Random known = Random::stream(seed, "true friction"), foreign = Random::stream(seed, "foreign friction");
   friction_.resize(count * (count + 1));
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = i + 1; j <= count; ++j) {
+      const bool strange = is_foreign(static_cast<int>(i)) || (j < count && is_foreign(static_cast<int>(j)));
       const double mu = std::max(
-          0.05, options.friction + random.uniform(-options.friction_spread, options.friction_spread));
+          0.05, options.friction +
+                    (strange ? foreign : known).uniform(-options.friction_spread, options.friction_spread));
       friction_[i * (count + 1) + j] = mu;
       if (j < count) friction_[j * (count + 1) + i] = mu;
     }
+}
+
+bool TrueWorld::is_foreign(int stone) const {
+  return stone >= static_cast<int>(states_.size()) - scene_.foreign;
 }
 
 const TrueWorld::StoneState& TrueWorld::state(int stone) const {
@@ -107,7 +116,10 @@ bool TrueWorld::rests(int stone) const {
 }
 
 void TrueWorld::set_gripper_pose(const GripperPose& gripper_pose) {
-  gripper_pose_ = gripper_pose;
+  gripper_pose_ = commanded_ = gripper_pose;
+  yield_.setZero();
+  moments_.clear();
+  v_W_.setZero();
   engine_.reset();
 }
 
@@ -134,15 +146,22 @@ World TrueWorld::make_world(double step, int iterations, double damping,
   options.iterations = iterations;
   options.angular_damping = damping;
   World world(options);
+  const bool uneven = scene_.table.shape() != nullptr;
   const auto count = states_.size();
   for (std::size_t k = 0; k < present_.size(); ++k) {
     const int i = present_[k];
     const int body = world.add_stone(shapes_[at(i)], state(i).T_W_O, !in_play[k]);
     if (in_play[k]) world.place(body, state(i).T_W_O, state(i).twist);
     world.set_pair_friction(kTable, body, friction_[at(i) * (count + 1) + count]);
+    if (uneven) world.set_contact(kTable, body, false);  // the mesh below is the table
     for (std::size_t other = 0; other < k; ++other)
       world.set_pair_friction(static_cast<int>(other), body,
                               friction_[at(i) * (count + 1) + at(present_[other])]);
+  }
+  if (uneven) {
+    const int table = world.add_stone(scene_.table.shape(), Pose::Identity(), true);
+    for (std::size_t k = 0; k < present_.size(); ++k)
+      world.set_pair_friction(static_cast<int>(k), table, friction_[at(present_[k]) * (count + 1) + count]);
   }
   return world;
 }
@@ -156,8 +175,13 @@ World TrueWorld::judge_world(double step, int iterations) const {
 std::vector<Contact> TrueWorld::contacts() const {
   World world = judge_world(kWorldStep, kIterations);
   world.step();
+  const int table = static_cast<int>(present_.size());  // body of an uneven table
   std::vector<Contact> found;
   for (Contact contact : world.contacts()) {
+    if (contact.above == table) {
+      contact.above = std::exchange(contact.below, kTable);
+      contact.n_W = -contact.n_W;
+    }
     if (contact.below != kTable) contact.below = present_[at(contact.below)];
     if (contact.above != kTable) contact.above = present_[at(contact.above)];
     found.push_back(contact);

@@ -65,10 +65,12 @@ struct RunReport {
   std::string robot;
   std::string catalogue;
   int seed = 0;
-  std::vector<std::string> present;  ///< names of the stones that were in the field
-  std::optional<TruthReport> truth;  ///< simulated cell only
-  std::string options_text;          ///< resolved options, YAML
-  std::string picture;               ///< path of the PNG; empty: none. The JSON names it beside result.json
+  std::string cell;                       ///< named set of the simulated cell's errors; empty: a real cell
+  std::vector<std::string> cell_changes;  ///< "NAME=VALUE" of what is not as that set has it
+  std::vector<std::string> present;       ///< names of the stones that were in the field
+  std::optional<TruthReport> truth;       ///< simulated cell only
+  std::string options_text;               ///< resolved options, YAML
+  std::string picture;  ///< path of the PNG; empty: none. The JSON names it beside result.json
 };
 
 /// One run of an experiment.
