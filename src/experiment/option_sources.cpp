@@ -34,17 +34,33 @@ std::vector<std::string> values(const FieldList& list) {
   return texts;
 }
 
-/// Returns the options that detection.method stands for, by name, as far as it is not the default.
-std::vector<std::pair<std::string, std::string>> set_of_method(const FieldList& list) {
-  const auto method =
-      std::find_if(list.begin(), list.end(), [](const Field& f) { return f.name == "detection.method"; });
-  if (method == list.end()) return {};
-  DetectionOptions plain, meant = options_of(field_text(*method));
-  plain.method = meant.method;
-  const FieldList before = nest("detection", fields(plain)), after = nest("detection", fields(meant));
-  std::vector<std::pair<std::string, std::string>> set;
+/// One option that a named set sets.
+struct NamedValue {
+  std::string source;              ///< option that names the set: detection.method, simulation.cell
+  std::string name, value, plain;  ///< `plain`: without it
+  bool operator==(const NamedValue&) const = default;
+};
+
+/// The options of `group` that the set named by `source` in `list` stands for, as far as they are not the
+/// defaults; none if `list` does not have `source`.
+template <class Options>
+void add_named_set(std::vector<NamedValue>& set, const FieldList& list, const std::string& group,
+                   const std::string& source, Options (*options_of_name)(const std::string&)) {
+  const std::string whole = group + "." + source;
+  const auto named = std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.name == whole; });
+  if (named == list.end()) return;
+  Options plain, meant = options_of_name(field_text(*named));
+  const FieldList before = nest(group, fields(plain)), after = nest(group, fields(meant));
   for (std::size_t i = 0; i < after.size(); ++i)
-    if (field_text(before[i]) != field_text(after[i])) set.emplace_back(after[i].name, field_text(after[i]));
+    if (after[i].name != whole && field_text(before[i]) != field_text(after[i]))
+      set.push_back({whole, after[i].name, field_text(after[i]), field_text(before[i])});
+}
+
+/// The options that detection.method and simulation.cell stand for.
+std::vector<NamedValue> named_sets(const FieldList& list) {
+  std::vector<NamedValue> set;
+  add_named_set<DetectionOptions>(set, list, "detection", "method", detection::options_of);
+  add_named_set<SimulationOptions>(set, list, "simulation", "cell", simulation::options_of_cell);
   return set;
 }
 
@@ -122,11 +138,11 @@ FieldList fields(EveryOption& every) {
 OptionOrigins apply_options(const FieldList& list, const OptionSources& sources) {
   OptionOrigins origins;
   apply_all(list, sources, origins);
-  const auto set = set_of_method(list);
+  const auto set = named_sets(list);
   if (set.empty()) return origins;
-  for (const auto& [name, value] : set) {
+  for (const auto& [source, name, value, plain] : set) {
     set_field(list, name + "=" + value);
-    origins[name] = "detection.method";
+    origins[name] = source;
   }
   apply_all(list, sources, origins);  // over it
   return origins;
@@ -136,11 +152,16 @@ void set_fields(const FieldList& list, const std::vector<std::string>& assignmen
   const auto set_all = [&] {
     for (const auto& assignment : assignments) set_field(list, assignment);
   };
-  const auto before = set_of_method(list);
+  const auto before = named_sets(list);
   set_all();
-  const auto after = set_of_method(list);
+  const auto after = named_sets(list);
   if (after == before) return;
-  for (const auto& [name, value] : after) set_field(list, name + "=" + value);
+  for (const auto& old : before) {  // what the former set had set, unless somebody changed it since
+    const auto now =
+        std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.name == old.name; });
+    if (now != list.end() && field_text(*now) == old.value) set_field(list, old.name + "=" + old.plain);
+  }
+  for (const auto& value : after) set_field(list, value.name + "=" + value.value);
   set_all();  // over it
 }
 

@@ -18,6 +18,7 @@ StoneIndex find_base(const TrueWorld& world, const std::vector<Pose>& T_W_O, con
   StoneIndex base = kNoStone;
   double nearest = kSiteRadius;
   for (const StoneIndex i : neighbours.of(kTableNode)) {
+    if (world.is_foreign(i)) continue;
     const double distance = (centre_of_mass(world, T_W_O, i).head<2>() - site).norm();
     if (distance < nearest) {
       nearest = distance;
@@ -42,7 +43,7 @@ Neighbours::Neighbours(const TrueWorld& world, const std::vector<Pose>& T_W_O, d
     const auto& shape = *at(world.shapes(), i);
     for (const auto& sample : shape.samples) {
       const Eigen::Vector3d p_W = at(T_W_O, i) * sample.point;
-      if (p_W.z() < touch_gap) pairs_.insert({kTableNode, i});
+      if (p_W.z() - world.table().height(p_W) < touch_gap) pairs_.insert({kTableNode, i});
       for (const StoneIndex j : world.present()) {
         if (j == i) continue;
         const auto& other = *at(world.shapes(), j);

@@ -8,12 +8,7 @@
 namespace stonestack::experiment {
 
 std::vector<Variant> cell_variants() {
-  const std::vector<std::string> easy{"simulation.sensor_noise=false",  "simulation.hand_eye_translation=0",
-                                      "simulation.hand_eye_rotation=0", "simulation.arm_repeatability=0",
-                                      "simulation.arm_residual=0",      "simulation.mass_error=0",
-                                      "simulation.com_error=0",         "simulation.friction=0.5",
-                                      "simulation.friction_spread=0",   "simulation.force_delay=0",
-                                      "simulation.scan_error=0",        "simulation.pad_friction_spread=0"};
+  const std::vector<std::string> easy{"simulation.cell=ideal"};
   const auto only = [&](const std::string& name, const std::vector<std::string>& hard) {
     Variant variant{name, easy};
     variant.assignments.insert(variant.assignments.end(), hard.begin(), hard.end());
@@ -82,7 +77,8 @@ void check_variants(const std::vector<Variant>& variants, const SimulatedRun& ru
   for (const Variant& variant : variants) {
     SimulatedRun changed = run;
     for (const std::string& assignment : variant.assignments) set_field(fields(changed), assignment);
-    (void)options_of(changed.build.detection.method);  // throws for one that there is not
+    (void)options_of(changed.build.detection.method);  // both throw for one that there is not
+    (void)options_of_cell(changed.simulation.cell);
     check_seeds(changed, seed);
   }
 }

@@ -123,13 +123,13 @@ struct OdeWorld::Ode {
     dJointGroupDestroy(group);
     dSpaceDestroy(space);
     for (auto& body : bodies)
-      if (body->mesh != nullptr) dGeomTriMeshDataDestroy(body->mesh);
+      if (body && body->mesh != nullptr) dGeomTriMeshDataDestroy(body->mesh);
     dWorldDestroy(world);
   }
 
   Body& body(int index) {
-    require(index >= 0 && index < static_cast<int>(bodies.size()), "no body ", index, "; there are ",
-            bodies.size());
+    require(index >= 0 && index < static_cast<int>(bodies.size()) && bodies[static_cast<std::size_t>(index)],
+            "no body ", index, "; there are ", bodies.size());
     return *bodies[static_cast<std::size_t>(index)];
   }
   int add(std::unique_ptr<Body> body, const MassProperties& mass, const Pose& T_W_O, bool fixed);
@@ -150,8 +150,9 @@ struct OdeWorld::Ode {
   dSpaceID space = nullptr;
   dJointGroupID group = nullptr;
   dGeomID table = nullptr;
+  std::function<Eigen::Hyperplane<double, 3>(const Eigen::Vector2d&)> tangent;  ///< empty: z = 0
   std::map<std::pair<int, int>, double> frictions;
-  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<std::unique_ptr<Body>> bodies;    ///< null for a table
   std::vector<std::unique_ptr<Touch>> touches;  ///< ODE writes the loads into them
 };
 
@@ -204,6 +205,11 @@ void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
   const Body* upper = bodies[static_cast<std::size_t>(above)].get();
   const Body* lower = below == kTable ? nullptr : bodies[static_cast<std::size_t>(below)].get();
   if (upper->led && (lower == nullptr || lower->led)) return;
+  if (lower == nullptr && tangent) {
+    const Vector p_W = to_eigen(dBodyGetPosition(upper->body));
+    const auto plane = tangent(p_W.head<2>());
+    dGeomPlaneSetParams(table, plane.normal().x(), plane.normal().y(), plane.normal().z(), -plane.offset());
+  }
   std::vector<dContactGeom> found(kFound);
   const int count = dCollide(a, b, kFound, found.data(), sizeof(dContactGeom));
   found.resize(static_cast<std::size_t>(std::max(count, 0)));
@@ -235,12 +241,12 @@ void OdeWorld::Ode::damp(double dt) {
   const double linear = 1.0 - std::pow(1.0 - options.linear_damping, dt);
   const double angular = 1.0 - std::pow(1.0 - options.angular_damping, dt);
   for (auto& body : bodies)
-    if (!body->led) dBodySetDamping(body->body, linear, angular);
+    if (body && !body->led) dBodySetDamping(body->body, linear, angular);
 }
 
 void OdeWorld::Ode::lead(double dt) {
   for (auto& body : bodies) {
-    if (!body->led) continue;
+    if (!body || !body->led) continue;
     set_twist(body->body,
               body->moves ? velocity_between(body_pose(body->body), body->T_W_M_target, dt) : Twist{});
   }
@@ -276,6 +282,14 @@ int OdeWorld::add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T
     body->geom = dCreateTriMesh(ode_->space, body->mesh, nullptr, nullptr, nullptr);
   }
   return ode_->add(std::move(body), mass, T_W_O, fixed);
+}
+
+void OdeWorld::add_table(const TableSurface& surface) {
+  require(!ode_->tangent, "a world has one table");
+  ode_->tangent = surface.tangent;
+  ode_->bodies.push_back(nullptr);
+  // Not level: the box around a level plane is a half-space that a stone on a higher place does not meet.
+  dGeomPlaneSetParams(ode_->table, 1e-3, 0, 1, 0);
 }
 
 int OdeWorld::add_box(const Eigen::Vector3d& size, const Pose& T_W_box) {
@@ -332,6 +346,7 @@ void OdeWorld::step(double dt) {
   ode_->read_loads(dt);
   dJointGroupEmpty(ode_->group);
   for (auto& body : ode_->bodies) {
+    if (!body) continue;
     if (body->moves) put(body->body, body->T_W_M_target);
     body->moves = false;
     require(to_eigen(dBodyGetPosition(body->body)).allFinite(), "ODE lost a body: it has no place any more");

@@ -10,13 +10,15 @@ namespace stonestack::physics {
 /// scans: concave triangle meshes against each other, an exact solver (dWorldStep), friction pyramids of four
 /// sides whose axes follow the sliding, or where nothing slides the weight. `WorldOptions::iterations` has no
 /// effect. Stones may sink into each other by 20 um: contacts that last need some depth. Between meshes with
-/// large parallel faces (two boxes) ODE finds no sound contacts; scans of stones have none.
+/// large parallel faces (two boxes) ODE finds no sound contacts; scans of stones have none. A table that is
+/// not plane is, under each stone, the plane that touches it there.
 class OdeWorld final : public RigidWorld {
  public:
   explicit OdeWorld(const WorldOptions& options);
   ~OdeWorld() override;
 
   int add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_O, bool fixed) override;
+  void add_table(const TableSurface& table) override;
   int add_box(const Eigen::Vector3d& size, const Pose& T_W_box) override;
   void move_to(int body, const Pose& T_W_body) override;
   void place(int body, const Pose& T_W_body, const Twist& twist) override;

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,13 @@ struct Twist {
   Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< [rad/s]
 };
 
+/// A table that differs a little from the plane z = 0.
+struct TableSurface {
+  std::shared_ptr<const ContactShape> shape;  ///< closed mesh, in W
+  /// Plane that touches the surface at the place x, y (m in W).
+  std::function<Eigen::Hyperplane<double, 3>(const Eigen::Vector2d&)> tangent;
+};
+
 /// Stones and boxes on a table (z = 0), stepped by one engine or another: what the simulated cell and the
 /// judges of towers need of it. Poses are of frame O. Make a fresh world per trial. Not thread-safe; one per
 /// thread.
@@ -41,6 +49,9 @@ class RigidWorld {
   /// Adds a box that moves only as commanded (gripper, obstacle), full side lengths in metres. Boxes meet
   /// stones only.
   virtual int add_box(const Eigen::Vector3d& size, const Pose& T_W_box) = 0;
+  /// Puts a table in the place of the plane z = 0, after all stones and before the boxes. It takes the next
+  /// index, and is kTable in frictions and contacts.
+  virtual void add_table(const TableSurface& table) = 0;
   /// Moves a box (or a fixed stone) to a pose over the next step, so that it pushes with the right velocity.
   virtual void move_to(int body, const Pose& T_W_body) = 0;
   /// Puts a body at a pose at once. For setting up.

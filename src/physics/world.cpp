@@ -79,6 +79,7 @@ struct World::Bullet {
   }
   /// The rule of a pair, to be changed.
   PairRule& rule(int a, int b) {
+    if (uneven_table != kTable && std::min(a, b) == kTable) return rule(std::max(a, b), uneven_table);
     return rules.rules.try_emplace({std::min(a, b), std::max(a, b)}, rules.of(a, b)).first->second;
   }
   int add(std::unique_ptr<Body> body, double mass, const Eigen::Vector3d& moments, const Pose& T_W_O,
@@ -99,6 +100,7 @@ struct World::Bullet {
   Eigen::Vector3d gravity;
   SurfaceShape table_shape;
   std::unique_ptr<btRigidBody> table;
+  int uneven_table = kTable;  ///< body that is the table; kTable: the plane is
   std::vector<std::unique_ptr<Body>> bodies;
   double time = 0.0;
 };
@@ -170,13 +172,22 @@ int World::add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_
   return bullet_->add(std::move(body), mass, moments, T_W_O, fixed);
 }
 
+void World::add_table(const TableSurface& surface) {
+  require(bullet_->uneven_table == kTable, "a world has one table");
+  const int table = add_stone(surface.shape, Pose::Identity(), true);
+  for (int k = 0; k < table; ++k) bullet_->rule(kTable, k).touches = false;
+  bullet_->uneven_table = table;
+}
+
 int World::add_box(const Eigen::Vector3d& size, const Pose& T_W_box) {
   require(size.minCoeff() > 0.0 && size.allFinite(), "a box needs positive sides, got ", size.transpose());
   auto body = std::make_unique<Bullet::Body>();
   body->box = std::make_unique<SurfaceFeatures>(surface_features(make_box(size)));
   body->shape =
       std::make_unique<SurfaceShape>(Surface{body->box.get(), nullptr, 0.5 * size}, Pose::Identity());
-  return bullet_->add(std::move(body), 1.0, Eigen::Vector3d::Ones(), T_W_box, true);
+  const int added = bullet_->add(std::move(body), 1.0, Eigen::Vector3d::Ones(), T_W_box, true);
+  if (bullet_->uneven_table != kTable) bullet_->rule(bullet_->uneven_table, added).touches = false;
+  return added;
 }
 
 void World::move_to(int body, const Pose& T_W_body) {
@@ -272,10 +283,15 @@ std::vector<Contact> World::contacts() const {
   for (int i = 0; i < pairs.size(); ++i) {
     auto* algorithm = static_cast<TouchAlgorithm*>(pairs[i].m_algorithm);
     if (!algorithm) continue;
-    for (const Touch& t : algorithm->touches())
-      if (t.gap <= bullet_->options.contact_gap)
-        out.push_back(
-            {algorithm->b()->getUserIndex(), algorithm->a()->getUserIndex(), t.p_W, t.n_W, t.gap, t.impulse});
+    const int below = algorithm->b()->getUserIndex(), above = algorithm->a()->getUserIndex();
+    const bool on_table = bullet_->uneven_table != kTable && above == bullet_->uneven_table;
+    for (const Touch& t : algorithm->touches()) {
+      if (t.gap > bullet_->options.contact_gap) continue;
+      if (on_table)
+        out.push_back({kTable, below, t.p_W, -t.n_W, t.gap, t.impulse});
+      else
+        out.push_back({below, above, t.p_W, t.n_W, t.gap, t.impulse});
+    }
   }
   std::stable_sort(out.begin(), out.end(), [](const Contact& a, const Contact& b) {
     return std::pair(a.below, a.above) < std::pair(b.below, b.above);

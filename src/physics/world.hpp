@@ -17,6 +17,7 @@ class World final : public RigidWorld {
   World& operator=(World&&) noexcept;
 
   int add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_O, bool fixed = false) override;
+  void add_table(const TableSurface& table) override;
   int add_box(const Eigen::Vector3d& size, const Pose& T_W_box) override;
   void move_to(int body, const Pose& T_W_body) override;
   void place(int body, const Pose& T_W_body, const Twist& twist = {}) override;

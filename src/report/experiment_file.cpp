@@ -105,6 +105,14 @@ RunReport report_of(const json& map, const std::string& path) {
   result.ended = text_of(map, "reason", path);
   report.robot = text_of(map, "robot", path);
   report.seed = count_of(map, "seed", path);
+  if (map.contains("cell")) {
+    const json& cell = map.at("cell");
+    if (const std::string name = text_of(cell, "name", path); name != "real") report.cell = name;
+    for (const json& change : entry(cell, "changes", &json::is_array, path)) {
+      if (!change.is_string()) throw FileError(path, "cell.changes holds something else than texts", kRemedy);
+      report.cell_changes.push_back(change.get<std::string>());
+    }
+  }
   for (const json& stone : entry(map, "stones", &json::is_array, path)) {
     if (!stone.is_string()) throw FileError(path, "stones holds something else than names", kRemedy);
     report.present.push_back(stone.get<std::string>());

@@ -120,8 +120,10 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   done.folder = folder.path();
   RunReport& report = done.report;
   report = open_report(run, catalogue, robot, present, version);
-  log_info(concat("simulated cell, seed ", run.seed, ": ", present.size(), " of ", catalogue.stones.size(),
-                  " stones"));
+  report.cell = run.simulation.cell;
+  report.cell_changes = changed_in_cell(run.simulation);
+  log_info(concat("simulated cell ", run.simulation.cell, ", seed ", run.seed, ": ", present.size(), " of ",
+                  catalogue.stones.size(), " stones"));
   const CellLayout layout =
       file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);

@@ -107,11 +107,11 @@ class Runs {
     experiment.per_run = order_.per_run;
     experiment.new_stones = order_.new_stones;
     experiment.new_stones_from = order_.new_stones_from;
-    experiment.title =
-        concat(order_.runs, " runs of ", order_.per_run, " of ",
-               new_stones_ ? concat(order_.new_stones, " new stones each")
-                           : concat(catalogue_.stones.size(), " stones"),
-               ", ", order_.robot.name, ", protocol ", order_.protocol, ", seed ", order_.seed);
+    experiment.title = concat(order_.runs, " runs of ", order_.per_run, " of ",
+                              new_stones_ ? concat(order_.new_stones, " new stones each")
+                                          : concat(catalogue_.stones.size(), " stones"),
+                              ", ", order_.robot.name, ", protocol ", order_.protocol, ", seed ", order_.seed,
+                              ", cell ", settings_.simulation.cell);
     experiment.survival_seconds = survival_.seconds;
     if (order_.continues) experiment.runs = runs_done();
     // Before the first run ends, too: what --continue must agree with.
@@ -133,7 +133,8 @@ class Runs {
   [[nodiscard]] Catalogue stones_of(int k, const SimulatedRun& run) const {
     return new_stones_ ? new_stones_->of_run(k, run.seed) : catalogue_;
   }
-  [[nodiscard]] std::vector<StoneIndex> present_in(const Catalogue& catalogue, const SimulatedRun& run) const {
+  [[nodiscard]] std::vector<StoneIndex> present_in(const Catalogue& catalogue,
+                                                   const SimulatedRun& run) const {
     return draw(catalogue, order_.per_run, run.seed, order_.robot);
   }
 

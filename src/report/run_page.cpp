@@ -353,6 +353,7 @@ std::string page_data(const RunReport& report, const Catalogue& catalogue, const
       {"title", concat("Tower of ", result.height)},
       {"robot", report.robot},
       {"seed", report.seed},
+      {"cell", cell_text(report)},
       {"version", report.version},
       {"catalogue", report.catalogue},
       {"height", result.height},

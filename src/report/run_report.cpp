@@ -89,6 +89,7 @@ std::string summary(const RunReport& report) {
   std::string text = format("tower of %d of %d stones; ended: ", report.result.height,
                             static_cast<int>(report.present.size())) +
                      report.result.ended + "\n";
+  if (!report.cell.empty()) text += "simulated cell " + cell_text(report) + "\n";
   if (report.truth)
     text += format("true world: %d stones stacked, %s after %.0f s (largest shift %.2f mm)\n",
                    report.truth->height, report.truth->stands ? "standing" : "not standing",
@@ -113,21 +114,23 @@ std::string run_json(const RunReport& report) {
   const RunResult& result = report.result;
   json placements = json::array();
   for (const auto& record : result.placements) placements.push_back(placement_entry(record));
-  json out = {{"schema", "stonestack.run/1"},
-              {"height", result.height},
-              {"paper_height", paper_height(report)},
-              {"placements", placements},
-              {"ended", to_text(result.end)},
-              {"reason", result.ended},
-              {"robot", report.robot},
-              {"seed", report.seed},
-              {"stones", report.present},
-              {"seconds",
-               {{"detection", result.seconds.detection},
-                {"search", result.seconds.search},
-                {"planning", result.seconds.planning},
-                {"motion", result.seconds.motion},
-                {"beside_motion", result.seconds.beside_motion}}}};
+  json out = {
+      {"schema", "stonestack.run/1"},
+      {"height", result.height},
+      {"paper_height", paper_height(report)},
+      {"placements", placements},
+      {"ended", to_text(result.end)},
+      {"reason", result.ended},
+      {"robot", report.robot},
+      {"seed", report.seed},
+      {"cell", {{"name", report.cell.empty() ? "real" : report.cell}, {"changes", report.cell_changes}}},
+      {"stones", report.present},
+      {"seconds",
+       {{"detection", result.seconds.detection},
+        {"search", result.seconds.search},
+        {"planning", result.seconds.planning},
+        {"motion", result.seconds.motion},
+        {"beside_motion", result.seconds.beside_motion}}}};
   if (report.truth) out["truth"] = truth_entry(*report.truth);
   if (!report.version.empty()) out["version"] = report.version;
   if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();

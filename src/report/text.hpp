@@ -4,6 +4,7 @@
 #include <string>
 
 #include "geometry/pose_json.hpp"
+#include "stonestack/experiment/experiment.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 /// Private to report/: text and JSON that several reports share.
@@ -19,6 +20,15 @@ template <class... Values>
 
 [[nodiscard]] inline const std::string& name_of(const Catalogue& catalogue, StoneIndex stone) {
   return catalogue[stone].name;
+}
+
+/// "lab", or "lab, but friction=0.2" where options were set beside those of the named cell; "real" without
+/// one.
+[[nodiscard]] inline std::string cell_text(const RunReport& report) {
+  std::string text = report.cell.empty() ? "real" : report.cell;
+  for (const auto& change : report.cell_changes)
+    text += (&change == &report.cell_changes.front() ? ", but " : ", ") + change;
+  return text;
 }
 
 /// {stone, T_W_O}

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "simulation/foreign_object.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/true_shape.hpp"
 #include "simulation/true_view.hpp"
@@ -35,8 +36,14 @@ FieldList fields(SceneOptions& o) {
 SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
                             const CellLayout& layout, const SceneOptions& options) {
   const auto seed = static_cast<std::uint64_t>(options.simulation.seed);
-  const std::vector<Stone> real = as_they_are(stones, options.simulation);
-  TrueWorld world(real, present, make_robotiq_3f(), options.simulation);
+  std::vector<Stone> real = as_they_are(stones, options.simulation);
+  std::vector<StoneIndex> all = present;
+  for (const Stone& object : make_foreign_objects(options.simulation)) {
+    all.emplace_back(real.size());
+    real.push_back(object);
+  }
+  TrueWorld world(real, all, make_robotiq_3f(), options.simulation,
+                  {TrueTable(options.simulation, layout.field_centre), options.simulation.foreign_objects});
   GripperPose away;
   away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
   world.set_gripper_pose(away);
@@ -48,7 +55,8 @@ SimulatedScene render_scene(const std::vector<Stone>& stones, const std::vector<
   scene.T_W_C = look_at(layout.field_centre, options.distance, options.tilt, random.uniform(0.0, kTwoPi));
   scene.depth = true_view(what_is_seen(world), real, scene.T_W_C, sensor, random);
   scene.depth_unit = sensor.unit;
-  for (const StoneIndex i : world.present()) scene.stones.push_back({i, world.pose(i)});
+  for (const StoneIndex i : world.present())
+    if (!world.is_foreign(i)) scene.stones.push_back({i, world.pose(i)});
   return scene;
 }
 

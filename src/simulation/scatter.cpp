@@ -78,7 +78,7 @@ class Scatter {
     const Eigen::Vector3d p_W_M(field_.centre.x() + field_.size.x() * x,
                                 field_.centre.y() + field_.size.y() * y, 0);
     T_W_O.translation() = p_W_M - T_W_O.linear() * shape.mass.p_O_M;
-    T_W_O.translation().z() = kDropHeight - lowest;
+    T_W_O.translation().z() = kDropHeight - lowest + world_->table().height(p_W_M);
     return T_W_O;
   }
 

@@ -63,10 +63,10 @@ struct DepthRange {
   float farthest = 0;
 };
 
-DepthRange range_3x3(const DepthImage& image, int u, int v) {
+DepthRange range_around(const DepthImage& image, int u, int v, int reach) {
   DepthRange range;
-  for (int y = std::max(0, v - 1); y <= std::min(image.camera.height - 1, v + 1); ++y)
-    for (int x = std::max(0, u - 1); x <= std::min(image.camera.width - 1, u + 1); ++x)
+  for (int y = std::max(0, v - reach); y <= std::min(image.camera.height - 1, v + reach); ++y)
+    for (int x = std::max(0, u - reach); x <= std::min(image.camera.width - 1, u + reach); ++x)
       if (const float z = image.at(x, y); z > 0) {
         range.nearest = std::min(range.nearest, z);
         range.farthest = std::max(range.farthest, z);
@@ -80,7 +80,7 @@ DepthImage blur_edges(const DepthImage& image, const SensorModel& model, Random&
   const auto& camera = image.camera;
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
-      const DepthRange range = range_3x3(image, u, v);
+      const DepthRange range = range_around(image, u, v, model.edge_reach);
       if (!(range.farthest - range.nearest > model.edge_step)) continue;
       float& z = out.z[pixel(camera, u, v)];
       const int x = std::clamp(u + static_cast<int>(std::lround(random.normal(0, model.edge_jitter))), 0,
@@ -205,7 +205,7 @@ SensorModel make_sr300() {
 SensorModel make_d435() {
   SensorModel model = make_sr300();
   model.name = "d435";
-  model.camera = {848, 480, 425.0, 425.0, 423.5, 239.5};
+  model.camera = model.lens = {848, 480, 425.0, 425.0, 423.5, 239.5};
   model.unit = 0.001;
   model.farthest = 3.0;
   model.sigma = 0.0;
@@ -219,10 +219,25 @@ SensorModel make_d435() {
   return model;
 }
 
+SensorModel make_f200() {
+  SensorModel model = make_sr300();
+  model.name = "f200";
+  model.unit = 0.0001;
+  model.sigma = 0.0002;
+  model.sigma_square = 0.00043;
+  model.correlation = 0.45;
+  model.bias = 0.0008;
+  model.edge_reach = 3;
+  model.edge_flying = 0.45;
+  model.edge_holes = 0.40;
+  return model;
+}
+
 SensorModel make_sensor(const std::string& name) {
   if (name == "sr300") return make_sr300();
   if (name == "d435") return make_d435();
-  require(name == "ideal", "no depth camera is called '", name, "'; there are sr300, d435 and ideal");
+  if (name == "f200") return make_f200();
+  require(name == "ideal", "no depth camera is called '", name, "'; there are sr300, d435, f200 and ideal");
   return {};
 }
 

@@ -7,11 +7,12 @@
 
 namespace stonestack::simulation {
 
-/// Errors of a depth camera. An assumption (SR300: 0.4 mm + 1 mm z^2, z in m), to
-/// be fitted to a real device; every number is a field so that it can be.
+/// Errors of a depth camera. SR300 and D435 are assumptions (SR300: 0.4 mm + 1 mm z^2, z in m), the F200 is
+/// fitted to recordings; every number is a field so that it can be.
 struct SensorModel {
   std::string name = "ideal";
   CameraIntrinsics camera;        ///< as the device reports it
+  CameraIntrinsics lens;          ///< as it is
   double unit = 0.000125;         ///< metres per count of the depth image
   double nearest = 0.2;           ///< [m]
   double farthest = 1.5;          ///< [m]
@@ -25,7 +26,8 @@ struct SensorModel {
   double bias = 0.0;              ///< standard deviation of a smooth error that stays from frame to frame [m]
   double bias_pixels = 32.0;      ///< its wave length [px]
   std::uint64_t bias_seed = 1;    ///< one device, one bias
-  double edge_step = 0.015;       ///< depth range in 3 x 3 pixels from which on a pixel is at an edge [m]
+  double edge_step = 0.015;       ///< depth range around a pixel from which on it is at an edge [m]
+  int edge_reach = 1;             ///< pixels each way in which that range is taken
   double edge_jitter = 0.0;       ///< standard deviation, sideways, at edges [px]
   double edge_flying = 0.0;       ///< share of edge pixels that float between front and back
   double edge_holes = 0.0;        ///< share of edge pixels without a return
@@ -39,7 +41,10 @@ struct SensorModel {
 [[nodiscard]] SensorModel make_sr300();
 /// Active stereo: baseline 50 mm, 0.08 px, noise correlated over a few pixels, 1 mm counts.
 [[nodiscard]] SensorModel make_d435();
-/// By name: "sr300", "d435", "ideal" (range and counts only). Throws InvalidArgument.
+/// Coded light as recorded with a RealSense F200, the SR300's predecessor (docs/measurements.md, Depth
+/// camera): 0.2 mm + 0.43 mm/m^2 z^2 of noise, 0.8 mm of smooth error, edges smeared over several pixels.
+[[nodiscard]] SensorModel make_f200();
+/// By name: "sr300", "d435", "f200", "ideal" (range and counts only). Throws InvalidArgument.
 [[nodiscard]] SensorModel make_sensor(const std::string& name);
 
 /// The image that the sensor reports of a perfect view taken from T_W_C. Order of effects: no return at

@@ -26,13 +26,13 @@ SharedWorld::Access SharedWorld::lock() {
 }
 
 Progress SharedWorld::advance(const Pose& T_W_T, double seconds) {
-  const Pose start = world_->gripper_pose().T_W_T;
+  const Pose start = world_->commanded_pose().T_W_T;
   const bool moves = !start.isApprox(T_W_T, 0.0);
   Progress total;
   const int ticks = std::max(1, static_cast<int>(std::ceil(seconds / kTick - 1e-9)));
   for (int k = 0; k < ticks && total.stopped.empty(); ++k) {
     const double tick = seconds / ticks;
-    const GripperPose from = world_->gripper_pose();
+    const GripperPose from = world_->commanded_pose();
     const FingerPlaces to = drive_ ? drive_(*world_, tick) : FingerPlaces{from.finger, from.narrowed};
     const auto path = [&](double s) {
       GripperPose gripper_pose = from;
@@ -64,7 +64,7 @@ Progress SharedWorld::pass(double seconds) {
   Progress progress;
   {
     const std::lock_guard guard(mutex_);
-    progress = advance(world_->gripper_pose().T_W_T, seconds);
+    progress = advance(world_->commanded_pose().T_W_T, seconds);
   }
   time_passed_.notify_all();
   return progress;
@@ -96,7 +96,7 @@ void SharedWorld::start(double speed) {
         std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(kTick / speed));
     std::unique_lock guard(mutex_);
     for (auto next = Steady::now(); !stopping_;) {
-      advance(world_->gripper_pose().T_W_T, kTick);
+      advance(world_->commanded_pose().T_W_T, kTick);
       time_passed_.notify_all();
       next = std::max(next + period, Steady::now() - 50 * period);  // never races to catch up for long
       guard.unlock();

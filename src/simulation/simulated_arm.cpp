@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
 #include "hardware/guard_readings.hpp"
+#include "kinematics/inverse.hpp"
 #include "kinematics/jacobian.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "stonestack/core/error.hpp"
@@ -17,6 +17,11 @@ constexpr double kStartTolerance = 0.01;  // rad, hardware/arm.hpp
 constexpr int kFirstLink = 2;             // links below the upper arm stand on the table
 constexpr int kTicksPerCheck = 5;         // links are compared with table and stones every 50 ms
 constexpr int kStartSamples = 10;         // whose mean is a guarded motion's start value
+constexpr double kLinkShift = 0.0003;  // m, one sigma and axis: ratio of the two errors of a link, which are
+constexpr double kLinkTurn = 0.0005;   // rad     scaled together; of the size of factory calibrations
+constexpr double kLowest = 0.05, kHighest = 0.35;  // m, of tips over the table where links are measured
+/// Torque limits of a UR10's joints, Nm (data sheet): the gears are as stiff in proportion.
+const Joints kGearSize = (Joints() << 330.0, 330.0, 150.0, 56.0, 56.0, 56.0).finished();
 
 double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d ab = b - a;
@@ -42,11 +47,82 @@ double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
   return tip_error / std::sqrt(squares);
 }
 
+namespace {
+
+/// Reported joints over field and site, fingers down, at two heights: where links are measured.
+std::vector<Joints> joints_over_cell(const CellLayout& layout, const RobotModel& robot, const Joints& seed) {
+  const Eigen::Matrix3d down =
+      Eigen::AngleAxisd(3.14159265358979323846, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  std::vector<Eigen::Vector2d> places{layout.site, layout.field_centre};
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5})
+      places.emplace_back(layout.field_centre + layout.field_size.cwiseProduct(Eigen::Vector2d(x, y)));
+  std::vector<Joints> found;
+  for (const auto& place : places)
+    for (const double z : {kLowest, kHighest}) {
+      const Pose T_W_T = make_pose(Eigen::Vector3d(place.x(), place.y(), z), Eigen::Quaterniond(down));
+      const auto solutions = inverse(robot, layout.T_W_R.inverse() * T_W_T * layout.T_F_T.inverse(), seed);
+      if (!solutions.empty()) found.push_back(solutions.front().q);
+    }
+  if (found.empty()) found.push_back(seed);
+  return found;
+}
+
+Pose small_motion(const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  return make_pose(shift, angle > 0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle))
+                                    : Eigen::Quaterniond::Identity());
+}
+
+/// The robot with every link a little other than its model, by `factor` times the drawn errors.
+RobotModel with_link_errors(const RobotModel& robot, const std::array<Eigen::Vector3d, 14>& drawn,
+                            double factor) {
+  RobotModel real = robot;
+  const auto error = [&](std::size_t i) {
+    return small_motion(factor * drawn[2 * i], factor * drawn[2 * i + 1]);
+  };
+  for (std::size_t i = 0; i < real.T_parent_joint.size(); ++i)
+    real.T_parent_joint[i] = real.T_parent_joint[i] * error(i);
+  real.T_6_F = real.T_6_F * error(6);
+  real.calibrated = true;
+  return real;
+}
+
+/// Draws the errors of all links so that the tip is off by `tip_error` (root of the mean square) over the
+/// cell.
+RobotModel draw_links(const CellLayout& layout, double tip_error, const RobotModel& robot, const Joints& q,
+                      Random random) {
+  std::array<Eigen::Vector3d, 14> drawn;
+  for (std::size_t i = 0; i < drawn.size(); ++i)
+    for (double& value : drawn[i]) value = random.normal(0.0, i % 2 == 0 ? kLinkShift : kLinkTurn);
+  const auto poses = joints_over_cell(layout, robot, q);
+  const RobotModel unscaled = with_link_errors(robot, drawn, 1.0);
+  double squares = 0.0;
+  for (const Joints& at : poses)
+    squares += ((forward(unscaled, at) * layout.T_F_T).translation() -
+                (forward(robot, at) * layout.T_F_T).translation())
+                   .squaredNorm();
+  return with_link_errors(robot, drawn, tip_error / std::sqrt(squares / static_cast<double>(poses.size())));
+}
+
+/// Linear motion of the tool's tip and turn of the tool by each joint, axes of W.
+Jacobian tip_jacobian(const RobotModel& robot, const Pose& T_W_R, const Pose& T_F_T, const Joints& q) {
+  const Eigen::Vector3d p_R_FT = forward(robot, q).linear() * T_F_T.translation();
+  Jacobian J = jacobian(robot, q);
+  for (Eigen::Index j = 0; j < 6; ++j) {
+    const Eigen::Vector3d v = J.col(j).head<3>(), w = J.col(j).tail<3>();
+    J.col(j) << T_W_R.linear() * (v + w.cross(p_R_FT)), T_W_R.linear() * w;
+  }
+  return J;
+}
+
+}  // namespace
+
 TrueMounting draw_mounting(const CellLayout& assumed, const SimulationOptions& options,
                            const RobotModel& robot, const Joints& q) {
   const auto seed = static_cast<std::uint64_t>(options.seed);
   Random hand_eye = Random::stream(seed, "hand-eye error");
-  TrueMounting mounting{assumed.T_W_R, assumed.T_F_T, assumed.T_T_C, Joints::Zero()};
+  TrueMounting mounting{assumed.T_W_R, assumed.T_F_T, assumed.T_T_C, Joints::Zero(), robot, Joints::Zero()};
   Pose error = Pose::Identity();
   error.translation() = options.hand_eye_translation * hand_eye.unit_vector();
   error.linear() = Eigen::AngleAxisd(options.hand_eye_rotation, hand_eye.unit_vector()).toRotationMatrix();
@@ -54,17 +130,37 @@ TrueMounting draw_mounting(const CellLayout& assumed, const SimulationOptions& o
   Random arm = Random::stream(seed, "arm residual");
   const double sigma = joint_sigma(options.arm_residual, robot, assumed.T_F_T, q);
   for (auto& joint : mounting.joint_error) joint = arm.normal(0.0, sigma);
+  if (options.arm_kinematics > 0.0)
+    mounting.robot =
+        draw_links(assumed, options.arm_kinematics, robot, q, Random::stream(seed, "arm kinematics"));
+  if (options.base_translation > 0.0 || options.base_rotation > 0.0) {
+    Random base = Random::stream(seed, "robot base");
+    const Eigen::Vector3d shift = options.base_translation * base.unit_vector();
+    mounting.T_W_R = assumed.T_W_R * small_motion(shift, options.base_rotation * base.unit_vector());
+  }
+  if (options.arm_compliance > 0.0) {
+    mounting.joint_compliance = kGearSize.cwiseInverse();
+    mounting.joint_compliance *= options.arm_compliance / tool_compliance(mounting, q)(2, 2);
+  }
   return mounting;
 }
 
-std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
-                                         const TrueMounting& mounting, const Joints& q) {
-  const auto links = link_poses(robot, q + mounting.joint_error);
-  for (const auto& capsule : robot.capsules) {
+Compliance tool_compliance(const TrueMounting& mounting, const Joints& q) {
+  if (mounting.joint_compliance.isZero(0.0)) return Compliance::Zero();
+  const Jacobian J = tip_jacobian(mounting.robot, mounting.T_W_R, mounting.T_F_T, q);
+  return J * mounting.joint_compliance.asDiagonal() * J.transpose();
+}
+
+std::optional<std::string> find_link_hit(const TrueWorld& world, const TrueMounting& mounting,
+                                         const Joints& q) {
+  const auto links = link_poses(mounting.robot, q + mounting.joint_error);
+  const TrueTable& table = world.table();
+  for (const auto& capsule : mounting.robot.capsules) {
     if (capsule.link < kFirstLink) continue;
     const Pose T_W_link = mounting.T_W_R * links[static_cast<std::size_t>(capsule.link)];
     const Eigen::Vector3d a = T_W_link * capsule.a, b = T_W_link * capsule.b;
-    if (std::min(a.z(), b.z()) < capsule.radius) return concat("link ", capsule.link, " hits the table");
+    if (std::min(a.z() - table.height(a), b.z() - table.height(b)) < capsule.radius)
+      return concat("link ", capsule.link, " hits the table");
     for (const StoneIndex i : world.present()) {
       const auto& shape = *at(world.shapes(), i);
       if (distance_to_segment(world.centre_of_mass(i), a, b) > capsule.radius + shape.radius) continue;
@@ -78,18 +174,25 @@ std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotMode
 
 SimulatedArm::SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
                            SimulatedForceTorque& force_torque, const SimulationOptions& options,
-                           const Joints& q)
+                           const Joints& q, const Pose& T_W_R_assumed)
     : world_(&world),
       robot_(robot),
       mounting_(mounting),
       force_torque_(&force_torque),
       random_(Random::stream(static_cast<std::uint64_t>(options.seed), "arm repeatability")),
       jitter_sigma_(joint_sigma(options.arm_repeatability, robot, mounting.T_F_T, q)),
-      force_delay_(options.force_delay),
-      q_(q) {}
+      T_W_R_assumed_(T_W_R_assumed),
+      q_(q),
+      backlash_(options.arm_backlash, q) {
+  world.set_compliance(tool_compliance(mounting_, q));
+}
+
+Pose SimulatedArm::tool_at(const Joints& output) const {
+  return mounting_.T_W_R * forward(mounting_.robot, output + mounting_.joint_error) * mounting_.T_F_T;
+}
 
 Pose SimulatedArm::true_T_W_T(const Joints& q) const {
-  return mounting_.T_W_R * forward(robot_, q + mounting_.joint_error) * mounting_.T_F_T;
+  return tool_at(q);
 }
 
 ArmState SimulatedArm::state() {
@@ -149,7 +252,7 @@ std::string SimulatedArm::overspeed(const Joints& qd, double t) const {
 
 double SimulatedArm::resistance(const GuardedMotion& guard) {
   // As a program would: the reading turned by the arm's nominal pose.
-  const Eigen::Matrix3d R_W_F = (mounting_.T_W_R * forward(robot_, q_)).rotation();
+  const Eigen::Matrix3d R_W_F = (T_W_R_assumed_ * forward(robot_, q_)).rotation();
   return -guard.n_W_direction.dot(R_W_F * force_torque_->read().force);
 }
 
@@ -169,28 +272,26 @@ MotionResult SimulatedArm::move(const JointTrajectory& trajectory, const Guarded
   };
   int above = 0, tick = 0;
   GuardReadings readings;
-  // What the guard knows is force_delay old; before the motion the force was the one it started with.
-  std::deque<double> felt(static_cast<std::size_t>(std::lround(force_delay_ / kArmTick)), 0.0);
   for (double t = 0; t < duration;) {
     throw_if_interrupted();
     const double chunk = std::min(kArmTick, duration - t);
     const auto path = [&](double s) {
       jitter_ = old_jitter + smooth((t + s) / duration) * (new_jitter - old_jitter);
       GripperPose gripper_pose = world_->gripper_pose();
-      gripper_pose.T_W_T = true_T_W_T(reported(t + s) + jitter_);
+      gripper_pose.T_W_T = tool_at(backlash_.output(reported(t + s) + jitter_));
       return gripper_pose;
     };
+    world_->set_compliance(tool_compliance(mounting_, q_));
     const Progress progress = world_->advance(chunk, path);
     t += progress.seconds;
     q_ = reported(t);
+    backlash_.arrive(q_ + jitter_);
     stop_reason_ = progress.stopped;
     if (stop_reason_.empty()) stop_reason_ = overspeed(sample(trajectory, t).qd, t);
     if (stop_reason_.empty() && tick++ % kTicksPerCheck == 0)
-      stop_reason_ = find_link_hit(*world_, robot_, mounting_, q_).value_or("");
+      stop_reason_ = find_link_hit(*world_, mounting_, q_).value_or("");
     if (guard) {
-      felt.push_back(resistance(*guard) - start_force);
-      force = felt.front();
-      felt.pop_front();
+      force = resistance(*guard) - start_force;
       readings.add(force);
     }
     if (!stop_reason_.empty()) return {Status::kStopped, q_, force, "protective stop: " + stop_reason_};

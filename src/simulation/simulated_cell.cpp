@@ -1,6 +1,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 
 #include "kinematics/inverse.hpp"
+#include "simulation/foreign_object.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
@@ -29,38 +30,21 @@ Joints start_joints(const RobotModel& robot, const CellLayout& layout) {
   return seed;
 }
 
-}  // namespace
-
-FieldList fields(SimulationOptions& o) {
-  return {
-      user(field("seed", o.seed, {0, 2147483647.0}, "", "seed of the simulated world")),
-      field("engine", o.engine, "physics of the true world: bullet or ode; the planner's is Bullet"),
-      user(
-          field("friction", o.friction, {0.05, 2.0}, "", "true coefficient between stones, mean over pairs")),
-      field("friction_spread", o.friction_spread, {0.0, 1.0}, "",
-            "half width of the uniform draw for each pair"),
-      user(field("sensor", o.sensor, "depth camera: sr300, d435 or ideal")),
-      field("sensor_noise", o.sensor_noise, "false: camera and force sensor are exact"),
-      field("hand_eye_translation", o.hand_eye_translation, {0.0, 0.05}, "m", "error of the camera's mount"),
-      field("hand_eye_rotation", o.hand_eye_rotation, {0.0, 0.2}, "rad", "error of the camera's mount"),
-      field("arm_repeatability", o.arm_repeatability, {0.0, 0.01}, "m",
-            "of the tool tip, root mean square; UR10: 0.1 mm"),
-      field("arm_residual", o.arm_residual, {0.0, 0.05}, "m",
-            "error of the arm's kinematics at the tool tip, root mean square"),
-      field("force_delay", o.force_delay, {0.0, 0.1}, "s", "from the force at the wrist to the arm's guard"),
-      field("mass_error", o.mass_error, {0.0, 0.5}, "", "of the stones' masses, one sigma as a share"),
-      field("com_error", o.com_error, {0.0, 0.02}, "m", "of the stones' centres of mass at most"),
-      user(field("scan_error", o.scan_error, {0.0, 0.002}, "m",
-                 "of the stones' surfaces against their scans, root mean square")),
-      field("pad_friction", o.pad_friction, {0.05, 2.0}, "", "rubber on stone, mean over stones"),
-      field("pad_friction_spread", o.pad_friction_spread, {0.0, 1.0}, "",
-            "half width of the uniform draw for each stone"),
-      field("pad_stiffness", o.pad_stiffness, {1e6, 1e10}, "N/m^3", "of the pads; 5 mm of soft rubber"),
-      field("regrip", o.regrip, "true: fingers close further when the held stone yields (rGTO stays set)"),
-      field("clearance", o.clearance, {0.0, 0.3}, "m",
-            "between loose stones at the start; a finger and a half by default"),
-  };
+/// Everything that lies in the cell: the stones as they are, then what no catalogue has.
+std::vector<Stone> real_stones(const std::vector<Stone>& scanned, const SimulationOptions& options) {
+  std::vector<Stone> real = as_they_are(scanned, options);
+  for (const Stone& object : make_foreign_objects(options)) real.push_back(object);
+  return real;
 }
+
+/// The stones that are there and the foreign objects behind the catalogue.
+std::vector<StoneIndex> with_foreign(std::vector<StoneIndex> present, std::size_t catalogue,
+                                     const SimulationOptions& options) {
+  for (int k = 0; k < options.foreign_objects; ++k) present.emplace_back(static_cast<int>(catalogue) + k);
+  return present;
+}
+
+}  // namespace
 
 struct SimulatedCell::Parts {
   std::vector<Stone> stones;
@@ -76,13 +60,15 @@ struct SimulatedCell::Parts {
 
   Parts(const std::vector<Stone>& all, const std::vector<StoneIndex>& present, const RobotModel& robot,
         const CellLayout& layout, const SimulationOptions& options)
-      : stones(as_they_are(all, options)),
+      : stones(real_stones(all, options)),
         assumed(layout),
         mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
-        world(stones, present, with_camera_at(make_robotiq_3f(), layout.T_T_C), options),
+        world(stones, with_foreign(present, all.size(), options),
+              with_camera_at(make_robotiq_3f(), layout.T_T_C), options,
+              {TrueTable(options, 0.5 * (layout.site + layout.field_centre)), options.foreign_objects}),
         clock(world),
         force_torque(world, mounting, options),
-        arm(world, robot, mounting, force_torque, options, start_joints(robot, layout)),
+        arm(world, robot, mounting, force_torque, options, start_joints(robot, layout), layout.T_W_R),
         gripper(world),
         camera(world, stones, mounting, options),
         shared(world, mounting, robot, stones, options) {}

@@ -14,20 +14,38 @@ struct TrueMounting {
   Pose T_W_R = Pose::Identity();
   Pose T_F_T = Pose::Identity();
   Pose T_T_C = Pose::Identity();
-  Joints joint_error = Joints::Zero();  ///< what calibration left over [rad]: true q = reported q + this
+  Joints joint_error = Joints::Zero();       ///< what calibration left over [rad]: true q = reported q + this
+  RobotModel robot;                          ///< links as they are
+  Joints joint_compliance = Joints::Zero();  ///< of each gear [rad/Nm]
 };
-/// Draws the errors that the options ask for; the arm's as large as they ask where it stands at `q`.
+/// Draws the errors that the options ask for; those of the arm's joints as large as they ask where it stands
+/// at `q`, those of its links as large as they ask over the layout's field and site.
 [[nodiscard]] TrueMounting draw_mounting(const CellLayout& assumed, const SimulationOptions& options,
                                          const RobotModel& robot, const Joints& q);
 /// Offset of each joint that moves the tool's tip by `tip_error` (m, root of the mean square) at `q` [rad].
 [[nodiscard]] double joint_sigma(double tip_error, const RobotModel& robot, const Pose& T_F_T,
                                  const Joints& q);
+/// How the tool's tip gives way at reported joints `q`.
+[[nodiscard]] Compliance tool_compliance(const TrueMounting& mounting, const Joints& q);
 
-/// Centre of mass of the gripper, m in T.
-[[nodiscard]] Eigen::Vector3d gripper_centre();
+/// Lost motion of six gears: the output follows the encoder at most half the width behind (play operator).
+class Backlash {
+ public:
+  Backlash(double width, const Joints& q) : half_(0.5 * width), output_(q) {}
+  /// Output when the encoders have moved on to `q`, straight from where `arrive` was told last.
+  [[nodiscard]] Joints output(const Joints& q) const {
+    return output_.cwiseMax(q - Joints::Constant(half_)).cwiseMin(q + Joints::Constant(half_));
+  }
+  void arrive(const Joints& q) { output_ = output(q); }
+
+ private:
+  double half_;  // rad
+  Joints output_;
+};
+
 /// Names what a link of the arm overlaps, with the reported joints `q`.
-[[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const RobotModel& robot,
-                                                       const TrueMounting& mounting, const Joints& q);
+[[nodiscard]] std::optional<std::string> find_link_hit(const TrueWorld& world, const TrueMounting& mounting,
+                                                       const Joints& q);
 
 /// The world's time.
 class SimulatedClock final : public Clock {
@@ -39,8 +57,9 @@ class SimulatedClock final : public Clock {
   const TrueWorld* world_;
 };
 
-/// Wrist sensor at the flange: 100 Hz, counts of 0.1 N and 1 mNm, an unknown offset, white noise. Feels the
-/// weight of the gripper until zeroed; the gripper's inertia is left out.
+/// Wrist sensor at the flange: 100 Hz, counts of 0.1 N and 1 mNm, an unknown offset that drifts, white noise,
+/// and readings that are late. Feels the weight of the gripper until zeroed and, where the options say so,
+/// its inertia as that of a point at its centre of mass; what is held has both of its own.
 class SimulatedForceTorque final : public ForceTorqueSensor {
  public:
   SimulatedForceTorque(TrueWorld& world, const TrueMounting& mounting, const SimulationOptions& options);
@@ -53,21 +72,26 @@ class SimulatedForceTorque final : public ForceTorqueSensor {
 
  private:
   [[nodiscard]] Wrench sample();
+  [[nodiscard]] double drift() const;
 
   TrueWorld* world_;
   TrueMounting mounting_;
   Random random_;
   bool noisy_;
   Wrench offset_, zero_;
+  Eigen::Vector3d n_F_drift_ = Eigen::Vector3d::Zero(), n_F_torque_drift_ = Eigen::Vector3d::Zero();
+  double drift_phase_ = 0.0;  // rad
   double last_time_ = -1.0;
 };
 
-/// A position-controlled arm. It stops, and stays stopped until unlocked, when a joint is commanded faster
-/// than its limit, when a link or the gripper hits something, or at 150 N on the gripper.
+/// A position-controlled arm, stiff but for the compliance of its gears. It stops, and stays stopped until
+/// unlocked, when a joint is commanded faster than its limit, when a link or the gripper hits something, or
+/// at 150 N on the gripper.
 class SimulatedArm final : public Arm {
  public:
   SimulatedArm(TrueWorld& world, const RobotModel& robot, const TrueMounting& mounting,
-               SimulatedForceTorque& force_torque, const SimulationOptions& options, const Joints& q);
+               SimulatedForceTorque& force_torque, const SimulationOptions& options, const Joints& q,
+               const Pose& T_W_R_assumed);
   [[nodiscard]] ArmState state() override;
   [[nodiscard]] MotionResult follow(const JointTrajectory& trajectory) override;
   [[nodiscard]] MotionResult follow_guarded(const GuardedMotion& motion) override;
@@ -75,10 +99,12 @@ class SimulatedArm final : public Arm {
   void set_payload(double mass, const Eigen::Vector3d& p_F_com) override;
   /// Acknowledges a protective stop, as a person does at the pendant.
   void unlock() { stop_reason_.clear(); }
-  /// True pose of the tool.
+  /// Pose of the tool with the reported joints `q`, without load, when each gear lies in the middle of its
+  /// play.
   [[nodiscard]] Pose true_T_W_T(const Joints& q) const;
 
  private:
+  [[nodiscard]] Pose tool_at(const Joints& output) const;
   [[nodiscard]] std::string refusal(const JointTrajectory& trajectory) const;
   [[nodiscard]] std::string overspeed(const Joints& qd, double t) const;
   [[nodiscard]] MotionResult move(const JointTrajectory& trajectory, const GuardedMotion* guard);
@@ -90,8 +116,9 @@ class SimulatedArm final : public Arm {
   SimulatedForceTorque* force_torque_;
   Random random_;
   double jitter_sigma_;  // rad
-  double force_delay_;
+  Pose T_W_R_assumed_;
   Joints q_;
+  Backlash backlash_;
   Joints jitter_ = Joints::Zero();  // rad, of the motion that ended last
   double payload_ = 0.0;
   std::string stop_reason_;

@@ -11,6 +11,8 @@ constexpr double kForceSigma = 0.3, kTorqueSigma = 0.005;   // N, Nm: design cho
 constexpr double kForceCount = 0.1, kTorqueCount = 0.001;   // N (data sheet), Nm
 constexpr double kForceOffset = 2.0, kTorqueOffset = 0.05;  // N, Nm: unknown at power-up
 constexpr int kZeroSamples = 20;
+constexpr double kDriftPeriod = 300.0;  // s, of the zero's slow wandering; design choice
+constexpr double kTorqueDrift = kTorqueOffset / kForceOffset;  // m, of torque to force
 
 Eigen::Vector3d normals(Random& random, double sigma) {
   const double x = random.normal(0, sigma), y = random.normal(0, sigma);
@@ -33,6 +35,12 @@ SimulatedForceTorque::SimulatedForceTorque(TrueWorld& world, const TrueMounting&
       mounting_(mounting),
       random_(Random::stream(static_cast<std::uint64_t>(options.seed), "force sensor")),
       noisy_(options.sensor_noise) {
+  if (options.force_drift > 0.0) {
+    Random drift = Random::stream(static_cast<std::uint64_t>(options.seed), "force sensor drift");
+    n_F_drift_ = drift.unit_vector();
+    n_F_torque_drift_ = drift.unit_vector();
+    drift_phase_ = drift.uniform(0.0, kTwoPi);
+  }
   if (!noisy_) return;
   offset_.force = normals(random_, kForceOffset);
   offset_.torque = normals(random_, kTorqueOffset);
@@ -43,19 +51,33 @@ Wrench SimulatedForceTorque::sample() {
   return measure();
 }
 
+// A sine whose steepest slope is the drift asked for, N.
+double SimulatedForceTorque::drift() const {
+  const double number = kTwoPi / kDriftPeriod;
+  return world_->options().force_drift / number * std::sin(number * last_time_ + drift_phase_);
+}
+
 Wrench SimulatedForceTorque::measure() {
   last_time_ = world_->time();
-  const Pose T_W_F = world_->gripper_pose().T_W_T * mounting_.T_F_T.inverse();
-  GripperLoad load = world_->load();
-  load.add(world_->gripper_pose().T_W_T * gripper_centre(),
-           {0, 0, -kGravity * sensed_mass(world_->gripper_body().gripper)});
+  const SimulationOptions& options = world_->options();
+  const GripperModel& gripper = world_->gripper_body().gripper;
+  const GripperMoment then = world_->moment_before(options.force_delay);
+  const Pose T_W_F = then.T_W_T * mounting_.T_F_T.inverse();
+  GripperLoad load = then.load;
+  load.add(then.T_W_T * gripper_centre(), {0, 0, -kGravity * sensed_mass(gripper)});
+  if (options.gripper_inertia) load.add(then.T_W_T * gripper_centre(), -sensed_mass(gripper) * then.a_W);
   const Eigen::Matrix3d R_F_W = T_W_F.rotation().transpose();
   Wrench wrench;
   wrench.force = R_F_W * load.force + offset_.force;
   wrench.torque = R_F_W * (load.moment - T_W_F.translation().cross(load.force)) + offset_.torque;
+  if (options.force_drift > 0.0) {
+    wrench.force += drift() * n_F_drift_;
+    wrench.torque += kTorqueDrift * drift() * n_F_torque_drift_;
+  }
   if (noisy_) {
-    wrench.force = counted(wrench.force + normals(random_, kForceSigma), kForceCount);
-    wrench.torque = counted(wrench.torque + normals(random_, kTorqueSigma), kTorqueCount);
+    const double scale = options.sensor_scale;
+    wrench.force = counted(wrench.force + normals(random_, scale * kForceSigma), kForceCount);
+    wrench.torque = counted(wrench.torque + normals(random_, scale * kTorqueSigma), kTorqueCount);
   }
   wrench.device_time = wrench.host_time = last_time_;
   return wrench;

@@ -63,7 +63,7 @@ GripperState SimulatedGripper::move(double target, double speed, double force) {
 void SimulatedGripper::spread(double spacing) {
   const GripperModel& gripper = world_->gripper_body().gripper;
   (void)with_spacing(gripper, spacing);  // throws for what cannot be
-  const GripperPose from = world_->gripper_pose();
+  const GripperPose from = world_->commanded_pose();
   const double narrowed = gripper.finger_spacing - spacing;
   if (narrowed == from.narrowed) return;
   const auto path = [&](double s) {

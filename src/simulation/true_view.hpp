@@ -4,11 +4,13 @@
 
 namespace stonestack::simulation {
 
-/// The sensor that the options ask for; without noise only its range, counts and intrinsics are left.
+/// The sensor that the options ask for, with the lens that it has and the intrinsics that it reports; without
+/// noise only these, its range and its counts are left.
 [[nodiscard]] SensorModel choose_sensor(const SimulationOptions& options);
 
 /// Where everything that can be seen stands, so that a picture can be taken while the world goes on.
 struct SeenWorld {
+  Mesh table;                                           ///< in W
   std::vector<std::pair<StoneIndex, Pose>> stones;      ///< index and T_W_O
   std::vector<std::pair<Eigen::Vector3d, Pose>> boxes;  ///< size and pose
 };

@@ -6,6 +6,7 @@
 
 #include "physics/shape_store.hpp"
 #include "simulation/constants.hpp"
+#include "simulation/true_shape.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 
@@ -31,8 +32,10 @@ MassProperties true_mass(const MassProperties& assumed, const SimulationOptions&
 // The rubber that grips it: what plans count on (GripperModel) is another matter.
 PadOptions true_pad(const PadOptions& shape, const SimulationOptions& options, Random random) {
   PadOptions pad = shape;
-  pad.stiffness = options.pad_stiffness;
-  pad.shear = options.pad_stiffness / 3.0;
+  Random wear = Random::stream(static_cast<std::uint64_t>(options.seed), "true pad stiffness");
+  const double factor = std::pow(options.pad_stiffness_spread, wear.uniform(-1.0, 1.0));
+  pad.stiffness = options.pad_stiffness * factor;
+  pad.shear = pad.stiffness / 3.0;
   const double spread = options.pad_friction_spread;
   pad.friction = std::max(0.05, options.pad_friction + random.uniform(-spread, spread));
   return pad;
@@ -46,9 +49,10 @@ Pose away_pose(int k) {
 }  // namespace
 
 TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
-                     const GripperModel& gripper, const SimulationOptions& options)
+                     const GripperModel& gripper, const SimulationOptions& options, const TrueScene& scene)
     : options_(options),
       engine_kind_(engine_named(options.engine)),
+      scene_(scene),
       model_(make_gripper_body(gripper)),
       present_(present) {
   std::sort(present_.begin(), present_.end());
@@ -67,7 +71,7 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIn
   // A surface drawn beside its scan is this world's own and goes with it.
   const ShapeOptions fine{kShapeCell, kShapeBand, kShapeSpacing};
   const auto shapes =
-      options.scan_error > 0.0 ? make_passing_shapes(real, fine) : make_contact_shapes(real, fine);
+      differs_from_scan(options) ? make_passing_shapes(real, fine) : make_contact_shapes(real, fine);
   for (std::size_t k = 0; k < present_.size(); ++k) {
     auto& it = at(states_, present_[k]);
     at(shapes_, present_[k]) = shapes[k];
@@ -76,15 +80,21 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIn
         true_pad(model_.pad, options, Random::stream(seed, "true pad friction " + real[k].name));
     for (int f = 0; f < kFingers; ++f) it.pads.emplace_back(*shapes[k], pad);
   }
-  Random random = Random::stream(seed, "true friction");
+  Random known = Random::stream(seed, "true friction"), foreign = Random::stream(seed, "foreign friction");
   friction_.resize(count * (count + 1));
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = i + 1; j <= count; ++j) {
+      const bool strange = is_foreign(StoneIndex(i)) || (j < count && is_foreign(StoneIndex(j)));
       const double mu = std::max(
-          0.05, options.friction + random.uniform(-options.friction_spread, options.friction_spread));
+          0.05, options.friction +
+                    (strange ? foreign : known).uniform(-options.friction_spread, options.friction_spread));
       friction_[i * (count + 1) + j] = mu;
       if (j < count) friction_[j * (count + 1) + i] = mu;
     }
+}
+
+bool TrueWorld::is_foreign(StoneIndex stone) const {
+  return stone.value() >= static_cast<int>(states_.size()) - scene_.foreign;
 }
 
 const TrueWorld::StoneState& TrueWorld::state(StoneIndex stone) const {
@@ -106,7 +116,10 @@ bool TrueWorld::rests(StoneIndex stone) const {
 }
 
 void TrueWorld::set_gripper_pose(const GripperPose& gripper_pose) {
-  gripper_pose_ = gripper_pose;
+  gripper_pose_ = commanded_ = gripper_pose;
+  yield_.setZero();
+  moments_.clear();
+  v_W_.setZero();
   engine_.reset();
 }
 
@@ -135,10 +148,13 @@ std::unique_ptr<RigidWorld> TrueWorld::make_world(EngineKind engine, double step
   auto world = make_rigid_world(engine, options);
   const auto count = states_.size();
   for (std::size_t k = 0; k < present_.size(); ++k) {
-    const StoneIndex i = present_[k];
-    const int body = world->add_stone(at(shapes_, i), state(i).T_W_O, !in_play[k]);
-    if (in_play[k]) world->place(body, state(i).T_W_O, state(i).twist);
-    const std::size_t row = static_cast<std::size_t>(i.value()) * (count + 1);
+    const int body = world->add_stone(at(shapes_, present_[k]), state(present_[k]).T_W_O, !in_play[k]);
+    if (in_play[k]) world->place(body, state(present_[k]).T_W_O, state(present_[k]).twist);
+  }
+  if (scene_.table.shape()) world->add_table(scene_.table.contact_surface());
+  for (std::size_t k = 0; k < present_.size(); ++k) {
+    const auto body = static_cast<int>(k);
+    const std::size_t row = static_cast<std::size_t>(present_[k].value()) * (count + 1);
     world->set_pair_friction(kTable, body, friction_[row + count]);
     for (std::size_t other = 0; other < k; ++other)
       world->set_pair_friction(static_cast<int>(other), body,

@@ -1,4 +1,5 @@
 #pragma once
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,6 +8,7 @@
 #include "physics/rigid_world.hpp"
 #include "simulation/finger_drive.hpp"
 #include "simulation/gripper_body.hpp"
+#include "simulation/true_table.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 
@@ -32,6 +34,26 @@ struct Progress {
   std::string stopped;  ///< why the gripper cannot go on (it hit something); empty: it can
 };
 
+/// Load and motion of the gripper at a time, as the wrist sensor may report it later.
+struct GripperMoment {
+  double time = 0.0;  ///< [s]
+  GripperLoad load;
+  Pose T_W_T = Pose::Identity();
+  Eigen::Vector3d a_W = Eigen::Vector3d::Zero();  ///< acceleration of its centre of mass [m/s^2]
+};
+
+/// Translation (m) and rotation vector (rad) of the tool by force (N) and moment (Nm) at its tip, axes of W.
+using Compliance = Eigen::Matrix<double, 6, 6>;
+
+/// Surroundings of the stones.
+struct TrueScene {
+  TrueTable table;
+  int foreign = 0;  ///< the last so many stones of the list are objects that no catalogue has
+};
+
+/// Centre of mass of the gripper, m in T.
+[[nodiscard]] Eigen::Vector3d gripper_centre();
+
 /// The one truth: stones of full resolution with their own mass, centre of mass and friction, the table, the
 /// gripper that pushes and grips, in the engine of `options`. Only the simulated devices and the judge see
 /// it.
@@ -43,14 +65,21 @@ class TrueWorld {
  public:
   /// The stones `present` (indices into `stones`), each far away until placed.
   TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIndex>& present,
-            const GripperModel& gripper, const SimulationOptions& options);
+            const GripperModel& gripper, const SimulationOptions& options, const TrueScene& scene = {});
 
   [[nodiscard]] const SimulationOptions& options() const { return options_; }
   /// Steps this world.
   [[nodiscard]] EngineKind engine_kind() const { return engine_kind_; }
+  [[nodiscard]] const TrueTable& table() const { return scene_.table; }
+  /// True for an object that no catalogue has.
+  [[nodiscard]] bool is_foreign(StoneIndex stone) const;
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] const GripperBody& gripper_body() const { return model_; }
   [[nodiscard]] const GripperPose& gripper_pose() const { return gripper_pose_; }
+  /// Where a stiff arm would hold the gripper: paths begin here.
+  [[nodiscard]] const GripperPose& commanded_pose() const { return commanded_; }
+  /// From now on the arm gives way so much to what presses on the gripper.
+  void set_compliance(const Compliance& compliance) { compliance_ = compliance; }
   /// Puts the gripper somewhere at once. For setting up.
   void set_gripper_pose(const GripperPose& gripper_pose);
   /// From now on these drives move the fingers, whatever a path asks of them.
@@ -58,13 +87,16 @@ class TrueWorld {
   [[nodiscard]] const std::optional<std::array<FingerDriveState, kFingers>>& finger_drives() const {
     return drives_;
   }
-  /// Lets `seconds` pass while the gripper follows `path`. Ends early when the gripper hits something hard.
+  /// Lets `seconds` pass while the arm takes the gripper along `path`, from which the load pushes it. Ends
+  /// early when the gripper hits something hard.
   Progress advance(double seconds, const GripperPath& path);
   /// Waits with the gripper where it is.
   Progress wait(double seconds);
 
   /// Mean over the last 10 ms, or the last `advance` if that was shorter.
   [[nodiscard]] const GripperLoad& load() const { return load_; }
+  /// Load and motion `delay` ago, or the oldest that is kept (0.5 s); now with none.
+  [[nodiscard]] GripperMoment moment_before(double delay) const;
   /// Force that presses each finger outwards, now: elastic force of its pad and contacts behind it, N.
   [[nodiscard]] const std::array<double, kFingers>& finger_force() const { return finger_force_; }
 
@@ -111,6 +143,10 @@ class TrueWorld {
                                                        const std::vector<bool>& in_play) const;
   void prepare_engine(const std::vector<bool>& in_play, double step);
   void step_engine(const GripperPose& wanted);
+  [[nodiscard]] GripperPose yielded(GripperPose wanted) const;
+  void yield_to(const GripperLoad& load, double seconds);
+  void remember(double seconds);
+  void drop_what_fell();
   [[nodiscard]] GripperPose driven(GripperPose next, double seconds);
   void press_pads(const GripperPose& next, double step);
   void read_stones(double step);
@@ -120,12 +156,19 @@ class TrueWorld {
 
   SimulationOptions options_;
   EngineKind engine_kind_;
+  TrueScene scene_;
   GripperBody model_;
   std::vector<StoneIndex> present_;
   ShapeList shapes_;                // by catalogue index, true masses
   std::vector<StoneState> states_;  // by catalogue index
   std::vector<double> friction_;    // by pair of catalogue indices, row by row; last column: the table
   GripperPose gripper_pose_;
+  GripperPose commanded_;
+  Compliance compliance_ = Compliance::Zero();
+  Eigen::Matrix<double, 6, 1> yield_ =
+      Eigen::Matrix<double, 6, 1>::Zero();  // from the commanded tool, m, rad
+  std::deque<GripperMoment> moments_;
+  Eigen::Vector3d v_W_ = Eigen::Vector3d::Zero();  // of the gripper's centre [m/s]
   std::optional<std::array<FingerDriveState, kFingers>> drives_;
   GripperLoad load_;
   Eigen::Vector3d felt_ = Eigen::Vector3d::Zero();  // N, load_ over 10 ms: a knock is no jam

@@ -19,7 +19,11 @@ constexpr double kRestTurn = 0.0002;      // rad
 constexpr double kGripperFriction = 0.0;  // rigid parts slide; only pads grip, and what they feel is complete
 constexpr double kTableStiffness = 1e5;   // N/m, gripper on table
 constexpr double kDeepestPress = 0.003;   // m into the table
-constexpr double kArmMaxForce = 150.0;    // N on the gripper: where a UR's protective stop is by default
+constexpr double kYieldTime = 0.050;      // s in which the arm gives way to a load; design choice
+constexpr double kInertiaTime = 0.020;  // s, low pass of the acceleration that the wrist feels; design choice
+constexpr double kKeptMoments = 0.5;    // s of load and motion that a late sensor may ask for
+constexpr double kLost = 0.2;           // m below the table: it has fallen from it
+constexpr double kArmMaxForce = 150.0;  // N on the gripper: where a UR's protective stop is by default
 
 Twist twist_between(const Pose& from, const Pose& to, double seconds) {
   const Eigen::AngleAxisd turn(to.rotation() * from.rotation().transpose());
@@ -33,11 +37,13 @@ void TrueWorld::prepare_engine(const std::vector<bool>& in_play, double step) {
     engine_->step = step;
     return;
   }
-  engine_.emplace(Engine{make_world(engine_kind_, step, kIterations, kRolling, in_play), step, in_play,
-                         static_cast<int>(present_.size())});
-  for (const auto& box : model_.boxes) {
+  engine_.emplace(Engine{make_world(engine_kind_, step, kIterations, kRolling, in_play), step, in_play, 0});
+  const auto stones = static_cast<int>(present_.size());
+  for (std::size_t b = 0; b < model_.boxes.size(); ++b) {
+    const auto& box = model_.boxes[b];
     const int body = engine_->world->add_box(box.size, box_pose(box, gripper_pose_));
-    for (int k = 0; k < engine_->first_box; ++k) engine_->world->set_pair_friction(k, body, kGripperFriction);
+    if (b == 0) engine_->first_box = body;
+    for (int k = 0; k < stones; ++k) engine_->world->set_pair_friction(k, body, kGripperFriction);
   }
 }
 
@@ -136,7 +142,8 @@ GripperLoad TrueWorld::read_contacts(double step) {
 GripperLoad TrueWorld::table_load() const {
   GripperLoad load;
   const Eigen::Vector3d corner = lowest_corner(model_, gripper_pose_);
-  if (corner.z() < 0) load.add(corner, {0, 0, -kTableStiffness * corner.z()});
+  const double height = corner.z() - scene_.table.height(corner);
+  if (height < 0) load.add(corner, {0, 0, -kTableStiffness * height});
   return load;
 }
 
@@ -147,9 +154,57 @@ GripperPose TrueWorld::driven(GripperPose next, double seconds) {
   return next;
 }
 
+// The load pushes the tool away from where a stiff arm would hold it.
+GripperPose TrueWorld::yielded(GripperPose wanted) const {
+  if (yield_.isZero(0.0)) return wanted;
+  const Eigen::Vector3d turn = yield_.tail<3>();
+  wanted.T_W_T.translation() += yield_.head<3>();
+  if (const double angle = turn.norm(); angle > 0)
+    wanted.T_W_T.linear() = Eigen::AngleAxisd(angle, turn / angle) * wanted.T_W_T.rotation();
+  return wanted;
+}
+
+void TrueWorld::yield_to(const GripperLoad& load, double seconds) {
+  if (compliance_.isZero(0.0)) return;
+  Eigen::Matrix<double, 6, 1> wrench;
+  wrench << load.force, load.moment - gripper_pose_.T_W_T.translation().cross(load.force);
+  yield_ += (1.0 - std::exp(-seconds / kYieldTime)) * (compliance_ * wrench - yield_);
+}
+
+void TrueWorld::remember(double seconds) {
+  if (options_.force_delay <= 0.0 && !options_.gripper_inertia) return;
+  const auto centre = [](const Pose& T_W_T) -> Eigen::Vector3d { return T_W_T * gripper_centre(); };
+  GripperMoment now{time_, load_, gripper_pose_.T_W_T, Eigen::Vector3d::Zero()};
+  if (!moments_.empty() && seconds > 0) {
+    const GripperMoment& last = moments_.back();
+    const Eigen::Vector3d v_W = (centre(now.T_W_T) - centre(last.T_W_T)) / seconds;
+    const double share = 1.0 - std::exp(-seconds / kInertiaTime);
+    now.a_W = last.a_W + share * ((v_W - v_W_) / seconds - last.a_W);
+    v_W_ = v_W;
+  }
+  moments_.push_back(now);
+  while (moments_.front().time < time_ - kKeptMoments) moments_.pop_front();
+}
+
+GripperMoment TrueWorld::moment_before(double delay) const {
+  if (moments_.empty()) return {time_, load_, gripper_pose_.T_W_T, Eigen::Vector3d::Zero()};
+  const auto later = std::find_if(moments_.begin(), moments_.end(), [&](const GripperMoment& moment) {
+    return moment.time > time_ - delay + 1e-9;
+  });
+  return later == moments_.begin() ? *later : *std::prev(later);
+}
+
+// An uneven table has an edge; the plane z = 0 has none.
+void TrueWorld::drop_what_fell() {
+  for (const StoneIndex i : present_)
+    if (!state(i).aside && centre_of_mass(i).z() < -kLost) put_away(i);
+}
+
 void TrueWorld::step_engine(const GripperPose& wanted) {
   const double step = engine_->step;
-  const GripperPose next = driven(wanted, step);
+  commanded_ = wanted;
+  const GripperPose next = driven(yielded(wanted), step);
+  for (std::size_t f = 0; f < next.finger.size(); ++f) commanded_.finger[f] = next.finger[f];
   press_pads(next, step);
   for (std::size_t b = 0; b < model_.boxes.size(); ++b)
     engine_->world->move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
@@ -161,8 +216,9 @@ void TrueWorld::step_engine(const GripperPose& wanted) {
 
 std::string TrueWorld::hard_contact() const {
   const Eigen::Vector3d corner = lowest_corner(model_, gripper_pose_);
-  if (corner.z() < -kDeepestPress)
-    return concat("the gripper is pressed ", -1e3 * corner.z(), " mm into the table at x ", corner.x(), " y ",
+  const double height = corner.z() - scene_.table.height(corner);
+  if (height < -kDeepestPress)
+    return concat("the gripper is pressed ", -1e3 * height, " mm into the table at x ", corner.x(), " y ",
                   corner.y());
   if (felt_.norm() > kArmMaxForce)
     return concat("a force of ", felt_.norm(), " N on the gripper (limit ", kArmMaxForce,
@@ -180,12 +236,15 @@ Progress TrueWorld::advance(double seconds, const GripperPath& path) {
     const double chunk = std::min(kChunk, seconds - progress.seconds);
     const double end = progress.seconds + chunk;
     const GripperPose next = path(end);
-    const auto in_play = stones_in_play(next);
+    const auto in_play = stones_in_play(yielded(next));
     if (std::find(in_play.begin(), in_play.end(), true) == in_play.end()) {
       engine_.reset();
       finger_force_ = {};
-      gripper_pose_ = driven(next, chunk);
+      gripper_pose_ = driven(yielded(next), chunk);
+      commanded_ = next;
+      commanded_.finger = gripper_pose_.finger;
       time_ += chunk;
+      yield_to(table_load(), chunk);
       sum.add(table_load(), chunk);
       weight += chunk;
       for (const StoneIndex i : present_) state(i).rest += chunk;
@@ -194,14 +253,21 @@ Progress TrueWorld::advance(double seconds, const GripperPath& path) {
       for (debt_ += chunk; debt_ >= 0.5 * engine_->step;) {
         debt_ -= engine_->step;
         step_engine(path(std::clamp(end - debt_, 0.0, seconds)));
+        const GripperLoad contacts = read_contacts(engine_->step), table = table_load();
         sum.add(pad_load_, engine_->step);
-        sum.add(read_contacts(engine_->step), engine_->step);
-        sum.add(table_load(), engine_->step);
+        sum.add(contacts, engine_->step);
+        sum.add(table, engine_->step);
         weight += engine_->step;
+        GripperLoad all = pad_load_;
+        all.add(contacts);
+        all.add(table);
+        yield_to(all, engine_->step);
       }
+      if (scene_.table.shape()) drop_what_fell();
     }
     progress.seconds = end;
     if (weight > 0) load_ = {sum.force / weight, sum.moment / weight};
+    remember(chunk);
     felt_ += std::min(1.0, chunk / kChunk) * (load_.force - felt_);
     progress.stopped = hard_contact();
     if (!progress.stopped.empty()) break;
@@ -210,8 +276,8 @@ Progress TrueWorld::advance(double seconds, const GripperPath& path) {
 }
 
 Progress TrueWorld::wait(double seconds) {
-  const GripperPose gripper_pose = gripper_pose_;
-  return advance(seconds, [&](double) { return gripper_pose; });
+  const GripperPose held = commanded_;
+  return advance(seconds, [&](double) { return held; });
 }
 
 }  // namespace stonestack::simulation

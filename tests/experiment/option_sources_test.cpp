@@ -78,6 +78,29 @@ TEST_F(OptionSourcesTest, AMethodSetsWhatItStandsForAndNothingThatSomebodySet) {
   EXPECT_EQ(third.build.detection.descriptor, "rops") << "the later assignment counts";
 }
 
+TEST_F(OptionSourcesTest, ACellSetsItsErrorsAndNothingThatSomebodySet) {
+  const OptionOrigins origins =
+      apply_options(list_, {"", {}, {"simulation.friction=0.2", "simulation.cell=lab"}});
+  EXPECT_EQ(every_.simulation.cell, "lab");
+  EXPECT_EQ(every_.simulation.foreign_objects, 2);
+  EXPECT_EQ(every_.simulation.friction, 0.2);
+  EXPECT_EQ(origin_of("simulation.foreign_objects", origins), "simulation.cell");
+  EXPECT_EQ(origin_of("simulation.friction", origins), "flag --set");
+  EXPECT_EQ(origin_of("simulation.regrip", origins), "default");
+  EveryOption other;
+  EXPECT_THROW((void)apply_options(fields(other), {"", {}, {"simulation.cell=moon"}}), InvalidArgument);
+}
+
+TEST_F(OptionSourcesTest, ASecondCellTakesBackWhatTheFirstHadSet) {
+  EveryOption run;
+  set_fields(fields(run), {"simulation.cell=lab", "simulation.clearance=0.02"});
+  EXPECT_EQ(run.simulation.table_height, 0.002);
+  set_fields(fields(run), {"simulation.cell=mild"});
+  EXPECT_EQ(run.simulation.table_height, 0.0);
+  EXPECT_EQ(run.simulation.sensor, "sr300");
+  EXPECT_EQ(run.simulation.clearance, 0.02) << "what somebody set stays";
+}
+
 TEST_F(OptionSourcesTest, AFileMayHoldOptionsOfOthersAndNoUnknownOnes) {
   FieldList search;
   for (const Field& field : list_)

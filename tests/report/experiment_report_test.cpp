@@ -98,6 +98,24 @@ TEST(ExperimentReport, WrittenFilesAreReadBack) {
   EXPECT_EQ(same.runs[1].report.version, "0.1.0 (767bf62a1)");
 }
 
+TEST(ExperimentReport, ARunSaysWhichCellItIsFrom) {
+  Experiment experiment = sample();
+  experiment.runs[0].report.cell = "lab";
+  experiment.runs[0].report.cell_changes = {"friction=0.2", "clearance=0.1"};
+  const std::string text = experiment_json(experiment);
+  const nlohmann::json cell = nlohmann::json::parse(text)["runs"][0]["cell"];
+  EXPECT_EQ(cell["name"], "lab");
+  EXPECT_EQ(cell["changes"], (nlohmann::json{"friction=0.2", "clearance=0.1"}));
+  EXPECT_EQ(nlohmann::json::parse(text)["runs"][1]["cell"]["name"], "real");
+  EXPECT_THAT(run_table(experiment.runs[0].report), HasSubstr("cell lab, but friction=0.2, clearance=0.1"));
+  const std::string path = testing::TempDir() + "experiment_in_a_lab.json";
+  write_file(path, text);
+  const Experiment same = read_experiment(path);
+  EXPECT_EQ(same.runs[0].report.cell, "lab");
+  EXPECT_EQ(same.runs[0].report.cell_changes, experiment.runs[0].report.cell_changes);
+  EXPECT_EQ(same.runs[1].report.cell, "");
+}
+
 TEST(ExperimentReport, ARecordThatIsBrokenIsRefused) {
   const std::string path = testing::TempDir() + "broken_experiment.json";
   const nlohmann::json whole = nlohmann::json::parse(experiment_json(sample()));

@@ -200,5 +200,58 @@ TEST(SensorNoise, UnknownCameraIsNamed) {
   }
 }
 
+/// Root of the mean square about a plane in 9 x 9 pixels, median over windows, m.
+double plane_noise(const DepthImage& image) {
+  std::vector<double> found;
+  for (int v = 20; v < 460; v += 12)
+    for (int u = 20; u < 620; u += 12) {
+      double sum = 0, along_u = 0, along_v = 0, squares = 0;
+      bool whole = true;
+      for (int j = -4; j <= 4 && whole; ++j)
+        for (int i = -4; i <= 4; ++i) {
+          const double z = image.at(u + i, v + j);
+          whole = whole && z > 0;
+          sum += z;
+          along_u += i * z;
+          along_v += j * z;
+          squares += z * z;
+        }
+      const double fitted = sum * sum / 81 + (along_u * along_u + along_v * along_v) / (81 * 60 / 9.0);
+      if (whole) found.push_back(std::sqrt(std::max(0.0, squares - fitted) / 81));
+    }
+  std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2), found.end());
+  return found[found.size() / 2];
+}
+
+// Medians of recordings with a RealSense F200 (docs/measurements.md, Depth camera).
+TEST(SensorNoise, F200IsAsNoisyAsItsRecordings) {
+  for (const auto& [z, recorded] : {std::pair{0.6, 0.00035}, {0.7, 0.00042}, {0.8, 0.00047}}) {
+    Random random(3);
+    const auto image = add_noise(flat(z), Pose::Identity(), make_f200(), random);
+    EXPECT_NEAR(plane_noise(image), recorded, 0.12 * recorded) << "at " << z << " m";
+  }
+}
+
+TEST(SensorNoise, F200SmearsEdgesAsItsRecordings) {
+  // A box edge in front of a table; the recordings have 3.2 floating pixels a crossing and, beside the
+  // shadow, about three holes.
+  const auto step = make_view([](int u, int) { return u < 320 ? 0.60 : 0.70; });
+  auto model = make_f200();
+  model.shadow_baseline = 0.0;
+  model.hole_share = 0.0;
+  model.blobs = 0;
+  Random random(3);
+  const auto image = add_noise(step, Pose::Identity(), model, random);
+  double floating = 0, holes = 0;
+  for (int v = 0; v < 480; ++v)
+    for (int u = 300; u < 340; ++u) {
+      const double z = image.at(u, v);
+      if (z <= 0) ++holes;
+      if (z > 0.604 && z < 0.696) ++floating;
+    }
+  EXPECT_NEAR(floating / 480, 3.2, 1.0);
+  EXPECT_NEAR(holes / 480, 3.0, 1.0);
+}
+
 }  // namespace
 }  // namespace stonestack::simulation

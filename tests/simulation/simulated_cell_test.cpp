@@ -2,80 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include "kinematics/inverse.hpp"
-#include "pebble.hpp"
+#include "cell_bench.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::simulation {
 namespace {
 
 using Status = MotionResult::Status;
 
-/// A cell with pebbles, and a gripper that moves along straight lines.
-struct SimulatedCellBench {
-  std::vector<Stone> stones;
-  RobotModel robot = read_robot("ur10");
-  CellLayout layout;
-  SimulatedCell simulated;
-  Cell cell;
-
-  explicit SimulatedCellBench(std::vector<Stone> all, const SimulationOptions& options = {},
-                              const CellLayout& in = {})
-      : stones(std::move(all)),
-        layout(in),
-        simulated(stones, first_stones(stones.size()), robot, layout, options),
-        cell(simulated.cell()) {}
-
-  [[nodiscard]] Pose T_W_T(const Joints& q) const { return layout.T_W_R * forward(robot, q) * layout.T_F_T; }
-
-  /// Straight to T_W_T at about `speed`, without regard to acceleration.
-  JointTrajectory line(const Pose& T_W_T_goal, double speed) {
-    const Joints q0 = cell.arm.state().q;
-    const Pose from = T_W_T(q0);
-    const auto change = difference(from, T_W_T_goal);
-    const double seconds = std::max({0.5, change.translation / speed, change.angle / 0.5});
-    const int knots = static_cast<int>(std::ceil(seconds / 0.05)) + 1;
-    JointTrajectory line;
-    Joints q = q0;
-    for (int k = 0; k < knots; ++k) {
-      const double s = k / static_cast<double>(knots - 1);
-      const Pose T_R_F = layout.T_W_R.inverse() * interpolate(from, T_W_T_goal, s * s * (3 - 2 * s)) *
-                         layout.T_F_T.inverse();
-      const auto solutions = inverse(robot, T_R_F, q);
-      if (solutions.empty()) throw InvalidArgument("the test's line leaves the reach");
-      q = k == 0 ? q0 : solutions.front().q;
-      line.time.push_back(s * seconds);
-      line.q.push_back(q);
-    }
-    for (int k = 0; k < knots; ++k) {
-      const int a = std::max(0, k - 1), b = std::min(knots - 1, k + 1);
-      const auto at = [](int i) { return static_cast<std::size_t>(i); };
-      line.qd.push_back(k == 0 || k == knots - 1 ? Joints::Zero()
-                                                 : Joints((line.q[at(b)] - line.q[at(a)]) /
-                                                          (line.time[at(b)] - line.time[at(a)])));
-    }
-    return line;
-  }
-  MotionResult go(const Pose& T_W_T_goal, double speed = 0.25) {
-    return cell.arm.follow(line(T_W_T_goal, speed));
-  }
-  /// Centre of mass by the catalogue.
-  [[nodiscard]] Eigen::Vector3d centre(StoneIndex stone) const {
-    const Truth truth = simulated.truth();
-    return at(truth.T_W_O, stone) * at(stones, stone).mass.p_O_M;
-  }
-  [[nodiscard]] double yaw(StoneIndex stone) const {  // closing across the stone's shortest horizontal axis
-    const Truth truth = simulated.truth();
-    const Eigen::Matrix3d R = at(truth.T_W_O, stone).rotation();
-    const Eigen::Vector2d longest = R.col(0).head<2>();
-    return std::atan2(longest.y(), longest.x()) + 1.5707963267948966;
-  }
-};
-
 TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
+  CellBench bench({make_pebble("pebble", 1.2)});
   const auto& [arm, gripper, force_torque, camera, clock, layout] = bench.cell;
   const Eigen::Vector3d p = bench.centre(0_stone);
   const double yaw = bench.yaw(0_stone), low = std::max(0.004, p.z() - 0.015);
@@ -108,7 +45,7 @@ TEST(SimulatedCell, PicksCarriesFeelsContactAndReleases) {
 }
 
 TEST(SimulatedCell, GuardedDescentStopsAtOnceOnTheTable) {
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
+  CellBench bench({make_pebble("pebble", 1.2)});
   ASSERT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
   const auto contact = bench.cell.arm.follow_guarded({bench.line(tool_down({0.7, 0.3, -0.02}), 0.005)});
   EXPECT_EQ(contact.status, Status::kContact);
@@ -124,7 +61,7 @@ TEST(SimulatedCell, ALateForceLetsTheGripperPressHarder) {
   const auto height_at_contact = [](double delay) {
     SimulationOptions options;
     options.force_delay = delay;
-    SimulatedCellBench bench({make_pebble("pebble", 1.2)}, options);
+    CellBench bench({make_pebble("pebble", 1.2)}, options);
     EXPECT_EQ(bench.go(tool_down({0.7, 0.3, 0.02})).status, Status::kDone);
     const auto contact = bench.cell.arm.follow_guarded({bench.line(tool_down({0.7, 0.3, -0.02}), 0.005)});
     EXPECT_EQ(contact.status, Status::kContact);
@@ -135,7 +72,7 @@ TEST(SimulatedCell, ALateForceLetsTheGripperPressHarder) {
 }
 
 TEST(SimulatedCell, EveryStateHasTheTimeOfTheCellsClock) {
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
+  CellBench bench({make_pebble("pebble", 1.2)});
   bench.cell.force_torque.zero();  // takes its time
   const double before = bench.cell.clock.now();
   ASSERT_GT(before, 0.0);
@@ -146,7 +83,7 @@ TEST(SimulatedCell, EveryStateHasTheTimeOfTheCellsClock) {
 }
 
 TEST(SimulatedCell, ArmRefusesAndStops) {
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
+  CellBench bench({make_pebble("pebble", 1.2)});
   auto& arm = bench.cell.arm;
   auto elsewhere = bench.line(tool_down({0.7, 0.1, 0.4}), 0.2);
   for (auto& q : elsewhere.q) q[0] += 0.05;
@@ -167,7 +104,7 @@ TEST(SimulatedCell, ArmRefusesAndStops) {
 }
 
 TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
+  CellBench bench({make_pebble("pebble", 1.2)});
   RobotModel robot = bench.robot;
   robot.workspace = ToolWorkspace{
       {Eigen::Vector3d(-2, -2, 0.2), Eigen::Vector3d(2, 2, 2)}, bench.layout.T_W_R, bench.layout.T_F_T};
@@ -182,7 +119,7 @@ TEST(SimulatedCell, ArmKeepsTheWorkspaceOfTheCell) {
 TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
   std::vector<Stone> stones;
   for (int i = 0; i < 5; ++i) stones.push_back(make_pebble("pebble_" + std::to_string(i), 0.5 + 0.3 * i));
-  SimulatedCellBench bench(stones);
+  CellBench bench(stones);
   const auto truth = bench.simulated.truth();
   for (int i = 0; i < 5; ++i) {
     const Eigen::Vector3d p = bench.centre(StoneIndex(i));
@@ -212,7 +149,7 @@ TEST(SimulatedCell, StonesLieApartInTheFieldAndTheCameraSeesThem) {
 TEST(SimulatedCell, ACameraMountedStraightDoesNotSeeItself) {
   CellLayout layout;
   layout.T_T_C = Pose(Eigen::Translation3d(0.0, 0.11, -0.17));  // its box, along T's axes, holds the lens
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)}, {}, layout);
+  CellBench bench({make_pebble("pebble", 1.2)}, {}, layout);
   const DepthImage image = bench.cell.camera.capture().image;
   const auto seen = std::count_if(image.z.begin(), image.z.end(), [](float z) { return z > 0.0F; });
   EXPECT_GT(seen, static_cast<std::ptrdiff_t>(image.z.size() / 2));
@@ -227,7 +164,7 @@ TEST(SimulatedCell, TooManyStonesAreRefusedWithAReason) {
 
 TEST(SimulatedCell, SameSeedSameStonesSameImage) {
   const std::vector<Stone> stones{make_pebble("a", 0.6), make_pebble("b", 1.0)};
-  SimulatedCellBench first(stones), again(stones);
+  CellBench first(stones), again(stones);
   for (std::size_t i = 0; i < 2; ++i)
     EXPECT_TRUE((first.simulated.truth().T_W_O[i].matrix().array() ==
                  again.simulated.truth().T_W_O[i].matrix().array())
@@ -239,7 +176,7 @@ TEST(SimulatedCell, SameSeedSameStonesSameImage) {
 }
 
 TEST(SimulatedCell, WaitingLetsThatMuchTimePassAndStonesRest) {
-  SimulatedCellBench bench({make_pebble("pebble", 1.2)});
+  CellBench bench({make_pebble("pebble", 1.2)});
   const double begin = bench.cell.clock.now();
   const Pose before = bench.simulated.truth().T_W_O[0];
   bench.simulated.wait(10.0);

@@ -64,12 +64,12 @@ struct EngineVerdict {
 /// Verdict of the simulated cell's truth on the finished tower; the program under test never sees it. A stone
 /// counts if it stands in every engine.
 struct TruthReport {
-  int height = 0;         ///< stones that rest on the stone below and on nothing else
-  bool stands = false;    ///< the tower that the run reports still stands after `seconds`
-  double seconds = 60.0;  ///< simulated, with the arm away; of the longest trial
-  double shift = 0.0;     ///< largest movement of a tower stone in that time [m]
-  double turn = 0.0;      ///< likewise [rad]
-  std::string note;       ///< remark on the verdict, for a person
+  int height = 0;                      ///< stones that rest on the stone below and on nothing else
+  bool stands = false;                 ///< the tower that the run reports still stands after `seconds`
+  double seconds = 60.0;               ///< simulated, with the arm away; of the longest trial
+  double shift = 0.0;                  ///< largest movement of a tower stone in that time [m]
+  double turn = 0.0;                   ///< likewise [rad]
+  std::string note;                    ///< remark on the verdict, for a person
   std::vector<EngineVerdict> engines;  ///< of the same tower; empty in records of older versions
 };
 /// True where a tower is higher in one engine than in another.
@@ -77,15 +77,17 @@ struct TruthReport {
 
 /// Everything that is reported of a run.
 struct RunReport {
-  RunResult result;                  ///< result of the loop
-  std::string version;               ///< of the program that made it; empty: unknown
-  std::string robot;                 ///< name of the robot
-  std::string catalogue;             ///< path of the catalogue
-  int seed = 0;                      ///< seed of the run
-  std::vector<std::string> present;  ///< names of the stones that were in the field
-  std::optional<TruthReport> truth;  ///< simulated cell only
-  std::string options_text;          ///< resolved options, YAML
-  std::string picture;               ///< path of the PNG; empty: none. The JSON names it beside result.json
+  RunResult result;                       ///< result of the loop
+  std::string version;                    ///< of the program that made it; empty: unknown
+  std::string robot;                      ///< name of the robot
+  std::string catalogue;                  ///< path of the catalogue
+  int seed = 0;                           ///< seed of the run
+  std::string cell;                       ///< named set of the simulated cell's errors; empty: a real cell
+  std::vector<std::string> cell_changes;  ///< "NAME=VALUE" of what is not as that set has it
+  std::vector<std::string> present;       ///< names of the stones that were in the field
+  std::optional<TruthReport> truth;       ///< simulated cell only
+  std::string options_text;               ///< resolved options, YAML
+  std::string picture;  ///< path of the PNG; empty: none. The JSON names it beside result.json
 };
 
 /// One run of an experiment.

@@ -44,15 +44,15 @@ using OptionOrigins = std::map<std::string, std::string>;
 [[nodiscard]] std::string origin_of(const std::string& option, const OptionOrigins& origins);
 
 /// Applies files, environment, flags and assignments to `list`, in that order. A file may hold options of
-/// other commands as well: they are checked, and have no effect. Where detection.method becomes one that
-/// stands for a set of options, these take the place of the defaults.
-/// @return "detection.method", "user file PATH", "project file PATH", "file PATH", "environment NAME",
-/// "flag --set" or the name of a flag for each option that is not at its default.
+/// other commands as well: they are checked, and have no effect. Where detection.method or simulation.cell
+/// becomes one that stands for a set of options, these take the place of the defaults.
+/// @return "detection.method", "simulation.cell", "user file PATH", "project file PATH", "file PATH",
+/// "environment NAME", "flag --set" or the name of a flag for each option that is not at its default.
 /// @throws FileError or InvalidArgument with file, value and range
 [[nodiscard]] OptionOrigins apply_options(const FieldList& list, const OptionSources& sources);
 
-/// Sets "NAME=VALUE" one after the other, as --set does, also the options that a detection.method among them
-/// stands for.
+/// Sets "NAME=VALUE" one after the other, as --set does, also the options that a detection.method or
+/// simulation.cell among them stands for.
 /// @throws InvalidArgument
 void set_fields(const FieldList& list, const std::vector<std::string>& assignments);
 

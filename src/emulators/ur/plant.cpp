@@ -19,7 +19,8 @@ class WorldPlant final : public Plant {
       : world_(&world),
         random_(Random::stream(static_cast<std::uint64_t>(world.options().seed), "arm repeatability")),
         jitter_sigma_(
-            joint_sigma(world.options().arm_repeatability, world.robot(), world.mounting().T_F_T, q)) {
+            joint_sigma(world.options().arm_repeatability, world.robot(), world.mounting().T_F_T, q)),
+        backlash_(world.options().arm_backlash, q) {
     state_.q = q;
   }
 
@@ -28,8 +29,10 @@ class WorldPlant final : public Plant {
   PlantState step(const Joints& q_target, double seconds) override {
     const TrueMounting& mounting = world_->mounting();
     err(q_target != state_.q, seconds);
-    const Pose T_R_F = forward(world_->robot(), q_target + mounting.joint_error + jitter_);
+    backlash_.arrive(q_target);
+    const Pose T_R_F = forward(mounting.robot, backlash_.output(q_target) + mounting.joint_error + jitter_);
     const Pose T_W_F = mounting.T_W_R * T_R_F;
+    world_->lock().world.set_compliance(tool_compliance(mounting, q_target));
     state_.hit = world_->move_arm(T_W_F * mounting.T_F_T, seconds).stopped;
     state_.qd = (q_target - state_.q) / seconds;
     state_.q = q_target;
@@ -38,7 +41,7 @@ class WorldPlant final : public Plant {
     since_check_ += seconds;
     if (state_.hit.empty() && since_check_ >= kCheckPeriod) {
       since_check_ = 0.0;
-      state_.hit = find_link_hit(access.world, world_->robot(), mounting, state_.q).value_or("");
+      state_.hit = find_link_hit(access.world, mounting, state_.q).value_or("");
     }
     return state_;
   }
@@ -65,7 +68,8 @@ class WorldPlant final : public Plant {
   SharedWorld* world_;
   PlantState state_;
   Random random_;
-  double jitter_sigma_;                                            // rad
+  double jitter_sigma_;  // rad
+  Backlash backlash_;
   Joints jitter_ = Joints::Zero(), next_jitter_ = Joints::Zero();  // rad
   bool moves_ = false;
   double since_check_ = 0.0;
