@@ -77,6 +77,47 @@ TEST_P(Engines, ABoxSlipsAtTheFrictionAngleInAnyDirection) {
     }
 }
 
+/// Table of 2 x 2 m that passes through the origin, 2 mm above it, and falls by `tilt` (rad) along x.
+TableSurface tilted_table(double tilt) {
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  Pose T_W_slab = Pose::Identity();
+  T_W_slab.linear() = R;
+  T_W_slab.translation() = Eigen::Vector3d(0, 0, 0.002) - 0.025 * R.col(2);
+  const Eigen::Hyperplane<double, 3> plane(R.col(2), Eigen::Vector3d(0, 0, 0.002));
+  return {body(transformed(make_box({2.0, 2.0, 0.05}), T_W_slab), "table"),
+          [plane](const Eigen::Vector2d&) { return plane; }};
+}
+
+TEST_P(Engines, ATableMayLieHigherAndTilted) {
+  constexpr double kTilt = 0.2;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitY()).toRotationMatrix();
+  for (const double friction : {0.1, 0.3}) {
+    const auto world = make(0.7);
+    Pose T_W_O = Pose::Identity();
+    T_W_O.linear() = R;
+    T_W_O.translation() = Eigen::Vector3d(0, 0, 0.002) + 0.01 * R.col(2);
+    world->add_stone(box(0.08, 0.08, 0.02), T_W_O, false);
+    world->add_stone(box(0.08, 0.08, 0.02), at(0, 0.5, 5.0), true);
+    world->add_table(tilted_table(kTilt));
+    world->set_pair_friction(kTable, 0, friction);
+    const int arm =
+        world->add_box({0.1, 0.1, 0.1}, at(0, -0.5, 0.0));  // in the table: boxes meet stones only
+    EXPECT_EQ(arm, 3);
+    pass(*world, 1.0);
+    const double expected = 0.5 * kGravity * (std::sin(kTilt) - friction * std::cos(kTilt));
+    const Eigen::Vector3d moved = world->pose(0).translation() - T_W_O.translation();
+    EXPECT_NEAR(moved.dot(R.col(2)), 0.0, 2e-4) << "lies on it";
+    EXPECT_NEAR(moved.dot(R.col(0)), std::max(0.0, expected), 0.01 + 0.05 * std::max(0.0, expected))
+        << friction;
+    ASSERT_FALSE(world->contacts().empty());
+    for (const Contact& contact : world->contacts()) {
+      EXPECT_EQ(contact.below, kTable);
+      EXPECT_EQ(contact.above, 0);
+      EXPECT_GT(contact.n_W.dot(R.col(2)), 0.999);
+    }
+  }
+}
+
 TEST_P(Engines, FrictionIsThatOfThePair) {
   const auto world = make(0.05);
   world->add_stone(box(0.08, 0.08, 0.02), at(0, 0, 0.01), false);
