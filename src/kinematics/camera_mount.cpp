@@ -13,7 +13,9 @@ namespace {
 constexpr int kRounds = 4;  // Gauss-Newton steps; the problem is nearly linear
 constexpr double kMountBeside =
     0.15;  // m: the table is represented by three points so far from the view's middle
-constexpr Eigen::Index kMount = 6;  // translation, rotation; then three unknowns a mark
+constexpr Eigen::Index kMount = 6;    // translation, rotation
+constexpr Eigen::Index kTableAt = 6;  // height at the middle, slopes along x and y
+constexpr Eigen::Index kMarksAt = 9;  // three unknowns a mark
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
@@ -69,32 +71,35 @@ class MountProblem {
     for (const auto& [mark, count] : seen)
       if (count > 1) index_.emplace(mark, static_cast<int>(index_.size()));
     place_marks();
+    for (const MountView& view : views)
+      middle_ += view.T_W_T.translation().head<2>() / static_cast<double>(views.size());
   }
 
   void step() {
-    const auto unknowns = kMount + 3 * static_cast<Eigen::Index>(index_.size());
+    const auto unknowns = kMarksAt + 3 * static_cast<Eigen::Index>(index_.size());
     Equations equations(unknowns);
     add_prior(equations, unknowns);
     for (const MountView& view : views_) {
       const Pose T_W_C = view.T_W_T * T_T_C_;
       if (view.table_C)
         for (const Eigen::Vector3d& p_C : points_of(*view.table_C))
-          equations.add(row_of(T_W_C, p_C, 2, unknowns), (T_W_C * p_C).z(), kTableSigma);
+          add_table_point(equations, T_W_C, p_C, unknowns);
       for (const SeenMark& mark : view.marks) {
         const auto known = index_.find(mark.mark);
         if (known == index_.end()) continue;
         const Eigen::Vector3d residual = T_W_C * mark.p_C - p_W_[static_cast<std::size_t>(known->second)];
         for (Eigen::Index axis = 0; axis < 3; ++axis) {
           Eigen::VectorXd row = row_of(T_W_C, mark.p_C, axis, unknowns);
-          row[kMount + 3 * known->second + axis] = -1.0;
+          row[kMarksAt + 3 * known->second + axis] = -1.0;
           equations.add(row, residual[axis], kMarkSigma);
         }
       }
     }
     const Eigen::VectorXd x = equations.solve();
     T_T_C_ = moved(T_T_C_, x.head<3>(), x.segment<3>(3));
+    table_ += x.segment<3>(kTableAt);
     for (std::size_t k = 0; k < p_W_.size(); ++k)
-      p_W_[k] += x.segment<3>(kMount + 3 * static_cast<Eigen::Index>(k));
+      p_W_[k] += x.segment<3>(kMarksAt + 3 * static_cast<Eigen::Index>(k));
   }
 
   /// Root mean square distance of the shared marks from their means over the views.
@@ -112,6 +117,10 @@ class MountProblem {
   }
 
   [[nodiscard]] const Pose& T_T_C() const { return T_T_C_; }
+  [[nodiscard]] Plane table_W() const {
+    const Eigen::Vector3d n_W = Eigen::Vector3d(-table_[1], -table_[2], 1.0).normalized();
+    return {n_W, n_W.dot(Eigen::Vector3d(middle_.x(), middle_.y(), table_[0]))};
+  }
   [[nodiscard]] int marks() const { return static_cast<int>(index_.size()); }
 
  private:
@@ -133,7 +142,18 @@ class MountProblem {
     }
   }
 
-  /// The mount stays near the one that was given.
+  /// A point that was seen on the table lies on its plane.
+  void add_table_point(Equations& equations, const Pose& T_W_C, const Eigen::Vector3d& p_C,
+                       Eigen::Index unknowns) const {
+    const Eigen::Vector3d p_W = T_W_C * p_C;
+    const Eigen::Vector2d beside = p_W.head<2>() - middle_;
+    Eigen::VectorXd row = row_of(T_W_C, p_C, 2, unknowns) - table_[1] * row_of(T_W_C, p_C, 0, unknowns) -
+                          table_[2] * row_of(T_W_C, p_C, 1, unknowns);
+    row.segment<3>(kTableAt) << -1.0, -beside.x(), -beside.y();
+    equations.add(row, p_W.z() - table_[0] - table_.tail<2>().dot(beside), kTableSigma);
+  }
+
+  /// Mount and table stay near what was given.
   void add_prior(Equations& equations, Eigen::Index unknowns) const {
     const Pose off = given_.inverse() * T_T_C_;
     const Eigen::AngleAxisd turn(off.rotation());
@@ -141,6 +161,8 @@ class MountProblem {
       equations.add(Eigen::VectorXd::Unit(unknowns, axis), off.translation()[axis], kPriorTranslation);
       equations.add(Eigen::VectorXd::Unit(unknowns, 3 + axis), turn.angle() * turn.axis()[axis],
                     kPriorRotation);
+      equations.add(Eigen::VectorXd::Unit(unknowns, kTableAt + axis), table_[axis],
+                    axis == 0 ? kPriorTableHeight : kPriorTableTilt);
     }
   }
 
@@ -156,7 +178,9 @@ class MountProblem {
   std::span<const MountView> views_;
   Pose given_;
   Pose T_T_C_;
-  std::map<int, int> index_;  ///< of marks that more than one view saw
+  Eigen::Vector2d middle_ = Eigen::Vector2d::Zero();  ///< below the views [m in W]
+  Eigen::Vector3d table_ = Eigen::Vector3d::Zero();   ///< height at the middle [m], slopes
+  std::map<int, int> index_;                          ///< of marks that more than one view saw
   std::vector<Eigen::Vector3d> p_W_;
 };
 
@@ -171,6 +195,7 @@ MountRefinement refine_camera_mount(std::span<const MountView> views, const Pose
   out.before = problem.disagreement();
   for (int round = 0; round < kRounds; ++round) problem.step();
   out.T_T_C = problem.T_T_C();
+  out.table_W = problem.table_W();
   out.after = problem.disagreement();
   const auto off = difference(out.T_T_C, T_T_C);
   out.shift = off.translation;

@@ -16,6 +16,8 @@ inline constexpr double kInvertedRatio = 3.0;
 // Refinement of the camera's mount, one sigma along or about each axis
 /// Error of the mount as it was calibrated, m and rad: twice a good calibration, and 0.5 deg. Design choice.
 inline constexpr double kPriorTranslation = 0.002, kPriorRotation = 0.009;
+/// Table against its nominal plane, m and rad: setting up table and robot by hand. Design choice.
+inline constexpr double kPriorTableHeight = 0.003, kPriorTableTilt = 0.006;
 /// Error of a seen mark, m: detection's median error. Measured: bench detection.
 inline constexpr double kMarkSigma = 0.0006;
 /// Error of the seen table 0.15 m beside the view's middle, m: the sensor's smooth bias. Design choice.

@@ -150,7 +150,7 @@ struct OdeWorld::Ode {
   dSpaceID space = nullptr;
   dJointGroupID group = nullptr;
   dGeomID table = nullptr;
-  std::function<Eigen::Hyperplane<double, 3>(const Eigen::Vector2d&)> tangent;  ///< empty: z = 0
+  std::function<Plane(const Eigen::Vector2d&)> tangent;  ///< empty: z = 0
   std::map<std::pair<int, int>, double> frictions;
   std::vector<std::unique_ptr<Body>> bodies;    ///< null for a table
   std::vector<std::unique_ptr<Touch>> touches;  ///< ODE writes the loads into them
@@ -207,8 +207,8 @@ void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
   if (upper->led && (lower == nullptr || lower->led)) return;
   if (lower == nullptr && tangent) {
     const Vector p_W = to_eigen(dBodyGetPosition(upper->body));
-    const auto plane = tangent(p_W.head<2>());
-    dGeomPlaneSetParams(table, plane.normal().x(), plane.normal().y(), plane.normal().z(), -plane.offset());
+    const Plane plane = tangent(p_W.head<2>());
+    dGeomPlaneSetParams(table, plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
   }
   std::vector<dContactGeom> found(kFound);
   const int count = dCollide(a, b, kFound, found.data(), sizeof(dContactGeom));

@@ -33,7 +33,7 @@ struct Twist {
 struct TableSurface {
   std::shared_ptr<const ContactShape> shape;  ///< closed mesh, in W
   /// Plane that touches the surface at the place x, y (m in W).
-  std::function<Eigen::Hyperplane<double, 3>(const Eigen::Vector2d&)> tangent;
+  std::function<Plane(const Eigen::Vector2d&)> tangent;
 };
 
 /// Stones and boxes on a table (z = 0), stepped by one engine or another: what the simulated cell and the

@@ -104,12 +104,12 @@ double TrueTable::height(double x, double y) const {
 
 // The slope over a few centimetres, as a stone spans them.
 TableSurface TrueTable::contact_surface() const {
-  const auto tangent = [table = *this](const Eigen::Vector2d& p) -> Eigen::Hyperplane<double, 3> {
+  const auto tangent = [table = *this](const Eigen::Vector2d& p) {
     const double h = 0.5 * kCell;
     const double dx = (table.height(p.x() + h, p.y()) - table.height(p.x() - h, p.y())) / kCell;
     const double dy = (table.height(p.x(), p.y() + h) - table.height(p.x(), p.y() - h)) / kCell;
-    return {Eigen::Vector3d(-dx, -dy, 1.0).normalized(),
-            Eigen::Vector3d(p.x(), p.y(), table.height(p.x(), p.y()))};
+    const Eigen::Vector3d n_W = Eigen::Vector3d(-dx, -dy, 1.0).normalized();
+    return Plane{n_W, n_W.dot(Eigen::Vector3d(p.x(), p.y(), table.height(p.x(), p.y())))};
   };
   return {shape_, tangent};
 }

@@ -43,6 +43,8 @@ struct Records {
              {"marks", e.marks},
              {"before_m", e.before},
              {"after_m", e.after},
+             {"table_height_m", e.table_height},
+             {"table_tilt_rad", e.table_tilt},
              {"accepted", e.accepted}}};
   }
   Record operator()(const PlaceBegun& e) const { return {"target", placement(e.placement)}; }

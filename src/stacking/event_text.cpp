@@ -44,7 +44,8 @@ struct Words {
     return concat("camera mount: ", std::round(1e4 * e.shift) / 10, " mm and ",
                   std::round(e.turn * 572.9578) / 10, " deg beside its calibration by ", e.marks,
                   " stones seen twice, ", std::round(1e4 * e.before) / 10, " mm apart, then ",
-                  std::round(1e4 * e.after) / 10, " mm",
+                  std::round(1e4 * e.after) / 10, " mm; table ", std::round(1e4 * e.table_height) / 10,
+                  " mm above its nominal plane, tilted by ", std::round(e.table_tilt * 572.9578) / 10, " deg",
                   e.accepted ? "" : "; not accepted: run `stonestack calibrate`");
   }
   std::string operator()(const CameraNotTurned&) const {

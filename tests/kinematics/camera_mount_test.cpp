@@ -14,6 +14,7 @@ struct Scene {
   Pose T_T_C = make_pose({0.0, 0.09, -0.15});
   Pose T_T_C_true;
   std::vector<Eigen::Vector3d> marks_W{{0.60, -0.25, 0.03}, {0.78, -0.10, 0.04}, {0.65, -0.05, 0.05}};
+  Pose T_W_table = Pose::Identity();  ///< of a table whose plane is z = 0 there
   double mark_noise = 0.0;
   Random random = Random::stream(5, "camera mount");
 
@@ -37,8 +38,8 @@ struct Scene {
       for (Eigen::Index axis = 0; axis < 3; ++axis) p[axis] += random.normal(0.0, mark_noise);
       seen.marks.push_back({static_cast<int>(k), p});
     }
-    const Eigen::Vector3d n_C = T_C_W.linear() * Eigen::Vector3d::UnitZ();
-    if (table) seen.table_C = Plane{n_C, n_C.dot(T_C_W.translation())};
+    const Eigen::Vector3d n_C = T_C_W.linear() * T_W_table.linear().col(2);
+    if (table) seen.table_C = Plane{n_C, n_C.dot(T_C_W * T_W_table.translation())};
     return seen;
   }
 
@@ -79,14 +80,32 @@ TEST(CameraMount, NoiseOfTheMarksIsAveraged) {
   EXPECT_LT(after, 0.4 * before);
 }
 
-TEST(CameraMount, TheTableAloneGivesTiltAndHeight) {
+/// A table that is 2 mm too high and falls by 0.4 deg towards +x.
+TEST(CameraMount, ATiltedTableIsToldFromATiltedCamera) {
+  Scene scene;
+  scene.T_W_table =
+      make_pose({0.7, -0.15, 0.002},
+                Eigen::Quaterniond(Eigen::AngleAxisd(0.4 * kDegree, Eigen::Vector3d::UnitY()))) *
+      Eigen::Translation3d(-0.7, 0.15, 0.0);
+  const std::vector<MountView> views{scene.view(0.0), scene.view(M_PI)};
+  const MountRefinement found = refine_camera_mount(views, scene.T_T_C);
+  const Eigen::Vector3d n_W = scene.T_W_table.linear().col(2);
+  EXPECT_LT(std::acos(found.table_W.normal.dot(n_W)), 0.06 * kDegree);
+  const Eigen::Vector3d p_W(0.7, -0.15, 0.002);
+  EXPECT_LT(std::abs(found.table_W.distance(p_W)), 0.0007) << "the camera's height error is part of it";
+  EXPECT_LT(difference(found.T_T_C, scene.T_T_C_true).angle, 0.1 * kDegree);
+}
+
+TEST(CameraMount, OneViewOfTheTableIsSharedByCameraAndTable) {
   Scene scene;
   MountView view = scene.view(0.0);
   view.marks.clear();
   const MountRefinement found = refine_camera_mount(std::vector{view}, scene.T_T_C);
   const Pose T_W_C = view.T_W_T * found.T_T_C;
   const Eigen::Vector3d n_W = T_W_C.linear() * view.table_C->normal;
-  EXPECT_LT(std::acos(std::min(1.0, n_W.z())), 0.05 * kDegree);
+  EXPECT_LT(std::acos(std::min(1.0, n_W.dot(found.table_W.normal))), 0.05 * kDegree);
+  EXPECT_GT(found.turn, 0.05 * kDegree);
+  EXPECT_GT(std::acos(found.table_W.normal.z()), 0.02 * kDegree);
   EXPECT_EQ(found.shared_marks, 0);
 }
 

@@ -83,7 +83,7 @@ TableSurface tilted_table(double tilt) {
   Pose T_W_slab = Pose::Identity();
   T_W_slab.linear() = R;
   T_W_slab.translation() = Eigen::Vector3d(0, 0, 0.002) - 0.025 * R.col(2);
-  const Eigen::Hyperplane<double, 3> plane(R.col(2), Eigen::Vector3d(0, 0, 0.002));
+  const Plane plane{R.col(2), 0.002 * R(2, 2)};
   return {body(transformed(make_box({2.0, 2.0, 0.05}), T_W_slab), "table"),
           [plane](const Eigen::Vector2d&) { return plane; }};
 }

@@ -43,14 +43,16 @@ struct StoneUncertain {
   StoneIndex stone = kNoStone;  ///< index into the catalogue
   double certainty = 1.0;       ///< certainty of the detection
 };
-/// The camera's mount was estimated anew from stones that were seen twice.
+/// The camera's mount and the table's plane were estimated anew from stones and table that were seen twice.
 struct CameraRefined {
-  double shift = 0;      ///< distance from the calibrated mount [m]
-  double turn = 0;       ///< angle from the calibrated mount [rad]
-  int marks = 0;         ///< stones seen twice
-  double before = 0;     ///< distance between the views with the calibrated mount [m]
-  double after = 0;      ///< distance between the views with the new mount [m]
-  bool accepted = true;  ///< false: the calibrated mount is kept
+  double shift = 0;         ///< distance from the calibrated mount [m]
+  double turn = 0;          ///< angle from the calibrated mount [rad]
+  int marks = 0;            ///< stones seen twice
+  double before = 0;        ///< distance between the views with the calibrated mount [m]
+  double after = 0;         ///< distance between the views with the new mount [m]
+  double table_height = 0;  ///< of the table above its nominal plane, below the views [m]
+  double table_tilt = 0;    ///< of the table against it [rad]
+  bool accepted = true;     ///< false: mount and plane stay as they were calibrated
 };
 /// There is no motion to a turned view: the mount stays as calibrated.
 struct CameraNotTurned {};
