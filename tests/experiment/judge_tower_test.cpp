@@ -63,12 +63,12 @@ TEST(JudgeTower, BothEnginesJudge) {
   }
   Bench bench{slabs};
   const auto site = bench.layout.site;
-  const auto put = [&](int stone, double dx, double z) {
+  const auto put = [&](StoneIndex stone, double dx, double z) {
     bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
   };
-  put(0, 0, 0.0248);
-  put(1, 0.01, 0.0742);
-  put(2, -0.01, 0.1236);
+  put(0_stone, 0, 0.0248);
+  put(1_stone, 0.01, 0.0742);
+  put(2_stone, -0.01, 0.1236);
   bench.simulated.wait(10.0);  // after 2 s the top still creeps by 0.1 mm/s
   RunResult result;
   result.height = 3;
