@@ -86,7 +86,7 @@ TEST(Golden, PosesOfTwentyScenesDoNotDrift) {
     for (const auto& d : detect_stones(scene.image, models).detections) {
       text += line_of(number, d) + "\n";
       for (const auto& [stone, T_C_O] : scene.truth)
-        if (stone == d.stone.value() && difference(T_C_O, d.T_C_O).translation < 0.003 &&
+        if (stone == d.stone && difference(T_C_O, d.T_C_O).translation < 0.003 &&
             difference(T_C_O, d.T_C_O).angle < 3 * kDegree)
           ++right;
       if (write) continue;

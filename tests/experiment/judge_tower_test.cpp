@@ -82,7 +82,7 @@ TEST(JudgeTower, BothEnginesJudge) {
   EXPECT_EQ(stands.height, 3);
   EXPECT_FALSE(engines_disagree(stands));
 
-  put(2, 0.085, 0.1236);  // its centre of mass 15 mm beyond the edge of the one below
+  put(2_stone, 0.085, 0.1236);  // its centre of mass 15 mm beyond the edge of the one below
   const TruthReport falls = judge_run(bench.simulated, result);
   for (const EngineVerdict& verdict : falls.engines) {
     EXPECT_EQ(verdict.height, 2) << verdict.engine << ": " << verdict.note;
