@@ -76,11 +76,11 @@ bool DescentTrial::descend(bool on_stone, DescentTally& tally) {
   if (on_stone) {  // it lies as it fell in the field, only elsewhere
     Pose T_W_O = simulated_.truth().T_W_O[1];
     T_W_O.translation().head<2>() = at + Eigen::Vector2d(random_.uniform(-0.02, 0.02), 0.0);
-    simulated_.place(1, T_W_O);
+    simulated_.place(1_stone, T_W_O);
     simulated_.wait(0.5);
     support = highest(stones_[1], simulated_.truth().T_W_O[1]);
   } else {  // out of the workspace, where it was
-    simulated_.place(1, T_W_aside_);
+    simulated_.place(1_stone, T_W_aside_);
     simulated_.wait(0.5);
   }
   if (!go_above(at, support + kHighest)) return true;

@@ -39,7 +39,7 @@ class DescentTrial {
       : stones_(stones),
         random_(random),
         estimate_(Random::stream(static_cast<std::uint64_t>(simulation.seed), "believed pose")),
-        simulated_(stones, {0, 1}, robot_, layout_, simulation),
+        simulated_(stones, {0_stone, 1_stone}, robot_, layout_, simulation),
         cell_(simulated_.cell()) {}
   /// False if no plan or no grasp comes about.
   bool pick();

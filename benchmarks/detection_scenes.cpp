@@ -70,13 +70,12 @@ SceneMaker::SceneMaker(const std::vector<Stone>& stones) : stones_(stones) {
   for (const auto& s : stones) distance_.emplace_back(s.mesh, 0.004, 0.03);
 }
 
-double SceneMaker::gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const {
-  const auto one_way = [&](int from, const Pose& T_from, int to, const Pose& T_to) {
-    const auto& field = distance_[static_cast<std::size_t>(to)];
+double SceneMaker::gap(StoneIndex a, const Pose& T_W_A, StoneIndex b, const Pose& T_W_B) const {
+  const auto one_way = [&](StoneIndex from, const Pose& T_from, StoneIndex to, const Pose& T_to) {
+    const auto& field = at(distance_, to);
     const Pose T = T_to.inverse() * T_from;
     double nearest = field.band();
-    for (const auto& p : stones_[static_cast<std::size_t>(from)].mesh.vertices)
-      nearest = std::min(nearest, field.distance(T * p));
+    for (const auto& p : at(stones_, from).mesh.vertices) nearest = std::min(nearest, field.distance(T * p));
     return nearest;
   };
   return std::min(one_way(a, T_W_A, b, T_W_B), one_way(b, T_W_B, a, T_W_A));

@@ -61,7 +61,7 @@ class SceneMaker {
                                 const CameraError& error = {}) const;
 
  private:
-  [[nodiscard]] double gap(int a, const Pose& T_W_A, int b, const Pose& T_W_B) const;
+  [[nodiscard]] double gap(StoneIndex a, const Pose& T_W_A, StoneIndex b, const Pose& T_W_B) const;
   [[nodiscard]] double gap(const std::vector<PlacedStone>& placed, StoneIndex stone, const Pose& T_W_O) const;
   [[nodiscard]] Eigen::Quaterniond rest(StoneIndex stone, Random& random) const;
   [[nodiscard]] Pose push(const std::vector<PlacedStone>& placed, StoneIndex stone, Pose T_W_O,

@@ -89,7 +89,7 @@ void lift(const Stone& stone, const Settings& settings, const MotionOptions& opt
   simulation.seed = seed;
   simulation.regrip = !settings.locked;
   const std::vector<Stone> stones{stone};
-  SimulatedCell simulated(stones, {0}, robot, layout, simulation);
+  SimulatedCell simulated(stones, {0_stone}, robot, layout, simulation);
   Cell cell = simulated.cell();
 
   PickAndPlaceTask task;

@@ -52,7 +52,7 @@ class Trial {
         rest_(rest),
         settings_(settings),
         random_(Random::stream(static_cast<std::uint64_t>(settings.seed), concat(stone.name, " ", number))),
-        simulated_(stones_, {0}, robot_, layout_, simulation(number)),
+        simulated_(stones_, {0_stone}, robot_, layout_, simulation(number)),
         cell_(simulated_.cell()) {}
 
   /// False if no grasp leads to the pose from any of the stone's initial poses.
@@ -61,7 +61,7 @@ class Trial {
       if (start > 0) {
         const Pose lying = standing_at(stones_[0], rest(stones_[0], random_),
                                        simulated_.truth().T_W_O[0].translation().head<2>(), 0.002);
-        simulated_.place(0, lying);
+        simulated_.place(0_stone, lying);
         simulated_.wait(2.0);
       }
       PickAndPlaceTask task;

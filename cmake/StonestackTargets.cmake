@@ -18,6 +18,7 @@ target_compile_options(stonestack_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual -Werror
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarm on operator+ of strings in GCC 12 (GCC bug 105651)
   $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>  # ccache sees which precompiled header a file reads
+  $<$<AND:$<BOOL:${CMAKE_UNITY_BUILD}>,$<CXX_COMPILER_ID:GNU>>:-Wno-subobject-linkage>  # a batch is no header
   "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>"  # one that ccache kept is as good as a new one
   -ffp-contract=off)  # the same seed gives the same tower whatever the compiler fuses
 if(STONESTACK_SANITIZE)

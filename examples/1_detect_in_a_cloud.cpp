@@ -13,7 +13,7 @@ int main(int argc, char** argv) try {
     image = stonestack::geometry::to_depth_image(
         cloud_C, camera ? *camera : stonestack::geometry::camera_for(cloud_C));
   } else {
-    image = stonestack::simulation::render_scene(catalogue.stones, {0, 1, 2}, {}).depth;
+    image = stonestack::simulation::render_scene(catalogue.stones, stonestack::first_stones(3), {}).depth;
   }
 
   const stonestack::DetectionModels models(catalogue.stones);

@@ -10,7 +10,8 @@ int main() try {
   const stonestack::CellLayout layout;
 
   // The stone lies where a simulated scene shows it.
-  const auto scene = stonestack::simulation::render_scene(catalogue.stones, {2}, layout);
+  const auto scene =
+      stonestack::simulation::render_scene(catalogue.stones, {stonestack::StoneIndex(2)}, layout);
   const stonestack::PlacedStone stone = scene.stones.front();
   stonestack::stacking::Arrangement arrangement;
   arrangement.loose.push_back(stone);

@@ -6,7 +6,8 @@
 int main() try {
   const stonestack::Catalogue catalogue = stonestack::read_catalogue(stonestack::data_path("stones"));
   const stonestack::RobotModel robot = stonestack::read_robot("ur10");
-  stonestack::SimulatedCell world(catalogue.stones, {0, 1}, robot, stonestack::CellLayout{});
+  stonestack::SimulatedCell world(catalogue.stones, stonestack::first_stones(2), robot,
+                                  stonestack::CellLayout{});
 
   stonestack::stacking::BuildHooks hooks;
   hooks.listener = [&](const stonestack::stacking::Event& event) {

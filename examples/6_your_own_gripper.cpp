@@ -27,7 +27,8 @@ class CountingGripper : public stonestack::hardware::Gripper {
 int main() try {
   const stonestack::Catalogue catalogue = stonestack::read_catalogue(stonestack::data_path("stones"));
   const stonestack::RobotModel robot = stonestack::read_robot("ur10");
-  stonestack::SimulatedCell world(catalogue.stones, {0}, robot, stonestack::CellLayout{});
+  stonestack::SimulatedCell world(catalogue.stones, stonestack::first_stones(1), robot,
+                                  stonestack::CellLayout{});
 
   stonestack::Cell simulated = world.cell();
   CountingGripper gripper(simulated.gripper);

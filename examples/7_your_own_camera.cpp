@@ -26,7 +26,8 @@ class HalfCamera : public stonestack::hardware::DepthCamera {
 int main() try {
   const stonestack::Catalogue catalogue = stonestack::read_catalogue(stonestack::data_path("stones"));
   const stonestack::RobotModel robot = stonestack::read_robot("ur10");
-  stonestack::SimulatedCell world(catalogue.stones, {0, 1, 2}, robot, stonestack::CellLayout{});
+  stonestack::SimulatedCell world(catalogue.stones, stonestack::first_stones(3), robot,
+                                  stonestack::CellLayout{});
 
   stonestack::Cell simulated = world.cell();
   HalfCamera camera(simulated.camera);

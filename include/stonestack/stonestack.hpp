@@ -46,6 +46,7 @@ using stacking::build_tower;
 using stacking::BuildOptions;
 using stacking::RunResult;
 using stone::Catalogue;
+using stone::first_stones;
 using stone::PlacedStone;
 using stone::read_catalogue;
 using stone::Stone;

@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/system_error.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::core {

@@ -42,15 +42,15 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
   const Eigen::Vector2d half = 0.5 * kSeen * layout.field_size;
   for (double x = -half.x(); x <= half.x(); x += kRaster)
     for (double y = -half.y(); y <= half.y(); y += kRaster) {
-      const Eigen::Vector2d at = layout.field_centre + Eigen::Vector2d(x, y);
+      const Eigen::Vector2d place = layout.field_centre + Eigen::Vector2d(x, y);
       double clearance = 1.0;
       for (const auto& other : arrangement.loose) {
         const Eigen::Vector3d p_W_M = other.T_W_O * at(shapes, other.stone)->mass.p_O_M;
         clearance = std::min(
-            clearance, (p_W_M.head<2>() - at).norm() - radius(shapes, other.stone) - radius(shapes, stone));
+            clearance, (p_W_M.head<2>() - place).norm() - radius(shapes, other.stone) - radius(shapes, stone));
       }
       if (clearance < kClearance) continue;
-      const Eigen::Vector2d shift = at - com.head<2>();
+      const Eigen::Vector2d shift = place - com.head<2>();
       places.emplace_back(clearance, Eigen::Translation3d(shift.x(), shift.y(), 0.0) * rest);
     }
   std::stable_sort(places.begin(), places.end(),

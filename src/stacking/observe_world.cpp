@@ -163,10 +163,11 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   // What no first view showed may come to light when others are taken away, but is not worth a search in all
   // views together after each of them.
   std::vector<StoneIndex> wanted, together;
-  for (int i = 0; i < static_cast<int>(w.models.shapes.size()); ++i) {
-    wanted.push_back(i);
-    if (expected.first || std::find(expected.known.begin(), expected.known.end(), i) != expected.known.end())
-      together.push_back(i);
+  for (const StoneIndex stone : first_stones(w.models.shapes.size())) {
+    wanted.push_back(stone);
+    if (expected.first ||
+        std::find(expected.known.begin(), expected.known.end(), stone) != expected.known.end())
+      together.push_back(stone);
   }
   const Stopwatch watch;
   const auto sightings =

@@ -50,8 +50,8 @@ void add_marks(const ShapeList& shapes, const CameraView& a, const DetectionResu
       const auto apart = difference(a.T_W_C * seen_a.T_C_O, b.T_W_C * seen_b.T_C_O);
       if (apart.translation > kCameraSameShift || apart.angle > kCameraSameTurn) continue;
       const Eigen::Vector3d& p_O_M = at(shapes, seen_a.stone)->mass.p_O_M;
-      view_a.marks.push_back({seen_a.stone, seen_a.T_C_O * p_O_M});
-      view_b.marks.push_back({seen_b.stone, seen_b.T_C_O * p_O_M});
+      view_a.marks.push_back({seen_a.stone.value(), seen_a.T_C_O * p_O_M});
+      view_b.marks.push_back({seen_b.stone.value(), seen_b.T_C_O * p_O_M});
     }
 }
 

@@ -31,7 +31,7 @@ Pose displaced(const Pose& T_W_O, Random& random) {
 Pose lowered(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
   SettleOptions options;
   options.world.friction = kLetDownFriction;
-  Random random = Random::stream(static_cast<std::uint64_t>(measured.stone), "seated");
+  Random random = Random::stream(static_cast<std::uint64_t>(measured.stone.value()), "seated");
   Pose tried = measured.T_W_O, best = measured.T_W_O;
   double nearest = kMaxMeasured;
   for (int k = 0; k < kStoneTries && nearest > kConsistent; ++k) {
@@ -50,7 +50,7 @@ Pose lowered(const ShapeList& shapes, const Stack& below, const PlacedStone& mea
 /// The stack near the given one that stands.
 Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double friction) {
   Random random = Random::stream(
-      given.stones.empty() ? 0 : static_cast<std::uint64_t>(given.stones.back().stone), "steadied");
+      given.stones.empty() ? 0 : static_cast<std::uint64_t>(given.stones.back().stone.value()), "steadied");
   SearchOptions options;
   options.friction = friction;
   Stack best = given, tried = given;

@@ -31,7 +31,7 @@ CameraIntrinsics small_camera() {
 
 struct GoldenScene {
   DepthImage image;
-  std::vector<std::pair<int, Pose>> truth;  ///< stone, T_C_O
+  std::vector<std::pair<StoneIndex, Pose>> truth;  ///< stone, T_C_O
 };
 
 GoldenScene make_scene(const std::vector<Stone>& stones, int number) {
@@ -41,7 +41,7 @@ GoldenScene make_scene(const std::vector<Stone>& stones, int number) {
   const int other = (first + 1 + static_cast<int>(random.index(kStones - 1))) % kStones;
   GoldenScene scene;
   std::vector<test::StandingStone> standing;
-  for (const auto& [stone, x] : {std::pair{first, -0.1}, std::pair{other, 0.1}}) {
+  for (const auto& [stone, x] : {std::pair{StoneIndex(first), -0.1}, std::pair{StoneIndex(other), 0.1}}) {
     const Stone& s = at(stones, stone);
     const Pose T_W_O = test::on_table(s, random.rotation(), x, random.uniform(-0.05, 0.05));
     standing.push_back({&s, T_W_O});
@@ -86,7 +86,7 @@ TEST(Golden, PosesOfTwentyScenesDoNotDrift) {
     for (const auto& d : detect_stones(scene.image, models).detections) {
       text += line_of(number, d) + "\n";
       for (const auto& [stone, T_C_O] : scene.truth)
-        if (stone == d.stone.value() && difference(T_C_O, d.T_C_O).translation < 0.003 &&
+        if (stone == d.stone && difference(T_C_O, d.T_C_O).translation < 0.003 &&
             difference(T_C_O, d.T_C_O).angle < 3 * kDegree)
           ++right;
       if (write) continue;

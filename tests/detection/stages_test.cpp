@@ -197,7 +197,7 @@ TEST(Candidates, EveryPoseOfANearlySymmetricStoneIsJudgedFinely) {
         turned.push_back({T_W_C.inverse() * T_W_O * Eigen::AngleAxisd(side * M_PI_2, axis) *
                               Eigen::AngleAxisd(turn * M_PI_2, Eigen::Vector3d::UnitZ()),
                           1.0});
-  const auto judged = judge_hypotheses(make_detection_model(cube, options), 0, turned, scene, options);
+  const auto judged = judge_hypotheses(make_detection_model(cube, options), 0_stone, turned, scene, options);
   EXPECT_GT(judged.size(), 5U);
   ASSERT_FALSE(judged.empty());
   const Eigen::Vector3d corner = Eigen::Vector3d::Constant(0.046);  // about its diagonal all turns are alike
@@ -239,7 +239,7 @@ TEST(Accept, KeepsTheMoreCompleteOfTwoPosesAtOnePlace) {
 TEST(Accept, ALargeStoneDrawnCoarselyCountsAsMuchAsASmallOneDrawnFinely) {
   const auto taken =
       without_conflicts({square_candidate(0_stone, 0.994, 80, 2), square_candidate(1_stone, 0.991, 70, 1)},
-                        {0, 1}, filled_scene(), {});
+                        first_stones(2), filled_scene(), {});
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0], 0U) << "it fits better and explains more";
 }
@@ -249,13 +249,13 @@ TEST(Accept, OnePlaceIsOneStoneWhateverTheStepsOfDrawing) {
     for (const int other : {1, 4, 5, 6, 15})
       EXPECT_EQ(without_conflicts(
                     {square_candidate(0_stone, 0.99, 240, step), square_candidate(1_stone, 0.98, 240, other)},
-                    {0, 1}, filled_scene(), {})
+                    first_stones(2), filled_scene(), {})
                     .size(),
                 1U)
           << "steps " << step << ", " << other;
   EXPECT_EQ(
       without_conflicts({square_candidate(0_stone, 0.99, 96, 6), square_candidate(1_stone, 0.98, 96, 5, 200)},
-                        {0, 1}, filled_scene(), {})
+                        first_stones(2), filled_scene(), {})
           .size(),
       2U)
       << "side by side";

@@ -63,12 +63,12 @@ TEST(JudgeTower, BothEnginesJudge) {
   }
   Bench bench{slabs};
   const auto site = bench.layout.site;
-  const auto put = [&](int stone, double dx, double z) {
+  const auto put = [&](StoneIndex stone, double dx, double z) {
     bench.simulated.place(stone, make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z)));
   };
-  put(0, 0, 0.0248);
-  put(1, 0.01, 0.0742);
-  put(2, -0.01, 0.1236);
+  put(0_stone, 0, 0.0248);
+  put(1_stone, 0.01, 0.0742);
+  put(2_stone, -0.01, 0.1236);
   bench.simulated.wait(10.0);  // after 2 s the top still creeps by 0.1 mm/s
   RunResult result;
   result.height = 3;
@@ -82,7 +82,7 @@ TEST(JudgeTower, BothEnginesJudge) {
   EXPECT_EQ(stands.height, 3);
   EXPECT_FALSE(engines_disagree(stands));
 
-  put(2, 0.085, 0.1236);  // its centre of mass 15 mm beyond the edge of the one below
+  put(2_stone, 0.085, 0.1236);  // its centre of mass 15 mm beyond the edge of the one below
   const TruthReport falls = judge_run(bench.simulated, result);
   for (const EngineVerdict& verdict : falls.engines) {
     EXPECT_EQ(verdict.height, 2) << verdict.engine << ": " << verdict.note;

@@ -85,7 +85,7 @@ TEST(Protocol, ThePapersRunEndsAtTheFirstPlacementThatFails) {
     run.build.search.horizon = 1;
     run.build.min_expected = 0.0;
     spread_seed(run);
-    SimulatedCell world(catalogue.stones, {0, 1, 2}, robot, CellLayout{}, run.simulation);
+    SimulatedCell world(catalogue.stones, first_stones(3), robot, CellLayout{}, run.simulation);
     Cell cell = world.cell();
     const RunResult result = build_tower(cell, catalogue, robot, run.build);
     const auto& records = result.placements;

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kCloudFileNan = std::numeric_limits<float>::quiet_NaN();
 
 Cloud organised_cloud() {
   Cloud cloud;
@@ -27,7 +27,8 @@ Cloud organised_cloud() {
   cloud.height = 3;
   for (int i = 0; i < 12; ++i) {
     const auto x = static_cast<float>(i);
-    cloud.points.emplace_back(i == 5 ? Eigen::Vector3f::Constant(kNan) : Eigen::Vector3f(x, 0.5F * x, 1.0F));
+    cloud.points.emplace_back(i == 5 ? Eigen::Vector3f::Constant(kCloudFileNan)
+                                     : Eigen::Vector3f(x, 0.5F * x, 1.0F));
     cloud.normals.emplace_back(0, 0, 1);
   }
   return cloud;

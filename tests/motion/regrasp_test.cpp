@@ -13,7 +13,7 @@ namespace {
 
 using Status = PickAndPlacePlan::Status;
 
-Stone block(const std::string& name, const Eigen::Vector3d& size) {
+Stone regrasp_block(const std::string& name, const Eigen::Vector3d& size) {
   Stone stone;
   stone.name = name;
   stone.scan = stone.mesh = make_box(size);
@@ -24,7 +24,7 @@ Stone block(const std::string& name, const Eigen::Vector3d& size) {
 
 /// A block lies in the field; the target wants it upside down, which no grasp from above brings about.
 struct RegraspWorkplace {
-  Stone stone = block("block", {0.10, 0.08, 0.07});
+  Stone stone = regrasp_block("block", {0.10, 0.08, 0.07});
   PlanningScene scene;
   PickAndPlaceTask task;
 
@@ -47,7 +47,7 @@ double lowest(const Stone& stone, const Pose& T_W_O) {
 }
 
 TEST(RestPoses, ABoxRestsOnItsSixFaces) {
-  const Stone stone = block("block", {0.10, 0.08, 0.07});
+  const Stone stone = regrasp_block("block", {0.10, 0.08, 0.07});
   const auto rests = rest_poses(stone);
   ASSERT_EQ(rests.size(), 6u);
   for (const auto& rest : rests) {
@@ -59,14 +59,14 @@ TEST(RestPoses, ABoxRestsOnItsSixFaces) {
 }
 
 TEST(RestPoses, ASlabDoesNotStandOnItsEdge) {
-  EXPECT_EQ(rest_poses(block("slab", {0.10, 0.10, 0.006})).size(), 2u);
+  EXPECT_EQ(rest_poses(regrasp_block("slab", {0.10, 0.10, 0.006})).size(), 2u);
   EXPECT_THROW((void)rest_poses(Stone{}), InvalidArgument);
 }
 
 /// The angle counts, not the margin alone: the same 10 mm hold a low block and not a tall one.
 TEST(RestPoses, ATallStoneDoesNotStandOnItsEnd) {
-  EXPECT_EQ(rest_poses(block("low", {0.02, 0.02, 0.02})).size(), 6u);
-  const Stone tall = block("pillar", {0.02, 0.02, 0.16});
+  EXPECT_EQ(rest_poses(regrasp_block("low", {0.02, 0.02, 0.02})).size(), 6u);
+  const Stone tall = regrasp_block("pillar", {0.02, 0.02, 0.16});
   EXPECT_EQ(rest_poses(tall).size(), 4u);
   RegraspOptions careless;
   careless.rest_tilt = 0.0;
@@ -80,7 +80,7 @@ TEST(RestPoses, ATallStoneDoesNotStandOnItsEnd) {
 }
 
 TEST(RestPoses, LeavesOutWhatDidNotHold) {
-  const Stone stone = block("block", {0.10, 0.08, 0.07});
+  const Stone stone = regrasp_block("block", {0.10, 0.08, 0.07});
   RegraspOptions options;
   options.n_O_not_up = {Eigen::Vector3d(0.1, 0, 1).normalized()};  // 6 deg beside a face
   const auto rests = rest_poses(stone, options);
@@ -104,7 +104,7 @@ TEST(GraspFinder, SamplesMoreWhereHardlyAnyGraspServes) {
 /// A loaf 28 mm high with slanting sides: what holds it comes from above, and the usual directions hardly
 /// meet it.
 Stone loaf() {
-  Stone stone = block("loaf", {0.15, 0.10, 0.028});
+  Stone stone = regrasp_block("loaf", {0.15, 0.10, 0.028});
   for (auto* mesh : {&stone.scan, &stone.mesh, &stone.pieces[0]})
     for (Eigen::Vector3d& v : mesh->vertices)
       if (v.z() > 0.0) v.head<2>() *= 0.97;
@@ -131,7 +131,7 @@ TEST(GraspFinder, SamplesDenselyFromAboveWhereTheTableObstructs) {
 }
 
 TEST(GraspFinder, AStoneThatNoFingerReachesUnderCannotBeHeld) {
-  const Stone plate = block("plate", {0.12, 0.10, 0.008});
+  const Stone plate = regrasp_block("plate", {0.12, 0.10, 0.008});
   RegraspWorkplace cell;
   const Pose T_W_O = make_pose({0.70, -0.18, 0.004});
   cell.scene.objects = {{"plate", plate.pieces, T_W_O}};

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Stone block(const Eigen::Vector3d& size) {
+Stone problem_block(const Eigen::Vector3d& size) {
   Stone stone;
   stone.name = "block";
   stone.scan = stone.mesh = make_box(size);
@@ -25,7 +25,7 @@ struct SceneProblemField {
   PlanningScene scene;
   PickAndPlaceTask task;
 
-  explicit SceneProblemField(const Eigen::Vector3d& size = {0.10, 0.08, 0.07}) : stone(block(size)) {
+  explicit SceneProblemField(const Eigen::Vector3d& size = {0.10, 0.08, 0.07}) : stone(problem_block(size)) {
     scene.robot = read_robot("ur10");
     scene.T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));
     task.T_W_O_pick = Pose(Eigen::Translation3d(0.70, -0.18, 0.5 * size.z()));

@@ -45,7 +45,7 @@ DetectionResult two_detections() {
   result.detections[1].T_C_O = at(0.0, 0.2, 0.6);
   result.detections[1].score = 0.8;
   result.detections[1].certainty = 0.5;
-  result.detections[1].alternatives = {{at(0.0, 0.2, 0.6), 0.3, 0}, {at(0.0, 0.2, 0.6), 0.2, 1}};
+  result.detections[1].alternatives = {{at(0.0, 0.2, 0.6), 0.3, 0_stone}, {at(0.0, 0.2, 0.6), 0.2, 1_stone}};
   return result;
 }
 

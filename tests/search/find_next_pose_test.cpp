@@ -111,7 +111,7 @@ TEST(FindNextPose, ContinuesARouteThatWasFoundBefore) {
   ASSERT_FALSE(anew.best.empty()) << anew.reason;
   // A corner of the base that no search would choose first, but where the stone stands.
   const Pose beside = at(0.012, -0.011, 0.085);
-  problem.known_route = {{1, beside}};
+  problem.known_route = {{1_stone, beside}};
   const SearchResult result = find_next_pose(problem, quick());
   ASSERT_EQ(result.best.size(), 1U) << result.reason;
   EXPECT_EQ(result.best.front().stone, 1_stone);

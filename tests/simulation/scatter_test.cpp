@@ -82,7 +82,7 @@ TEST(Scatter, ANewScatterRemovesEarlierStones) {
   for (const int seed : {3, 4, 18}) {
     SimulationOptions options;
     options.seed = seed;
-    TrueWorld world(catalogue.stones, {0, 1, 2, 3, 4, 5}, make_robotiq_3f(), options);
+    TrueWorld world(catalogue.stones, first_stones(6), make_robotiq_3f(), options);
     GripperPose away;
     away.T_W_T = make_pose(Eigen::Vector3d(0, 0, 100.0));
     world.set_gripper_pose(away);

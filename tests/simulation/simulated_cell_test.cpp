@@ -159,7 +159,7 @@ TEST(SimulatedCell, TooManyStonesAreRefusedWithAReason) {
   const std::vector<Stone> stones(3, make_pebble("boulder", 3.0));
   CellLayout tight;
   tight.field_size = {0.10, 0.10};
-  EXPECT_THROW(SimulatedCell(stones, {0, 1, 2}, read_robot("ur10"), tight), InvalidArgument);
+  EXPECT_THROW(SimulatedCell(stones, first_stones(3), read_robot("ur10"), tight), InvalidArgument);
 }
 
 TEST(SimulatedCell, SameSeedSameStonesSameImage) {

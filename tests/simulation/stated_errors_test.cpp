@@ -62,7 +62,7 @@ TEST(StatedErrors, TheArmComesBackToATenthOfAMillimetre) {
   const CellLayout layout;
   SimulationOptions options;
   TrueWorld world({make_pebble("absent", 0.5)}, {0_stone}, make_robotiq_3f(), options);
-  world.put_away(0);
+  world.put_away(0_stone);
   const Joints home = over(layout, over_field(layout, 0.3));
   const Joints away = over(layout, {layout.site.x(), layout.site.y(), 0.3});
   const TrueMounting mounting = draw_mounting(layout, options, ur10(), home);

@@ -143,7 +143,7 @@ TEST(Ahead, TheArmMovesWhileItIsSearched) {
 }
 
 TEST(Ahead, OnATowerThatStoodThereBeforeNothingIsSearchedTwice) {
-  Lab lab({1, 2, 4});
+  Lab lab({1_stone, 2_stone, 4_stone});
   ASSERT_EQ(lab.build(1).height, 1) << lab.message();
   lab.heard.clear();
   EXPECT_EQ(lab.build(3).height, 3) << lab.message();

@@ -89,7 +89,7 @@ TEST(ChooseAction, UnstacksWhereNoMotionClearsTheBase) {
   EXPECT_TRUE(unstack->n_W_lift.has_value()) << "out of the lean";
   const auto why = all_of<UnstackToFree>(decision.why);
   ASSERT_EQ(why.size(), 1U);
-  EXPECT_EQ(why[0].freed, 1);
+  EXPECT_EQ(why[0].freed, 1_stone);
 
   State never = state;
   never.options.max_unstacked = 0;

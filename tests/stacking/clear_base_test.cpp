@@ -109,8 +109,8 @@ TEST(ClearBase, AStoneThatCannotBePulledBackComesFreeWithoutTheTower) {
   })) << "else this tests nothing";
   const auto freeing = all_of<UnstackToFree>(run.result.events);
   ASSERT_FALSE(freeing.empty()) << run.message;
-  EXPECT_EQ(freeing[0].top, 2);
-  EXPECT_EQ(freeing[0].freed, 1);
+  EXPECT_EQ(freeing[0].top, 2_stone);
+  EXPECT_EQ(freeing[0].freed, 1_stone);
   EXPECT_TRUE(set_down_one(run.result));
   EXPECT_EQ(run.result.height, 2) << run.message;
   EXPECT_THAT(run.decisions, testing::Contains("clear_base"));

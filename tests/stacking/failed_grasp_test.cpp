@@ -83,7 +83,7 @@ TEST(FailedGrasp, IsNotTriedAgainWhileThereAreOthers) {
   const RunResult result = place.run(gripper);
   EXPECT_EQ(result.height, 1) << result.ended;
 
-  std::map<int, std::vector<Pose>> failed;
+  std::map<StoneIndex, std::vector<Pose>> failed;
   ASSERT_GE(gripper.grasps().size(), 3U);
   for (const auto& [stone, T_O_T] : gripper.grasps()) {
     // What was measured of the stone, and the arm, err by a few millimetres: near means nearer than the rule.

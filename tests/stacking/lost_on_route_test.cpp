@@ -95,7 +95,7 @@ TEST(LostOnTheRoute, IsFoundAgainAndPlaced) {
 
 TEST(LostOnTheRoute, OutOfSightItIsDoneWithout) {
   const LosingRun run({1_stone, 2_stone}, {-3.0, 0.0});
-  ASSERT_GE(run.lost, 0);
+  ASSERT_NE(run.lost, kNoStone);
   EXPECT_EQ(run.lowered_empty, 0);
   ASSERT_EQ(run.result.placements.size(), 2U) << run.result.ended;
   EXPECT_EQ(run.result.placements[0].outcome, PlacementRecord::Outcome::kDropped);
@@ -104,9 +104,7 @@ TEST(LostOnTheRoute, OutOfSightItIsDoneWithout) {
   EXPECT_LE(run.viewed_beside, 4) << "around the site once, not again after the other stone";
   EXPECT_EQ(run.viewed_pick, 1) << "where it was, once, too";
   EXPECT_EQ(run.result.end, RunResult::End::kAllPlaced);
-  EXPECT_THAT(
-      run.result.ended,
-      testing::HasSubstr(run.catalogue.stones[static_cast<std::size_t>(run.lost)].name + " is out of sight"));
+  EXPECT_THAT(run.result.ended, testing::HasSubstr(run.catalogue[run.lost].name + " is out of sight"));
 }
 
 }  // namespace

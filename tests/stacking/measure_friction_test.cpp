@@ -112,7 +112,7 @@ TEST(MeasureFriction, ARunMeasuresItBeforeAStoneIsStacked) {
     world_options.seed = 3;
     world_options.friction = truth;
     world_options.friction_spread = 0.0;
-    simulation::SimulatedCell world(catalogue.stones, {0, 1, 2}, robot, CellLayout{}, world_options);
+    simulation::SimulatedCell world(catalogue.stones, first_stones(3), robot, CellLayout{}, world_options);
     BuildOptions options;
     options.search.horizon = 1;
     options.max_stones = 1;
@@ -122,7 +122,7 @@ TEST(MeasureFriction, ARunMeasuresItBeforeAStoneIsStacked) {
     ASSERT_EQ(measured.size(), 1U) << truth;
     EXPECT_NEAR(measured.front().friction, truth, 0.07);
     options.measure_friction = false;
-    simulation::SimulatedCell again(catalogue.stones, {0, 1, 2}, robot, CellLayout{}, world_options);
+    simulation::SimulatedCell again(catalogue.stones, first_stones(3), robot, CellLayout{}, world_options);
     Cell without = again.cell();
     EXPECT_TRUE(all_of<FrictionMeasured>(build_tower(without, catalogue, robot, options).events).empty());
   }

@@ -9,13 +9,13 @@ namespace stonestack::stacking {
 namespace {
 
 /// One stone in the middle of the field, in its firmest resting pose.
-struct Bench {
+struct ReachBench {
   Catalogue catalogue = read_catalogue(data_path("stones"));
   CellLayout layout;
   RobotModel robot = read_robot("ur10");
   Arrangement arrangement;
 
-  Bench() {
+  ReachBench() {
     const Stone& stone = catalogue.stones[1];
     Pose T_W_O = make_pose(Eigen::Vector3d::Zero(), rest_poses(stone).front().R_W_O);
     double lowest = 0.0;
@@ -39,7 +39,7 @@ struct Bench {
 /// The last millimetre decides whether a gripper gets hold of a flat stone: where none does with the usual
 /// clearance under the finger tips, some may with less.
 TEST(Reach, AStoneThatIsOutOfReachIsGraspedNearerToTheTable) {
-  const Bench bench;
+  const ReachBench bench;
   double padding = 0.002;
   while (bench.held_with(padding) && padding < 0.2) padding *= 1.9;
   ASSERT_TRUE(bench.held_with(0.5 * padding)) << padding;

@@ -108,7 +108,7 @@ TEST(Site, AnUnknownObjectIsNotBuiltOn) {
   Started lab({1_stone, 2_stone, 5_stone});
   Pose T_W_O = lab.world->truth().T_W_O[5];  // as it lies, moved to the site
   T_W_O.translation().head<2>() = CellLayout{}.site;
-  lab.world->place(5, T_W_O);
+  lab.world->place(5_stone, T_W_O);
   Catalogue known = lab.catalogue;
   known.stones.pop_back();
   const RunResult result = lab.build(1, known);

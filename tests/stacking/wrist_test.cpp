@@ -49,9 +49,9 @@ TEST(Wrist, WeighsTheStoneInAGripperTiltedSinceItsTare) {
   wrist.zero();
   for (const double tilt : {0.0, 0.3, -0.5}) {
     arm.q[4] = home_joints()[4] + tilt;
-    sensor.stone = 0_stone.0;
+    sensor.stone = 0.0;
     EXPECT_NEAR(wrist.feel().weight, 0.0, 1e-9) << tilt;
-    sensor.stone = 0_stone.8;
+    sensor.stone = 0.8;
     const WristLoad load = wrist.feel();
     EXPECT_NEAR(load.weight, kGravity * 0.8, 1e-9) << tilt;
     EXPECT_LT((load.p_F_pull - sensor.p_F_stone).cross(load.n_F_down).norm(), 1e-9) << tilt;

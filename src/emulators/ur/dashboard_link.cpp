@@ -10,7 +10,7 @@ constexpr std::size_t kDashboardLongestLine = 4096;
 
 DashboardLink::DashboardLink(TcpStream stream, UrController& controller)
     : ServerLink(std::move(stream), controller) {
-  send(std::string(kDashboardGreeting) + "\n");
+  send(concat(kDashboardGreeting, "\n"));
 }
 
 void DashboardLink::receive(std::string_view bytes) {

@@ -100,7 +100,7 @@ FtLink open_link(const FtSensorOptions& options, Deadline deadline) try {
 std::string ft_name(const FtSensorOptions& options) {
   return "Robotiq force sensor " + (options.link == "serial"
                                         ? "on " + options.device
-                                        : "at " + to_text({options.address, options.port}));
+                                        : "at " + to_text(Endpoint{options.address, options.port}));
 }
 
 FtLink start_ft_link(const FtSensorOptions& options, Deadline deadline) {

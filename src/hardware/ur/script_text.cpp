@@ -11,7 +11,7 @@ namespace {
 constexpr double kMax = 1e9;
 
 template <class Vector>
-std::string join(const Vector& values) {
+std::string join_numbers(const Vector& values) {
   std::string text = "[";
   for (Eigen::Index i = 0; i < values.size(); ++i) text += (i > 0 ? ", " : "") + to_script(values[i]);
   return text + "]";
@@ -28,18 +28,18 @@ std::string to_script(double value) {
 }
 
 std::string to_script(const Eigen::Vector3d& values) {
-  return join(values);
+  return join_numbers(values);
 }
 
 std::string to_script(const Joints& values) {
-  return join(values);
+  return join_numbers(values);
 }
 
 std::string to_script(const Pose& pose) {
   const Eigen::AngleAxisd turn(pose.rotation());
   Joints values;
   values << pose.translation(), turn.angle() * turn.axis();
-  return "p" + join(values);
+  return "p" + join_numbers(values);
 }
 
 }  // namespace stonestack::hardware
