@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "cell_bench.hpp"
+#include "core/constants.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "simulation/true_shape.hpp"
 #include "simulation/true_view.hpp"
@@ -97,15 +98,17 @@ TEST(RealErrors, SurfacesLieBesideTheirScansInWaves) {
 
 /// True if a block on another starts to slide when the table is tilted to that slope.
 bool slides(const SimulationOptions& options, double slope) {
-  TrueWorld world({make_block("below"), make_block("above")}, {0, 1}, make_robotiq_3f(), options);
-  world.place(0, make_pose(Eigen::Vector3d(0, 0, 0.015)));
-  world.place(1, make_pose(Eigen::Vector3d(0, 0, 0.045)));
-  World judge = world.judge_world(0.001, 200);
-  judge.set_fixed(0, true);
+  TrueWorld world({make_block("below"), make_block("above")}, {0_stone, 1_stone}, make_robotiq_3f(), options);
+  world.place(0_stone, make_pose(Eigen::Vector3d(0, 0, 0.015)));
+  world.place(1_stone, make_pose(Eigen::Vector3d(0, 0, 0.045)));
+  const auto judge = world.judge_world(0.001, 200);
   const double angle = std::atan(slope);
-  judge.set_gravity(9.81 * Eigen::Vector3d(std::sin(angle), 0, -std::cos(angle)));
-  judge.run(0.5);
-  return judge.pose(1).translation().x() > 0.002;
+  judge->set_gravity(kGravity * Eigen::Vector3d(std::sin(angle), 0, -std::cos(angle)));
+  for (int step = 0; step < 500; ++step) {
+    judge->place(0, world.pose(0_stone), {});  // held
+    judge->step(0.001);
+  }
+  return judge->pose(1).translation().x() > 0.002;
 }
 
 TEST(RealErrors, StonesSlideOnEachOtherBetweenTheStatedFrictions) {
@@ -182,8 +185,8 @@ TEST(RealErrors, TheArmSagsUnderAStone) {
     const double stated = bench.T_W_T(bench.cell.arm.state().q).translation().z();
     return stated - bench.simulated.world().gripper_pose().T_W_T.translation().z();
   };
-  const Eigen::Vector3d p = bench.centre(0);
-  const double yaw = bench.yaw(0), low = std::max(0.004, p.z() - 0.015);
+  const Eigen::Vector3d p = bench.centre(0_stone);
+  const double yaw = bench.yaw(0_stone), low = std::max(0.004, p.z() - 0.015);
   ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), 0.25}, yaw)).status, Status::kDone);
   EXPECT_NEAR(sag(), 0.0, 1e-6);
   ASSERT_EQ(bench.go(tool_down({p.x(), p.y(), low}, yaw), 0.1).status, Status::kDone);
@@ -218,13 +221,13 @@ TEST(RealErrors, TheBaseStandsBesideItsStatedPlace) {
 double gripped_opening(int seed, double spread) {
   SimulationOptions options = ideal(seed);
   options.pad_stiffness_spread = spread;
-  TrueWorld world({make_pebble("pebble", 1.2)}, {0}, make_robotiq_3f(), options);
+  TrueWorld world({make_pebble("pebble", 1.2)}, {0_stone}, make_robotiq_3f(), options);
   double lowest = 0;
   for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
   GripperPose gripper_pose{tool_down({0, 0, std::max(0.003, -lowest - 0.015)}), {}};
   gripper_pose.finger.fill(0.0775);
   world.set_gripper_pose(gripper_pose);
-  world.place(0, make_pose(Eigen::Vector3d(0, 0, 0.0002 - lowest)));
+  world.place(0_stone, make_pose(Eigen::Vector3d(0, 0, 0.0002 - lowest)));
   (void)world.wait(1.0);
   SimulatedGripper gripper(world);
   return gripper.move(0.0, 0.05, 60.0).opening;
@@ -255,10 +258,10 @@ struct Wrist {
 
   explicit Wrist(const SimulationOptions& o)
       : options(o),
-        world({make_pebble("absent", 0.5)}, {0}, make_robotiq_3f(), options),
+        world({make_pebble("absent", 0.5)}, {0_stone}, make_robotiq_3f(), options),
         mounting(draw_mounting({}, options, ur10(), over({}, {0.7, -0.18, 0.45}))),
         sensor(world, mounting, options) {
-    world.put_away(0);
+    world.put_away(0_stone);
     world.set_gripper_pose({tool_down({0.7, 0, 0.1}), {}});
   }
   /// The tip's height over time.
@@ -409,7 +412,7 @@ TEST(RealErrors, ForeignObjectsLieAmongTheStonesAndAreSeen) {
   const auto image = bench.cell.camera.capture().image;
   const Pose T_C_W = (bench.T_W_T(bench.cell.arm.state().q) * bench.layout.T_T_C).inverse();
   for (std::size_t i = 1; i < 3; ++i) {
-    EXPECT_TRUE(bench.simulated.world().is_foreign(static_cast<int>(i)));
+    EXPECT_TRUE(bench.simulated.world().is_foreign(StoneIndex(i)));
     const Eigen::Vector3d p = truth.T_W_O[i].translation();
     EXPECT_LT(std::abs(p.x() - bench.layout.field_centre.x()), 0.5 * bench.layout.field_size.x());
     const Eigen::Vector3d p_C = T_C_W * p;
@@ -417,8 +420,8 @@ TEST(RealErrors, ForeignObjectsLieAmongTheStonesAndAreSeen) {
     EXPECT_LT(image.at(static_cast<int>(uv.x()), static_cast<int>(uv.y())), p_C.z() - 0.01) << i;
     EXPECT_GT(image.at(static_cast<int>(uv.x()), static_cast<int>(uv.y())), 0.0F) << i;
   }
-  EXPECT_FALSE(bench.simulated.world().is_foreign(0));
-  EXPECT_TRUE(bench.simulated.world().rests(1) && bench.simulated.world().rests(2));
+  EXPECT_FALSE(bench.simulated.world().is_foreign(0_stone));
+  EXPECT_TRUE(bench.simulated.world().rests(1_stone) && bench.simulated.world().rests(2_stone));
 }
 
 }  // namespace
