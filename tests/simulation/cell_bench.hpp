@@ -7,6 +7,17 @@
 
 namespace stonestack::simulation {
 
+inline const RobotModel& ur10() {
+  static const RobotModel robot = read_robot("ur10");
+  return robot;
+}
+
+/// Configuration with the tool over a place, pointing down.
+inline Joints over(const CellLayout& layout, const Eigen::Vector3d& p_W) {
+  const Joints seed = (Joints() << 0.0, -1.57, 1.57, -1.57, -1.57, 0.0).finished();
+  return inverse(ur10(), layout.T_W_R.inverse() * tool_down(p_W) * layout.T_F_T.inverse(), seed).front().q;
+}
+
 /// A cell with pebbles, and a gripper that moves along straight lines.
 struct CellBench {
   std::vector<Stone> stones;

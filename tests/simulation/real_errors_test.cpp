@@ -21,16 +21,6 @@ SimulationOptions ideal(int seed = 1) {
   return options;
 }
 
-const RobotModel& ur10() {
-  static const RobotModel robot = read_robot("ur10");
-  return robot;
-}
-
-Joints over(const CellLayout& layout, const Eigen::Vector3d& p_W) {
-  const Joints seed = (Joints() << 0.0, -1.57, 1.57, -1.57, -1.57, 0.0).finished();
-  return inverse(ur10(), layout.T_W_R.inverse() * tool_down(p_W) * layout.T_F_T.inverse(), seed).front().q;
-}
-
 Stone make_block(const std::string& name) {
   Stone stone;
   stone.name = name;

@@ -1,8 +1,7 @@
 // The errors of the cell are as large as its options state, measured where the stones are handled.
 #include <gtest/gtest.h>
 
-#include "kinematics/inverse.hpp"
-#include "pebble.hpp"
+#include "cell_bench.hpp"
 #include "simulation/shared_world.hpp"
 #include "simulation/simulated_devices.hpp"
 #include "simulation/true_shape.hpp"
@@ -10,16 +9,6 @@
 
 namespace stonestack::simulation {
 namespace {
-
-const RobotModel& ur10() {
-  static const RobotModel robot = read_robot("ur10");
-  return robot;
-}
-
-Joints over(const CellLayout& layout, const Eigen::Vector3d& p_W) {
-  const Joints seed = (Joints() << 0.0, -1.57, 1.57, -1.57, -1.57, 0.0).finished();
-  return inverse(ur10(), layout.T_W_R.inverse() * tool_down(p_W) * layout.T_F_T.inverse(), seed).front().q;
-}
 
 Eigen::Vector3d over_field(const CellLayout& layout, double z) {
   return {layout.field_centre.x(), layout.field_centre.y(), z};
