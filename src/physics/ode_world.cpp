@@ -121,6 +121,7 @@ struct OdeWorld::Ode {
   ~Ode() {
     const std::lock_guard guard(collision_mutex());
     dJointGroupDestroy(group);
+    if (tangent) dGeomDestroy(table);
     dSpaceDestroy(space);
     for (auto& body : bodies)
       if (body && body->mesh != nullptr) dGeomTriMeshDataDestroy(body->mesh);
@@ -205,11 +206,6 @@ void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
   const Body* upper = bodies[static_cast<std::size_t>(above)].get();
   const Body* lower = below == kTable ? nullptr : bodies[static_cast<std::size_t>(below)].get();
   if (upper->led && (lower == nullptr || lower->led)) return;
-  if (lower == nullptr && tangent) {
-    const Vector p_W = to_eigen(dBodyGetPosition(upper->body));
-    const Plane plane = tangent(p_W.head<2>());
-    dGeomPlaneSetParams(table, plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
-  }
   std::vector<dContactGeom> found(kFound);
   const int count = dCollide(a, b, kFound, found.data(), sizeof(dContactGeom));
   found.resize(static_cast<std::size_t>(std::max(count, 0)));
@@ -233,6 +229,13 @@ void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
 void OdeWorld::Ode::collide() {
   const std::lock_guard guard(collision_mutex());
   touches.clear();
+  if (tangent)
+    for (auto& body : bodies) {
+      if (!body || !body->stone) continue;
+      const Plane plane = tangent(to_eigen(dBodyGetPosition(body->body)).head<2>());
+      dGeomPlaneSetParams(table, plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
+      meet(body->geom, table);
+    }
   dSpaceCollide(space, this, [](void* self, dGeomID a, dGeomID b) { static_cast<Ode*>(self)->meet(a, b); });
 }
 
@@ -288,8 +291,7 @@ void OdeWorld::add_table(const TableSurface& surface) {
   require(!ode_->tangent, "a world has one table");
   ode_->tangent = surface.tangent;
   ode_->bodies.push_back(nullptr);
-  // Not level: the box around a level plane is a half-space that a stone on a higher place does not meet.
-  dGeomPlaneSetParams(ode_->table, 1e-3, 0, 1, 0);
+  dSpaceRemove(ode_->space, ode_->table);  // it meets each stone elsewhere
 }
 
 int OdeWorld::add_box(const Eigen::Vector3d& size, const Pose& T_W_box) {

@@ -9,7 +9,7 @@ namespace stonestack::simulation {
 namespace {
 
 constexpr int kWaves = 64;             // that add up to an error
-constexpr double kSpread = 0.25;       // of the wave lengths about their mean, as a share
+constexpr double kWaveSpread = 0.25;   // of the wave lengths about their mean, as a share
 constexpr double kScanWaves = 0.020;   // m: of views that were joined askew
 constexpr double kRoughWaves = 0.003;  // m: finer than what a scanner resolves
 
@@ -20,7 +20,7 @@ struct SmoothError {
 
   SmoothError(double length, Random random) {
     for (int k = 0; k < kWaves; ++k) {
-      const double number = kTwoPi / length * random.uniform(1 - kSpread, 1 + kSpread);
+      const double number = kTwoPi / length * random.uniform(1 - kWaveSpread, 1 + kWaveSpread);
       wave.emplace_back(number * random.unit_vector());
       phase.push_back(random.uniform(0.0, kTwoPi));
     }

@@ -9,13 +9,13 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kPlaneHalf = 3.0;                 // m, of the plane that is seen
-constexpr int kCells = 50;                         // along each side of an uneven table
-constexpr double kCell = 0.06;                     // m
-constexpr double kThickness = 0.02;                // m
-constexpr double kShortest = 0.3, kLongest = 0.8;  // m, waves of a table top; design choice
-constexpr int kWaves = 8;
-constexpr double kDensity = 700.0;                      // kg/m^3; the table never moves
+constexpr double kPlaneHalf = 3.0;                                   // m, of the plane that is seen
+constexpr int kCells = 50;                                           // along each side of an uneven table
+constexpr double kCell = 0.06;                                       // m
+constexpr double kThickness = 0.02;                                  // m
+constexpr double kShortestTableWave = 0.3, kLongestTableWave = 0.8;  // m, waves of a table top; design choice
+constexpr int kTableWaves = 8;
+constexpr double kTableDensity = 700.0;                 // kg/m^3; the table never moves
 constexpr ShapeOptions kTableShape{0.02, 0.03, kCell};  // coarse: only contact features matter
 
 std::size_t index(int column, int row) {
@@ -25,8 +25,8 @@ std::size_t index(int column, int row) {
 /// Heights about the plane, scaled so that the largest is `size`.
 std::vector<double> waves(double size, Random random) {
   std::vector<double> z((kCells + 1) * (kCells + 1), 0.0);
-  for (int k = 0; k < kWaves; ++k) {
-    const double number = kTwoPi / random.uniform(kShortest, kLongest);
+  for (int k = 0; k < kTableWaves; ++k) {
+    const double number = kTwoPi / random.uniform(kShortestTableWave, kLongestTableWave);
     const double direction = random.uniform(0.0, kTwoPi), phase = random.uniform(0.0, kTwoPi);
     for (int row = 0; row <= kCells; ++row)
       for (int column = 0; column <= kCells; ++column)
@@ -78,7 +78,7 @@ TrueTable::TrueTable(const SimulationOptions& options, const Eigen::Vector2d& ce
       z_[index(column, row)] += height - slope * (std::cos(downhill) * x + std::sin(downhill) * y);
     }
   const Mesh mesh = slab(surface());
-  shape_ = make_contact_shape(mesh, mass_properties(mesh, kDensity), "table", kTableShape);
+  shape_ = make_contact_shape(mesh, mass_properties(mesh, kTableDensity), "table", kTableShape);
 }
 
 Eigen::Vector3d TrueTable::node(int column, int row) const {

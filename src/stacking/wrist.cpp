@@ -9,6 +9,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr int kReadings = 10;
+constexpr int kPassedOver = 10;          // readings, 0.1 s: sensors report up to 50 ms late, and arms swing out
 constexpr double kDrift = 2.0;           // N, error of the sensor after a carry; design choice
 constexpr double kGripperCentre = 0.03;  // m, error of the gripper's assumed centre of mass; design choice
 constexpr double kSettle = 1.0;          // s, at most, for fingers that close on
@@ -23,7 +24,13 @@ GripperState state_at_rest(Cell& cell) {
   return state;
 }
 
+/// Until the sensor reports the rest of an arm that has just stopped.
+void pass_over_motion(Cell& cell) {
+  for (int i = 0; i < kPassedOver; ++i) (void)cell.force_torque.read();
+}
+
 Wrench mean_reading(Cell& cell) {
+  pass_over_motion(cell);
   Wrench mean;
   for (int i = 0; i < kReadings; ++i) {
     const Wrench one = cell.force_torque.read();
@@ -40,6 +47,7 @@ Eigen::Vector3d Wrist::down() const {
 }
 
 void Wrist::zero(double carried_weight) {
+  pass_over_motion(cell_);
   cell_.force_torque.zero();
   carried_at_zero_ = carried_weight;
   n_F_down_at_zero_ = down();

@@ -38,7 +38,7 @@ class Wrist {
 
   /// Tares at rest. `carried_weight`: present load of the gripper (N), so that its loss is measured later.
   void zero(double carried_weight = 0.0);
-  /// Mean of a tenth of a second, at rest.
+  /// Mean of a tenth of a second, at rest, a tenth of a second after the call.
   [[nodiscard]] WristLoad feel() const;
   /// Force of the world on the gripper and what it holds since taring, in W [N]. For the pose of taring only.
   [[nodiscard]] Eigen::Vector3d force_W() const;
