@@ -197,7 +197,8 @@ std::vector<UnknownThing> unknown_things(std::vector<Body>& bodies,
       if (const int over = points_over(bodies[i], points); over > max)
         max = over, thing.on = static_cast<int>(i);
     if (thing.on >= 0) bodies[static_cast<std::size_t>(thing.on)].covered = true;
-    unknown.push_back(thing);
+    thing.surface_W = points;
+    unknown.push_back(std::move(thing));
   }
   return unknown;
 }

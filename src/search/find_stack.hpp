@@ -9,9 +9,10 @@ namespace stonestack::search {
 
 /// Surface above the table that belongs to no stone that was found.
 struct UnknownThing {
-  Eigen::Vector2d p_W{0.0, 0.0};  ///< its middle, seen from above
-  double highest = 0.0;           ///< above the table [m]
-  int on = -1;                    ///< index in the list of stones of one that it lies over; -1: none
+  Eigen::Vector2d p_W{0.0, 0.0};           ///< its middle, seen from above
+  double highest = 0.0;                    ///< above the table [m]
+  std::vector<Eigen::Vector3d> surface_W;  ///< what is seen of it
+  int on = -1;                             ///< index in the list of stones of one that it lies over; -1: none
 };
 
 /// Stones that were seen, sorted by what carries them.

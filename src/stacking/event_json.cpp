@@ -36,6 +36,9 @@ struct Records {
   Record operator()(const StoneMoved& e) const {
     return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};
   }
+  Record operator()(const UnknownObjectSeen& e) const {
+    return {"unknown_object", {{"x_m", e.p_W.x()}, {"y_m", e.p_W.y()}, {"highest_m", e.highest}}};
+  }
   Record operator()(const CameraRefined& e) const {
     return {"camera_mount",
             {{"shift_m", e.shift},

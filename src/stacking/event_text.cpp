@@ -40,6 +40,11 @@ struct Words {
                   " may be turned or another stone of similar shape: it is seen with a certainty of ",
                   std::lround(100 * e.certainty), " %");
   }
+  std::string operator()(const UnknownObjectSeen& e) const {
+    return concat("something unknown at (", std::round(1e3 * e.p_W.x()) / 1e3, ", ",
+                  std::round(1e3 * e.p_W.y()) / 1e3, ") m, ", std::round(1e3 * e.highest),
+                  " mm high: kept clear of");
+  }
   std::string operator()(const CameraRefined& e) const {
     return concat("camera mount: ", std::round(1e4 * e.shift) / 10, " mm and ",
                   std::round(e.turn * 572.9578) / 10, " deg beside its calibration by ", e.marks,

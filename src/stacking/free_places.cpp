@@ -46,8 +46,8 @@ std::vector<Pose> free_places(const ShapeList& shapes, const CellLayout& layout,
       double clearance = 1.0;
       for (const auto& other : arrangement.loose) {
         const Eigen::Vector3d p_W_M = other.T_W_O * at(shapes, other.stone)->mass.p_O_M;
-        clearance = std::min(
-            clearance, (p_W_M.head<2>() - place).norm() - radius(shapes, other.stone) - radius(shapes, stone));
+        clearance = std::min(clearance, (p_W_M.head<2>() - place).norm() - radius(shapes, other.stone) -
+                                            radius(shapes, stone));
       }
       if (clearance < kClearance) continue;
       const Eigen::Vector2d shift = place - com.head<2>();

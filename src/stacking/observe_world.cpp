@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "stacking/arrangement.hpp"
+#include "stacking/unknown_objects.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -108,6 +109,20 @@ bool adopt(const ShapeList& shapes, const std::optional<WorldEstimate>& predicte
   return true;
 }
 
+/// What is no stone is an obstacle until the next observation.
+void set_unknown_objects(Workcell& w, const std::vector<Obstacle>& unknown) {
+  auto& obstacles = w.cell.layout.obstacles;
+  const std::size_t before = obstacles.size() - w.stated_obstacles.size();
+  obstacles = w.stated_obstacles;
+  obstacles.insert(obstacles.end(), unknown.begin(), unknown.end());
+  if (unknown.size() == before) return;
+  for (const Obstacle& object : unknown) {
+    Eigen::AlignedBox3d box;
+    for (const auto& v : object.pieces.front().vertices) box.extend(v);
+    w.emit(UnknownObjectSeen{box.center().head<2>(), box.max().z()});
+  }
+}
+
 /// Views that are to be made into an estimate.
 struct Seen {
   Views views;
@@ -181,6 +196,9 @@ Observation observe(Workcell& w, const Expectation& expected, const WhileMoving&
   world.stack = std::move(stones.stack);
   world.loose = std::move(stones.loose);
   world.site = seen.site;
+  std::vector<PlacedStone> found;
+  for (const Sighting& sighting : sightings) found.push_back({sighting.stone, sighting.T_W_O});
+  set_unknown_objects(w, unknown_objects(w, seen.views, found));
   world.layout = w.cell.layout;
   world.views = std::make_shared<const Views>(std::move(seen.views));
   observation.as_predicted = adopt(w.models.shapes, seen.predicted, world);

@@ -20,9 +20,10 @@ constexpr double kFingerForce = 60.0;   // N, when the plan names none
 // A stone slips towards the finger tips by up to 2 mm while it is carried, so the gripper ends lower than
 // planned: this near the table it goes back a little, with the stone loose, before fingers open into the
 // table.
-constexpr double kNearTable = 0.010;  // m, of the tool's tip
-constexpr double kBackOff = 0.004;    // m
-constexpr double kOffTable = 0.001;   // m, between finger tips that have felt the table and where they close
+constexpr double kNearTable = 0.010;   // m, of the tool's tip
+constexpr double kBackOff = 0.004;     // m
+constexpr double kTableReach = 0.006;  // m above the end of an approach: what is met lower is the table
+constexpr double kOffTable = 0.001;    // m, between finger tips that have felt the table and where they close
 
 using Status = ExecutionResult::Status;
 
@@ -146,7 +147,8 @@ double PlanExecutor::above_end(const PlanStep& step) const {
   return (tip(cell.arm.state().q) - tip(step.trajectory.q.back())).z();
 }
 
-ExecutionResult PlanExecutor::feel_table(const PlanStep& step) const {
+ExecutionResult PlanExecutor::approach_grasp(const PlanStep& step) const {
+  if (step.threshold <= 0) return follow(step);
   GuardedMotion motion;
   motion.trajectory = step.trajectory;
   motion.threshold = step.threshold;
@@ -156,8 +158,14 @@ ExecutionResult PlanExecutor::feel_table(const PlanStep& step) const {
   if (moved.status == MotionResult::Status::kNoContact) return {};
   if (moved.status != MotionResult::Status::kContact)
     return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
-  record(journal, TouchMeasured{true, moved.force, above_end(step)});
-  return go_back(step, kOffTable);
+  const double above = above_end(step);
+  record(journal, TouchMeasured{true, moved.force, above});
+  if (above <= kTableReach) return go_back(step, kOffTable);
+  const double done = route.empty() ? 0.0 : (tip(cell.arm.state().q) - tip(route.front())).norm();
+  const ExecutionResult back = go_back(step, done);
+  if (back.status == Status::kStopped) return back;
+  return {Status::kNotPicked, moved.force,
+          concat("a finger met something ", std::lround(1e3 * above), " mm above the grasp")};
 }
 
 ExecutionResult PlanExecutor::feel_down(const PlanStep& step, bool* touched) const {

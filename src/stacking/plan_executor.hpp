@@ -46,9 +46,10 @@ struct PlanExecutor {
   [[nodiscard]] Eigen::Vector3d tip(const Joints& q) const;
   /// Height of the tool above the planned end of the step [m].
   [[nodiscard]] double above_end(const PlanStep& step) const;
-  /// Approaches a grasp whose finger tips are nearer to the table than the arm's accuracy: slowly, until
-  /// contact. Fingers pressed on the table cannot close, so they are lifted a little then.
-  [[nodiscard]] ExecutionResult feel_table(const PlanStep& step) const;
+  /// Approaches a grasp until contact. Fingers pressed on the table cannot close, so they are lifted a little
+  /// then. Contact further above means that a finger stands on a stone: not where the plan takes it to be.
+  /// Then the gripper goes back, and nothing is picked.
+  [[nodiscard]] ExecutionResult approach_grasp(const PlanStep& step) const;
   /// Lowers until the wrist measures contact (paper §4.1: impact on the force-torque sensor). `touched` is
   /// true for contact: above the guarded descent it means a stone that is held otherwise than planned.
   [[nodiscard]] ExecutionResult feel_down(const PlanStep& step, bool* touched) const;

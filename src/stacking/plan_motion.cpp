@@ -22,15 +22,6 @@ void add_refusal(MotionPlan& plan, const std::string& refusal) {
   plan.refusal += concat(plan.refusal.empty() ? "" : "; ", refusal);
 }
 
-/// The approach to the grasp ends at what it touches.
-void guard_approach(Workcell& w, PickAndPlacePlan& plan, StoneIndex stone) {
-  w.emit(FingertipGrasp{stone});
-  const auto approach = std::find_if(plan.steps.begin(), plan.steps.end(), [](const PlanStep& step) {
-    return step.kind == PlanStep::Kind::kApproach;
-  });
-  if (approach != plan.steps.end()) approach->threshold = w.options.motion.early_threshold;
-}
-
 /// One kind of action after the other.
 struct Planner {
   Workcell& w;
@@ -61,7 +52,7 @@ struct Planner {
       const Pose T_W_O_aim = Eigen::Translation3d(-plan.p_W_aim) * placement.T_W_O;
       if (accept(plan_pick_and_place(plan.scene, task_for(stone, T_W_O_aim), reach.options_for(stone)),
                  placement)) {
-        if (reach.is_low(stone)) guard_approach(w, plan.pick_and_place, stone);
+        if (reach.is_low(stone)) w.emit(FingertipGrasp{stone});
         return;
       }
       add_refusal(plan, concat(w.models.name(stone), ": ", plan.pick_and_place.reason));
@@ -86,7 +77,7 @@ struct Planner {
       down.T_W_O = made.T_W_O_between.front();
       static_cast<void>(accept(std::move(made.plans.front()), down));
       plan.found = true;
-      if (reach.is_low(stone)) guard_approach(w, plan.pick_and_place, stone);
+      if (reach.is_low(stone)) w.emit(FingertipGrasp{stone});
       return;
     }
   }

@@ -12,12 +12,13 @@ namespace stonestack::stacking {
 
 /// Devices, models and options of a run, and who hears of it.
 struct Workcell {
-  Cell cell;  ///< the caller's devices; the layout is corrected by what is seen
+  Cell cell;  ///< the caller's devices; the layout is corrected by what is seen, unknown objects among it
   const Models& models;
   const DetectionModels& detection;
   const BuildOptions& options;
   StageSeconds& seconds;
   Listener emit;
+  std::vector<Obstacle> stated_obstacles = cell.layout.obstacles;  ///< those of the cell file
 };
 
 /// Expected view of the world.

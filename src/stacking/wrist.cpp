@@ -9,8 +9,8 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr int kReadings = 10;
-constexpr int kPassedOver = 10;          // readings, 0.1 s: sensors report up to 50 ms late, and arms swing out
-constexpr double kDrift = 2.0;           // N, error of the sensor after a carry; design choice
+constexpr int kPassedOver = 10;  // readings, 0.1 s: sensors report up to 50 ms late, and arms swing out
+constexpr double kDrift = 2.0;   // N, error of the sensor after a carry; design choice
 constexpr double kGripperCentre = 0.03;  // m, error of the gripper's assumed centre of mass; design choice
 constexpr double kSettle = 1.0;          // s, at most, for fingers that close on
 

@@ -46,7 +46,7 @@ struct PlanStep {
   double spacing = 0.0;  ///< of fingers B and C, for kOpen [m]
   double finger_speed = 0.0;  ///< for kOpen, kGrasp and kRelease [m/s]
   double force = 0.0;         ///< force a finger [N], for kGrasp
-  double threshold = 0.0;     ///< for kDescent, and for kApproach with a stone in the gripper [N]
+  double threshold = 0.0;     ///< for kDescent and kApproach: force that counts as contact [N]
 };
 
 /// Force against the guarded descent (N) that counts as contact for a stone of `mass` kg: the largest of

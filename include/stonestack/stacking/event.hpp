@@ -34,6 +34,11 @@ struct StoneMoved {
 struct StoneLeftStack {
   StoneIndex stone = kNoStone;  ///< index into the catalogue
 };
+/// Something in view is no stone that is known: an obstacle from now on.
+struct UnknownObjectSeen {
+  Eigen::Vector2d p_W{0.0, 0.0};  ///< its middle [m]
+  double highest = 0.0;           ///< above the table [m]
+};
 /// A missing stone is looked for.
 struct StoneSought {
   LookAgain view;  ///< view that is taken for it
@@ -203,11 +208,11 @@ struct ReleaseMeasured {
 
 /// Anything that happens in a run.
 using Event =
-    std::variant<Observed, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain, CameraRefined,
-                 CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit, StonesNotHeld,
-                 SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned, PosesRefused,
-                 GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, ActionChosen, PlaceBegun,
-                 SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionMeasured,
+    std::variant<Observed, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain, UnknownObjectSeen,
+                 CameraRefined, CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit,
+                 StonesNotHeld, SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned,
+                 PosesRefused, GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, ActionChosen,
+                 PlaceBegun, SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionMeasured,
                  FrictionUpdated, StoneToppled, RunEnded, StepBegun, HoldMeasured, CarriedMeasured,
                  TouchMeasured, ReleaseMeasured>;
 /// Receiver of events.

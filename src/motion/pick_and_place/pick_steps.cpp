@@ -96,7 +96,9 @@ std::vector<PlanStep> timed_steps(const PlanningScene& scene, const PickAndPlace
   out.gripper(gripper_step(Kind::kOpen, "open the gripper", grasp.pre_opening, kFingerSpeed));
   out.steps().back().spacing = grasp.spacing;
   out.transit("move to " + name, paths.to_pick, transit_speed(scene, options));
-  out.straight(Kind::kApproach, "approach " + name, paths.approach, options.approach_speed);
+  out.straight(Kind::kApproach, "approach " + name, paths.approach,
+               std::min(options.approach_speed, kGuardedSpeed));
+  out.steps().back().threshold = options.early_threshold;
   out.gripper(gripper_step(Kind::kGrasp, "grasp " + name, grasp.opening, kGripSpeed));
   out.steps().back().force = close_force(scene, task, grasp);
   out.straight(Kind::kLift, "lift " + name, paths.lift, options.approach_speed);

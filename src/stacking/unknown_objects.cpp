@@ -1,0 +1,70 @@
+#include "stacking/unknown_objects.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "geometry/convex_pieces.hpp"
+#include "search/find_stack.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kCube = 0.005;     // m: one point of surface a cube
+constexpr double kBeside = 0.004;   // m that seen surface may be off, and half a cube
+constexpr double kAtSite = 0.15;    // m from the site
+constexpr double kAtBase = 0.30;    // m from the robot's base, which the camera may see, too
+constexpr double kOverField = 0.3;  // m beyond the field
+
+/// Surface above the table in all views, a point in each cube.
+std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptions& options) {
+  std::map<std::array<int, 3>, Eigen::Vector3d> cubes;
+  for (const CameraView& view : views) {
+    const auto table_C = find_table(view.image, options);
+    if (!table_C) continue;
+    for (const Eigen::Vector3d& p_W : view_of_table(view.image, *table_C, view.T_W_C, options).above_W) {
+      const Eigen::Vector3d cube = (p_W / kCube).array().floor();
+      cubes.try_emplace({static_cast<int>(cube.x()), static_cast<int>(cube.y()), static_cast<int>(cube.z())},
+                        p_W);
+    }
+  }
+  std::vector<Eigen::Vector3d> surface;
+  for (const auto& [cube, p_W] : cubes) surface.push_back(p_W);
+  return surface;
+}
+
+/// Box about a point of a thing, from the table up.
+void add_column(const Eigen::Vector3d& p_W, Mesh& mesh) {
+  for (const double x : {-kBeside, kBeside})
+    for (const double y : {-kBeside, kBeside})
+      for (const double z : {0.0, p_W.z() + kBeside}) mesh.vertices.emplace_back(p_W.x() + x, p_W.y() + y, z);
+}
+
+bool is_of_interest(const CellLayout& layout, const Eigen::Vector2d& p_W) {
+  const Eigen::Vector2d off = (p_W - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
+  const bool near = off.maxCoeff() < kOverField || (p_W - layout.site).norm() < kOverField;
+  return near && (p_W - layout.site).norm() > kAtSite &&
+         (p_W - layout.T_W_R.translation().head<2>()).norm() > kAtBase;
+}
+
+}  // namespace
+
+std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
+                                      const std::vector<PlacedStone>& stones) {
+  const auto sorted =
+      find_stack(w.models.shapes, stones, w.cell.layout.site, surface_in(views, w.options.detection));
+  std::vector<Obstacle> obstacles;
+  for (const UnknownThing& thing : sorted.unknown) {
+    if (!is_of_interest(w.cell.layout, thing.p_W)) continue;
+    Mesh columns;
+    for (const Eigen::Vector3d& p_W : thing.surface_W) add_column(p_W, columns);
+    Obstacle obstacle;
+    obstacle.name = concat("unknown object ", obstacles.size() + 1);
+    obstacle.pieces = {convex_hull(columns)};
+    obstacles.push_back(std::move(obstacle));
+  }
+  return obstacles;
+}
+
+}  // namespace stonestack::stacking
