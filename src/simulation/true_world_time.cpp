@@ -20,6 +20,7 @@ constexpr double kGripperFriction = 0.0;  // rigid parts slide; only pads grip, 
 constexpr double kTableStiffness = 1e5;   // N/m, gripper on table
 constexpr double kDeepestPress = 0.003;   // m into the table
 constexpr double kYieldTime = 0.050;      // s in which the arm gives way to a load; design choice
+constexpr double kYieldSpeed = 0.02;      // m/s, at most; design choice
 constexpr double kInertiaTime = 0.020;  // s, low pass of the acceleration that the wrist feels; design choice
 constexpr double kKeptMoments = 0.5;    // s of load and motion that a late sensor may ask for
 constexpr double kLost = 0.2;           // m below the table: it has fallen from it
@@ -168,7 +169,13 @@ void TrueWorld::yield_to(const GripperLoad& load, double seconds) {
   if (compliance_.isZero(0.0)) return;
   Eigen::Matrix<double, 6, 1> wrench;
   wrench << load.force, load.moment - gripper_pose_.T_W_T.translation().cross(load.force);
-  yield_ += (1.0 - std::exp(-seconds / kYieldTime)) * (compliance_ * wrench - yield_);
+  // Rigid contact answers a tool that moves by a force without bound: neither may drive the other up.
+  if (const double force = load.force.norm(); force > kArmMaxForce) wrench *= kArmMaxForce / force;
+  Eigen::Matrix<double, 6, 1> change =
+      (1.0 - std::exp(-seconds / kYieldTime)) * (compliance_ * wrench - yield_);
+  if (const double shift = change.head<3>().norm(); shift > kYieldSpeed * seconds)
+    change *= kYieldSpeed * seconds / shift;
+  yield_ += change;
 }
 
 void TrueWorld::remember(double seconds) {

@@ -1,9 +1,11 @@
 #include "stacking/unknown_objects.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
+#include "core/constants.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "search/find_stack.hpp"
 #include "stonestack/core/error.hpp"
@@ -34,11 +36,32 @@ std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptio
   return surface;
 }
 
-/// Box about a point of a thing, from the table up.
-void add_column(const Eigen::Vector3d& p_W, Mesh& mesh) {
-  for (const double x : {-kBeside, kBeside})
-    for (const double y : {-kBeside, kBeside})
-      for (const double z : {0.0, p_W.z() + kBeside}) mesh.vertices.emplace_back(p_W.x() + x, p_W.y() + y, z);
+/// Upright prism with eight sides about what is seen of a thing, from the table up.
+Mesh prism_about(const std::vector<Eigen::Vector3d>& surface_W) {
+  constexpr int kSides = 8;
+  std::array<double, kSides> reach;
+  reach.fill(-1e9);
+  double highest = 0.0;
+  const auto direction = [](int k) {
+    return Eigen::Vector2d(std::cos(kTwoPi * k / kSides), std::sin(kTwoPi * k / kSides));
+  };
+  for (const Eigen::Vector3d& p_W : surface_W) {
+    highest = std::max(highest, p_W.z());
+    for (int k = 0; k < kSides; ++k) {
+      auto& furthest = reach[static_cast<std::size_t>(k)];
+      furthest = std::max(furthest, direction(k).dot(p_W.head<2>()) + kBeside);
+    }
+  }
+  Mesh corners;  // where neighbouring sides meet
+  for (int k = 0; k < kSides; ++k) {
+    Eigen::Matrix2d sides;
+    sides << direction(k).transpose(), direction(k + 1).transpose();
+    const Eigen::Vector2d corner =
+        sides.inverse() * Eigen::Vector2d(reach[static_cast<std::size_t>(k)],
+                                          reach[static_cast<std::size_t>((k + 1) % kSides)]);
+    for (const double z : {0.0, highest + kBeside}) corners.vertices.emplace_back(corner.x(), corner.y(), z);
+  }
+  return convex_hull(corners);
 }
 
 bool is_of_interest(const CellLayout& layout, const Eigen::Vector2d& p_W) {
@@ -57,11 +80,9 @@ std::vector<Obstacle> unknown_objects(const Workcell& w, const Views& views,
   std::vector<Obstacle> obstacles;
   for (const UnknownThing& thing : sorted.unknown) {
     if (!is_of_interest(w.cell.layout, thing.p_W)) continue;
-    Mesh columns;
-    for (const Eigen::Vector3d& p_W : thing.surface_W) add_column(p_W, columns);
     Obstacle obstacle;
     obstacle.name = concat("unknown object ", obstacles.size() + 1);
-    obstacle.pieces = {convex_hull(columns)};
+    obstacle.pieces = {prism_about(thing.surface_W)};
     obstacles.push_back(std::move(obstacle));
   }
   return obstacles;

@@ -338,7 +338,7 @@ Eigen::Vector2d seen_at(const SimulationOptions& options, const Eigen::Vector3d&
   ball.scan = make_sphere(0.02, 4);
   SeenWorld world;
   world.table = transformed(make_box({4, 4, 0.01}), make_pose(Eigen::Vector3d(0, 0, 1.2)));
-  world.stones = {{0, make_pose(p_C)}};
+  world.stones = {{0_stone, make_pose(p_C)}};
   Random random(1);
   const DepthImage image = true_view(world, {ball}, Pose::Identity(), choose_sensor(options), random);
   Eigen::Vector2d sum(0, 0);

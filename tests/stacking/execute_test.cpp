@@ -71,6 +71,28 @@ TEST(Execute, ApproachesAGraspNearTheTableByForce) {
   EXPECT_THAT(bench.arm.commands, testing::ElementsAre("lower"));
 }
 
+TEST(Execute, AFingerThatMeetsAStoneGoesBackAndPicksNothing) {
+  Bench bench;
+  PlanStep approach, grasp;
+  approach.kind = Kind::kApproach;
+  approach.threshold = 20.0;
+  const Pose T_R_F = forward(bench.scene.robot, bench.arm.q);
+  const Pose T_R_F_low = Eigen::Translation3d(0, 0, -0.03) * T_R_F;
+  const Pose T_R_F_high = Eigen::Translation3d(0, 0, 0.07) * T_R_F;
+  const auto at = [&](const Pose& T) { return inverse(bench.scene.robot, T, bench.arm.q).front().q; };
+  approach.trajectory.time = {0.0, 1.0};
+  approach.trajectory.q = {at(T_R_F_high), at(T_R_F_low)};  // the arm will stand 30 mm above the end
+  approach.trajectory.qd = {Joints::Zero(), Joints::Zero()};
+  grasp.kind = Kind::kGrasp;
+  bench.plan.steps = {approach, grasp};
+  const auto done = bench.run({Status::kContact});
+  EXPECT_EQ(done.status, ExecutionResult::Status::kNotPicked);
+  EXPECT_THAT(done.reason, testing::HasSubstr("30 mm above the grasp"));
+  EXPECT_THAT(bench.arm.commands, testing::ElementsAre("lower", "follow")) << "the fingers do not close";
+  const Pose T_back = forward(bench.scene.robot, bench.arm.followed.q.back());
+  EXPECT_NEAR(difference(T_R_F, T_back).translation, 0.07, 0.001) << "back to where the approach began";
+}
+
 TEST(Execute, FingersAreSpacedBeforeTheGripperOpens) {
   Bench bench;
   PlanStep open;
