@@ -21,7 +21,7 @@ class TrueTable {
   [[nodiscard]] double height(const Eigen::Vector3d& p_W) const { return height(p_W.x(), p_W.y()); }
   /// Closed mesh of the table, in W, for contact; empty: it is the plane z = 0.
   [[nodiscard]] const std::shared_ptr<const ContactShape>& shape() const { return shape_; }
-  /// The same for a world of rigid bodies; for a table with a shape.
+  /// Shape and tangent planes for a world of rigid bodies, of a table that has a shape.
   [[nodiscard]] TableSurface contact_surface() const;
   /// Surface to be seen, in W.
   [[nodiscard]] Mesh surface() const;

@@ -109,7 +109,7 @@ bool adopt(const ShapeList& shapes, const std::optional<WorldEstimate>& predicte
   return true;
 }
 
-/// What is no stone is an obstacle until the next observation.
+/// Makes obstacles of what is no stone, until the next observation.
 void set_unknown_objects(Workcell& w, const std::vector<Obstacle>& unknown) {
   auto& obstacles = w.cell.layout.obstacles;
   const std::size_t before = obstacles.size() - w.stated_obstacles.size();

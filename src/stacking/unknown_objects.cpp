@@ -14,7 +14,7 @@ namespace stonestack::stacking {
 namespace {
 
 constexpr double kCube = 0.005;     // m: one point of surface a cube
-constexpr double kBeside = 0.004;   // m that seen surface may be off, and half a cube
+constexpr double kBeside = 0.001;   // m that seen surface may be off: stones lie 5 mm beside it
 constexpr double kAtSite = 0.15;    // m from the site
 constexpr double kAtBase = 0.30;    // m from the robot's base, which the camera may see, too
 constexpr double kOverField = 0.3;  // m beyond the field
@@ -36,9 +36,9 @@ std::vector<Eigen::Vector3d> surface_in(const Views& views, const DetectionOptio
   return surface;
 }
 
-/// Upright prism with eight sides about what is seen of a thing, from the table up.
+/// Upright prism with sixteen sides about what is seen of a thing, from the table up.
 Mesh prism_about(const std::vector<Eigen::Vector3d>& surface_W) {
-  constexpr int kSides = 8;
+  constexpr int kSides = 16;
   std::array<double, kSides> reach;
   reach.fill(-1e9);
   double highest = 0.0;

@@ -5,7 +5,7 @@
 namespace stonestack::stacking {
 
 /// Obstacles for what the views show above the table that belongs to none of the stones: an upright prism
-/// with eight sides about what is seen of each, from the table up. What stands at the site is left to those
+/// with sixteen sides about what is seen of each, from the table up. What stands at the site is left to those
 /// who look at the tower.
 [[nodiscard]] std::vector<Obstacle> unknown_objects(const Workcell& workcell, const Views& views,
                                                     const std::vector<PlacedStone>& stones);

@@ -16,7 +16,7 @@ using State = FakeUr::State;
 using testing::HasSubstr;
 
 const RobotModel& arm_model() {
-  static const RobotModel robot = read_robot(STONESTACK_SOURCE_DIR "/data/robots/arm_model.urdf");
+  static const RobotModel robot = read_robot(STONESTACK_SOURCE_DIR "/data/robots/ur10.urdf");
   return robot;
 }
 

@@ -84,7 +84,8 @@ TableSurface tilted_table(double tilt) {
   T_W_slab.linear() = R;
   T_W_slab.translation() = Eigen::Vector3d(0, 0, 0.002) - 0.025 * R.col(2);
   const Plane plane{R.col(2), 0.002 * R(2, 2)};
-  return {body(transformed(make_box({2.0, 2.0, 0.05}), T_W_slab), "table"),
+  const Mesh slab = transformed(make_box({2.0, 2.0, 0.05}), T_W_slab);
+  return {make_contact_shape(slab, mass_properties(slab, 700.0), "table", {0.02, 0.03, 0.06}),
           [plane](const Eigen::Vector2d&) { return plane; }};
 }
 

@@ -100,6 +100,26 @@ TEST(Grasp, SlipsWhenTheForceIsTooSmallForTheWeight) {
   EXPECT_LT(bench.world.centre_of_mass(0_stone).z(), 0.1);
 }
 
+TEST(Grasp, PadsGripStonesDifferentlyFromRunToRun) {
+  for (const double spread : {0.0, 0.3}) {
+    int held = 0;
+    constexpr int kSeeds = 8;
+    for (int seed = 1; seed <= kSeeds; ++seed) {
+      SimulationOptions options;
+      options.seed = seed;
+      options.pad_friction_spread = spread;
+      options.mass_error = options.com_error = 0.0;
+      Bench bench(2.2, options);
+      (void)bench.carry(tool_down({0, 0, bench.world.centre_of_mass(0_stone).z() - 0.02}), 1.0);
+      (void)bench.gripper.move(0.0, 0.05, 28.0);  // bears 2 * 0.5 * 28 N of 21.6 N
+      (void)bench.carry(tool_down({0, 0, 0.3}), 1.5);
+      held += bench.world.centre_of_mass(0_stone).z() > 0.1 ? 1 : 0;
+    }
+    EXPECT_EQ(held == kSeeds, spread == 0.0) << held << " of " << kSeeds << " held, spread " << spread;
+    EXPECT_GT(held, 0) << spread;
+  }
+}
+
 TEST(Grasp, FingersCloseFurtherWhenTheStoneIsRemovedUnlessTheyAreLocked) {
   for (const bool regrip : {true, false}) {
     SimulationOptions options;

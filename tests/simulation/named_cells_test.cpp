@@ -60,7 +60,7 @@ TEST(NamedCells, PaperIsASlipperyLab) {
   EXPECT_THAT(changed_in_cell(paper), ElementsAre("friction=0.15", "friction_spread=0.05"));
 }
 
-TEST(NamedCells, WhatWasSetBesideTheSetIsNamed) {
+TEST(NamedCells, OptionsSetBesideTheCellAreNamed) {
   SimulationOptions options = options_of_cell("lab");
   options.seed = 7;
   EXPECT_THAT(changed_in_cell(options), IsEmpty());

@@ -116,7 +116,7 @@ TEST(TrueTable, AStoneRestsOnItAndTouchesIt) {
   EXPECT_LT((judge->pose(0).translation() - T_W_O.translation()).norm(), 0.0005) << "and stays in a verdict";
 }
 
-TEST(TrueTable, WhatRollsOverTheEdgeIsGone) {
+TEST(TrueTable, AStoneThatRollsOverTheEdgeIsGone) {
   SimulationOptions options = with_table();
   TrueWorld world({make_block()}, {0_stone}, make_robotiq_3f(), options, {TrueTable(options, {0.0, 0.0}), 0});
   GripperPose away;

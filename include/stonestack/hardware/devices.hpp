@@ -31,7 +31,7 @@ struct MotionResult {
   Joints q = Joints::Zero();      ///< where the arm stands
   double force = 0.0;             ///< along the guard's direction when it ended [N]
   std::string reason;             ///< for a person
-  double mean_force = 0.0;  ///< of a guarded motion, likewise, over the second half of its readings [N]
+  double mean_force = 0.0;        ///< of a guarded motion, likewise, over the second half of its readings [N]
 };
 
 /// A slow motion that ends at contact: the trajectory is followed until the force against it exceeds
