@@ -64,6 +64,10 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
         if (loose && now.status == Status::kReleased) now = executor.check_empty(step, false);
         break;
       case PlanStep::Kind::kApproach:
+        if (step.threshold <= 0) {
+          now = executor.follow(step);
+          break;
+        }
         if (leads_to_grasp(plan, step)) {
           now = executor.approach_grasp(step);
           break;

@@ -148,7 +148,6 @@ double PlanExecutor::above_end(const PlanStep& step) const {
 }
 
 ExecutionResult PlanExecutor::approach_grasp(const PlanStep& step) const {
-  if (step.threshold <= 0) return follow(step);
   GuardedMotion motion;
   motion.trajectory = step.trajectory;
   motion.threshold = step.threshold;

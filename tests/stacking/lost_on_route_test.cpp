@@ -36,7 +36,10 @@ class LosingArm : public Arm {
     const Truth truth = world_.truth();
     for (std::size_t k = 0; k < truth.T_W_O.size(); ++k)
       carries = carries || truth.T_W_O[k].translation().z() - before_.T_W_O[k].translation().z() > 0.005;
-    const bool descends = motion.n_W_direction.z() < -0.5;  // not along the table, to measure the friction
+    const Eigen::Vector2d at =
+        (layout_.T_W_R * forward(robot_, motion.trajectory.q.back()) * layout_.T_F_T).translation().head<2>();
+    const bool descends = motion.n_W_direction.z() < -0.5 &&  // not along the table, to measure the friction,
+                          (at - layout_.site).norm() < kAtSite;  // nor to a grasp
     lowered_empty_ += descends && !carries ? 1 : 0;
     return arm_.follow_guarded(motion);
   }
@@ -48,7 +51,9 @@ class LosingArm : public Arm {
   [[nodiscard]] StoneIndex lost() const { return lost_; }
 
  private:
-  static constexpr double kLifted = 0.03;  // m
+  static constexpr double kLifted = 0.03, kAtSite = 0.15;  // m
+  const RobotModel robot_ = read_robot("ur10");
+  const CellLayout layout_;
   Arm& arm_;
   SimulatedCell& world_;
   Eigen::Vector2d away_;
