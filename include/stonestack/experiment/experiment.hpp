@@ -140,8 +140,9 @@ struct Rate {
 /// did after that, unstacking, reorienting and a second pick do not count. A run without a failure has its
 /// judged height, if that is less.
 [[nodiscard]] int paper_height(const RunReport& report);
-/// Counts of runs by that height, and runs that reached at least `height`.
+/// Counts of runs by that height.
 [[nodiscard]] std::vector<int> paper_heights(const Experiment& experiment);
+/// Runs that reached at least `height` by the paper's protocol.
 [[nodiscard]] Rate reached_by_paper(const Experiment& experiment, int height);
 /// How many sets of stones the runs had.
 [[nodiscard]] int stone_sets(const Experiment& experiment);
