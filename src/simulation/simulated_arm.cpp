@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.hpp"
 #include "hardware/guard_readings.hpp"
 #include "kinematics/inverse.hpp"
 #include "kinematics/jacobian.hpp"
@@ -51,8 +52,7 @@ namespace {
 
 /// Reported joints over field and site, fingers down, at two heights: where links are measured.
 std::vector<Joints> joints_over_cell(const CellLayout& layout, const RobotModel& robot, const Joints& seed) {
-  const Eigen::Matrix3d down =
-      Eigen::AngleAxisd(3.14159265358979323846, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const Eigen::Matrix3d down = Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()).toRotationMatrix();
   std::vector<Eigen::Vector2d> places{layout.site, layout.field_centre};
   for (const double x : {-0.5, 0.5})
     for (const double y : {-0.5, 0.5})

@@ -53,13 +53,24 @@ struct Scene {
   }
 };
 
+/// The same with heights over the table that was found: what a pick would miss by, as z = 0 moves with it.
+double miss_over_table(const Scene& scene, const MountView& view, const MountRefinement& found) {
+  double worst = 0.0;
+  for (const SeenMark& mark : view.marks) {
+    const Eigen::Vector3d p_W = view.T_W_T * (found.T_T_C * mark.p_C);
+    const Eigen::Vector3d& truth = scene.marks_W[static_cast<std::size_t>(mark.mark)];
+    worst = std::max(worst, (Eigen::Vector3d(p_W.x(), p_W.y(), found.table_W.distance(p_W)) - truth).norm());
+  }
+  return worst;
+}
+
 TEST(CameraMount, TwoViewsHalfATurnApartLocateTheCamera) {
   Scene scene;
   const std::vector<MountView> views{scene.view(0.0), scene.view(M_PI)};
   ASSERT_GT(scene.miss(views[0], scene.T_T_C), 0.002);
   const MountRefinement found = refine_camera_mount(views, scene.T_T_C);
   EXPECT_EQ(found.shared_marks, 3);
-  EXPECT_LT(scene.miss(views[0], found.T_T_C), 0.0006) << "the table may be what is off in height";
+  EXPECT_LT(miss_over_table(scene, views[0], found), 0.0004);
   EXPECT_GT(found.before, 5 * found.after);
   const auto left = difference(found.T_T_C, scene.T_T_C_true);
   EXPECT_LT(left.angle, 0.1 * kDegree);
@@ -90,7 +101,8 @@ TEST(CameraMount, ATiltedTableIsToldFromATiltedCamera) {
   const std::vector<MountView> views{scene.view(0.0), scene.view(M_PI)};
   const MountRefinement found = refine_camera_mount(views, scene.T_T_C);
   const Eigen::Vector3d n_W = scene.T_W_table.linear().col(2);
-  EXPECT_LT(std::acos(found.table_W.normal.dot(n_W)), 0.08 * kDegree) << "of 0.4";
+  EXPECT_LT(std::acos(found.table_W.normal.dot(n_W)), 0.2 * 0.4 * kDegree)
+      << "a plane stated to 0.34 deg, seen to 0.15 deg: 17 % of the tilt stays with the statement";
   const Eigen::Vector3d p_W(0.7, -0.15, 0.002);
   EXPECT_LT(std::abs(found.table_W.distance(p_W)), 0.0007) << "the camera's height error is part of it";
   EXPECT_LT(difference(found.T_T_C, scene.T_T_C_true).angle, 0.1 * kDegree);
