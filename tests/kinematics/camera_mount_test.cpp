@@ -53,7 +53,8 @@ struct Scene {
   }
 };
 
-/// The same with heights over the table that was found: what a pick would miss by, as z = 0 moves with it.
+/// Error of marks with heights over the table that was found, m: what a pick would miss by, as z = 0 moves
+/// with it.
 double miss_over_table(const Scene& scene, const MountView& view, const MountRefinement& found) {
   double worst = 0.0;
   for (const SeenMark& mark : view.marks) {
