@@ -16,6 +16,7 @@ stonestack_files(parsers geometry cloud_file depth_image depth_png depth_sequenc
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file stone_yaml)
 stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
+stonestack_files(parsers physics block_assembly)
 stonestack_files(parsers protocol dashboard_text frame_stream ft_frames modbus_frame primary_wire rtde_wire z16)
 stonestack_files(parsers hardware cell_edit cell_file cell_limits camera/camera_settings camera/recording camera/v4l2_recording
   robotiq/gripper_words)
@@ -29,7 +30,7 @@ stonestack_files(parsers emulators robotiq/gripper_plant robotiq/gripper_registe
 
 # What these stand on: no foreign byte is read there, so it is built as fast as can be.
 stonestack_files(others core byte_stream clock data error log random serial socket spelling time_limit)
-stonestack_files(others geometry capsule capsule_cover cloud convex_hull convex_pieces enclosing_shapes mesh mesh_edges mesh_shapes pose surface_tree)
+stonestack_files(others geometry capsule capsule_cover cloud convex_hull convex_pieces enclosing_shapes mass_properties mesh mesh_edges mesh_shapes pose surface_tree)
 stonestack_files(others kinematics calibrated_inverse closed_form forward hand_eye hand_eye_methods inverse jacobian joints polish tool_workspace)
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
   camera/stream_camera camera/v4l2_camera camera/v4l2_kernel robotiq/ft_link robotiq/ft_sensor robotiq/modbus
