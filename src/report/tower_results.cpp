@@ -29,14 +29,27 @@ double degrees(const Eigen::Vector2d& direction) {
 
 std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
   const Equilibrium& e = check.equilibrium;
-  nlohmann::json out = {
-      {"schema", "stonestack.check/1"}, {"friction", check.friction},
-      {"seconds", check.seconds},       {"stands", check.verdict.stands},
-      {"clean", check.verdict.clean},   {"standing", check.verdict.standing},
-      {"shift_m", check.verdict.shift}, {"turn_rad", check.verdict.turn},
-      {"reason", check.verdict.reason}, {"in_equilibrium", e.stands},
-      {"margin_g", e.margin},           {"margin_direction", {e.direction.x(), e.direction.y()}},
-      {"least_friction", nullptr},      {"weakest_contact", nullptr}};
+  nlohmann::json out = {{"schema", "stonestack.check/1"},
+                        {"friction", check.friction},
+                        {"seconds", check.seconds},
+                        {"stands", check.verdict.stands},
+                        {"clean", check.verdict.clean},
+                        {"standing", check.verdict.standing},
+                        {"shift_m", check.verdict.shift},
+                        {"turn_rad", check.verdict.turn},
+                        {"reason", check.verdict.reason},
+                        {"in_equilibrium", e.stands},
+                        {"margin_g", e.margin},
+                        {"margin_direction", {e.direction.x(), e.direction.y()}},
+                        {"least_friction", nullptr},
+                        {"weakest_contact", nullptr},
+                        {"coupled", nullptr}};
+  const BlockBalance& b = check.balance;
+  out["coupled"] = {{"stands", b.stands},
+                    {"margin_g", b.margin},
+                    {"margin_direction", {b.direction.x(), b.direction.y()}},
+                    {"min_friction", nullptr}};
+  if (std::isfinite(b.min_friction)) out["coupled"]["min_friction"] = b.min_friction;
   if (std::isfinite(e.min_friction)) out["least_friction"] = e.min_friction;
   if (const Contact* c = weakest_contact(check))
     out["weakest_contact"] = {{"above", level_name(check, catalogue, c->above)},
@@ -60,6 +73,13 @@ std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
                    : "equilibrium  no contact forces hold it\n";
   text += std::isfinite(e.min_friction) ? format("friction     holds down to %.3f\n", e.min_friction)
                                         : "friction     none up to 2 holds it\n";
+  const BlockBalance& b = check.balance;
+  text +=
+      b.stands
+          ? format("coupled      forces and motions agree; bears %.3f g towards %.0f deg\n", b.margin,
+                   degrees(b.direction))
+          : format("coupled      falls: no motion produces the forces; %.3g of a stone's weight unbalanced\n",
+                   b.unbalanced);
   if (const Contact* c = weakest_contact(check))
     text += format("weakest      %s on %s at (%.3f, %.3f, %.3f) m\n",
                    level_name(check, catalogue, c->above).c_str(),

@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "physics/shape.hpp"
+#include "stacking/block_balance.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
@@ -40,6 +43,20 @@ void refuse_impossible(const std::string& path, const ShapeList& shapes, const S
   if (!overlap.empty()) throw FileError(path, overlap, "give poses at which the stones touch");
 }
 
+/// Contacts collected over several steps, those of a pair within 1 mm and 3 deg once.
+std::vector<BlockContact> distinct_contacts(const std::vector<Contact>& contacts) {
+  std::vector<BlockContact> kept;
+  for (const Contact& c : contacts) {
+    const bool known = std::any_of(kept.begin(), kept.end(), [&](const BlockContact& other) {
+      const Contact& o = other.contact;
+      return o.below == c.below && o.above == c.above && (o.p_W - c.p_W).squaredNorm() < 1e-6 &&
+             o.n_W.dot(c.n_W) > 0.9986;
+    });
+    if (!known) kept.push_back({c, 1.0});
+  }
+  return kept;
+}
+
 }  // namespace
 
 TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue, double friction,
@@ -60,6 +77,8 @@ TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue
   options.directions = kDirections;
   options.cone_edges = kConeEdges;
   check.equilibrium = solve_equilibrium(check.statics.bodies, check.statics.contacts, options);
+  check.balance = block_balance(check.statics.bodies, distinct_contacts(check.statics.contacts), friction,
+                                -Eigen::Vector3d::UnitZ());
   return check;
 }
 

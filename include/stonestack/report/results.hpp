@@ -56,6 +56,15 @@ namespace stonestack::report {
 /// A scene file with the tower as its stack.
 [[nodiscard]] SceneFile scene_of(const std::vector<PlacedStone>& tower, const Catalogue& catalogue);
 
+/// "stonestack.assembly/1".
+[[nodiscard]] std::string assembly_json(const AssemblyCheck& check);
+/// Text of a check, for a terminal.
+[[nodiscard]] std::string assembly_text(const AssemblyCheck& check);
+/// Draws the blocks with contacts and contact forces: a PNG file, where the blocks are a little shrunk so
+/// that one sees between them and supports are dark, or, for a path in .html, one 3-D page. @throws
+/// FileError.
+void draw_assembly(const std::string& path, const AssemblyCheck& check);
+
 /// "stonestack.check/1".
 [[nodiscard]] std::string tower_json(const TowerCheck& check, const Catalogue& catalogue);
 /// Text of a check, for a terminal.

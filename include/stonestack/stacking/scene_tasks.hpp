@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/geometry/mesh.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/physics/equilibrium.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/search/find_next_pose.hpp"
 #include "stonestack/stone/catalogue.hpp"
@@ -88,16 +90,65 @@ struct ScenePlan {
 /// @throws FileError, InvalidArgument for an unknown stone, Interrupted.
 [[nodiscard]] ScenePlan plan_in_scene(const ScenePlanTask& task, const Catalogue& catalogue);
 
+/// Verdict of coupled rigid-block analysis (Kao et al., Computer-Aided Design 146, 2022): contact forces that
+/// balance the load and that small motions of the blocks produce. Forces that only balance each other, as
+/// between a block and two walls that do not press on it, do not count.
+struct BlockBalance {
+  bool stands = false;      ///< forces and motions were found that agree
+  double unbalanced = 0.0;  ///< largest force left over on a body, as a share of its weight
+  int moving = -1;          ///< body on which it is left over; -1 if it stands
+  double margin = 0.0;      ///< [g] horizontal acceleration borne in the weakest of 16 directions
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();  ///< W, unit: where that push goes
+  double min_friction = 0.0;       ///< smallest friction coefficient that stands; infinity: none up to 2
+  int weakest_contact = -1;        ///< index of the contact that gives way next in that direction; -1: none
+  std::vector<StaticBody> bodies;  ///< that are no supports; masses in the unit of the input
+  std::vector<Contact> contacts;   ///< of the bodies; kTable: a support
+  std::vector<Eigen::Vector3d>
+      forces_W;  ///< of each contact at rest on `above`, in shares of the total weight
+};
+
+/// An assembly of rigid blocks in a file to check.
+struct AssemblyTask {
+  std::string path;        ///< JSON of COMPAS (compas_assembly, compas_cra)
+  std::string supports;    ///< blocks that do not move, comma-separated; empty: those that the file marks
+  std::string densities;   ///< "11=3.51,12=3.51"; 1 for all others
+  double friction = 0.84;  ///< friction coefficient of all contacts; the default is that of compas_cra
+  double tilt = 0.0;       ///< [rad] turn of the assembly about y against gravity
+};
+/// A block of an assembly.
+struct CheckedBlock {
+  std::string name;      ///< its key in the file
+  Mesh mesh;             ///< W, in the unit of the file
+  bool support = false;  ///< does not move
+};
+/// An assembly, and whether and how firmly it stands.
+struct AssemblyCheck {
+  std::vector<CheckedBlock> blocks;  ///< in the order of their names
+  std::vector<int> block_of_body;    ///< index into `blocks` of each body of `balance`
+  bool interfaces_given = false;     ///< the file names the interfaces; else they were found
+  int interfaces = 0;                ///< number of plane polygons of contact
+  double friction = 0.0;             ///< friction coefficient that was assumed
+  double tilt = 0.0;                 ///< [rad] as in the task
+  BlockBalance balance;              ///< the verdict
+};
+/// True if a file is JSON that holds an assembly of COMPAS and no scene.
+/// @throws FileError if it cannot be read.
+[[nodiscard]] bool is_assembly(const std::string& path);
+/// Finds where the blocks touch, unless the file says it, and solves the coupled problem.
+/// @throws FileError for a file that holds no possible assembly; InvalidArgument for an unknown block.
+[[nodiscard]] AssemblyCheck check_assembly(const AssemblyTask& task);
+
 /// A tower of a scene file, and whether and how firmly it stands.
 struct TowerCheck {
   Stack stack;              ///< stack that was checked
   double friction = 0.0;    ///< friction coefficient that was assumed
   double seconds = 0.0;     ///< simulated
   StandVerdict verdict;     ///< verdict by simulation
-  Equilibrium equilibrium;  ///< equilibrium and margin by statics
+  Equilibrium equilibrium;  ///< equilibrium and margin by forces alone: an upper bound
+  BlockBalance balance;     ///< equilibrium and margin by coupled rigid-block analysis
   StackStatics statics;     ///< bodies and contacts of the equilibrium
 };
-/// Simulates the stack of a scene file for `seconds`, and solves its equilibrium.
+/// Simulates the stack of a scene file for `seconds`, and solves its equilibrium, by forces and coupled.
 /// @throws FileError for a file without a stack, for stones that cannot be, and for stones that overlap by
 /// more than 2 mm.
 [[nodiscard]] TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue,
