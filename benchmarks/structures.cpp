@@ -138,7 +138,7 @@ void samples(const StructuresOptions& options, Results& results) {
   }
 }
 
-/// Running bond of bricks 0.25 x 0.12 x 0.065 m, ten a row, on a fixed plinth.
+/// Quarter bond of bricks 0.25 x 0.12 x 0.065 m, ten a row, on a fixed plinth.
 BlockAssembly brick_wall(int bricks) {
   constexpr int kRow = 10;
   BlockAssembly wall;
@@ -149,7 +149,7 @@ BlockAssembly brick_wall(int bricks) {
   add({3.0, 0.3, 0.1}, {1.25, 0.0, -0.05}, true);
   for (int i = 0; i < bricks; ++i) {
     const int row = i / kRow;
-    add({0.25, 0.12, 0.065}, {0.25 * (i % kRow) + (row % 2 == 1 ? 0.125 : 0.0), 0.0, 0.065 * row + 0.0325},
+    add({0.25, 0.12, 0.065}, {0.25 * (i % kRow) + (row % 2 == 1 ? 0.0625 : 0.0), 0.0, 0.065 * row + 0.0325},
         false);
   }
   wall.interfaces = find_interfaces(wall.blocks);
