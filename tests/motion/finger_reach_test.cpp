@@ -108,19 +108,52 @@ TEST(FingerReach, GraspsHaveTheirContactsOnTheAdvancedPads) {
   }
 }
 
-/// Least height over the table [m] of a gripper's corners at T_W_T while it closes from one opening to
+/// Fingers lean inwards to the palm when they are far open: a tall wide stone must fit between them there.
+TEST(FingerReach, TallStonesStayClearOfTheLeaningFingers) {
+  EXPECT_NEAR(finger_inside(kThreeFingers, 0.12, 0.0), 0.06, 1e-12) << "the pad's face";
+  EXPECT_NEAR(finger_inside(kThreeFingers, 0.12, -kPalmJoint), 0.0405, 1e-12) << "at the palm's joint";
+  EXPECT_EQ(finger_inside(kFlatJaws, 0.12, -0.1), 0.06);
+  Stone stone = reach_block();
+  stone.scan = stone.mesh = make_box({0.10, 0.10, 0.10});
+  stone.pieces = {stone.scan};
+  stone.mass = mass_properties(stone.scan, 1000.0);
+  GraspOptions few;
+  few.directions = 60;
+  const auto surface = sample_surface(stone.scan, 0.004);
+  const auto min_gap = [&](const Grasp& grasp) {
+    const Pose T_T_O = grasp.T_O_T.inverse();
+    double min = 1.0;
+    for (const SurfaceSample& sample : surface) {
+      const Eigen::Vector3d p = T_T_O * sample.point;
+      if (p.z() > tip_advance(kThreeFingers, grasp.opening) - kThreeFingers.pad_length) continue;
+      const double middle = p.x() > 0 ? 0.0 : 0.5 * grasp.spacing;
+      if (std::abs(std::abs(p.y()) - middle) < 0.5 * kThreeFingers.finger_width)
+        min = std::min(min, finger_inside(kThreeFingers, grasp.pre_opening, p.z()) - std::abs(p.x()));
+    }
+    return min;
+  };
+  double flat = 1.0;
+  for (const Grasp& grasp : grasp_candidates(stone, kFlatJaws, few).grasps)
+    flat = std::min(flat, min_gap(grasp));
+  EXPECT_LT(flat, 0.004) << "grasps of flat jaws take no heed of that";
+  const GraspSet set = grasp_candidates(stone, kThreeFingers, few);
+  ASSERT_GT(set.grasps.size(), 5u);
+  for (const Grasp& grasp : set.grasps) EXPECT_GT(min_gap(grasp), 0.5 * few.finger_clearance);
+}
+
+/// Smallest height over the table [m] of a gripper's corners at T_W_T while it closes from one opening to
 /// another.
-double least_height(const GripperModel& gripper, const Pose& T_W_T, double from, double to) {
-  double least = 1.0;
+double min_height(const GripperModel& gripper, const Pose& T_W_T, double from, double to) {
+  double min = 1.0;
   for (double share = 0.0; share <= 1.0; share += 0.05)
     for (const GripperBox& box : gripper.boxes)
       for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector3d sign(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
         const Eigen::Vector3d p_T =
             box_centre(gripper, box, from + share * (to - from)) + sign.cwiseProduct(box.size);
-        least = std::min(least, (T_W_T * p_T).z());
+        min = std::min(min, (T_W_T * p_T).z());
       }
-  return least;
+  return min;
 }
 
 /// Fingers clear the table by the padding of an approach, open, closed and on the way; some only just.
@@ -141,11 +174,11 @@ TEST(FingerReach, UsableGraspsClearTheTableWhileTheFingersClose) {
       const Grasp& grasp = finder.set().grasps[static_cast<std::size_t>(i)];
       const Pose T_W_T = T_W_O * grasp.T_O_T;
       const GripperModel spaced = with_spacing(scene.gripper, grasp.spacing);
-      const double height = least_height(spaced, T_W_T, grasp.pre_opening, grasp.opening);
+      const double height = min_height(spaced, T_W_T, grasp.pre_opening, grasp.opening);
       EXPECT_GE(height, kPadding - 1e-9) << grasp.pre_opening << " to " << grasp.opening;
       lowest = std::min(lowest, height);
-      if_flat = std::min(if_flat, least_height(with_spacing(kFlatJaws, grasp.spacing), T_W_T,
-                                               grasp.pre_opening, grasp.opening));
+      if_flat = std::min(if_flat, min_height(with_spacing(kFlatJaws, grasp.spacing), T_W_T, grasp.pre_opening,
+                                             grasp.opening));
     }
     EXPECT_LT(lowest, 0.010);
     if (linkage == Linkage::kThreeFinger) {

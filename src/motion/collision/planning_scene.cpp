@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "motion/grasp/finger_reach.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::motion {
@@ -21,13 +22,11 @@ constexpr double kMountTurn = 0.052;  // rad, the same
 constexpr double kBaseSpread =
     0.5;  // of what the pads move; with the base's middle 35 mm in front of the palm
 
-// Three parts of each finger of kThreeFinger, which leans from the palm's joint, 45.5 mm from the middle, to
-// the joint behind the pad (robotiq_3f_gripper_visualization of ros-industrial). The pad's part moves with
-// the tip; of the others, where their middle lies on that line.
-constexpr double kPadPart = 0.044, kPadJoint = 0.0381, kPalmJoint = 0.1242;  // m behind the tips
-constexpr double kLinkEnd = 0.034, kLinkMiddle = 0.075;                      // m behind the origin of T
-constexpr double kPalmJointAside = 0.0455, kPadJointAside = 0.0111;  // m from the middle; from the pad
-constexpr double kLinkInside = 0.005, kLinkThickness = 0.030;        // m, of the line
+// Three parts of each finger of kThreeFinger, which leans between its joints (finger_reach.hpp). The pad's
+// part moves with the tip; the others go where their middle lies on the line of joints.
+constexpr double kPadPart = 0.044;                       // m behind the tip
+constexpr double kLinkEnd = 0.034, kLinkMiddle = 0.075;  // m behind the origin of T
+constexpr double kLinkThickness = 0.030;                 // m
 
 /// A box that fills x and y as given and z from `back` to `front` behind the tips.
 GripperBox box_behind_tip(double size_x, double size_y, double front, double back) {

@@ -42,6 +42,13 @@ double furthest_tip(const GripperModel& gripper, double opening, double other) {
   return furthest;
 }
 
+double finger_inside(const GripperModel& gripper, double opening, double z) {
+  const double pad_joint = tip_advance(gripper, opening) - kPadJoint;
+  if (gripper.linkage == Linkage::kParallel || z > pad_joint) return 0.5 * opening;
+  const double share = std::max(0.0, (z + kPalmJoint) / (pad_joint + kPalmJoint));
+  return kPalmJointAside + share * (0.5 * opening + kPadJointAside - kPalmJointAside) - kLinkInside;
+}
+
 Eigen::Vector3d box_centre(const GripperModel& gripper, const GripperBox& box, double opening) {
   Eigen::Vector3d centre = box.p_T_centre + 0.5 * opening * box.finger_side * Eigen::Vector3d::UnitX();
   if (box.advance != 0.0) centre.z() += box.advance * tip_advance(gripper, opening);

@@ -96,18 +96,20 @@ struct GraspHeights {
   double back, tip, z;
 };
 
-/// True if the stone stands out towards a finger behind its pad. `height`: where the pad stops.
-bool upper_finger_touches(const Sampler& s, const FingerStrip& strip, const GraspHeights& at, double opening,
-                          double height) {
-  const double limit = height + s.options.pad_softness, pad_back = at.tip - s.gripper.pad_length;
-  if (s.gripper.linkage == Linkage::kParallel) return strip.height(at.back, pad_back) > limit;
-  for (const GripperBox& box : s.gripper.boxes) {  // all fingers lean as A does
-    if (box.finger_side <= 0.0) continue;
-    const Eigen::Vector3d centre = box_centre(s.gripper, box, opening);
-    const double aside = centre.x() - 0.5 * box.size.x() - 0.5 * opening;  // of the pad's face, outwards
-    const double front = std::min(pad_back, at.z + centre.z() + 0.5 * box.size.z());
-    const double back = std::max(at.back, at.z + centre.z() - 0.5 * box.size.z());
-    if (back < front && strip.height(back, front) > limit + aside) return true;
+/// True if the stone stands out towards a finger behind its pad: closed, or open on approach. `height`: where
+/// the pad stops.
+bool upper_finger_touches(const Sampler& s, const FingerStrip& strip, const GraspHeights& at,
+                          const Grasp& grasp, double height) {
+  const double soft = height + s.options.pad_softness, pad_back = at.tip - s.gripper.pad_length;
+  if (s.gripper.linkage == Linkage::kParallel) return strip.height(at.back, pad_back) > soft;
+  for (int i = FingerStrip::first_slice(at.back); i <= FingerStrip::last_slice(pad_back); ++i) {
+    const double z = FingerStrip::middle(i) - at.z;
+    const double closed =
+        finger_inside(s.gripper, grasp.opening, z) - 0.5 * grasp.opening;  // of the pad's face
+    const double open = finger_inside(s.gripper, grasp.pre_opening, z) - 0.5 * grasp.opening;
+    if (strip.highest[static_cast<std::size_t>(i)] >
+        std::min(soft + closed, height + open - s.options.finger_clearance))
+      return true;
   }
   return false;
 }
@@ -137,7 +139,7 @@ void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip
   const double z = tip - tip_advance(s.gripper, grasp.opening);
   bool in_stone = view.back < z + s.palm_front + s.options.palm_clearance;
   for (std::size_t i = 0; i < 3; ++i)
-    in_stone |= upper_finger_touches(s, strips[i], {view.back, tip, z}, grasp.opening, height[i]);
+    in_stone |= upper_finger_touches(s, strips[i], {view.back, tip, z}, grasp, height[i]);
   if (in_stone) {
     ++s.set.gripper_in_stone;
     return;
