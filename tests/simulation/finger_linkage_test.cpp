@@ -112,6 +112,29 @@ TEST(FingerLinkage, PadsAndPhalangesMoveTogether) {
   EXPECT_THROW((void)make_gripper_body(kFlatJaws, "scissor"), InvalidArgument);
 }
 
+/// Plans keep other objects clear of what the fingers take outwards, too: the knuckles.
+TEST(FingerLinkage, ThePlannersBoxesEncloseTheTrueKnuckles) {
+  const GripperBody body = make_gripper_body(kFlatJaws, "three_finger");
+  for (double opening = 0.02; opening <= 0.12; opening += 0.01) {
+    const GripperPose pose = opened(opening);
+    for (const GripperPart& part : body.boxes) {
+      if (part.finger < 0) continue;
+      for (double along = -0.5; along <= 0.5; along += 0.05) {
+        const Eigen::Vector3d outside(0.5 * part.side * part.size.x(), 0.0, along * part.size.z());
+        const Eigen::Vector3d p = box_pose(body, part, pose) * outside;
+        if (p.z() < -0.112) continue;  // beside the palm
+        double nearest = 1.0;
+        for (const motion::GripperBox& box : kThreeFingers.boxes) {
+          const Eigen::Vector3d d = p - motion::box_centre(kThreeFingers, box, opening);
+          nearest = std::min(nearest, (d.cwiseAbs() - 0.5 * box.size).cwiseMax(0.0).norm());
+        }
+        EXPECT_LT(nearest, 0.0025) << "finger " << part.finger << " at " << p.transpose() << ", opened by "
+                                   << opening;
+      }
+    }
+  }
+}
+
 /// A pebble on the table below the open gripper.
 struct PinchBench {
   TrueWorld world;

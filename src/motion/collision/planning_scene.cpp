@@ -25,8 +25,8 @@ constexpr double kBaseSpread =
 // Three parts of each finger of kThreeFinger, which leans between its joints (finger_reach.hpp). The pad's
 // part moves with the tip; the others go where their middle lies on the line of joints.
 constexpr double kPadPart = 0.044;                       // m behind the tip
-constexpr double kLinkEnd = 0.034, kLinkMiddle = 0.075;  // m behind the origin of T
-constexpr double kLinkThickness = 0.030;                 // m
+constexpr double kLinkEnd = 0.024, kLinkMiddle = 0.075;  // m behind the origin of T
+constexpr double kLinkThickness = 0.036;                 // m: 30 mm, and how far a part leans over its length
 
 /// A box that fills x and y as given and z from `back` to `front` behind the tips.
 GripperBox box_behind_tip(double size_x, double size_y, double front, double back) {
