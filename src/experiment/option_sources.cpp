@@ -56,11 +56,24 @@ void add_named_set(std::vector<NamedValue>& set, const FieldList& list, const st
       set.push_back({whole, after[i].name, field_text(after[i]), field_text(before[i])});
 }
 
+/// The gripper that plans count on in a cell: one with the linkage that the cell has by its name, whatever
+/// simulation.linkage says.
+void add_gripper_of_cell(std::vector<NamedValue>& set, const FieldList& list) {
+  const auto named = [&](const std::string& name) {
+    return std::find_if(list.begin(), list.end(), [&](const Field& f) { return f.name == name; });
+  };
+  const auto cell = named("simulation.cell"), linkage = named("gripper.linkage");
+  if (cell == list.end() || linkage == list.end()) return;
+  const std::string plain = BuildOptions{}.linkage, meant = options_of_cell(field_text(*cell)).linkage;
+  if (meant != plain) set.push_back({cell->name, linkage->name, meant, plain});
+}
+
 /// The options that detection.method and simulation.cell stand for.
 std::vector<NamedValue> named_sets(const FieldList& list) {
   std::vector<NamedValue> set;
   add_named_set<DetectionOptions>(set, list, "detection", "method", detection::options_of);
   add_named_set<SimulationOptions>(set, list, "simulation", "cell", simulation::options_of_cell);
+  add_gripper_of_cell(set, list);
   return set;
 }
 

@@ -32,8 +32,9 @@ struct GraspOptions {
 };
 [[nodiscard]] FieldList fields(GraspOptions& options);
 
-/// A pinch between finger A and fingers B and C. Frame T: origin between the finger tips at the height of the
-/// tips, midway between the pads, x the closing direction towards A, z out of the gripper.
+/// A pinch between finger A and fingers B and C. Frame T: origin midway between the pads at the height of the
+/// finger tips when fully open, x the closing direction towards A, z out of the gripper. At other openings
+/// the tips stand at z = `tip_advance`.
 struct Grasp {
   Pose T_O_T = Pose::Identity();
   double opening = 0.0;      ///< between the pads when closed [m]

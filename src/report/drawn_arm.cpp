@@ -1,5 +1,6 @@
 #include "report/drawn_arm.hpp"
 
+#include "motion/grasp/finger_reach.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::report {
@@ -26,8 +27,7 @@ std::vector<DrawnMesh> drawn_arm(const RobotModel& robot, const GripperModel& gr
         {capsule_mesh(capsule), T_W_R * links[static_cast<std::size_t>(capsule.link)], kArmColour});
   const Pose T_W_T = T_W_R * forward(robot, pose.q) * T_F_T;
   for (const GripperBox& box : gripper.boxes) {
-    const Eigen::Vector3d centre =
-        box.p_T_centre + 0.5 * pose.opening * box.finger_side * Eigen::Vector3d::UnitX();
+    const Eigen::Vector3d centre = box_centre(gripper, box, pose.opening);
     meshes.push_back({make_box(box.size), T_W_T * Pose(Eigen::Translation3d(centre)), kGripperColour});
   }
   return meshes;

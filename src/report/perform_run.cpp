@@ -13,6 +13,7 @@
 #include "stonestack/report/results.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -63,8 +64,8 @@ void draw_cell(const std::string& path, const RunResult& result, const Catalogue
   std::vector<DrawnMesh> meshes = drawn_stones(catalogue, stones);
   if (!result.timeline.samples.empty()) {
     const MotionSample& last = result.timeline.samples.back();
-    const auto arm = drawn_arm(robot, with_camera_at(make_robotiq_3f(), layout.T_T_C), layout.T_W_R,
-                               layout.T_F_T, {last.q, last.opening});
+    const auto arm =
+        drawn_arm(robot, stacking::gripper_of(layout), layout.T_W_R, layout.T_F_T, {last.q, last.opening});
     meshes.insert(meshes.end(), arm.begin(), arm.end());
   }
   View view;
@@ -124,8 +125,8 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   report.cell_changes = changed_in_cell(run.simulation);
   log_info(concat("simulated cell ", run.simulation.cell, ", seed ", run.seed, ": ", present.size(), " of ",
                   catalogue.stones.size(), " stones"));
-  const CellLayout layout =
-      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
+  CellLayout layout = file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
+  layout.linkage = run.build.linkage;
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
   if (file == nullptr) {
     build(report, world.cell(), run, catalogue, robot, folder.path());
@@ -164,7 +165,9 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
   const auto stack = at_rest(done.report.result.world).stack;
   const auto draw_stack = [&](const std::string& path) {
-    draw_cell(path, done.report.result, catalogue, robot, to_layout(file.cell()), stack);
+    CellLayout layout = to_layout(file.cell());
+    layout.linkage = run.build.linkage;
+    draw_cell(path, done.report.result, catalogue, robot, layout, stack);
   };
   close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
   return done;

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/constants.hpp"
+#include "motion/grasp/finger_reach.hpp"
 #include "report/base64.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
@@ -16,6 +17,7 @@
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/report/run_report.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -56,8 +58,11 @@ json stone_entry(const Stone& stone) {
 }
 
 json robot_entry(const RobotModel& robot, const CellLayout& layout) {
-  const GripperModel gripper = with_camera_at(make_robotiq_3f(), layout.T_T_C);
-  json joints = json::array(), capsules = json::array(), boxes = json::array();
+  constexpr double kReachStep = 0.005;  // m of opening
+  const GripperModel gripper = stacking::gripper_of(layout);
+  json joints = json::array(), capsules = json::array(), boxes = json::array(), reach = json::array();
+  for (double opening = 0.0; opening <= gripper.max_opening + 1e-9; opening += kReachStep)
+    reach.push_back(rounded(tip_advance(gripper, opening)));
   for (const Pose& T_parent_joint : robot.T_parent_joint) joints.push_back(numbers(T_parent_joint));
   for (const LinkCapsule& c : robot.capsules)
     capsules.push_back({{"link", c.link}, {"a", numbers(c.a)}, {"b", numbers(c.b)}, {"radius", c.radius}});
@@ -66,10 +71,11 @@ json robot_entry(const RobotModel& robot, const CellLayout& layout) {
                      {"centre", numbers(box.p_T_centre)},
                      {"side", box.finger_side},
                      {"spread", box.spread},
+                     {"advance", box.advance},
                      {"camera", box.camera}});
-  return {{"T_W_R", numbers(layout.T_W_R)},   {"T_parent_joint", joints}, {"T_6_F", numbers(robot.T_6_F)},
-          {"T_F_T", numbers(layout.T_F_T)},   {"capsules", capsules},     {"boxes", boxes},
-          {"spacing", gripper.finger_spacing}};
+  return {{"T_W_R", numbers(layout.T_W_R)},    {"T_parent_joint", joints}, {"T_6_F", numbers(robot.T_6_F)},
+          {"T_F_T", numbers(layout.T_F_T)},    {"capsules", capsules},     {"boxes", boxes},
+          {"spacing", gripper.finger_spacing}, {"reach", reach},           {"reach_step", kReachStep}};
 }
 
 /// Contacts of a resting tower with their forces: impulses of the settled world, scaled so that the table

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "simulation/finger_pad.hpp"
@@ -31,6 +32,8 @@ struct GripperPart {
   double spread = 0.0;                                   ///< along y, of what `narrowed` takes away
   double side = 0.0;                                     ///< along x of T
   bool camera = false;                                   ///< carries the lens
+  bool leans =
+      false;  ///< turns with the first phalanges: size and centre in their frame, at the palm's joint
 };
 
 /// The gripper as the world meets it: rigid boxes, and on each finger a pad of rubber that stands out from
@@ -39,11 +42,16 @@ struct GripperBody {
   GripperModel gripper;
   PadOptions pad;
   std::vector<GripperPart> boxes;
+  bool phalanges = false;  ///< fingers turn as `finger_linkage`; false: flat jaws, the boxes of `gripper`
 };
-/// The rubber is not the one that plans count on (GripperModel): its own values are in `pad`.
-[[nodiscard]] GripperBody make_gripper_body(const GripperModel& gripper);
+/// The rubber is not the one that plans count on (GripperModel): its own values are in `pad`. Nor is the
+/// linkage: `linkage` is "parallel" or "three_finger", whatever the model's.
+/// @throws InvalidArgument for another name.
+[[nodiscard]] GripperBody make_gripper_body(const GripperModel& gripper,
+                                            const std::string& linkage = "parallel");
 
-[[nodiscard]] Pose box_pose(const GripperPart& box, const GripperPose& gripper_pose);
+[[nodiscard]] Pose box_pose(const GripperBody& model, const GripperPart& box,
+                            const GripperPose& gripper_pose);
 /// T_W_P of a finger's pad.
 [[nodiscard]] Pose pad_pose(const GripperBody& model, int finger, const GripperPose& gripper_pose);
 /// Distance from a point to the nearest box, 0 inside, m.

@@ -43,6 +43,7 @@ SimulationOptions lab() {
   o.scan_roughness = 0.0001;
   o.pad_friction_spread = 0.15;
   o.pad_stiffness_spread = 2.0;
+  o.linkage = "three_finger";
   o.clearance = 0.005;
   o.foreign_objects = 2;
   return o;
@@ -115,6 +116,9 @@ FieldList fields(SimulationOptions& o) {
       field("pad_stiffness", o.pad_stiffness, {1e6, 1e10}, "N/m^3", "of the pads; 5 mm of soft rubber"),
       field("pad_stiffness_spread", o.pad_stiffness_spread, {1.0, 10.0}, "",
             "factor by which the pads of a run are stiffer or softer, at most"),
+      field("linkage", o.linkage,
+            "true path of the finger tips: parallel (flat jaws) or three_finger (on an arc, as phalanges "
+            "turn)"),
       field("regrip", o.regrip, "true: fingers close further when the held stone yields (rGTO stays set)"),
       field("clearance", o.clearance, {0.0, 0.3}, "m",
             "between loose stones at the start; a finger and a half by default"),

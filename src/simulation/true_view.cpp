@@ -60,7 +60,8 @@ SeenWorld what_is_seen(const TrueWorld& world) {
   seen.table = world.table().surface();
   for (const StoneIndex i : world.present()) seen.stones.emplace_back(i, world.pose(i));
   for (const auto& box : world.gripper_body().boxes)  // the camera does not see itself
-    if (!box.camera) seen.boxes.emplace_back(box.size, box_pose(box, world.gripper_pose()));
+    if (!box.camera)
+      seen.boxes.emplace_back(box.size, box_pose(world.gripper_body(), box, world.gripper_pose()));
   return seen;
 }
 

@@ -53,7 +53,7 @@ TrueWorld::TrueWorld(const std::vector<Stone>& stones, const std::vector<StoneIn
     : options_(options),
       engine_kind_(engine_named(options.engine)),
       scene_(scene),
-      model_(make_gripper_body(gripper)),
+      model_(make_gripper_body(gripper, options.linkage)),
       present_(present) {
   std::sort(present_.begin(), present_.end());
   present_.erase(std::unique(present_.begin(), present_.end()), present_.end());

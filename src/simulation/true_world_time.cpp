@@ -42,7 +42,7 @@ void TrueWorld::prepare_engine(const std::vector<bool>& in_play, double step) {
   const auto stones = static_cast<int>(present_.size());
   for (std::size_t b = 0; b < model_.boxes.size(); ++b) {
     const auto& box = model_.boxes[b];
-    const int body = engine_->world->add_box(box.size, box_pose(box, gripper_pose_));
+    const int body = engine_->world->add_box(box.size, box_pose(model_, box, gripper_pose_));
     if (b == 0) engine_->first_box = body;
     for (int k = 0; k < stones; ++k) engine_->world->set_pair_friction(k, body, kGripperFriction);
   }
@@ -214,7 +214,8 @@ void TrueWorld::step_engine(const GripperPose& wanted) {
   for (std::size_t f = 0; f < next.finger.size(); ++f) commanded_.finger[f] = next.finger[f];
   press_pads(next, step);
   for (std::size_t b = 0; b < model_.boxes.size(); ++b)
-    engine_->world->move_to(engine_->first_box + static_cast<int>(b), box_pose(model_.boxes[b], next));
+    engine_->world->move_to(engine_->first_box + static_cast<int>(b),
+                            box_pose(model_, model_.boxes[b], next));
   engine_->world->step(step);
   gripper_pose_ = next;
   time_ += step;

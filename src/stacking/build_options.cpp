@@ -8,6 +8,9 @@ FieldList fields(BuildOptions& o) {
   return join(
       {nest("detection", fields(o.detection)), nest("search", fields(o.search)),
        nest("motion", fields(o.motion)),
+       nest("gripper", {field("linkage", o.linkage,
+                              "path of the finger tips that plans count on: parallel (flat jaws) or "
+                              "three_finger (on an arc)")}),
        nest("run",
             {user(field("max_stones", o.max_stones, {0, 100}, "",
                         "height at which the run ends; 0: all stones that are seen")),

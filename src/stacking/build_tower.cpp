@@ -132,10 +132,12 @@ Stop stop_arm(Arm& arm, RunEnd end, std::string reason) {
 
 RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                       const BuildOptions& options, const BuildHooks& hooks) {
-  const Models models = make_models(catalogue, robot, cell.layout);
+  Cell planned = cell;
+  planned.layout.linkage = options.linkage;
+  const Models models = make_models(catalogue, robot, planned.layout);
   const DetectionModels detection(catalogue.stones, options.detection);
   Recorder recorder(models, hooks, cell.clock);
-  RecordedDevices devices(cell, recorder.result().timeline);
+  RecordedDevices devices(planned, recorder.result().timeline);
   Workcell workcell{
       devices.cell(), models, detection, options, recorder.result().seconds, [&](const Event& event) {
         recorder.hear(event);

@@ -77,7 +77,7 @@ Joints home_joints() {
 }
 
 GripperModel gripper_of(const CellLayout& layout) {
-  GripperModel gripper = with_camera_at(make_robotiq_3f(), layout.T_T_C);
+  GripperModel gripper = with_camera_at(make_robotiq_3f(linkage_named(layout.linkage)), layout.T_T_C);
   gripper.sensor_mass = layout.sensor_mass;
   gripper.camera_mass = layout.camera_mass;
   return gripper;

@@ -1,9 +1,11 @@
 #include "stacking/plan_executor.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/constants.hpp"
 #include "motion/cartesian.hpp"
+#include "motion/grasp/finger_reach.hpp"
 #include "motion/timing.hpp"
 #include "stacking/constants.hpp"
 #include "stacking/record.hpp"
@@ -147,6 +149,20 @@ double PlanExecutor::above_end(const PlanStep& step) const {
   return (tip(cell.arm.state().q) - tip(step.trajectory.q.back())).z();
 }
 
+double PlanExecutor::held_opening() const {
+  const auto grasp = std::find_if(plan.steps.begin(), plan.steps.end(),
+                                  [](const PlanStep& step) { return step.kind == PlanStep::Kind::kGrasp; });
+  return grasp == plan.steps.end() ? 0.0 : grasp->opening;
+}
+
+double PlanExecutor::closing_advance() const {
+  const auto open = std::find_if(plan.steps.begin(), plan.steps.end(),
+                                 [](const PlanStep& step) { return step.kind == PlanStep::Kind::kOpen; });
+  if (open == plan.steps.end()) return 0.0;
+  return furthest_tip(scene.gripper, held_opening(), open->opening) -
+         tip_advance(scene.gripper, open->opening);
+}
+
 ExecutionResult PlanExecutor::approach_grasp(const PlanStep& step) const {
   GuardedMotion motion;
   motion.trajectory = step.trajectory;
@@ -159,7 +175,7 @@ ExecutionResult PlanExecutor::approach_grasp(const PlanStep& step) const {
     return {Status::kStopped, moved.force, step.name + ": " + moved.reason};
   const double above = above_end(step);
   record(journal, TouchMeasured{true, moved.force, above});
-  if (above <= kTableReach) return go_back(step, kOffTable);
+  if (above <= kTableReach) return go_back(step, kOffTable + closing_advance());
   const double done = route.empty() ? 0.0 : (tip(cell.arm.state().q) - tip(route.front())).norm();
   const ExecutionResult back = go_back(step, done);
   if (back.status == Status::kStopped) return back;
@@ -209,7 +225,8 @@ ExecutionResult PlanExecutor::check_empty(const PlanStep& step, bool may_open) c
 
 ExecutionResult PlanExecutor::clear_table(const PlanStep& step) const {
   const Pose T_R_T = forward(scene.robot, cell.arm.state().q) * scene.T_F_T;
-  if ((cell.layout.T_W_R * T_R_T).translation().z() > kNearTable) return {};
+  const double tip_z = furthest_tip(scene.gripper, held_opening(), step.opening);
+  if ((cell.layout.T_W_R * T_R_T * Eigen::Vector3d(0, 0, tip_z)).z() > kNearTable) return {};
   return go_back(step, kBackOff);
 }
 

@@ -46,6 +46,10 @@ struct PlanExecutor {
   [[nodiscard]] Eigen::Vector3d tip(const Joints& q) const;
   /// Height of the tool above the planned end of the step [m].
   [[nodiscard]] double above_end(const PlanStep& step) const;
+  /// Opening with the stone between the pads, as planned [m]; 0 for a plan without a grasp.
+  [[nodiscard]] double held_opening() const;
+  /// Distance by which the finger tips come further out while they close on the stone [m].
+  [[nodiscard]] double closing_advance() const;
   /// Approaches a grasp until contact. Fingers pressed on the table cannot close, so they are lifted a little
   /// then. Contact further above means that a finger stands on a stone: not where the plan takes it to be.
   /// Then the gripper goes back, and nothing is picked.

@@ -206,6 +206,7 @@ json layout_json(const CellLayout& layout) {
           {"T_T_C", pose_json(layout.T_T_C)},
           {"sensor_mass", layout.sensor_mass},
           {"camera_mass", layout.camera_mass},
+          {"linkage", layout.linkage},
           {"site", vector_json(layout.site)},
           {"field_centre", vector_json(layout.field_centre)},
           {"field_size", vector_json(layout.field_size)},
@@ -236,6 +237,7 @@ CellLayout layout_of(const json& j) {
   layout.T_T_C = pose_of(j.at("T_T_C"));
   layout.sensor_mass = j.at("sensor_mass").get<double>();
   layout.camera_mass = j.at("camera_mass").get<double>();
+  layout.linkage = j.value("linkage", layout.linkage);
   layout.site = vector2_of(j.at("site"));
   layout.field_centre = vector2_of(j.at("field_centre"));
   layout.field_size = vector2_of(j.at("field_size"));

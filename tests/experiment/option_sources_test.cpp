@@ -91,6 +91,24 @@ TEST_F(OptionSourcesTest, ACellSetsItsErrorsAndNothingThatSomebodySet) {
   EXPECT_THROW((void)apply_options(fields(other), {"", {}, {"simulation.cell=moon"}}), InvalidArgument);
 }
 
+/// Plans know which gripper a named cell has, and can be given another.
+TEST_F(OptionSourcesTest, ACellSetsTheGripperOfPlansToo) {
+  const OptionOrigins origins = apply_options(list_, {"", {}, {"simulation.cell=lab"}});
+  EXPECT_EQ(every_.simulation.linkage, "three_finger");
+  EXPECT_EQ(every_.build.linkage, "three_finger");
+  EXPECT_EQ(origin_of("gripper.linkage", origins), "simulation.cell");
+  EveryOption apart;
+  set_fields(fields(apart), {"simulation.cell=lab", "gripper.linkage=parallel"});
+  EXPECT_EQ(apart.simulation.linkage, "three_finger");
+  EXPECT_EQ(apart.build.linkage, "parallel");
+  set_fields(fields(apart), {"simulation.cell=mild", "simulation.linkage=three_finger"});
+  EXPECT_EQ(apart.build.linkage, "parallel") << "plans do not hear of the world";
+  for (const std::string cell : {"hard", "paper"}) {
+    set_fields(fields(apart), {"simulation.cell=" + cell});
+    EXPECT_EQ(apart.build.linkage, "three_finger") << cell;
+  }
+}
+
 TEST_F(OptionSourcesTest, ASecondCellTakesBackWhatTheFirstHadSet) {
   EveryOption run;
   set_fields(fields(run), {"simulation.cell=lab", "simulation.clearance=0.02"});

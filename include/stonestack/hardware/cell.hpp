@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "stonestack/core/clock.hpp"
@@ -16,6 +17,7 @@ struct CellLayout {
   Pose T_T_C = make_default_T_T_C();          ///< camera on the gripper's mount, looking along z of T
   double sensor_mass = 0.65;                  ///< between flange and gripper [kg]: FT150 (an FT300: 0.30)
   double camera_mass = 0.20;                  ///< with bracket and cable [kg]; design choice
+  std::string linkage = "parallel";           ///< of the fingers, as motions are planned: or three_finger
   Eigen::Vector2d site{0.70, 0.28};           ///< where the tower goes, m in W
   Eigen::Vector2d field_centre{0.70, -0.18};  ///< where loose stones lie
   Eigen::Vector2d field_size{0.40, 0.50};     ///< [m]

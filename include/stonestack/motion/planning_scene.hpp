@@ -13,25 +13,37 @@
 
 namespace stonestack::motion {
 
+/// Motion of the finger tips along z of T while the fingers close.
+enum class Linkage {
+  kParallel,    ///< none: jaws that slide across
+  kThreeFinger  ///< on an arc, as the phalanges of the Robotiq 3-finger gripper turn about their first joint
+};
+/// Finds a linkage by its name, "parallel" or "three_finger".
+/// @throws InvalidArgument for another name.
+[[nodiscard]] Linkage linkage_named(const std::string& name);
+
 /// A box of the gripper, in T (z out of the gripper, x the closing direction), that moves with a finger or
 /// not at all.
 struct GripperBox {
   Eigen::Vector3d size;        ///< edges of the box [m]
   Eigen::Vector3d p_T_centre;  ///< with the fingers closed (opening 0)
-  double finger_side = 0.0;    ///< +1 or -1: moves by that times opening / 2 along x; 0: fixed
+  double finger_side = 0.0;    ///< moves by that times opening / 2 along x: +1 or -1, less near the palm
   double spread = 0.0;         ///< moves along y by that times the change of the spacing of B and C
   bool camera = false;         ///< goes where the camera is mounted
+  double advance = 0.0;        ///< moves along z by that times how far the tips stand before z = 0
 };
 
 /// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
-/// (measured on the meshes that Robotiq publishes).
+/// (measured on the meshes that Robotiq publishes). The origin of T lies 223 mm from the gripper's mount, at
+/// the height of the finger tips when they are fully open; the tips of kThreeFinger stand up to 10 mm further
+/// out when they are half closed.
 struct GripperModel {
   double max_opening = 0.155;     ///< [m]
   double min_object = 0.020;      ///< [m]
   double finger_width = 0.031;    ///< along y [m]
   double finger_spacing = 0.073;  ///< between B and C where their pads are [m]
   double narrow_spacing = 0.042;  ///< the same with B and C drawn together [m]; 0: the gripper cannot
-  double pad_length = 0.040;      ///< along z, ends at the tip (z of T = 0) [m]
+  double pad_length = 0.040;      ///< along z, ends at the finger tip [m]
   double force = 60.0;            ///< force a finger [N]
   double friction = 0.5;          ///< rubber on stone
   double pad_thickness = 0.005;   ///< thickness of rubber [m]
@@ -42,9 +54,11 @@ struct GripperModel {
   double camera_mass = 0.20;      ///< of camera, bracket and cable [kg]; design choice
   double payload = 2.5;           ///< mass [kg] at the finger tips
   std::vector<GripperBox> boxes;  ///< fingers, palm, sensor, camera
+
+  Linkage linkage = Linkage::kParallel;  ///< path of the finger tips
 };
 /// With its boxes.
-[[nodiscard]] GripperModel make_robotiq_3f();
+[[nodiscard]] GripperModel make_robotiq_3f(Linkage linkage = Linkage::kParallel);
 /// Gripper and camera [kg]: what the force sensor carries without a stone.
 [[nodiscard]] double sensed_mass(const GripperModel& gripper);
 /// Gripper, camera and sensor [kg]: what the arm carries without a stone.

@@ -52,6 +52,7 @@ struct SimulationOptions {
   double pad_friction_spread = 0.0;     ///< half width of the uniform draw per stone
   double pad_stiffness = 1.5e8;         ///< N/m^3, of the fingers' rubber; a third of it sideways
   double pad_stiffness_spread = 1.0;    ///< factor: the run's pads are stiffer or softer by at most this
+  std::string linkage = "parallel";     ///< of the true fingers: parallel or three_finger
   bool regrip = true;                   ///< fingers close further when the held stone yields (rGTO stays set)
   double clearance = 0.045;  ///< distance [m] between loose stones, for the fingers; less in a full field
   int foreign_objects = 0;   ///< boxes and cylinders among the stones that no catalogue has

@@ -24,7 +24,8 @@ namespace stonestack::stacking {
 [[nodiscard]] Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                                        const std::vector<PlacedStone>& stones);
 
-/// The gripper of a cell, with the masses and the camera's mount that its layout names.
+/// The gripper of a cell, with the linkage, the masses and the camera's mount that its layout names.
+/// @throws InvalidArgument for another linkage than parallel and three_finger.
 [[nodiscard]] GripperModel gripper_of(const CellLayout& layout);
 
 /// The scene that motions must avoid: every stone, by name, indexed like `stack` then `loose`,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "motion/grasp/finger_reach.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::motion {
@@ -36,8 +37,8 @@ bool never_checked(const Mover& a, const Mover& b) {
   return both_arm && ((low == 0 && high == 2) || (low == 3 && high == 5) || (low == 4 && high == 6));
 }
 
-std::vector<Eigen::Vector3d> corners(const GripperBox& box, double opening) {
-  const Eigen::Vector3d centre = box.p_T_centre + 0.5 * opening * box.finger_side * Eigen::Vector3d::UnitX();
+std::vector<Eigen::Vector3d> corners(const GripperModel& gripper, const GripperBox& box, double opening) {
+  const Eigen::Vector3d centre = box_centre(gripper, box, opening);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 8; ++i) {
     const Eigen::Vector3d sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
@@ -83,7 +84,7 @@ void add_movers(const PlanningScene& scene, const HeldObject* held, CollisionSha
     add_mover(shapes, Mover::Part::kArm, c.link, make_core({c.a, c.b}, c.radius), kLinks[c.link]);
   shapes.T_6_T = scene.robot.T_6_F * scene.T_F_T;
   for (const auto& box : scene.gripper.boxes) {
-    auto points = corners(box, shapes.rules.opening);
+    auto points = corners(scene.gripper, box, shapes.rules.opening);
     const Eigen::AlignedBox3d box_T(points.front(), points.back());
     transform(points, shapes.T_6_T);
     add_mover(shapes, Mover::Part::kGripper, 6, make_core(std::move(points), 0.0),

@@ -1,5 +1,8 @@
 #include "stonestack/motion/planning_scene.hpp"
 
+#include <cmath>
+
+#include "motion/grasp/finger_reach.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::motion {
@@ -18,6 +21,12 @@ constexpr double kMountShift =
 constexpr double kMountTurn = 0.052;  // rad, the same
 constexpr double kBaseSpread =
     0.5;  // of what the pads move; with the base's middle 35 mm in front of the palm
+
+// Three parts of each finger of kThreeFinger, which leans between its joints (finger_reach.hpp). The pad's
+// part moves with the tip; the others go where their middle lies on the line of joints.
+constexpr double kPadPart = 0.044;                       // m behind the tip
+constexpr double kLinkEnd = 0.024, kLinkMiddle = 0.075;  // m behind the origin of T
+constexpr double kLinkThickness = 0.036;                 // m: 30 mm, and how far a part leans over its length
 
 /// A box that fills x and y as given and z from `back` to `front` behind the tips.
 GripperBox box_behind_tip(double size_x, double size_y, double front, double back) {
@@ -41,6 +50,27 @@ void add_turning_finger(std::vector<GripperBox>& boxes, double width, double y) 
   boxes.back().spread = side * kBaseSpread;
 }
 
+/// Part of a finger of kThreeFinger from `front` to `back` behind the origin of T, on the leaning line.
+GripperBox link_part(double width, double y, double side, double front, double back) {
+  const double share =
+      (kPalmJoint - 0.5 * (front + back)) / (kPalmJoint - kPadJoint);  // of what the pad moves
+  const double aside = kPalmJointAside + share * (kPadJointAside - kPalmJointAside) - kLinkInside;
+  GripperBox box = finger(width, y, side, front, back);
+  box.size.x() = kLinkThickness;
+  box.p_T_centre.x() = side * (aside + 0.5 * kLinkThickness);
+  box.finger_side = share * side;
+  box.spread = y == 0.0 ? 0.0 : std::copysign(0.5 * share, y);
+  return box;
+}
+
+void add_three_finger(std::vector<GripperBox>& boxes, double width, double y, double side) {
+  boxes.push_back(finger(width, y, side, 0.0, kPadPart));
+  boxes.back().advance = 1.0;
+  boxes.back().spread = y == 0.0 ? 0.0 : std::copysign(0.5, y);
+  boxes.push_back(link_part(width, y, side, kLinkEnd, kLinkMiddle));
+  boxes.push_back(link_part(width, y, side, kLinkMiddle, kPalmFront));
+}
+
 /// The mount that the camera's box was drawn for: CellLayout::make_default_T_T_C(), in hardware/.
 Pose drawn_mount() {
   constexpr double kTilt = 10.0 * 3.14159265358979323846 / 180.0;
@@ -49,8 +79,15 @@ Pose drawn_mount() {
 
 }  // namespace
 
-GripperModel make_robotiq_3f() {
+Linkage linkage_named(const std::string& name) {
+  require(name == "parallel" || name == "three_finger",
+          "there are the linkages parallel and three_finger; got '", name, "'");
+  return name == "parallel" ? Linkage::kParallel : Linkage::kThreeFinger;
+}
+
+GripperModel make_robotiq_3f(Linkage linkage) {
   GripperModel gripper;
+  gripper.linkage = linkage;
   const double half_spacing = 0.5 * gripper.finger_spacing;
   gripper.boxes = {
       finger(gripper.finger_width, 0.0, 1.0, 0.0, kPalmFront),
@@ -60,6 +97,13 @@ GripperModel make_robotiq_3f() {
       // mount (CellLayout::make_default_T_T_C), so that it stays out of the view.
       {{0.110, 0.060, 0.042}, {0.0, 0.095, -0.193}, 0.0, 0.0, true},
   };
+  if (linkage == Linkage::kThreeFinger) {
+    gripper.boxes.erase(gripper.boxes.begin());
+    add_three_finger(gripper.boxes, gripper.finger_width, 0.0, 1.0);
+    add_three_finger(gripper.boxes, gripper.finger_width, half_spacing, -1.0);
+    add_three_finger(gripper.boxes, gripper.finger_width, -half_spacing, -1.0);
+    return gripper;
+  }
   add_turning_finger(gripper.boxes, gripper.finger_width, half_spacing);
   add_turning_finger(gripper.boxes, gripper.finger_width, -half_spacing);
   return gripper;

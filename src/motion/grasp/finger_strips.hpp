@@ -35,6 +35,7 @@ struct FingerStrip {
   /// The slices of points with z between about `low` and `high`.
   static int first_slice(double low) { return slice(low + 0.5 / kPerMetre); }
   static int last_slice(double high) { return slice(high - 0.5 / kPerMetre); }
+  static double middle(int slice) { return (slice + 0.5 - kSlices / 2) / kPerMetre; }  ///< its z [m]
   void add(double height, double z);
   /// Highest point with z between about `low` and `high`; kNoStone if there is none.
   [[nodiscard]] double height(double low, double high) const;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/constants.hpp"
+#include "motion/grasp/finger_reach.hpp"
 #include "motion/grasp/finger_strips.hpp"
 #include "motion/grasp/grasp_wrench.hpp"
 #include "stonestack/core/error.hpp"
@@ -90,6 +91,29 @@ void judge(Sampler& s, Grasp grasp, const std::array<PadTouch, 3>& touch) {
   s.set.grasps.push_back(grasp);
 }
 
+/// Heights in the axes of T about the centre of mass [m]: the stone's back, the finger tips, the origin of T.
+struct GraspHeights {
+  double back, tip, z;
+};
+
+/// True if the stone stands out towards a finger behind its pad: closed, or open on approach. `height`: where
+/// the pad stops.
+bool upper_finger_touches(const Sampler& s, const FingerStrip& strip, const GraspHeights& at,
+                          const Grasp& grasp, double height) {
+  const double soft = height + s.options.pad_softness, pad_back = at.tip - s.gripper.pad_length;
+  if (s.gripper.linkage == Linkage::kParallel) return strip.height(at.back, pad_back) > soft;
+  for (int i = FingerStrip::first_slice(at.back); i <= FingerStrip::last_slice(pad_back); ++i) {
+    const double z = FingerStrip::middle(i) - at.z;
+    const double closed =
+        finger_inside(s.gripper, grasp.opening, z) - 0.5 * grasp.opening;  // of the pad's face
+    const double open = finger_inside(s.gripper, grasp.pre_opening, z) - 0.5 * grasp.opening;
+    if (strip.highest[static_cast<std::size_t>(i)] >
+        std::min(soft + closed, height + open - s.options.finger_clearance))
+      return true;
+  }
+  return false;
+}
+
 /// One orientation, sideways shift and depth.
 void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip, 3>& strips, double y,
                double tip) {
@@ -112,15 +136,16 @@ void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip
     ++s.set.too_wide;
     return;
   }
-  bool in_stone = view.back < tip + s.palm_front + s.options.palm_clearance;
+  const double z = tip - tip_advance(s.gripper, grasp.opening);
+  bool in_stone = view.back < z + s.palm_front + s.options.palm_clearance;
   for (std::size_t i = 0; i < 3; ++i)
-    in_stone |= strips[i].height(view.back, tip - s.gripper.pad_length) > height[i] + s.options.pad_softness;
+    in_stone |= upper_finger_touches(s, strips[i], {view.back, tip, z}, grasp, height[i]);
   if (in_stone) {
     ++s.set.gripper_in_stone;
     return;
   }
   grasp.T_O_T.linear() = view.R_O_T;
-  grasp.T_O_T.translation() = s.stone.mass.p_O_M + view.R_O_T * Eigen::Vector3d(0.5 * (left + right), y, tip);
+  grasp.T_O_T.translation() = s.stone.mass.p_O_M + view.R_O_T * Eigen::Vector3d(0.5 * (left + right), y, z);
   std::array<PadTouch, 3> touch;
   for (std::size_t i = 0; i < 3; ++i)
     touch[i] = touched(s.gripper, s.surface, s.options.pad_softness, view, strips[i], tip);

@@ -8,6 +8,7 @@
 #include "core/constants.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/constants.hpp"
+#include "motion/grasp/finger_reach.hpp"
 #include "motion/grasp/grasp_wrench.hpp"
 
 namespace stonestack::motion {
@@ -114,6 +115,11 @@ const GraspEnd::SpacedGripper& GraspEnd::gripper(const Grasp& grasp) const {
   return grippers_.size() > 1 && grasp.spacing == grippers_[1].spacing ? grippers_[1] : grippers_[0];
 }
 
+// On approach, while they close and while they open again.
+GripperCheck::Fingers GraspEnd::fingers(const Grasp& grasp) const {
+  return {grasp.pre_opening, furthest_tip(scene_.gripper, grasp.opening, grasp.pre_opening)};
+}
+
 bool GraspEnd::too_weak(const Grasp& grasp, const Pose& T_W_T) const {
   const Eigen::Vector3d n_T_down = -T_W_T.linear().row(2).transpose();
   const double weight = kGravity * stone_.mass.mass;
@@ -124,8 +130,7 @@ bool GraspEnd::too_weak(const Grasp& grasp, const Pose& T_W_T) const {
 
 std::optional<EndFault> GraspEnd::gripper_fault(const Grasp& grasp, const Pose& T_W_O) const {
   const Pose T_W_T = T_W_O * grasp.T_O_T;
-  const GripperCheck::Hit hit =
-      gripper(grasp).check.sweep(T_W_T, grasp.pre_opening, options_.approach_padding);
+  const GripperCheck::Hit hit = gripper(grasp).check.sweep(T_W_T, fingers(grasp), options_.approach_padding);
   if (hit.what == GripperCheck::Hit::What::kTheTable) return EndFault::kTable;
   if (hit.what == GripperCheck::Hit::What::kObject) return EndFault::kObject;
   if (too_weak(grasp, T_W_T)) return EndFault::kTooWeak;
@@ -182,8 +187,7 @@ bool GraspEnd::all_blocked(std::span<const Grasp> grasps, const Pose& T_W_O,
     if (grasp.T_O_T.linear().col(2).dot(n_O_towards) < min) continue;
     ++seen;
     const GripperCheck& check = gripper(grasp).check;
-    if (!check.touches_object(T_W_O * grasp.T_O_T, grasp.pre_opening, options_.approach_padding))
-      return false;
+    if (!check.touches_object(T_W_O * grasp.T_O_T, fingers(grasp), options_.approach_padding)) return false;
   }
   return seen >= kManyBlocked;
 }

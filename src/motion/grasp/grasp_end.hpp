@@ -49,6 +49,7 @@ class GraspEnd {
         open;  ///< arm against open fingers, kOpeningStep more each; empty: not asked
   };
   [[nodiscard]] const SpacedGripper& gripper(const Grasp& grasp) const;
+  [[nodiscard]] GripperCheck::Fingers fingers(const Grasp& grasp) const;
   [[nodiscard]] bool too_weak(const Grasp& grasp, const Pose& T_W_T) const;
   [[nodiscard]] std::optional<EndFault> arm_fault(const Grasp& grasp, const Pose& T_W_T) const;
 

@@ -22,7 +22,7 @@ GripperCheck::GripperCheck(const PlanningScene& scene, double approach, int left
       corners.push_back(box.p_T_centre + sign.cwiseProduct(box.size));
       if (sign.z() < 0) corners.back().z() -= approach;
     }
-    parts_.push_back({make_core(std::move(corners), 0.0), box.finger_side});
+    parts_.push_back({make_core(std::move(corners), 0.0), box.finger_side, box.advance});
   }
   for (std::size_t object = 0; object < scene.objects.size(); ++object) {
     if (static_cast<int>(object) == left_out) continue;
@@ -44,30 +44,32 @@ bool GripperCheck::near(const Part& part, const Pose& T_W_part, const Piece& pie
   return hull_distance(part.core, to_bullet(T_W_part), piece.core, btTransform::getIdentity()) <= padding;
 }
 
-GripperCheck::Hit GripperCheck::sweep(const Pose& T_W_T, double opening, double padding) const {
+GripperCheck::Hit GripperCheck::sweep(const Pose& T_W_T, const Fingers& fingers, double padding) const {
   // Most grasps of a stone fall here, so only heights are worked out.
   const Eigen::RowVector3d up_T = T_W_T.linear().row(2);
   for (const Part& part : parts_) {
     const double min = table_z_ + chosen(table_padding_, padding) - T_W_T.translation().z() -
-                       up_T.x() * part.finger_side * opening / 2;
+                       up_T.x() * part.finger_side * fingers.opening / 2 -
+                       up_T.z() * part.advance * fingers.advance;
     for (const Eigen::Vector3d& p : part.core.points)
       if (up_T.dot(p) < min) return {Hit::What::kTheTable, -1};
   }
-  const int object = first_object(T_W_T, opening, padding);
+  const int object = first_object(T_W_T, fingers, padding);
   return object < 0 ? Hit{} : Hit{Hit::What::kObject, object};
 }
 
-int GripperCheck::first_object(const Pose& T_W_T, double opening, double padding) const {
+int GripperCheck::first_object(const Pose& T_W_T, const Fingers& fingers, double padding) const {
   for (const Part& part : parts_) {
-    const Pose T_W_part = T_W_T * Pose(Eigen::Translation3d(part.finger_side * opening / 2, 0, 0));
+    const Pose T_W_part = T_W_T * Pose(Eigen::Translation3d(part.finger_side * fingers.opening / 2, 0,
+                                                            part.advance * fingers.advance));
     for (const Piece& piece : pieces_)
       if (near(part, T_W_part, piece, chosen(piece.user_padding, padding))) return piece.object;
   }
   return -1;
 }
 
-bool GripperCheck::touches_object(const Pose& T_W_T, double opening, double padding) const {
-  return first_object(T_W_T, opening, padding) >= 0;
+bool GripperCheck::touches_object(const Pose& T_W_T, const Fingers& fingers, double padding) const {
+  return first_object(T_W_T, fingers, padding) >= 0;
 }
 
 }  // namespace stonestack::motion

@@ -20,16 +20,22 @@ class GripperCheck {
     What what = What::kNothing;
     int object = -1;
   };
-  /// First hit anywhere on the approach that ends at T_W_T, with the pads `opening` apart.
-  [[nodiscard]] Hit sweep(const Pose& T_W_T, double opening, double padding) const;
+  /// Fingers of an open gripper.
+  struct Fingers {
+    double opening = 0.0;  ///< between the pads [m]
+    double advance = 0.0;  ///< z of the tips in T [m]: the largest until they are closed
+  };
+  /// First hit anywhere on the approach that ends at T_W_T.
+  [[nodiscard]] Hit sweep(const Pose& T_W_T, const Fingers& fingers, double padding) const;
   /// Checks objects alone: true if it comes nearer than that to one, whatever the table.
-  [[nodiscard]] bool touches_object(const Pose& T_W_T, double opening, double padding) const;
+  [[nodiscard]] bool touches_object(const Pose& T_W_T, const Fingers& fingers, double padding) const;
 
  private:
   static constexpr double kNoPadding = -1.0;  ///< the user asks for none of his own [m]
   struct Part {
     ConvexCore core;  ///< swept, in T, fingers closed
     double finger_side = 0.0;
+    double advance = 0.0;
   };
   struct Piece {
     ConvexCore core;  ///< in W
@@ -39,7 +45,7 @@ class GripperCheck {
     double user_padding = kNoPadding;
   };
   /// Its index, or -1.
-  [[nodiscard]] int first_object(const Pose& T_W_T, double opening, double padding) const;
+  [[nodiscard]] int first_object(const Pose& T_W_T, const Fingers& fingers, double padding) const;
   [[nodiscard]] bool near(const Part& part, const Pose& T_W_part, const Piece& piece, double padding) const;
 
   std::vector<Part> parts_;

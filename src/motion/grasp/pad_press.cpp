@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "motion/grasp/finger_reach.hpp"
 
 namespace stonestack::motion {
 namespace {
@@ -54,10 +55,11 @@ PadPress::PadPress(const std::vector<SurfaceSample>& surface, const MassProperti
   const Pose T_T_O = grasp.T_O_T.inverse();
   const Eigen::Vector3d p_T_M = T_T_O * mass.p_O_M;
   const double spacing = grasp.spacing > 0 ? grasp.spacing : gripper.finger_spacing;
+  const double tip = tip_advance(gripper, grasp.opening);
   const double half_open = 0.5 * grasp.opening, half_width = 0.5 * gripper.finger_width;
   for (const SurfaceSample& s : surface) {
     const Eigen::Vector3d p = T_T_O * s.point;
-    if (p.z() > 0 || p.z() < -gripper.pad_length || std::abs(p.x()) < half_open - kReach) continue;
+    if (p.z() > tip || p.z() < tip - gripper.pad_length || std::abs(p.x()) < half_open - kReach) continue;
     const double side = p.x() > 0 ? 1.0 : -1.0, facing = side * (T_T_O.linear() * s.normal).x();
     if (facing < kMinFacing) continue;
     for (int f = side > 0 ? 0 : 1; f < (side > 0 ? 1 : 3); ++f) {

@@ -88,11 +88,16 @@ function makeArm(robot) {
     tool.add(mesh);
     return {mesh, box};
   });
+  const advance = (opening) => {
+    const at = Math.min(Math.max(opening / robot.reach_step, 0), robot.reach.length - 1), k = Math.floor(at);
+    const next = robot.reach[Math.min(k + 1, robot.reach.length - 1)];
+    return robot.reach[k] + (at - k) * (next - robot.reach[k]);
+  };
   const move = (sample) => {
     joints.forEach((joint, i) => { joint.rotation.z = sample.q[i]; });
     for (const {mesh, box} of boxes)
       mesh.position.set(box.centre[0] + box.side * sample.opening / 2, box.centre[1] +
-          box.spread * (sample.spacing - robot.spacing), box.centre[2]);
+          box.spread * (sample.spacing - robot.spacing), box.centre[2] + box.advance * advance(sample.opening));
     base.updateMatrixWorld(true);
   };
   return {base, tool, move};
