@@ -55,13 +55,13 @@ struct SearchOptions {
   double verdict_seconds = 10.0;   ///< simulated time [s], whole stack
   int perturbations = 8;           ///< k: displaced placements simulated for each verdict
   double perturbed_seconds = 2.0;  ///< simulated time [s], each of them
-  // Measured with the camera refined, planned against measured poses of `stonestack run`: 0.5 to 1.8 mm and
-  // 0.4 to 1.2 deg in all for stones that hold at once.
-  double placement_sigma_translation = 0.0015;  ///< one sigma along each axis [m]
-  double placement_sigma_rotation = 0.015;      ///< one sigma about each axis [rad]
-  /// One sigma of every centre of mass along each axis [m]: known to 2 mm, evenly in a ball, 0.9 mm an
+  // Measured in the cell `lab`, planned against measured poses of stones that hold: medians of 0.4 to 1.7 mm
+  // an axis and 0.4 to 1.7 deg about it, more on higher levels, with long tails.
+  double placement_sigma_translation = 0.002;  ///< one sigma along each axis [m]
+  double placement_sigma_rotation = 0.03;      ///< one sigma about each axis [rad]
+  /// One sigma of every centre of mass along each axis [m]: known to 3 mm, evenly in a ball, 1.3 mm an
   /// axis
-  double com_sigma = 0.001;
+  double com_sigma = 0.0015;
 
   int threads = 0;      ///< 0: all cores; the result does not depend on it
   double budget = 0.0;  ///< 0 [s]: none (deterministic)
