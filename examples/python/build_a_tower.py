@@ -19,7 +19,8 @@ scene = ss.render(folder + "/scene", seed=1, stones=catalogue.names[:2], catalog
 found = ss.detect(scene.depth, camera_pose=scene.T_W_C, catalogue=catalogue)
 truth = dict(scene.stones)
 for detection in found.detections:
-    error = np.linalg.norm(detection.T_W_O[:3, 3] - truth[detection.stone][:3, 3])
+    T_W_O = scene.T_W_C @ detection.T_C_O
+    error = np.linalg.norm(T_W_O[:3, 3] - truth[detection.stone][:3, 3])
     print(f"{detection.stone}: score {detection.score:.2f}, {1000 * error:.1f} mm from the truth")
 
 # %% A tower of two, and whether it stands
