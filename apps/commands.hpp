@@ -17,6 +17,7 @@ void add_check(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_run(CLI::App& app);
 void add_decide(CLI::App& app);
+void add_export(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_doctor(CLI::App& app);

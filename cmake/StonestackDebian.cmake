@@ -1,9 +1,18 @@
-# Debian packages: `cpack --config build/release/CPackConfig.cmake -B build/packages` writes stonestack, libstonestack0 and
-# libstonestack-dev. Dependencies on shared libraries are those that dpkg-shlibdeps finds.
+# Debian packages: `cpack --config build/release/CPackConfig.cmake -B build/packages` writes stonestack, libstonestack0,
+# libstonestack-dev and, with STONESTACK_PYTHON, python3-stonestack. Dependencies on shared libraries are those that dpkg-shlibdeps finds.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "stonestack maintainers <maintainers@stonestack.invalid>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_COMPONENTS_ALL library development programs)
+if(TARGET stonestack_python)
+  math(EXPR stonestack_next_python "${STONESTACK_PYTHON_MINOR} + 1")
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-stonestack)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  # The module is compiled for one minor version of Python, and finds the stones in the command's package.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "stonestack (= ${PROJECT_VERSION}), python3-numpy, python3 (>= ${STONESTACK_PYTHON_MAJOR}.${STONESTACK_PYTHON_MINOR}), python3 (<< ${STONESTACK_PYTHON_MAJOR}.${stonestack_next_python})")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Builds dry-stone towers with a robot arm: Python module")
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

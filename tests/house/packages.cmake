@@ -1,5 +1,6 @@
-# Makes the Debian packages, unpacks them into a folder of their own, and runs the command and pkg-config from there.
-#   cmake -DBUILD=... -DWORK=... -DVERSION=... -P packages.cmake
+# Makes the Debian packages, unpacks them into a folder of their own, and runs the command, pkg-config and, with
+# PYTHON (an interpreter; empty: no module is built), the Python module from there.
+#   cmake -DBUILD=... -DWORK=... -DVERSION=... -DPYTHON=... -P packages.cmake
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${WORK}")
 function(run output)
@@ -13,13 +14,20 @@ endfunction()
 run(log cpack --config "${BUILD}/CPackConfig.cmake" -B "${WORK}/packages")
 file(GLOB packages "${WORK}/packages/*.deb")
 list(LENGTH packages count)
-if(NOT count EQUAL 3)
-  message(FATAL_ERROR "expected three packages, got ${packages}")
+set(expected 3)
+if(PYTHON)
+  set(expected 4)
+endif()
+if(NOT count EQUAL expected)
+  message(FATAL_ERROR "expected ${expected} packages, got ${packages}")
 endif()
 foreach(package IN LISTS packages)
   run(depends dpkg-deb -f "${package}" Package Depends)
   if(depends MATCHES "Package: libstonestack0" AND NOT depends MATCHES "libbullet.*libglpk")
     message(FATAL_ERROR "the library's package does not name what it needs:\n${depends}")
+  endif()
+  if(depends MATCHES "Package: python3-stonestack" AND NOT depends MATCHES "python3-numpy")
+    message(FATAL_ERROR "the Python package does not name what it needs:\n${depends}")
   endif()
   run(log dpkg-deb -x "${package}" "${WORK}/root")
 endforeach()
@@ -34,4 +42,15 @@ cmake_path(GET description PARENT_PATH folder)
 run(flags ${CMAKE_COMMAND} -E env "PKG_CONFIG_PATH=${folder}" pkg-config --cflags --define-prefix stonestack)
 if(NOT flags MATCHES "root/usr/include")
   message(FATAL_ERROR "pkg-config leads to ${flags}")
+endif()
+if(PYTHON)
+  # An unpacked folder is not below /usr, so the interpreter is told where module and stones lie.
+  file(MAKE_DIRECTORY "${WORK}/elsewhere")
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH
+    "PYTHONPATH=${WORK}/root/usr/lib/python3/dist-packages" "STONESTACK_DATA=${WORK}/root/usr/share/stonestack"
+    "${PYTHON}" -B -c "import stonestack as s; print(s.__file__, s.search(stones='limestone_1').placements[0].stone)"
+    WORKING_DIRECTORY "${WORK}/elsewhere" RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE problem)
+  if(NOT result EQUAL 0 OR NOT text MATCHES "^${WORK}/root/.* limestone_1")
+    message(FATAL_ERROR "the packaged Python module does not work (${result}):\n${text}${problem}")
+  endif()
 endif()

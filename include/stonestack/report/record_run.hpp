@@ -72,6 +72,15 @@ struct RecordedExperiment {
     const ExperimentOrder& order, const Catalogue& catalogue,
     const std::function<void(const std::string& line)>& listener = {});
 
+/// Formats of `export_run`: glb, ply, urdf, csv, mcap, png, compas.
+[[nodiscard]] std::vector<std::string> export_formats();
+/// Writes a recorded run into the folder `out` (empty: RUN/export) in one of these formats. Stones are where
+/// they were measured last.
+/// @return paths of the files.
+/// @throws InvalidArgument for another format; FileError for a folder without the record of a run that ended.
+std::vector<std::string> export_run(const std::string& run, const std::string& format,
+                                    const std::string& out = {});
+
 }  // namespace stonestack::report
 
 #pragma GCC visibility pop

@@ -1,0 +1,363 @@
+"""Finds scanned stones, plans stable towers and builds them with a robot arm.
+
+Poses are 4 x 4 matrices; `T_A_B` maps B-coordinates to A. Frames: W world (z up, table at z = 0), C camera
+(optical, z forward), O stone, T tool tip. Metres, radians, kilograms, seconds. Arrays are copies.
+
+Functions take the options of the command by name, `options={"search.friction": 0.3}`, and read its option files
+and environment variables as the command does. The numbers are the command's. Ctrl-C ends a call on the main
+thread with KeyboardInterrupt.
+"""
+
+from os import PathLike
+from typing import Any, Mapping, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Options = Mapping[str, Union[str, int, float, bool]]
+PoseLike = Union[str, NDArray[Any]]
+CatalogueLike = Union["Catalogue", str, "PathLike[str]", None]
+Names = Union[str, Sequence[str], None]
+
+__version__: str
+
+class Error(Exception):
+    """Base of the errors of this library."""
+    exit_code: int
+
+class InvalidArgument(Error, ValueError):
+    """An argument that cannot be; the message carries the values."""
+
+class FileError(Error, OSError):
+    """A file that is missing or does not hold what it should."""
+
+class DeviceError(Error):
+    """A device that does not answer or refuses."""
+
+class Interrupted(Error):
+    """Work that was ended from outside."""
+
+class Mesh:
+    """Triangles over shared vertices."""
+    @property
+    def vertices(self) -> Floats:
+        """N x 3."""
+    @property
+    def faces(self) -> NDArray[np.int32]:
+        """N x 3, counter-clockwise seen from outside."""
+
+class Stone:
+    """Model of a scanned stone, in its frame O."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def mesh(self) -> Mesh:
+        """At most 500 faces."""
+    @property
+    def scan(self) -> Mesh:
+        """Full resolution."""
+    @property
+    def pieces(self) -> list[Mesh]:
+        """Convex pieces."""
+    @property
+    def friction(self) -> float: ...
+    @property
+    def density(self) -> float: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def mass(self) -> float: ...
+    @property
+    def p_O_M(self) -> Floats:
+        """Centre of mass, 3."""
+    @property
+    def I_M(self) -> Floats:
+        """Inertia about the centre of mass, 3 x 3."""
+    @property
+    def T_O_file(self) -> Floats: ...
+
+class Catalogue:
+    """Stones of a folder, sorted by name."""
+    @property
+    def path(self) -> str: ...
+    @property
+    def names(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, key: Union[str, int]) -> Stone: ...
+
+def read_catalogue(path: CatalogueLike = None) -> Catalogue:
+    """Stones of a folder; None: the six that come with stonestack."""
+
+class DepthInput:
+    """What a depth image, a recording or a cloud does not contain."""
+    def __init__(self, *, unit: float = 0.0, camera: str = "", distortion: str = "", frame: int = 0,
+                 units: str = "m") -> None:
+        """unit: metres a count. camera: fx,fy,cx,cy. units of a cloud: m, cm, mm."""
+
+class DepthImage:
+    """Depths along the optical axis, 0 where there is none, of a camera without distortion."""
+    def __init__(self, z: NDArray[Any], fx: float, fy: float, cx: float, cy: float) -> None: ...
+    @property
+    def z(self) -> NDArray[np.float32]:
+        """Height x width."""
+    @property
+    def fx(self) -> float: ...
+    @property
+    def fy(self) -> float: ...
+    @property
+    def cx(self) -> float: ...
+    @property
+    def cy(self) -> float: ...
+    def cloud(self) -> NDArray[np.float32]:
+        """Height x width x 3 in C, NaN where there is no depth."""
+
+def read_cloud(path: str) -> NDArray[np.float32]:
+    """Points of a PLY or PCD file: N x 3, or height x width x 3."""
+
+def read_depth(path: str, camera_pose: Optional[PoseLike] = None, world: bool = False,
+               depth: DepthInput = ...) -> tuple[DepthImage, Optional[Floats]]:
+    """Depth image of a scene file, PNG, recording or cloud, and T_W_C if it is known."""
+
+class Scene:
+    """A simulated view of stones on a table, with the truth about it."""
+    @property
+    def depth(self) -> DepthImage: ...
+    @property
+    def depth_unit(self) -> float: ...
+    @property
+    def T_W_C(self) -> Floats: ...
+    @property
+    def stones(self) -> list[tuple[str, Floats]]:
+        """Names and true poses T_W_O."""
+
+def render(out: str = "", *, stones: Names = None, seed: Optional[int] = None, catalogue: CatalogueLike = None,
+           options: Options = ...) -> Scene:
+    """Scatters stones and takes a depth image. out: folder to write it to; empty: none."""
+
+class Detection:
+    """A stone that was found."""
+    @property
+    def stone(self) -> str: ...
+    @property
+    def T_C_O(self) -> Floats: ...
+    @property
+    def T_W_O(self) -> Optional[Floats]: ...
+    @property
+    def score(self) -> float: ...
+    @property
+    def inlier_ratio(self) -> float: ...
+    @property
+    def visible(self) -> float: ...
+    @property
+    def certainty(self) -> float: ...
+    @property
+    def covariance_C(self) -> Floats:
+        """6 x 6: position, then rotation vector."""
+
+class Detections:
+    """Stones that were found, best score first."""
+    @property
+    def detections(self) -> list[Detection]: ...
+    @property
+    def T_W_C(self) -> Optional[Floats]: ...
+    @property
+    def note(self) -> str: ...
+    @property
+    def depth_scale(self) -> float: ...
+    @property
+    def depth_scale_sigma(self) -> float: ...
+    def __len__(self) -> int: ...
+    def json(self) -> str:
+        """What `stonestack detect --json` prints."""
+
+SceneLike = Union[str, "PathLike[str]", DepthImage]
+
+def detect(scene: Union[SceneLike, list[SceneLike]], *, camera_pose: Union[PoseLike, list[PoseLike], None] = None,
+           world: bool = False, stones: Names = None, seed: Optional[int] = None, catalogue: CatalogueLike = None,
+           options: Options = ..., depth: DepthInput = ...) -> Detections:
+    """Finds stones in one depth view, or in several of one scene, of which each needs a pose."""
+
+class Placement:
+    """A stone and the pose where it should go."""
+    @property
+    def stone(self) -> str: ...
+    @property
+    def T_W_O(self) -> Floats: ...
+    @property
+    def cost(self) -> float: ...
+    @property
+    def terms(self) -> dict[str, float]: ...
+    @property
+    def predicted_success(self) -> float: ...
+    @property
+    def expected_height(self) -> float: ...
+    @property
+    def support_W(self) -> Floats:
+        """Corners of the support polygon, N x 3."""
+
+class SearchResult:
+    """Placements that a search proposes; none: `reason` says why."""
+    @property
+    def placements(self) -> list[Placement]: ...
+    @property
+    def alternatives(self) -> list[Placement]: ...
+    @property
+    def stack(self) -> list[tuple[str, Floats]]: ...
+    @property
+    def site(self) -> Floats:
+        """x, y."""
+    @property
+    def frame(self) -> str: ...
+    @property
+    def T_W_C(self) -> Optional[Floats]: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def repeatable(self) -> bool: ...
+    def json(self) -> str:
+        """What `stonestack search --json` prints."""
+    def write_scene(self, path: str) -> None:
+        """Writes the planned tower as a scene file."""
+    def draw(self, path: str) -> None:
+        """Draws the planned tower (PNG)."""
+
+def search(scene: Union[str, "PathLike[str]", None] = None, *, stones: Names = None,
+           site: Union[str, Sequence[float], None] = None, robot: str = "", levels: int = 1,
+           camera_pose: Optional[PoseLike] = None, world: bool = False, seed: Optional[int] = None,
+           catalogue: CatalogueLike = None, options: Options = ..., depth: DepthInput = ...) -> SearchResult:
+    """Finds the next stable stacking pose, or a tower of `levels`."""
+
+class TowerCheck:
+    """Whether and how firmly a stack stands."""
+    @property
+    def stands(self) -> bool: ...
+    @property
+    def clean(self) -> bool: ...
+    @property
+    def standing(self) -> int: ...
+    @property
+    def shift(self) -> float: ...
+    @property
+    def turn(self) -> float: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def T_W_O(self) -> Floats:
+        """Poses at the end of the simulation, N x 4 x 4."""
+    @property
+    def in_equilibrium(self) -> bool: ...
+    @property
+    def margin(self) -> float:
+        """In g."""
+    @property
+    def direction(self) -> Floats:
+        """x, y of the weakest direction."""
+    @property
+    def min_friction(self) -> float: ...
+    @property
+    def contacts_W(self) -> Floats:
+        """Points, N x 3."""
+    def json(self) -> str:
+        """What `stonestack check --json` prints."""
+
+def check(tower: str, *, friction: float = 0.1, seconds: float = 10.0,
+          catalogue: CatalogueLike = None) -> TowerCheck:
+    """Simulates the stack of a scene file and solves its equilibrium."""
+
+class PlanStep:
+    """One thing to do; a motion has a trajectory."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def opening(self) -> float: ...
+    @property
+    def time(self) -> Floats: ...
+    @property
+    def q(self) -> Floats:
+        """N x 6."""
+    @property
+    def qd(self) -> Floats:
+        """N x 6."""
+
+class Plan:
+    """Grasp and motion for one stone; where `planned` is false, `reason` says why."""
+    @property
+    def planned(self) -> bool: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def stone(self) -> str: ...
+    @property
+    def T_W_O(self) -> Floats: ...
+    @property
+    def T_O_T(self) -> Floats: ...
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def steps(self) -> list[PlanStep]: ...
+    def json(self) -> str:
+        """What `stonestack plan --json` prints."""
+    def csv(self) -> str:
+        """What `stonestack plan --csv` writes."""
+
+def plan(scene: str, *, stone: Optional[str] = None, target: Optional[PoseLike] = None,
+         search: Union[SearchResult, str, None] = None, robot: str = "", cell: str = "",
+         start: Optional[Sequence[float]] = None, seed: Optional[int] = None, catalogue: CatalogueLike = None,
+         options: Options = ...) -> Plan:
+    """Plans grasp and motion for one stone; targets from `search`, or `stone` and `target`."""
+
+class PlacementRecord:
+    """A stone that was handled in a run."""
+    @property
+    def stone(self) -> str: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def note(self) -> str: ...
+    @property
+    def outcome(self) -> str: ...
+    @property
+    def cost(self) -> float: ...
+    @property
+    def predicted_success(self) -> float: ...
+    @property
+    def T_W_O_planned(self) -> Floats: ...
+    @property
+    def T_W_O_measured(self) -> Optional[Floats]: ...
+
+class Run:
+    """A run in the simulated cell and its record."""
+    @property
+    def folder(self) -> str: ...
+    @property
+    def unwritten(self) -> str: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def ended(self) -> str: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def placements(self) -> list[PlacementRecord]: ...
+    @property
+    def true_height(self) -> Optional[int]: ...
+    @property
+    def time(self) -> Floats:
+        """Of the samples, N."""
+    @property
+    def q(self) -> Floats:
+        """Joint angles of the samples, N x 6."""
+    @property
+    def opening(self) -> Floats: ...
+    @property
+    def force(self) -> Floats: ...
+    def json(self) -> str:
+        """What `stonestack run --json` prints."""
+
+def run(robot: str = "ur10", *, seed: Optional[int] = None, per_run: int = 4, out: str = "",
+        catalogue: CatalogueLike = None, options: Options = ...) -> Run:
+    """Builds a tower in the simulated cell; never moves a real robot. out: folder of the record."""
+
+def set_log_level(level: str) -> None:
+    """debug, info, warning (the default of the module), error or off; the log goes to stderr."""

@@ -1,0 +1,241 @@
+"""The Python module against the command: the same numbers, bit for bit.
+
+  PYTHONPATH=MODULE STONESTACK=COMMAND python3 stonestack_test.py [CLASS]
+"""
+import ast
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+import stonestack as ss
+
+COMMAND = os.environ["STONESTACK"]
+
+
+def command(*arguments, codes=(0,)):
+    done = subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True)
+    assert done.returncode in codes, f"{arguments}: {done.returncode}\n{done.stderr}"
+    return done.stdout
+
+
+def matrix(pose):
+    """4 x 4 of {x, y, z, qx, qy, qz, qw}, by the textbook formula."""
+    x, y, z, w = (pose[key] for key in ("qx", "qy", "qz", "qw"))
+    T = np.eye(4)
+    T[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                 [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                 [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
+    T[:3, 3] = pose["x"], pose["y"], pose["z"]
+    return T
+
+
+class Case(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = pathlib.Path(cls.folder.name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def same_pose(self, array, pose):
+        self.assertEqual(array.shape, (4, 4))
+        self.assertEqual(list(array[:3, 3]), [pose["x"], pose["y"], pose["z"]])  # bit for bit
+        np.testing.assert_allclose(array, matrix(pose), atol=1e-14)
+
+
+class Stones(Case):
+    def test_catalogue_is_that_of_the_files(self):
+        catalogue = ss.read_catalogue()
+        folders = sorted(p.name for p in pathlib.Path(catalogue.path).iterdir() if (p / "stone.yaml").exists())
+        self.assertEqual(catalogue.names, folders)
+        self.assertEqual(len(catalogue), len(folders))
+        self.assertEqual(catalogue[-1].name, folders[-1])
+        stone = catalogue[folders[0]]
+        self.assertEqual(stone.mesh.vertices.shape[1], 3)
+        corners = stone.scan.vertices[stone.scan.faces]
+        volume = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6
+        self.assertAlmostEqual(volume * stone.density, stone.mass, delta=1e-3 * stone.mass)
+        self.assertEqual(stone.I_M.shape, (3, 3))
+        with self.assertRaises(IndexError):
+            catalogue[len(catalogue)]
+
+    def test_errors_have_classes(self):
+        with self.assertRaises(ss.FileError) as caught:
+            ss.read_catalogue("/nowhere")
+        self.assertIsInstance(caught.exception, OSError)
+        self.assertEqual(caught.exception.exit_code, 3)
+        self.assertIn("/nowhere", str(caught.exception))
+        with self.assertRaises(ss.InvalidArgument) as caught:
+            ss.read_catalogue()["limestone_01"]
+        self.assertIsInstance(caught.exception, ValueError)
+        with self.assertRaises(ss.InvalidArgument):
+            ss.search(stones="limestone_1", options={"search.frictoin": 0.3})
+        with self.assertRaises(ss.InvalidArgument):
+            ss.check("tower.yaml", friction=-1)
+        with self.assertRaises(ss.Error):
+            ss.plan("scene.yaml", stone="limestone_1", target=2 * np.eye(4))
+
+
+class Hints(Case):
+    def test_hints_name_what_the_module_has_and_no_more(self):
+        tree = ast.parse(pathlib.Path(ss.__file__).with_name("stonestack.pyi").read_text())
+        classes = {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
+        functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+        public = {name for name in dir(ss) if not name.startswith("_")}
+        self.assertEqual(public, set(classes) | functions)
+        for name, node in classes.items():
+            if issubclass(getattr(ss, name), Exception):
+                continue
+            hinted = {member.name for member in node.body if isinstance(member, ast.FunctionDef)} - {"__init__"}
+            there = {m for m in vars(getattr(ss, name)) if not m.startswith("_") or m in ("__len__", "__getitem__")}
+            self.assertEqual(hinted, there, name)
+
+
+class Detect(Case):
+    def test_same_as_the_command(self):
+        scene = ss.render(str(self.path / "scene"), seed=3, stones=["limestone_1", "limestone_2"])
+        file = self.path / "scene" / "scene.yaml"
+        command("render", "--out", self.path / "other", "--seed", 3, "--stones", "limestone_1,limestone_2", "-q")
+        self.assertEqual((self.path / "other" / "depth.png").read_bytes(), (file.parent / "depth.png").read_bytes())
+        text = command("detect", file, "--json", "-q")
+        found = ss.detect(str(file))
+        self.assertEqual(found.json(), text)
+        listed = json.loads(text)["detections"]
+        self.assertEqual(len(found), len(listed))
+        for detection, entry in zip(found.detections, listed):
+            self.assertEqual(detection.stone, entry["stone"])
+            self.assertEqual(detection.score, entry["score"])
+            self.assertEqual(detection.inlier_ratio, entry["inlier_ratio"])
+            self.assertEqual(detection.covariance_C.tolist(), entry["covariance_C"])
+            self.same_pose(detection.T_C_O, entry["T_C_O"])
+            truth = dict(scene.stones)[detection.stone]
+            np.testing.assert_allclose(detection.T_W_O[:3, 3], truth[:3, 3], atol=0.005)
+        # The same image as an array
+        image, T_W_C = ss.read_depth(str(file))
+        self.assertEqual(image.z.dtype, np.float32)
+        again = ss.DepthImage(image.z, image.fx, image.fy, image.cx, image.cy)
+        self.assertEqual(ss.detect(again, camera_pose=T_W_C).detections[0].score, listed[0]["score"])
+        self.assertEqual(image.cloud().shape, (*image.z.shape, 3))
+        cloud = ss.read_cloud(str(file.parent / "cloud.ply")).reshape(-1, 3)
+        seen = np.isfinite(cloud[:, 2])
+        np.testing.assert_allclose(cloud[seen], image.cloud().reshape(-1, 3)[seen], atol=1e-6)
+
+
+class Search(Case):
+    names = ["limestone_1", "limestone_2"]
+
+    def test_search_and_check_same_as_the_command(self):
+        text = command("search", "--stones", ",".join(self.names), "--levels", 2, "--json", "-q", "--seed", 2,
+                       "--set", "search.friction=0.4")
+        found = ss.search(stones=self.names, levels=2, seed=2, options={"search.friction": 0.4})
+        self.assertEqual(found.json(), text)
+        listed = json.loads(text)["placements"]
+        self.assertEqual(len(found.placements), len(listed))
+        self.assertGreater(len(listed), 0)
+        for placement, entry in zip(found.placements, listed):
+            self.assertEqual((placement.stone, placement.cost, placement.terms),
+                             (entry["stone"], entry["cost"], entry["terms"]))
+            self.same_pose(placement.T_W_O, entry["T_W_O"])
+        tower = str(self.path / "tower.yaml")
+        found.write_scene(tower)
+        checked = ss.check(tower, friction=0.4, seconds=2)
+        text = command("check", tower, "--friction", 0.4, "--seconds", 2, "--json", "-q", codes=(0, 5))
+        self.assertEqual(checked.json(), text)
+        entry = json.loads(text)
+        self.assertEqual(checked.stands, entry["stands"])
+        self.assertEqual(checked.margin, entry["margin_g"])
+        self.assertEqual(checked.T_W_O.shape, (len(listed), 4, 4))
+        self.assertEqual(checked.contacts_W.shape[1], 3)
+
+
+class Plan(Case):
+    def test_same_as_the_command(self):
+        scene = ss.render(str(self.path / "scene"), seed=3, stones="limestone_1")
+        file = str(self.path / "scene" / "scene.yaml")
+        target = scene.stones[0][1]
+        target[:2, 3] = 0.7, 0.28
+        target[2, 3] += 0.001
+        target_text = self.path / "target.json"
+        quaternion = json.loads(command("render", "--out", self.path / "x", "--seed", 3, "--stones", "limestone_1",
+                                        "--json", "-q"))["stones"][0]["T_W_O"]
+        pose = {**quaternion, "x": 0.7, "y": 0.28, "z": target[2, 3]}
+        target_text.write_text(json.dumps({"placements": [{"stone": "limestone_1", "T_W_O": pose}]}))
+        text = command("plan", file, "--search", target_text, "--json", "-q")
+        planned = ss.plan(file, search=str(target_text))
+        self.assertTrue(planned.planned, planned.reason)
+        self.assertEqual(planned.json(), text)
+        entry = json.loads(text)
+        for step, listed in zip(planned.steps, entry["steps"]):
+            self.assertEqual(step.time.tolist(), [point["t"] for point in listed["trajectory"]])
+            if listed["trajectory"]:
+                self.assertEqual(step.q.tolist(), [point["q"] for point in listed["trajectory"]])
+        self.assertEqual(planned.seconds, entry["seconds"])
+        away = target.copy()
+        away[0, 3] = 9.0
+        refused = ss.plan(file, stone="limestone_1", target=away)
+        self.assertFalse(refused.planned)
+        self.assertNotEqual(refused.reason, "")
+
+
+class Run(Case):
+    def test_same_as_the_command(self):
+        text = command("run", "--per-run", 1, "--seed", 1, "--out", self.path / "command", "--json", "-q")
+        run = ss.run(seed=1, per_run=1, out=str(self.path / "module"))
+        mine, theirs = json.loads(run.json()), json.loads(text)
+        for host in ("detection", "search", "planning", "beside_motion"):  # host seconds differ from run to run
+            mine["seconds"].pop(host), theirs["seconds"].pop(host)
+        mine.pop("version"), theirs.pop("version")  # they may have been built from different commits
+        self.assertEqual(mine, theirs)
+        self.assertEqual(run.height, 1)
+        self.same_pose(run.placements[0].T_W_O_measured, theirs["placements"][0]["T_W_O_measured"])
+        self.assertEqual(run.q.shape, (len(run.time), 6))
+        self.assertTrue((np.diff(run.time) >= 0).all())
+        self.assertTrue((pathlib.Path(run.folder) / "report.html").exists())
+        with self.assertRaises(ss.InvalidArgument):
+            ss.run(seed=1, per_run=1, out=run.folder)
+
+    def test_ctrl_c_ends_it_and_the_next_call_works(self):
+        journal = self.path / "stopped" / "journal.jsonl"
+
+        def press_once_it_moves():
+            while not journal.exists() or '"step"' not in journal.read_text():
+                time.sleep(0.02)
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Thread(target=press_once_it_moves, daemon=True).start()
+        with self.assertRaises(KeyboardInterrupt):
+            ss.run(seed=2, per_run=4, out=str(journal.parent))
+        self.assertIn('"interrupted"', journal.read_text())
+        self.assertEqual(len(ss.read_catalogue()), 6)
+        self.assertEqual(len(ss.search(stones="limestone_1").placements), 1)
+
+    def test_other_threads_go_on_during_a_call(self):
+        turns = []
+        done = threading.Event()
+
+        def count():
+            while not done.is_set():
+                turns.append(time.monotonic())
+                time.sleep(0.001)
+
+        thread = threading.Thread(target=count)
+        thread.start()
+        before = len(turns)
+        ss.search(stones=["limestone_1", "limestone_2"])
+        after = len(turns)
+        done.set()
+        thread.join()
+        self.assertGreater(after - before, 20)  # with Python's lock held it would be none
+
+
+if __name__ == "__main__":
+    unittest.main()
