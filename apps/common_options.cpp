@@ -1,5 +1,7 @@
 #include "common_options.hpp"
 
+#include <iostream>
+
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -9,6 +11,16 @@ namespace stonestack::apps {
 CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
                       const std::string& description, const std::string& type) {
   return command.add_option(name, value, description)->type_name(type);
+}
+
+void Loudness::register_on(CLI::App& command) {
+  CLI::Option* const less = command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
+  command.add_flag("--verbose,-v", verbose, "Also every event with its figures on stderr")->excludes(less);
+}
+
+void Loudness::apply() const {
+  if (quiet) set_log_level(LogLevel::kWarning);
+  if (verbose) set_log_level(LogLevel::kDebug);
 }
 
 void CommonOptions::register_draw(CLI::App& command) {
@@ -24,11 +36,15 @@ void CommonOptions::register_draw(CLI::App& command) {
 void CommonOptions::register_on(CLI::App& command) {
   register_draw(command);
   command.add_flag("--json", json, "Result as JSON on stdout");
-  command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
+  loudness.register_on(command);
 }
 
 void CommonOptions::begin() const {
-  if (quiet) set_log_level(LogLevel::kWarning);
+  loudness.apply();
+}
+
+std::ostream& CommonOptions::text() const {
+  return json ? std::cerr : std::cout;
 }
 
 Catalogue CommonOptions::read() const {

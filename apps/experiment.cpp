@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "version.hpp"
@@ -35,16 +36,20 @@ void experiment(ExperimentCommand& command) {
   order.version = program_version();
   require(order.new_stones == 0 || command.common.catalogue.empty(), "--new-stones and --catalogue ",
           command.common.catalogue, ": new stones are drawn from a folder with --new-stones-from");
-  const RecordedExperiment done =
-      record_experiment(order, order.new_stones > 0 ? Catalogue{} : command.common.read(),
-                        [](const std::string& row) { std::cerr << row; });
+  std::ostream& out = command.common.text();
+  const RecordedExperiment done = record_experiment(
+      order, order.new_stones > 0 ? Catalogue{} : command.common.read(), [](const std::string& row) {
+        clear_progress();
+        std::cerr << row;
+      });
+  clear_progress();
   const bool whole = !done.interrupted && done.unwritten.empty();
   if (!order.variants.empty()) {
-    if (whole) std::cerr << '\n' << done.comparison << "record: " << done.folder << '\n';
+    if (whole) out << '\n' << done.comparison << "record: " << done.folder << '\n';
   } else if (!done.experiment.runs.empty()) {
-    std::cerr << '\n'
-              << experiment_table(done.experiment) << "record: " << done.folder
-              << " (figure5.svg, runs.csv, a folder a run)\n";
+    out << '\n'
+        << experiment_table(done.experiment) << "record: " << done.folder
+        << " (figure5.svg, runs.csv, a folder a run)\n";
     if (command.common.json) std::cout << experiment_json(done.experiment);
   }
   if (done.interrupted) throw Interrupted();

@@ -19,7 +19,7 @@ void set_up(CLI::App& app) {
       stonestack::apps::add_track,      stonestack::apps::add_search,   stonestack::apps::add_check,
       stonestack::apps::add_plan,       stonestack::apps::add_run,      stonestack::apps::add_decide,
       stonestack::apps::add_experiment, stonestack::apps::add_simulate, stonestack::apps::add_doctor,
-      stonestack::apps::add_calibrate,  stonestack::apps::add_config,
+      stonestack::apps::add_calibrate,  stonestack::apps::add_config,   stonestack::apps::add_completion,
   };
   for (const auto add : commands) add(app);
 }

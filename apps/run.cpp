@@ -55,10 +55,11 @@ void run(RunCommand& command) {
   command.per_run.check(catalogue);
   if (order.cell) check_cell(command, *order.cell);
   const auto [report, survival, unwritten, folder] = record_run(order, catalogue);
-  std::cerr << run_table(report);
-  if (!report.picture.empty()) std::cerr << "picture: " << report.picture << '\n';
-  std::cerr << (unwritten.empty() ? "report:  " : "record:  ") << folder
-            << (unwritten.empty() ? "/report.html\n" : "\n");
+  std::ostream& out = command.common.text();
+  out << run_table(report);
+  if (!report.picture.empty()) out << "picture: " << report.picture << '\n';
+  out << (unwritten.empty() ? "report:  " : "record:  ") << folder
+      << (unwritten.empty() ? "/report.html\n" : "\n");
   if (command.common.json) std::cout << run_json(report);
   const ExitCode code = exit_code(report.result);
   if (!unwritten.empty() && code == ExitCode::kDone) throw Error(unwritten, ExitCode::kUnreadable);

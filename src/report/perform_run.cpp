@@ -6,7 +6,9 @@
 #include "hardware/cell_config.hpp"
 #include "report/drawn_arm.hpp"
 #include "report/picture.hpp"
+#include "report/text.hpp"
 #include "stacking/journal.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -31,17 +33,46 @@ RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const
   return report;
 }
 
+/// A line for a person, or else the journal's line for who wants to see all.
+void log_event(const Event& event, const Catalogue& catalogue) {
+  if (const std::string line = to_text(event, catalogue); !line.empty()) return log_info(line);
+  if (const auto [kind, data] = to_record(event, catalogue); !kind.empty()) log_debug(kind + " " + data);
+}
+
+/// Shows how far the tower has come.
+class RunProgress {
+ public:
+  explicit RunProgress(std::size_t stones) { progress_.total = static_cast<double>(stones); }
+  void hear(const Event& event) {
+    if (const auto* seen = std::get_if<Observed>(&event)) {
+      progress_.done = static_cast<double>(seen->world.stack.size());
+      if (progress_.total < progress_.done + static_cast<double>(seen->world.loose.size()))
+        progress_.total = progress_.done + static_cast<double>(seen->world.loose.size());
+    } else if (const auto* searched = std::get_if<SearchedAtFriction>(&event); searched && searched->found) {
+      progress_.best = format("%.1f expected", searched->expected);
+    }
+    progress_.seconds = watch_.seconds();
+    show_progress(progress_);
+  }
+
+ private:
+  Progress progress_{"tower", 0.0, 0.0, "stones", "", 0.0};
+  Stopwatch watch_;
+};
+
 void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
            const RobotModel& robot, const std::string& folder) {
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
   log_info("record in " + folder);
+  RunProgress progress(report.present.size());
   report.result = build_tower(cell, catalogue, robot, run.build,
                               {[&](const Event& event) {
-                                 if (const std::string line = to_text(event, catalogue); !line.empty())
-                                   log_info(line);
+                                 log_event(event, catalogue);
+                                 progress.hear(event);
                                },
                                &journal, folder});
+  clear_progress();
 }
 
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
