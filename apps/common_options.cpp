@@ -51,6 +51,19 @@ Catalogue CommonOptions::read() const {
   return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
 }
 
+void add_view(CLI::App& command, LiveView& view) {
+  CLI::Option* const wanted = command.add_flag(
+      "--view", view.wanted,
+      "Serve the report while it grows, on 127.0.0.1; its stop button needs the printed token");
+  command.add_option("--view-port", view.port, "Port of --view (0: any that is free)")
+      ->check(CLI::Range(0, 65535))
+      ->needs(wanted);
+  view.announce = [](const std::string& address, const std::string& token) {
+    clear_progress();
+    std::cerr << "live view: " << address << "\nstop token: " << token << std::endl;
+  };
+}
+
 void PerRun::register_on(CLI::App& command) {
   asked = command.add_option("--per-run", count, "How many stones of the catalogue lie in the field")
               ->check(CLI::Range(1, 100))

@@ -6,6 +6,7 @@
 
 #include "rooms.hpp"
 #include "settings.hpp"
+#include "stonestack/report/record_run.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::apps {
@@ -38,6 +39,9 @@ struct CommonOptions {
   void begin() const;
   [[nodiscard]] Catalogue read() const;
 };
+
+/// --view and --view-port: a page of the work under way.
+void add_view(CLI::App& command, LiveView& view);
 
 /// --per-run: how many stones of the catalogue lie in the field.
 struct PerRun {

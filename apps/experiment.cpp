@@ -49,7 +49,7 @@ void experiment(ExperimentCommand& command) {
   } else if (!done.experiment.runs.empty()) {
     out << '\n'
         << experiment_table(done.experiment) << "record: " << done.folder
-        << " (figure5.svg, runs.csv, a folder a run)\n";
+        << " (report.html, figure5.svg, runs.csv, a folder a run)\n";
     if (command.common.json) std::cout << experiment_json(done.experiment);
   }
   if (done.interrupted) throw Interrupted();
@@ -92,6 +92,7 @@ void add_experiment(CLI::App& app) {
   sub.add_flag("--continue", order.continues,
                "Go on with the runs that the folder --out holds: the same command, stopped before");
   sub.add_option("--out", order.out, "Folder for the record (default: experiments/<time>-seed<seed>)");
+  add_view(sub, order.view);
   command.common.register_on(sub);
   sub.footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"

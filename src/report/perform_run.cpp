@@ -5,6 +5,7 @@
 
 #include "hardware/cell_config.hpp"
 #include "report/drawn_arm.hpp"
+#include "report/live_run.hpp"
 #include "report/picture.hpp"
 #include "report/text.hpp"
 #include "stacking/journal.hpp"
@@ -61,14 +62,16 @@ class RunProgress {
 };
 
 void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
-           const RobotModel& robot, const std::string& folder) {
+           const RobotModel& robot, const std::string& folder, LiveRun& live) {
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
   log_info("record in " + folder);
   RunProgress progress(report.present.size());
-  report.result = build_tower(cell, catalogue, robot, run.build,
+  Cell watched = live.watched(cell);
+  report.result = build_tower(watched, catalogue, robot, run.build,
                               {[&](const Event& event) {
                                  log_event(event, catalogue);
+                                 live.hear(event);
                                  progress.hear(event);
                                },
                                &journal, folder});
@@ -77,7 +80,7 @@ void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogu
 
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
                         const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                        const std::string& folder) {
+                        const std::string& folder, LiveRun& live) {
   // The controller knows nothing of the limits of the cell: it is the host that keeps them.
   const SimulatedServers servers(world, read_robot(file.cell().robot), file.servers());
   CellConfig config = file.cell();
@@ -85,7 +88,7 @@ void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile&
   log_info("simulated devices:\n" + servers.text());
   HardwareCell hardware(config);
   hardware.activate_gripper();
-  build(report, hardware.cell(), run, catalogue, robot, folder);
+  build(report, hardware.cell(), run, catalogue, robot, folder, live);
 }
 
 /// Draws the cell as the run left it: the stones and the arm.
@@ -146,7 +149,8 @@ void close_report(RecordedRun& done, const Shown& shown, const std::string& fold
 
 RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                     const std::vector<StoneIndex>& present, const RecordFolder& folder,
-                    const std::string& version, const SurvivalOptions* survival, const CellFile* file) {
+                    const std::string& version, const SurvivalOptions* survival, const CellFile* file,
+                    const LiveView& view) {
   RecordedRun done;
   done.folder = folder.path();
   RunReport& report = done.report;
@@ -158,10 +162,11 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   const CellLayout layout =
       file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
+  LiveRun live(view, report, catalogue, robot, layout);
   if (file == nullptr) {
-    build(report, world.cell(), run, catalogue, robot, folder.path());
+    build(report, world.cell(), run, catalogue, robot, folder.path(), live);
   } else {
-    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path());
+    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path(), live);
   }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
@@ -180,11 +185,12 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
     for (const StoneIndex stone : present) stones.push_back({stone, at(truth.T_W_O, stone)});
     draw_cell(path, report.result, catalogue, robot, layout, stones);
   });
+  live.finish(report);
   return done;
 }
 
 RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
-                         const RecordFolder& folder, const std::string& version) {
+                         const RecordFolder& folder, const std::string& version, const LiveView& view) {
   const RobotModel robot = read_cell_robot(file.cell());
   RecordedRun done;
   done.folder = folder.path();
@@ -192,12 +198,14 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   log_info(concat("cell ", file.path, ": arm at ", file.cell().arm.address));
   HardwareCell hardware(file.cell());
   hardware.activate_gripper();
-  build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
+  LiveRun live(view, done.report, catalogue, robot, to_layout(file.cell()));
+  build(done.report, hardware.cell(), run, catalogue, robot, folder.path(), live);
   const auto stack = at_rest(done.report.result.world).stack;
   const auto draw_stack = [&](const std::string& path) {
     draw_cell(path, done.report.result, catalogue, robot, to_layout(file.cell()), stack);
   };
   close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
+  live.finish(done.report);
   return done;
 }
 

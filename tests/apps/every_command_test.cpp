@@ -29,7 +29,8 @@ TEST_F(EveryCommand, HasHelpWithAnExample) {
     const Outcome help = run(command + " --help");
     EXPECT_EQ(help.code, 0) << command;
     EXPECT_EQ(help.err, "") << command;
-    for (const std::string part : {"Usage: stonestack " + command, std::string("Example"), "  stonestack "})
+    for (const std::string& part :
+         std::vector<std::string>{"Usage: stonestack " + command, "Example", "  stonestack "})
       EXPECT_THAT(help.out, HasSubstr(part)) << command;
   }
 }
@@ -50,6 +51,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"plan", "SCENE"},
       {"run --per-run 0", "--per-run"},
       {"run --method best", "--method"},
+      {"run --view-port 80", "--view"},
       {"run -q -v", "--quiet"},
       {"decide", "state is required"},
       {"calibrate", "--simulate"},
