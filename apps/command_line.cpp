@@ -25,9 +25,10 @@ std::string question(const Words& known, const std::string& given) {
   return meant.empty() ? "" : concat("; did you mean ", listed(meant, " or "), "?");
 }
 
+/// Commands that the help lists.
 Words commands_of(const CLI::App& app) {
   Words names;
-  for (const auto* command : app.get_subcommands([](const CLI::App*) { return true; }))
+  for (const auto* command : app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); }))
     names.push_back(command->get_name());
   return names;
 }
@@ -57,8 +58,8 @@ void check_commands(const CLI::App& app, const Words& words) {
   for (const auto& word : words) {
     const Words known = commands_of(*at);
     if (known.empty() || is_option(word)) return;
-    require(std::find(known.begin(), known.end(), word) != known.end(), "unknown command '", word, "'",
-            at == &app ? "" : " of " + full_name(*at), question(known, word),
+    require(!at->get_subcommands([&](const CLI::App* c) { return c->get_name() == word; }).empty(),
+            "unknown command '", word, "'", at == &app ? "" : " of " + full_name(*at), question(known, word),
             "; commands: ", listed(known, ", "));
     at = at->get_subcommand(word);
   }

@@ -23,5 +23,6 @@ void add_simulate(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
+void add_completion(CLI::App& app);
 
 }  // namespace stonestack::apps

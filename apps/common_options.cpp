@@ -1,5 +1,7 @@
 #include "common_options.hpp"
 
+#include <iostream>
+
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -9,6 +11,16 @@ namespace stonestack::apps {
 CLI::Option* add_path(CLI::App& command, const std::string& name, std::string& value,
                       const std::string& description, const std::string& type) {
   return command.add_option(name, value, description)->type_name(type);
+}
+
+void Loudness::register_on(CLI::App& command) {
+  CLI::Option* const less = command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
+  command.add_flag("--verbose,-v", verbose, "Also every event with its figures on stderr")->excludes(less);
+}
+
+void Loudness::apply() const {
+  if (quiet) set_log_level(LogLevel::kWarning);
+  if (verbose) set_log_level(LogLevel::kDebug);
 }
 
 void CommonOptions::register_draw(CLI::App& command) {
@@ -24,15 +36,32 @@ void CommonOptions::register_draw(CLI::App& command) {
 void CommonOptions::register_on(CLI::App& command) {
   register_draw(command);
   command.add_flag("--json", json, "Result as JSON on stdout");
-  command.add_flag("--quiet,-q", quiet, "Warnings and errors only on stderr");
+  loudness.register_on(command);
 }
 
 void CommonOptions::begin() const {
-  if (quiet) set_log_level(LogLevel::kWarning);
+  loudness.apply();
+}
+
+std::ostream& CommonOptions::text() const {
+  return json ? std::cerr : std::cout;
 }
 
 Catalogue CommonOptions::read() const {
   return read_catalogue(catalogue.empty() ? data_path("stones") : catalogue);
+}
+
+void add_view(CLI::App& command, LiveView& view) {
+  CLI::Option* const wanted = command.add_flag(
+      "--view", view.wanted,
+      "Serve the report while it grows, on 127.0.0.1; its stop button needs the printed token");
+  command.add_option("--view-port", view.port, "Port of --view (0: any that is free)")
+      ->check(CLI::Range(0, 65535))
+      ->needs(wanted);
+  view.announce = [](const std::string& address, const std::string& token) {
+    clear_progress();
+    std::cerr << "live view: " << address << "\nstop token: " << token << std::endl;
+  };
 }
 
 void PerRun::register_on(CLI::App& command) {

@@ -1,30 +1,47 @@
 #pragma once
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <ostream>
 #include <string>
 
 #include "rooms.hpp"
 #include "settings.hpp"
+#include "stonestack/report/record_run.hpp"
 #include "stonestack/stone/catalogue.hpp"
 
 namespace stonestack::apps {
+
+/// --quiet and --verbose.
+struct Loudness {
+  bool quiet = false;
+  bool verbose = false;
+
+  void register_on(CLI::App& command);
+  /// Sets what is logged; call first in a callback.
+  void apply() const;
+};
 
 /// Options of nearly every subcommand.
 struct CommonOptions {
   std::string catalogue;  ///< empty: the stones that come with the project
   int seed = 1;
   bool json = false;
-  bool quiet = false;
+  Loudness loudness;
   Settings settings;
 
-  /// Adds --catalogue, --seed, --json, --quiet, --set, --config.
+  /// Adds --catalogue, --seed, --json, --quiet, --verbose, --set, --config.
   void register_on(CLI::App& command);
-  /// Registers catalogue, seed and settings alone, for a benchmark: no --json, no --quiet.
+  /// Registers catalogue, seed and settings alone, for a benchmark: no --json, no --quiet, no --verbose.
   void register_draw(CLI::App& command);
-  /// Applies --quiet; call first in a callback.
+  /// Stream of a result for a person: stdout, or stderr where stdout holds JSON.
+  [[nodiscard]] std::ostream& text() const;
+  /// Applies --quiet and --verbose; call first in a callback.
   void begin() const;
   [[nodiscard]] Catalogue read() const;
 };
+
+/// --view and --view-port: a page of the work under way.
+void add_view(CLI::App& command, LiveView& view);
 
 /// --per-run: how many stones of the catalogue lie in the field.
 struct PerRun {

@@ -1,7 +1,10 @@
+#include <filesystem>
 #include <iostream>
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 
 namespace stonestack::apps {
@@ -33,6 +36,21 @@ void show(ConfigCommand& command) {
   }
 }
 
+struct InitCommand {
+  std::string path = "stonestack.yaml";
+  bool expert = false;
+  bool force = false;
+};
+
+void init(InitCommand& command) {
+  require(command.force || !std::filesystem::exists(command.path), command.path,
+          " is there already; --force writes over it, or name another file");
+  EveryOption every;
+  const FieldList list = fields(every);
+  write_file(command.path, option_file_template(command.expert ? list : user_fields(list)));
+  std::cout << "wrote " << command.path << '\n';
+}
+
 /// A cell file with defaults, to copy lines from.
 void show_cell(ConfigCommand& command) {
   CellFile file;
@@ -57,9 +75,16 @@ void add_config(CLI::App& app) {
       "Precedence: flag, environment (STONESTACK_SEARCH_FRICTION=0.3), ./stonestack.yaml, "
       "~/.config/stonestack/config.yaml, default.\n"
       "Examples:\n"
-      "  stonestack config show > stonestack.yaml      an option file to edit\n"
+      "  stonestack config init                        an option file to edit\n"
       "  stonestack config show --expert | grep simulation    how hard the simulated cell is\n"
       "  stonestack config show --origin");
+  const auto [begin, file] = add_subcommand<InitCommand>(
+      *config, "init", "Write an option file in which every line is a comment, to edit", init);
+  add_path(begin, "FILE", file.path, "File to write: the project file, or ~/.config/stonestack/config.yaml")
+      ->capture_default_str();
+  begin.add_flag("--expert", file.expert, "Every option, those for experts too");
+  begin.add_flag("--force", file.force, "Write over a file that is there");
+  begin.footer("Example:\n  stonestack config init && stonestack config show --origin");
   const auto [cell, entries] = add_subcommand<ConfigCommand>(
       *config, "cell", "What a cell file may hold: value, range, unit and effect", show_cell);
   cell.add_flag("--expert", entries.expert, "All that it may hold, settings for experts too");

@@ -26,7 +26,8 @@ void add_decide(CLI::App& app) {
       ->required();
   add_path(sub, "--catalogue", command.task.catalogue, "Stones (default: those of the state)", "DIR");
   sub.add_option("--robot", command.task.robot, "Robot (default: that of the state)");
-  sub.add_option("--set", command.task.assignments, "NAME=VALUE, instead of the state's option");
+  sub.add_option("--set", command.task.assignments, "Set an option instead of the state's")
+      ->type_name("NAME=VALUE");
   sub.add_flag("--json", command.json, "Print one JSON object (schema stonestack.decision/1)");
   sub.footer(
       "Nothing moves: the state holds all that the decision depends on.\n"

@@ -36,7 +36,8 @@ void doctor(DoctorCommand& command) {
     connect_to(*servers, file.cell());
     log_info("the devices of " + file.path + " are simulated here");
   }
-  command.check.on_check = [](const CellCheck& check) { std::cerr << to_text(check) << '\n'; };
+  std::ostream& out = command.common.text();
+  command.check.on_check = [&out](const CellCheck& check) { out << to_text(check) << std::endl; };
   const CellReport report = check_cell(file.cell(), command.check);
   if (command.common.json) std::cout << cell_report_json(report);
   if (report.failed() > 0)

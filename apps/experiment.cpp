@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "version.hpp"
@@ -35,16 +36,20 @@ void experiment(ExperimentCommand& command) {
   order.version = program_version();
   require(order.new_stones == 0 || command.common.catalogue.empty(), "--new-stones and --catalogue ",
           command.common.catalogue, ": new stones are drawn from a folder with --new-stones-from");
-  const RecordedExperiment done =
-      record_experiment(order, order.new_stones > 0 ? Catalogue{} : command.common.read(),
-                        [](const std::string& row) { std::cerr << row; });
+  std::ostream& out = command.common.text();
+  const RecordedExperiment done = record_experiment(
+      order, order.new_stones > 0 ? Catalogue{} : command.common.read(), [](const std::string& row) {
+        clear_progress();
+        std::cerr << row;
+      });
+  clear_progress();
   const bool whole = !done.interrupted && done.unwritten.empty();
   if (!order.variants.empty()) {
-    if (whole) std::cerr << '\n' << done.comparison << "record: " << done.folder << '\n';
+    if (whole) out << '\n' << done.comparison << "record: " << done.folder << '\n';
   } else if (!done.experiment.runs.empty()) {
-    std::cerr << '\n'
-              << experiment_table(done.experiment) << "record: " << done.folder
-              << " (figure5.svg, runs.csv, a folder a run)\n";
+    out << '\n'
+        << experiment_table(done.experiment) << "record: " << done.folder
+        << " (report.html, figure5.svg, runs.csv, a folder a run)\n";
     if (command.common.json) std::cout << experiment_json(done.experiment);
   }
   if (done.interrupted) throw Interrupted();
@@ -87,6 +92,7 @@ void add_experiment(CLI::App& app) {
   sub.add_flag("--continue", order.continues,
                "Go on with the runs that the folder --out holds: the same command, stopped before");
   sub.add_option("--out", order.out, "Folder for the record (default: experiments/<time>-seed<seed>)");
+  add_view(sub, order.view);
   command.common.register_on(sub);
   sub.footer(
       "Run k of seed S has the seed 1000 S + k. Heights are the simulated world's own, after 60 s.\n"

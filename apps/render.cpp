@@ -16,7 +16,7 @@ struct RenderCommand {
   std::string out;
   std::vector<std::string> stones;
   bool json = false;
-  bool quiet = false;
+  Loudness loudness;
   double tilt_degrees = -1.0;  ///< negative: not given
   bool no_noise = false;
   SceneOptions options;
@@ -24,7 +24,7 @@ struct RenderCommand {
 };
 
 void render(RenderCommand& command) {
-  if (command.quiet) set_log_level(LogLevel::kWarning);
+  command.loudness.apply();
   SceneOptions& options = command.options;
   command.settings.apply(
       join({nest("scene", fields(options)), nest("simulation", fields(options.simulation))}));
@@ -71,7 +71,7 @@ void add_render(CLI::App& app) {
                             ->check(CLI::Range(0, 2147483647)),
                         "*.seed");
   sub.add_flag("--json", command.json, "Result as JSON on stdout");
-  sub.add_flag("--quiet,-q", command.quiet, "Warnings and errors only on stderr");
+  command.loudness.register_on(sub);
   command.settings.register_on(sub);
   sub.footer(
       "Examples:\n"

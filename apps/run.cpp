@@ -55,10 +55,11 @@ void run(RunCommand& command) {
   command.per_run.check(catalogue);
   if (order.cell) check_cell(command, *order.cell);
   const auto [report, survival, unwritten, folder] = record_run(order, catalogue);
-  std::cerr << run_table(report);
-  if (!report.picture.empty()) std::cerr << "picture: " << report.picture << '\n';
-  std::cerr << (unwritten.empty() ? "report:  " : "record:  ") << folder
-            << (unwritten.empty() ? "/report.html\n" : "\n");
+  std::ostream& out = command.common.text();
+  out << run_table(report);
+  if (!report.picture.empty()) out << "picture: " << report.picture << '\n';
+  out << (unwritten.empty() ? "report:  " : "record:  ") << folder
+      << (unwritten.empty() ? "/report.html\n" : "\n");
   if (command.common.json) std::cout << run_json(report);
   const ExitCode code = exit_code(report.result);
   if (!unwritten.empty() && code == ExitCode::kDone) throw Error(unwritten, ExitCode::kUnreadable);
@@ -95,13 +96,16 @@ void add_run(CLI::App& app) {
       "search.method");
   sub.add_option("--out", command.order.out,
                  "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
+  add_view(sub, command.order.view);
   command.common.register_on(sub);
   sub.footer(
       "Without hardware the tower is built in a simulated cell that keeps its truth to itself.\n"
+      "--view on another machine: ssh -L 8080:127.0.0.1:PORT, then open http://localhost:8080/ here.\n"
       "Examples:\n"
       "  stonestack run --robot ur10\n"
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
       "  stonestack run --robot ur10 --cell loopback-ur10\n"
+      "  stonestack run --robot ur10 --view\n"
       "  stonestack run --catalogue rocks --set search.friction=0.3 --set simulation.friction=0.4");
 }
 

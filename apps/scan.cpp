@@ -23,7 +23,8 @@ struct ScanCommand {
   std::string name;
   int generate = 0;
   std::uint64_t seed = 1;
-  bool force = false, json = false, quiet = false;
+  bool force = false, json = false;
+  Loudness loudness;
   ModelOptions options;
 };
 
@@ -74,7 +75,7 @@ StoneSummary scan_one(const Task& task, const ScanCommand& command) {
 }
 
 void scan(ScanCommand& command) {
-  if (command.quiet) set_log_level(LogLevel::kWarning);
+  command.loudness.apply();
   const std::vector<Task> list = tasks(command);
   check_names(list, command);
   require_writable(command.catalogue + "/stone.yaml");
@@ -83,7 +84,9 @@ void scan(ScanCommand& command) {
   const Stopwatch watch;
   for (const Task& task : list) {
     throw_if_interrupted();
-    log_progress(concat("stone ", stones.size() + failed.size() + 1, " of ", list.size(), ": ", task.name));
+    const auto done = static_cast<double>(stones.size() + failed.size());
+    show_progress(
+        {"scan", done, static_cast<double>(list.size()), "stones", "now " + task.name, watch.seconds()});
     try {
       stones.push_back(scan_one(task, command));
     } catch (const FileError& problem) {
@@ -94,8 +97,10 @@ void scan(ScanCommand& command) {
   }
   log_info(concat(stones.size(), " stones stored in ", command.catalogue, " in ",
                   std::lround(watch.seconds()), " s"));
-  if (!command.quiet && !stones.empty()) std::cerr << stones_table(stones);
-  if (command.json) std::cout << stones_json(stones, command.catalogue, failed);
+  if (command.json)
+    std::cout << stones_json(stones, command.catalogue, failed);
+  else if (!stones.empty())
+    std::cout << stones_table(stones);
   if (!failed.empty())
     throw Error(concat(failed.size(), " of ", list.size(), " could not be made a stone, see above; ",
                        stones.empty() ? "none is stored" : "the others are stored"),
@@ -138,7 +143,7 @@ void add_scan(CLI::App& app) {
   add_model(sub, command.options);
   sub.add_flag("--force", command.force, "Replace stones that are in the catalogue already");
   sub.add_flag("--json", command.json, "Result as JSON on stdout");
-  sub.add_flag("--quiet,-q", command.quiet, "Warnings and errors only on stderr");
+  command.loudness.register_on(sub);
   sub.footer(
       "Examples:\n"
       "  stonestack scan rock.ply --catalogue rocks --mass 1.3\n"

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <iostream>
 #include <numbers>
 
@@ -36,7 +37,10 @@ void check(const SearchCommand& command) {
 SceneSearch search_in_time(const SceneSearchTask& task) {
   const auto clock = make_steady_clock();
   const TimeLimit limit(task.search.budget, *clock);
-  return search_in_scene(task, [](const std::string& line) { log_progress(line); });
+  return search_in_scene(task, [&](const std::string& best) {
+    const double now = clock->now();
+    show_progress({"search", std::round(now), task.search.budget, "s", best, now});
+  });
 }
 
 void write_outputs(const SearchCommand& command, const SceneSearch& found) {

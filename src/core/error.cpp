@@ -1,20 +1,21 @@
 #include "stonestack/core/error.hpp"
 
-#include <csignal>
+#include <atomic>
 
 #include "stonestack/core/clock.hpp"
 
 namespace stonestack::core {
 namespace {
-volatile std::sig_atomic_t interrupt_flag = 0;
-}
+std::atomic<bool> interrupt_flag{false};  // set by signal handlers, and by threads
+static_assert(std::atomic<bool>::is_always_lock_free);
+}  // namespace
 
 void note_interrupt() noexcept {
-  interrupt_flag = 1;
+  interrupt_flag = true;
 }
 
 bool interrupt_noted() noexcept {
-  return interrupt_flag != 0 || time_is_over();
+  return interrupt_flag || time_is_over();
 }
 
 void throw_if_interrupted() {

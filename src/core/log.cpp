@@ -2,6 +2,7 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -25,6 +26,13 @@ spdlog::color_mode colours() {
 bool can_overwrite() {
   const char* kind = std::getenv("TERM");
   return isatty(STDERR_FILENO) != 0 && kind != nullptr && std::string_view(kind) != "dumb";
+}
+
+/// The line as far as it fits a terminal: one that wraps cannot be written over.
+std::string_view fitting(std::string_view line) {
+  winsize size{};
+  if (ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col < 2) return line;
+  return line.substr(0, size.ws_col - 1U);
 }
 
 spdlog::logger& sink() {
@@ -68,7 +76,7 @@ void log_progress(std::string_view line) {
   static const bool overwrites = can_overwrite();
   if (!overwrites) return log_info(line);
   if (!sink().should_log(spdlog::level::info)) return;
-  std::cerr << "\r\x1b[2K" << line << std::flush;
+  std::cerr << "\r\x1b[2K" << fitting(line) << std::flush;
   progress_open = true;
 }
 

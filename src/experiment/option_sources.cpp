@@ -1,5 +1,7 @@
 #include "stonestack/experiment/option_sources.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include <optional>
 
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 
 namespace stonestack::experiment {
@@ -75,6 +78,23 @@ std::vector<NamedValue> named_sets(const FieldList& list) {
   add_named_set<SimulationOptions>(set, list, "simulation", "cell", simulation::options_of_cell);
   add_gripper_of_cell(set, list);
   return set;
+}
+
+/// Warns of variables that look like options and are none. A warning only: the environment is shared with
+/// other programs.
+void warn_of_unknown_variables(const FieldList& list) {
+  EveryOption every;
+  std::vector<std::string> known{"STONESTACK_DATA"};
+  for (const FieldList& fields_of : {list, fields(every)})
+    for (const Field& field : fields_of) known.push_back(environment_name(field.name));
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string text = *entry, name = text.substr(0, text.find('='));
+    if (!name.starts_with("STONESTACK_") || std::find(known.begin(), known.end(), name) != known.end())
+      continue;
+    const auto meant = likely_meant(known, name);
+    log_warning(concat("environment variable ", name, " sets no option of this command",
+                       meant.empty() ? "" : "; did you mean " + meant.front() + "?"));
+  }
 }
 
 /// Takes the option from its environment variable and returns that one's name, if there is one.
@@ -150,6 +170,7 @@ FieldList fields(EveryOption& every) {
 
 OptionOrigins apply_options(const FieldList& list, const OptionSources& sources) {
   OptionOrigins origins;
+  warn_of_unknown_variables(list);
   apply_all(list, sources, origins);
   const auto set = named_sets(list);
   if (set.empty()) return origins;
@@ -181,6 +202,21 @@ void set_fields(const FieldList& list, const std::vector<std::string>& assignmen
 std::string origin_of(const std::string& option, const OptionOrigins& origins) {
   const auto found = origins.find(option);
   return found == origins.end() ? "default" : found->second;
+}
+
+std::string option_file_template(const FieldList& list) {
+  std::string text =
+      "# Options of stonestack. Take away the # before a name to set it.\n"
+      "# Stronger than this file: a flag, --set NAME=VALUE, and the environment "
+      "(STONESTACK_SEARCH_FRICTION=0.3).\n";
+  std::string group;
+  for (const Field& field : list) {
+    const std::string line = write_fields({field}), prefix = field.name.substr(0, field.name.rfind('.'));
+    const std::size_t comment = line.find("  # ", field.name.size() + 2 + field_text(field).size());
+    if (prefix != group) text += concat("\n# ", group = prefix, '\n');
+    text += concat("\n# ", line.substr(comment + 4), '#', line.substr(0, comment), '\n');
+  }
+  return text;
 }
 
 std::string fields_json(const FieldList& list, const OptionOrigins* origins) {

@@ -5,8 +5,11 @@
 
 #include "hardware/cell_config.hpp"
 #include "report/drawn_arm.hpp"
+#include "report/live_run.hpp"
 #include "report/picture.hpp"
+#include "report/text.hpp"
 #include "stacking/journal.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
@@ -32,22 +35,53 @@ RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const
   return report;
 }
 
+/// A line for a person, or else the journal's line for who wants to see all.
+void log_event(const Event& event, const Catalogue& catalogue) {
+  if (const std::string line = to_text(event, catalogue); !line.empty()) return log_info(line);
+  if (const auto [kind, data] = to_record(event, catalogue); !kind.empty()) log_debug(kind + " " + data);
+}
+
+/// Shows how far the tower has come.
+class RunProgress {
+ public:
+  explicit RunProgress(std::size_t stones) { progress_.total = static_cast<double>(stones); }
+  void hear(const Event& event) {
+    if (const auto* seen = std::get_if<Observed>(&event)) {
+      progress_.done = static_cast<double>(seen->world.stack.size());
+      if (progress_.total < progress_.done + static_cast<double>(seen->world.loose.size()))
+        progress_.total = progress_.done + static_cast<double>(seen->world.loose.size());
+    } else if (const auto* searched = std::get_if<SearchedAtFriction>(&event); searched && searched->found) {
+      progress_.best = format("%.1f expected", searched->expected);
+    }
+    progress_.seconds = watch_.seconds();
+    show_progress(progress_);
+  }
+
+ private:
+  Progress progress_{"tower", 0.0, 0.0, "stones", "", 0.0};
+  Stopwatch watch_;
+};
+
 void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
-           const RobotModel& robot, const std::string& folder) {
+           const RobotModel& robot, const std::string& folder, LiveRun& live) {
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
   log_info("record in " + folder);
-  report.result = build_tower(cell, catalogue, robot, run.build,
+  RunProgress progress(report.present.size());
+  Cell watched = live.watched(cell);
+  report.result = build_tower(watched, catalogue, robot, run.build,
                               {[&](const Event& event) {
-                                 if (const std::string line = to_text(event, catalogue); !line.empty())
-                                   log_info(line);
+                                 log_event(event, catalogue);
+                                 live.hear(event);
+                                 progress.hear(event);
                                },
                                &journal, folder});
+  clear_progress();
 }
 
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
                         const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                        const std::string& folder) {
+                        const std::string& folder, LiveRun& live) {
   // The controller knows nothing of the limits of the cell: it is the host that keeps them.
   const SimulatedServers servers(world, read_robot(file.cell().robot), file.servers());
   CellConfig config = file.cell();
@@ -55,7 +89,7 @@ void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile&
   log_info("simulated devices:\n" + servers.text());
   HardwareCell hardware(config);
   hardware.activate_gripper();
-  build(report, hardware.cell(), run, catalogue, robot, folder);
+  build(report, hardware.cell(), run, catalogue, robot, folder, live);
 }
 
 /// Draws the cell as the run left it: the stones and the arm.
@@ -116,7 +150,8 @@ void close_report(RecordedRun& done, const Shown& shown, const std::string& fold
 
 RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                     const std::vector<StoneIndex>& present, const RecordFolder& folder,
-                    const std::string& version, const SurvivalOptions* survival, const CellFile* file) {
+                    const std::string& version, const SurvivalOptions* survival, const CellFile* file,
+                    const LiveView& view) {
   RecordedRun done;
   done.folder = folder.path();
   RunReport& report = done.report;
@@ -128,10 +163,11 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   CellLayout layout = file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
   layout.linkage = run.build.linkage;
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
+  LiveRun live(view, report, catalogue, robot, layout);
   if (file == nullptr) {
-    build(report, world.cell(), run, catalogue, robot, folder.path());
+    build(report, world.cell(), run, catalogue, robot, folder.path(), live);
   } else {
-    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path());
+    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path(), live);
   }
   if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
@@ -150,11 +186,12 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
     for (const StoneIndex stone : present) stones.push_back({stone, at(truth.T_W_O, stone)});
     draw_cell(path, report.result, catalogue, robot, layout, stones);
   });
+  live.finish(report);
   return done;
 }
 
 RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
-                         const RecordFolder& folder, const std::string& version) {
+                         const RecordFolder& folder, const std::string& version, const LiveView& view) {
   const RobotModel robot = read_cell_robot(file.cell());
   RecordedRun done;
   done.folder = folder.path();
@@ -162,7 +199,8 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   log_info(concat("cell ", file.path, ": arm at ", file.cell().arm.address));
   HardwareCell hardware(file.cell());
   hardware.activate_gripper();
-  build(done.report, hardware.cell(), run, catalogue, robot, folder.path());
+  LiveRun live(view, done.report, catalogue, robot, to_layout(file.cell()));
+  build(done.report, hardware.cell(), run, catalogue, robot, folder.path(), live);
   const auto stack = at_rest(done.report.result.world).stack;
   const auto draw_stack = [&](const std::string& path) {
     CellLayout layout = to_layout(file.cell());
@@ -170,6 +208,7 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
     draw_cell(path, done.report.result, catalogue, robot, layout, stack);
   };
   close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
+  live.finish(done.report);
   return done;
 }
 

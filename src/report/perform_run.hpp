@@ -14,10 +14,11 @@ namespace stonestack::report {
 [[nodiscard]] RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
                                   const RobotModel& robot, const std::vector<StoneIndex>& present,
                                   const RecordFolder& folder, const std::string& version,
-                                  const SurvivalOptions* survival = nullptr, const CellFile* file = nullptr);
+                                  const SurvivalOptions* survival = nullptr, const CellFile* file = nullptr,
+                                  const LiveView& view = {});
 /// Performs a run with the devices of a real cell.
 [[nodiscard]] RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue,
                                        const CellFile& file, const RecordFolder& folder,
-                                       const std::string& version);
+                                       const std::string& version, const LiveView& view);
 
 }  // namespace stonestack::report

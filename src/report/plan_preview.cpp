@@ -41,7 +41,7 @@ PlanningScene scene_at(PlanningScene scene, const PickAndPlaceTask& task, const 
 }
 
 /// The gripper with its fingers as the plan wants them.
-GripperModel gripper_of(const PlanningScene& scene, const PickAndPlacePlan& plan) {
+GripperModel gripper_of_plan(const PlanningScene& scene, const PickAndPlacePlan& plan) {
   return plan.spacing > 0 ? with_spacing(scene.gripper, plan.spacing) : scene.gripper;
 }
 
@@ -49,7 +49,7 @@ CollisionChecker checker_of(PlanningScene scene, const PickAndPlaceTask& task, c
                             std::size_t step) {
   const Stage stage = stage_of(plan, step);
   const Kind kind = plan.steps[step].kind;
-  scene.gripper = gripper_of(scene, plan);
+  scene.gripper = gripper_of_plan(scene, plan);
   CollisionRules rules;
   rules.opening = stage.opening;
   if (stage.held) {
@@ -114,8 +114,8 @@ std::vector<PlanMoment> preview(const PlanningScene& scene, const PickAndPlaceTa
 std::vector<DrawnMesh> drawn_moment(const PlanningScene& scene, const PickAndPlaceTask& task,
                                     const PickAndPlacePlan& plan, const PlanMoment& moment) {
   const Stage stage = stage_of(plan, moment.step);
-  std::vector<DrawnMesh> meshes =
-      drawn_arm(scene.robot, gripper_of(scene, plan), scene.T_W_R, scene.T_F_T, {moment.q, stage.opening});
+  std::vector<DrawnMesh> meshes = drawn_arm(scene.robot, gripper_of_plan(scene, plan), scene.T_W_R,
+                                            scene.T_F_T, {moment.q, stage.opening});
   const Pose T_W_T = scene.T_W_R * forward(scene.robot, moment.q) * scene.T_F_T;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (static_cast<int>(i) == task.object) continue;

@@ -7,14 +7,18 @@
 
 #include "core/memory.hpp"
 #include "experiment/new_stones.hpp"
+#include "report/experiment_page.hpp"
+#include "report/live_run.hpp"
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
 #include "report/text.hpp"
+#include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/report/results.hpp"
 #include "stonestack/report/run_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 
@@ -70,6 +74,7 @@ void write_record(const Experiment& experiment, const std::string& folder) {
   write_file(folder + "/figure5.csv", figure5_csv(experiment));
   write_file(folder + "/figure5.svg", figure5_svg(experiment));
   write_file(folder + "/summary.txt", experiment_table(experiment));
+  write_file(folder + "/report.html", experiment_html(experiment));
 }
 
 /// The first line in which two option files differ, for the user.
@@ -89,8 +94,8 @@ std::string first_difference(const std::string& there, const std::string& now) {
 class Runs {
  public:
   Runs(const ExperimentOrder& order, const SimulatedRun& settings, const Catalogue& catalogue,
-       std::string folder)
-      : order_(order), settings_(settings), catalogue_(catalogue), folder_(std::move(folder)) {
+       std::string folder, LiveServer* live)
+      : order_(order), settings_(settings), catalogue_(catalogue), folder_(std::move(folder)), live_(live) {
     apply_protocol(settings_, order.protocol);
     if (order.new_stones > 0)
       new_stones_.emplace(order.new_stones, order.new_stones_from, order.seed, order.robot);
@@ -116,12 +121,26 @@ class Runs {
     if (order_.continues) experiment.runs = runs_done();
     // Before the first run ends, too: what --continue must agree with.
     write_file(folder_ + "/experiment.json", experiment_json(experiment));
-    for (int k = static_cast<int>(experiment.runs.size()) + 1; k <= order_.runs; ++k)
+    const Stopwatch watch;
+    const std::size_t before = experiment.runs.size();
+    for (int k = static_cast<int>(before) + 1; k <= order_.runs; ++k) {
+      show(experiment);
       if (!perform_one(k, done)) break;
+      show_progress({"experiment", static_cast<double>(k), static_cast<double>(order_.runs), "runs",
+                     format("mean height %.2f", mean_height(experiment)),
+                     watch.seconds() * k / (k - static_cast<double>(before))});
+    }
+    show(experiment);
     return done;
   }
 
  private:
+  /// Brings the live view up to date.
+  void show(const Experiment& experiment) const {
+    if (live_ == nullptr) return;
+    live_->publish("state", experiment_data(experiment, order_.runs), true);
+    live_->set_page(live_experiment_page(experiment, order_.runs));
+  }
   [[nodiscard]] std::string run_folder(int k) const { return concat(folder_, "/run-", k); }
   [[nodiscard]] SimulatedRun run_number(int k) const {
     SimulatedRun run = settings_;
@@ -233,6 +252,7 @@ class Runs {
   const Catalogue& catalogue_;
   std::optional<NewStones> new_stones_;
   const std::string folder_;
+  LiveServer* const live_;
   const SurvivalOptions survival_;
 };
 
@@ -252,8 +272,8 @@ std::string comparison_row(std::string name, const Experiment& experiment) {
 
 /// One experiment a variant.
 RecordedExperiment compare(const ExperimentOrder& order, const Catalogue& catalogue,
-                           const std::string& folder,
-                           const std::function<void(const std::string&)>& listener) {
+                           const std::string& folder, const std::function<void(const std::string&)>& listener,
+                           LiveServer* live) {
   std::string table;
   const auto add = [&](const std::string& line) {
     table += line;
@@ -264,7 +284,7 @@ RecordedExperiment compare(const ExperimentOrder& order, const Catalogue& catalo
   for (std::size_t v = 0; v < order.variants.size(); ++v) {
     SimulatedRun run = order.run;
     set_fields(fields(run), order.variants[v].assignments);
-    done = Runs(order, run, catalogue, concat(folder, "/variant-", v + 1)).perform_all();
+    done = Runs(order, run, catalogue, concat(folder, "/variant-", v + 1), live).perform_all();
     if (!done.experiment.runs.empty()) {
       add(comparison_row(order.variants[v].name, done.experiment));
       write_file(folder + "/comparison.txt", table);
@@ -285,8 +305,15 @@ RecordedExperiment record_experiment(const ExperimentOrder& order, const Catalog
   if (order.new_stones > 0)  // before a folder is made
     (void)NewStones(order.new_stones, order.new_stones_from, order.seed, order.robot);
   const RecordFolder folder = out_folder(order);
-  if (!order.variants.empty()) return compare(order, chosen, folder.path(), listener);
-  return Runs(order, order.run, chosen, folder.path()).perform_all();
+  const auto live = make_live_server(order.view, live_experiment_page({}, order.runs));
+  RecordedExperiment done = order.variants.empty()
+                                ? Runs(order, order.run, chosen, folder.path(), live.get()).perform_all()
+                                : compare(order, chosen, folder.path(), listener, live.get());
+  if (live) {
+    live->publish("end", experiment_data(done.experiment, order.runs), true);
+    live->finish(kFarewell);
+  }
+  return done;
 }
 
 }  // namespace stonestack::report

@@ -137,9 +137,11 @@ class Times {
   double zero_ = 0.0;
 };
 
-std::string packed_samples(const Timeline& timeline, const Times& times) {
+/// Samples from `from` on.
+std::string packed_samples(const Timeline& timeline, const Times& times, std::size_t& from) {
   std::vector<float> flat;
-  for (const MotionSample& s : timeline.samples) {
+  for (; from < timeline.samples.size(); ++from) {
+    const MotionSample& s = timeline.samples[from];
     flat.push_back(static_cast<float>(times.of(s.time)));
     for (int i = 0; i < 6; ++i) flat.push_back(static_cast<float>(s.q[i]));
     for (const double value : {s.opening, s.spacing, s.force, s.holds ? 1.0 : 0.0})
@@ -241,12 +243,12 @@ json decision_entry(const ActionChosen& chosen, const Catalogue& catalogue, doub
   return {{"t", time}, {"title", text}, {"why", reasons}, {"candidates", candidates}, {"terms", kTerms}};
 }
 
-/// Adds events in order of time: views of the stones, resting towers, decisions, log lines.
-void add_events(json& page, const RunReport& report, const Catalogue& catalogue, const Times& times) {
+/// Adds events from `from` on, in order of time: views of the stones, resting towers, decisions, log lines.
+void add_events(json& page, const RunReport& report, const Catalogue& catalogue, const Times& times,
+                PagePosition& from) {
   json views = json::array(), towers = json::array(), decisions = json::array(), events = json::array();
-  const ShapeList shapes = make_contact_shapes(catalogue.stones);
-  std::vector<std::string> why;
-  for (std::size_t i = 0; i < report.result.events.size(); ++i) {
+  std::vector<std::string>& why = from.why;
+  for (std::size_t& i = from.events; i < report.result.events.size(); ++i) {
     const Event& event = report.result.events[i];
     const double time = times.of_event(i);
     const std::string text = to_text(event, catalogue);
@@ -263,7 +265,7 @@ void add_events(json& page, const RunReport& report, const Catalogue& catalogue,
       json tower =
           whole == resting.end()
               ? json{{"contacts", json::array()}, {"centres", json::array()}, {"thrust", json::array()}}
-              : tower_entry(shapes, *whole);
+              : tower_entry(make_contact_shapes(catalogue.stones), *whole);
       tower["t"] = time;
       towers.push_back(tower);
       why.clear();
@@ -343,52 +345,92 @@ json truth_facts(const TruthReport& truth) {
           {"disagree", engines_disagree(truth)}};
 }
 
+/// The paper's figure 5 of one run.
+std::string cost_figure(const RunReport& report) {
+  Experiment alone;
+  alone.per_run = std::max(1, report.result.height);
+  ExperimentRun& run =
+      alone.runs.emplace_back();  // without events and motion, which the figure does not show
+  run.report.seed = report.seed;
+  run.report.truth = report.truth;
+  run.report.result.height = report.result.height;
+  run.report.result.placements = report.result.placements;
+  return figure5_svg(alone);
+}
+
+/// Values that a run changes as it goes on.
+json values_of(const RunReport& report, const RobotModel& robot, const Times& times) {
+  const RunResult& result = report.result;
+  return {{"title", concat("Tower of ", result.height)},
+          {"height", result.height},
+          {"paper_height", paper_height(report)},
+          {"ended", to_text(result.end)},
+          {"truth", report.truth ? truth_facts(*report.truth) : json(nullptr)},
+          {"seconds",
+           {{"detection", result.seconds.detection},
+            {"search", result.seconds.search},
+            {"planning", result.seconds.planning},
+            {"motion", result.seconds.motion},
+            {"beside_motion", result.seconds.beside_motion}}},
+          {"robot_model", robot_entry(robot, result.world.layout)},
+          {"carries", carries(report, robot, times)},
+          {"placements", placement_rows(report)},
+          {"figure5", cost_figure(report)}};
+}
+
+json changes_of(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot,
+                PagePosition& from) {
+  const Times times(report.result.timeline);
+  json page = json::object();
+  const json values = values_of(report, robot, times);
+  for (const auto& [name, value] : values.items()) {
+    std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    if (std::string& known = from.values[name]; known != text) {
+      page[name] = value;
+      known = std::move(text);
+    }
+  }
+  page["samples"] = packed_samples(report.result.timeline, times, from.samples);
+  add_events(page, report, catalogue, times, from);
+  return page;
+}
+
+std::string one_line(const json& page) {
+  return page.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
 }  // namespace
+
+std::string page_changes(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot,
+                         PagePosition& from) {
+  return one_line(changes_of(report, catalogue, robot, from));
+}
 
 std::string page_data(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot,
                       const std::string& picture) {
   const RunResult& result = report.result;
   const CellLayout& layout = result.world.layout;
-  const Times times(result.timeline);
-  Experiment alone;
-  alone.per_run = std::max(1, result.height);
-  alone.runs.push_back({report, {}});
   json stones = json::array();
   for (const Stone& stone : catalogue.stones) stones.push_back(stone_entry(stone));
-  json page = {
-      {"title", concat("Tower of ", result.height)},
+  PagePosition begin;
+  json page = changes_of(report, catalogue, robot, begin);
+  page.update(json{
       {"robot", report.robot},
       {"seed", report.seed},
       {"cell", cell_text(report)},
       {"version", report.version},
       {"catalogue", report.catalogue},
-      {"height", result.height},
-      {"paper_height", paper_height(report)},
       {"present", report.present.empty() ? static_cast<std::size_t>(result.height) : report.present.size()},
-      {"ended", to_text(result.end)},
-      {"truth", report.truth ? truth_facts(*report.truth) : json(nullptr)},
-      {"seconds",
-       {{"detection", result.seconds.detection},
-        {"search", result.seconds.search},
-        {"planning", result.seconds.planning},
-        {"motion", result.seconds.motion},
-        {"beside_motion", result.seconds.beside_motion}}},
       {"site", {layout.site.x(), layout.site.y()}},
       {"field",
        {{"centre", {layout.field_centre.x(), layout.field_centre.y()}},
         {"size", {layout.field_size.x(), layout.field_size.y()}}}},
-      {"robot_model", robot_entry(robot, layout)},
       {"stones", stones},
-      {"samples", packed_samples(result.timeline, times)},
-      {"carries", carries(report, robot, times)},
-      {"placements", placement_rows(report)},
       {"terms", kTerms},
-      {"figure5", figure5_svg(alone)},
       {"changed", changed_options(report.options_text)},
       {"options", report.options_text},
-      {"picture", picture}};
-  add_events(page, report, catalogue, times);
-  return page.dump(-1, ' ', false, json::error_handler_t::replace);
+      {"picture", picture}});
+  return one_line(page);
 }
 
 }  // namespace stonestack::report

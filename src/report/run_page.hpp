@@ -1,5 +1,8 @@
 #pragma once
+#include <cstddef>
+#include <map>
 #include <string>
+#include <vector>
 
 #include "stonestack/experiment/experiment.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -13,5 +16,25 @@ namespace stonestack::report {
 /// `picture`: a data URI, or empty.
 [[nodiscard]] std::string page_data(const RunReport& report, const Catalogue& catalogue,
                                     const RobotModel& robot, const std::string& picture);
+
+/// Position up to which a page shows a run.
+struct PagePosition {
+  std::size_t samples = 0;                    ///< number of samples of the timeline
+  std::size_t events = 0;                     ///< number of events
+  std::vector<std::string> why;               ///< log lines since the last decision
+  std::map<std::string, std::string> values;  ///< by name, what the page shows
+};
+/// Changes since `from`, which moves on: the lists `samples`, `views`, `towers`, `decisions` and
+/// `events` are to be appended, other values replace those of the page. All changes of a run in order, and
+/// what never changes, make `page_data`.
+[[nodiscard]] std::string page_changes(const RunReport& report, const Catalogue& catalogue,
+                                       const RobotModel& robot, PagePosition& from);
+
+/// The page around `data`; `text` stands there for a browser without scripts.
+[[nodiscard]] std::string page_html(const std::string& title, const std::string& text,
+                                    const std::string& data);
+/// The picture of the run as a data URI; empty: none.
+/// @throws FileError
+[[nodiscard]] std::string picture_uri(const RunReport& report);
 
 }  // namespace stonestack::report

@@ -15,7 +15,8 @@
 namespace stonestack::report {
 
 // Files of src/report/page and three.js, embedded by the build.
-extern const std::string_view kPageHtml, kPageCss, kSceneJs, kPageJs, kThreeJs;
+extern const std::string_view kPageHtml, kPageCss, kSceneJs, kPageJs, kThreeJs, kLiveJs, kExperimentHtml,
+    kExperimentJs;
 
 namespace {
 
@@ -152,22 +153,46 @@ std::string run_table(const RunReport& report) {
   return text + summary(report);
 }
 
-std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
-  std::string picture;
-  if (!report.picture.empty())
-    picture = "data:image/png;base64," + base64(read_file(report.picture, std::size_t{1} << 26));
+std::string picture_uri(const RunReport& report) {
+  if (report.picture.empty()) return "";
+  return "data:image/png;base64," + base64(read_file(report.picture, std::size_t{1} << 26));
+}
+
+namespace {
+
+/// Begin of a page up to its body.
+std::string page_head(const std::string& title) {
   std::string text = "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n";
   text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-          escape(format("Tower of %d", report.result.height)) + "</title>\n<style>\n";
-  text.append(kPageCss).append("</style>\n<body>\n").append(kPageHtml);
-  text.append("<noscript><pre>").append(escape(run_table(report))).append("</pre></noscript>\n<script>");
-  text.append(kThreeJs).append("</script>\n<script>\nconst run = ");
-  text.append(within_script(page_data(report, catalogue, robot, picture))).append(";\n</script>\n<script>\n");
-  text.append(kSceneJs)
-      .append("</script>\n<script>\n")
-      .append(kPageJs)
-      .append("</script>\n</body>\n</html>\n");
-  return text;
+          escape(title) + "</title>\n<style>\n";
+  return text.append(kPageCss).append("</style>\n<body>\n");
+}
+
+std::string script(std::string_view text) {
+  return std::string("<script>\n").append(text).append("</script>\n");
+}
+
+}  // namespace
+
+std::string page_html(const std::string& title, const std::string& text, const std::string& data) {
+  std::string page = page_head(title);
+  page.append(kPageHtml).append("<noscript><pre>").append(escape(text)).append("</pre></noscript>\n");
+  page += script(kThreeJs) + script("const run = " + within_script(data) + ";\n");
+  page += script(kSceneJs) + script(kLiveJs) + script(kPageJs);
+  return page + "</body>\n</html>\n";
+}
+
+std::string experiment_page(const std::string& data, const std::string& text) {
+  std::string page = page_head("Experiment");
+  page.append(kExperimentHtml).append("<noscript><pre>").append(escape(text)).append("</pre></noscript>\n");
+  page +=
+      script("const experiment = " + within_script(data) + ";\n") + script(kLiveJs) + script(kExperimentJs);
+  return page + "</body>\n</html>\n";
+}
+
+std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
+  return page_html(format("Tower of %d", report.result.height), run_table(report),
+                   page_data(report, catalogue, robot, picture_uri(report)));
 }
 
 std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vector<PlacedStone>& stones) {

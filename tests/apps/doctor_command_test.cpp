@@ -33,8 +33,8 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
         "simulators: {arm: {faults: {protective_stop_at: 0.0}}}\n");
   const Outcome ill = run("doctor --cell ill.yaml");
   EXPECT_EQ(ill.code, 6);
-  EXPECT_THAT(ill.err, HasSubstr("inverse"));
-  EXPECT_THAT(ill.err, HasSubstr("PROTECTIVE_STOP"));
+  EXPECT_THAT(ill.out, HasSubstr("inverse"));
+  EXPECT_THAT(ill.out, HasSubstr("PROTECTIVE_STOP"));
   // What else a user meets, two or three to a cell: each line names device, address and next step.
   write("e_series.yaml",
         "simulate: true\nsimulators:\n"
@@ -43,10 +43,10 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
         "  gripper: {faults: {fault: 14}}\n");
   const Outcome local = run("doctor --cell e_series.yaml");
   EXPECT_EQ(local.code, 6);
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1.*local mode.*Remote Control"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  arm, RTDE: .*127.0.0.1:30004.*security settings"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1:[0-9]+.*stale"));
-  EXPECT_THAT(local.err, ContainsRegex("FAIL  gripper, status: .*127.0.0.1:[0-9]+ unit 2.*activate"));
+  EXPECT_THAT(local.out, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1.*local mode.*Remote Control"));
+  EXPECT_THAT(local.out, ContainsRegex("FAIL  arm, RTDE: .*127.0.0.1:30004.*security settings"));
+  EXPECT_THAT(local.out, ContainsRegex("FAIL  camera, frames: .*127.0.0.1:[0-9]+.*stale"));
+  EXPECT_THAT(local.out, ContainsRegex("FAIL  gripper, status: .*127.0.0.1:[0-9]+ unit 2.*activate"));
   write("old_cb3.yaml",
         "simulate: true\nsimulators:\n"
         "  arm: {version: 3.8.0.61336, faults: {fieldbus_owns_lower_registers: true, no_dashboard: true}}\n"
@@ -54,10 +54,10 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
         "  camera: {faults: {no_frame: -1}}\n");
   const Outcome owned = run("doctor --cell old_cb3.yaml");
   EXPECT_EQ(owned.code, 6);
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, RTDE: .*input_int_register_0.*EtherNet/IP"));
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
-  EXPECT_THAT(owned.err, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
+  EXPECT_THAT(owned.out, ContainsRegex("FAIL  arm, RTDE: .*input_int_register_0.*EtherNet/IP"));
+  EXPECT_THAT(owned.out, ContainsRegex("FAIL  arm, Dashboard: .*127.0.0.1:29999.*security settings"));
+  EXPECT_THAT(owned.out, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1"));
+  EXPECT_THAT(owned.out, ContainsRegex("FAIL  camera, frames: .*127.0.0.1"));
   // What shows only when one listens for a while.
   write("odd.yaml",
         "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nforce_torque: {stale: "
@@ -65,14 +65,14 @@ TEST_F(DoctorCommand, NamesWhatIsWrong) {
         "  arm: {faults: {speed_slider: 0, missing_fields: tcp_offset}}\n"
         "  force_torque: {faults: {stuck: true}}\n");
   const Outcome odd = run("doctor --cell odd.yaml");
-  EXPECT_THAT(odd.err, ContainsRegex("note  arm, RTDE: the speed slider stands at 0"));
-  EXPECT_THAT(odd.err, ContainsRegex("FAIL  force sensor, reading: .*repeats one reading"));
+  EXPECT_THAT(odd.out, ContainsRegex("note  arm, RTDE: the speed slider stands at 0"));
+  EXPECT_THAT(odd.out, ContainsRegex("FAIL  force sensor, reading: .*repeats one reading"));
   write("broken.yaml",
         "simulate: true\narm: {rtde: {stale_after: 1.0, retry_pause: 0.05}}\nsimulators:\n"
         "  arm: {faults: {out_of_step: true}}\n  gripper: {wire_faults: {exceptions: -1}}\n");
   const Outcome broken = run("doctor --cell broken.yaml");
-  EXPECT_THAT(broken.err, ContainsRegex("FAIL  arm, RTDE: .*the stream broke [0-9]+ times"));
-  EXPECT_THAT(broken.err, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
+  EXPECT_THAT(broken.out, ContainsRegex("FAIL  arm, RTDE: .*the stream broke [0-9]+ times"));
+  EXPECT_THAT(broken.out, ContainsRegex("FAIL  gripper, status: .*busy.*see what else uses the gripper"));
 }
 
 /// The finding about the hand-eye calibration of one simulated cell; `camera` are settings of its camera.
@@ -86,11 +86,11 @@ class DoctorHandEye : public Commands {
     return finding_of("eye.yaml");
   }
   [[nodiscard]] std::string finding_of(const std::string& cell) const {
-    const std::string err = run("doctor --cell " + cell).err;
-    const auto end = err.find("cell file, hand-eye");
-    if (end == std::string::npos) return err;
-    const auto begin = err.rfind('\n', end) + 1;
-    return err.substr(begin, err.find('\n', end) - begin);
+    const std::string out = run("doctor --cell " + cell).out;
+    const auto end = out.find("cell file, hand-eye");
+    if (end == std::string::npos) return out;
+    const auto begin = out.rfind('\n', end) + 1;
+    return out.substr(begin, out.find('\n', end) - begin);
   }
   static std::string written(const Pose& pose) { return "T_T_C: " + to_text(pose); }
 
@@ -171,8 +171,8 @@ TEST_F(DoctorCommand, RefusesPolyScopeX) {
         "  gripper: {port: 0}\n  force_torque: {port: 0, command_port: 0}\n  camera: {port: 0}\n");
   const Outcome refused = run("doctor --cell x.yaml");
   EXPECT_EQ(refused.code, 6);
-  EXPECT_THAT(refused.err, ContainsRegex("FAIL  arm, RTDE: UR controller at 127.*PolyScope X 10.7.0.0"));
-  EXPECT_THAT(refused.err, Not(HasSubstr("Dashboard"))) << "there is none to be enabled";
+  EXPECT_THAT(refused.out, ContainsRegex("FAIL  arm, RTDE: UR controller at 127.*PolyScope X 10.7.0.0"));
+  EXPECT_THAT(refused.out, Not(HasSubstr("Dashboard"))) << "there is none to be enabled";
 }
 
 /// A cell all of whose ports take connections and say nothing.
@@ -194,9 +194,9 @@ TEST_F(DoctorCommand, AnOpenPortIsNoController) {
   write("silent.yaml", silent.text());
   const Outcome heard = run("doctor --cell silent.yaml");
   EXPECT_EQ(heard.code, 6);
-  EXPECT_THAT(heard.err,
+  EXPECT_THAT(heard.out,
               ContainsRegex("FAIL  arm, script port: .*127.0.0.1:[0-9]+: says neither.*primary_port"));
-  EXPECT_THAT(heard.err, Not(HasSubstr("ok    arm")));
+  EXPECT_THAT(heard.out, Not(HasSubstr("ok    arm")));
 }
 
 TEST_F(DoctorCommand, CtrlCEndsItAtOnce) {
@@ -209,7 +209,7 @@ TEST_F(DoctorCommand, CtrlCEndsItAtOnce) {
                                      STONESTACK_BINARY, " doctor --cell silent.yaml 2>err"));
   EXPECT_LT(watch.seconds(), 40) << "it does not wait for the controller";
   EXPECT_EQ(ended.code, 130);
-  EXPECT_THAT(ended.err, Not(HasSubstr("FAIL"))) << "and checks nothing else";
+  EXPECT_THAT(ended.out, Not(HasSubstr("FAIL"))) << "and checks nothing else";
 }
 
 TEST_F(DoctorCommand, ReportsThatACellHasNoAddressOfAnArm) {
@@ -245,7 +245,7 @@ TEST_F(DoctorCommand, ExaminesWhatAnotherProcessServes) {
   ::kill(std::stoi(started.out), SIGTERM);
   EXPECT_EQ(seen.code, 0) << seen.err;
   EXPECT_THAT(seen.err, HasSubstr("simulated by another process"));
-  EXPECT_THAT(seen.err, HasSubstr("note  arm, RTDE: the speed slider stands at 0"));
+  EXPECT_THAT(seen.out, HasSubstr("note  arm, RTDE: the speed slider stands at 0"));
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST_F(Commands, CtrlCEndsAnExperimentWithWhatWasDoneAndItGoesOn) {
       folder_, "experiment --runs 9 --per-run 1 --seed 7 --survival false --out record", "run 3 of 9"));
   EXPECT_THAT(outcome.out, HasSubstr("code 130")) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("run 3 is not counted"));
-  EXPECT_THAT(outcome.err, HasSubstr("towers of 1: 100.0 % (2 of 2;"));
+  EXPECT_THAT(outcome.out, HasSubstr("towers of 1: 100.0 % (2 of 2;"));
   const json record = json::parse(read_file(folder_ + "/record/experiment.json", 1 << 20), nullptr, false);
   EXPECT_EQ(record["runs"].size(), 2U);
 

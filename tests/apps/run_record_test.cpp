@@ -29,9 +29,9 @@ TEST_F(RunRecord, OneRunAtATimeWritesIntoAFolder) {
 }
 
 TEST_F(RunRecord, RunsOfTheSameSecondAndSeedHaveAFolderEach) {
-  const Outcome both =
-      shell(concat("cd ", folder_, " && { ", STONESTACK_BINARY, " ", kSmallRun, "2>err & ", STONESTACK_BINARY,
-                   " ", kSmallRun, "2>err2; first=$?; wait $!; ", "echo $first $?; }"));
+  const Outcome both = shell(concat("cd ", folder_, " && { ", STONESTACK_BINARY, " ", kSmallRun,
+                                    ">out 2>err & ", STONESTACK_BINARY, " ", kSmallRun,
+                                    ">out2 2>err2; first=$?; wait $!; ", "echo $first $?; }"));
   EXPECT_EQ(both.out, "0 0\n") << both.err;
   int whole = 0;
   for (const auto& folder : fs::directory_iterator(folder_ + "/runs"))
@@ -89,7 +89,7 @@ TEST_F(RunRecord, AFullDiskDuringTheRunStopsItAndTheTableIsPrinted) {
   fs::create_symlink("/dev/full", folder_ + "/run/journal.jsonl");
   const Outcome stopped = run(kSmallRun + "--out run");
   EXPECT_EQ(stopped.code, 7) << stopped.err;
-  EXPECT_THAT(stopped.err,
+  EXPECT_THAT(stopped.out,
               HasSubstr("tower of 0 of 1 stones; ended: run/journal.jsonl: cannot be written: No space"));
   EXPECT_TRUE(fs::exists(folder_ + "/run/result.json"));
 }

@@ -40,7 +40,7 @@ TEST_F(SimulateCommand, SwitchesCanBeSetOnTheCommandLine) {
   expect_refusal("simulate --cell cell.yaml --set simulators.arm.faults.no_such=1", 2, {"no_such"});
   const Outcome ill = run("doctor --cell cell.yaml --set simulators.gripper.faults.fault=14");
   EXPECT_EQ(ill.code, 6);
-  EXPECT_THAT(ill.err, HasSubstr("FAIL  gripper, status"));
+  EXPECT_THAT(ill.out, HasSubstr("FAIL  gripper, status"));
   expect_refusal("doctor --cell cell.yaml --set simulators.gripper.faults.fulat=14", 2, {"fulat"});
   const Outcome stopped =
       run("run --cell cell.yaml --out stopped --per-run 1 --set simulators.arm.faults.protective_stop_at=0");
@@ -67,8 +67,8 @@ TEST_F(SimulateCommand, SerialDevicesAreMetOnTheirPseudoTerminals) {
     write("serial.yaml", wish + serial);
     const Outcome outcome = run("doctor --cell serial.yaml");
     EXPECT_EQ(outcome.code, 0) << wish << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("note  gripper, status: not activated"));
-    EXPECT_THAT(outcome.err, HasSubstr("ok    force sensor, reading"));
+    EXPECT_THAT(outcome.out, HasSubstr("note  gripper, status: not activated"));
+    EXPECT_THAT(outcome.out, HasSubstr("ok    force sensor, reading"));
   }
   // Where both are served the cell file chooses; a fault of the serial line shows which it was.
   write("both.yaml", "gripper: {preset: rtu}\n" + kSimulateCommandFreePorts +

@@ -35,6 +35,12 @@ run(version ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_D
 if(NOT version MATCHES "${VERSION}")
   message(FATAL_ERROR "the packaged command says ${version}")
 endif()
+foreach(file man/man1/stonestack.1 man/man1/stonestack-config-show.1 bash-completion/completions/stonestack
+    zsh/vendor-completions/_stonestack fish/vendor_completions.d/stonestack.fish)
+  if(NOT EXISTS "${WORK}/root/usr/share/${file}")
+    message(FATAL_ERROR "no package has share/${file}")
+  endif()
+endforeach()
 run(scene ${CMAKE_COMMAND} -E env --unset=LD_LIBRARY_PATH --unset=STONESTACK_DATA "${WORK}/root/usr/bin/stonestack" render
   --out "${WORK}/scene" --seed 1)
 file(GLOB_RECURSE description "${WORK}/root/usr/lib/*/stonestack.pc" "${WORK}/root/usr/lib/stonestack.pc" "${WORK}/root/usr/lib/pkgconfig/*.pc")

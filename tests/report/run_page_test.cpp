@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "stonestack/core/file.hpp"
@@ -32,6 +33,22 @@ WorldEstimate world_with(const Pose& T_W_O, StoneIndex stone) {
   return world;
 }
 
+/// Numbers of the packed text, by a decoder of its own.
+std::vector<float> decoded(const std::string& text) {
+  static const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    bits = (bits << 6U) | static_cast<unsigned>(kDigits.find(c));
+    if ((count += 6) >= 8) bytes += static_cast<char>((bits >> static_cast<unsigned>(count -= 8)) & 255U);
+  }
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
 /// A run in which the arm stands still, grasps what lies at its tool and lets it go.
 RunReport report_of_a_grasp(StoneIndex stone) {
   RunReport report;
@@ -58,6 +75,54 @@ TEST(RunPage, FollowsTheStoneFromGraspToRelease) {
   EXPECT_DOUBLE_EQ(page["carries"][0]["begin"], 1.0);
   EXPECT_DOUBLE_EQ(page["carries"][0]["end"], 3.0);
   EXPECT_EQ(page["views"].size(), 1u);
+}
+
+/// Appends lists and replaces values, as the page does.
+void apply_changes(json& page, const json& changes, std::vector<float>& samples) {
+  for (const auto& [name, value] : changes.items()) {
+    if (name == "samples") {
+      const std::vector<float> more = decoded(value.get<std::string>());
+      samples.insert(samples.end(), more.begin(), more.end());
+    } else if (name == "views" || name == "towers" || name == "decisions" || name == "events") {
+      if (!page.contains(name)) page[name] = json::array();
+      page[name].insert(page[name].end(), value.begin(), value.end());
+    } else {
+      page[name] = value;
+    }
+  }
+}
+
+TEST(RunPage, ChangesInOrderMakeThePage) {
+  RunReport whole = report_of_a_grasp(2_stone);
+  whole.result.events.emplace_back(StoneMoved{1_stone, 0.004});
+  whole.result.events.emplace_back(ActionChosen{Stop{RunEnd::kNoPose, "nothing fits"}, {}});
+  whole.result.timeline.event_time = {10.0, 11.5, 13.0};
+  PlacementRecord placed;
+  placed.stone = stones()[2_stone].name;
+  placed.outcome = PlacementRecord::Outcome::kPlaced;
+  whole.result.placements = {placed};
+  whole.result.height = 1;
+
+  RunReport so_far = whole;
+  PagePosition position;
+  json live = json::object();
+  std::vector<float> samples;
+  for (std::size_t n = 0; n <= 3; ++n) {
+    so_far.result.events.assign(whole.result.events.begin(),
+                                whole.result.events.begin() + static_cast<long>(n));
+    so_far.result.timeline.samples.assign(whole.result.timeline.samples.begin(),
+                                          whole.result.timeline.samples.begin() + static_cast<long>(n) + 1);
+    so_far.result.placements = n == 3 ? whole.result.placements : std::vector<PlacementRecord>();
+    so_far.result.height = n == 3 ? 1 : 0;
+    apply_changes(live, json::parse(page_changes(so_far, stones(), robot(), position)), samples);
+  }
+  const json page = json::parse(page_data(whole, stones(), robot(), ""));
+  EXPECT_EQ(samples, decoded(page["samples"].get<std::string>()));
+  EXPECT_EQ(live.size(), 14u);
+  for (const auto& [name, value] : live.items()) EXPECT_EQ(value, page[name]) << name;
+  EXPECT_EQ(json::parse(page_changes(so_far, stones(), robot(), position)),
+            json::parse(R"({"samples": "", "views": [], "towers": [], "decisions": [], "events": []})"))
+      << "nothing has changed since";
 }
 
 TEST(RunPage, ListsOptionsThatDifferFromTheirDefaults) {

@@ -56,6 +56,9 @@ using OptionOrigins = std::map<std::string, std::string>;
 /// @throws InvalidArgument
 void set_fields(const FieldList& list, const std::vector<std::string>& assignments);
 
+/// Text of an option file in which every option stands with its meaning, range and value, each commented out.
+[[nodiscard]] std::string option_file_template(const FieldList& list);
+
 /// JSON text of schema stonestack.config/1: name, description and value of each field, range and unit of a
 /// number, its origin where `origins` is given.
 [[nodiscard]] std::string fields_json(const FieldList& list, const OptionOrigins* origins = nullptr);

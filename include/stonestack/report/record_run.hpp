@@ -13,6 +13,14 @@
 /// it, until it ends.
 namespace stonestack::report {
 
+/// Page of the work under way for browsers on this machine, or at the other end of an SSH tunnel.
+struct LiveView {
+  bool wanted = false;  ///< serve it
+  int port = 0;         ///< on 127.0.0.1; 0: any that is free
+  /// Receives the address and the token that the page's stop button needs; a stop counts as Ctrl-C.
+  std::function<void(const std::string& address, const std::string& stop_token)> announce;
+};
+
 /// A run to perform.
 struct RunOrder {
   SimulatedRun run;  ///< options; those of the simulation are for simulated cells
@@ -22,6 +30,7 @@ struct RunOrder {
   int per_run = 4;      ///< stones of the catalogue that are drawn into a simulated field
   std::string out;      ///< folder; empty: runs/TIME-SEED
   std::string version;  ///< of the program
+  LiveView view;        ///< live view of the run
 };
 /// A run and its record.
 struct RecordedRun {
@@ -54,6 +63,7 @@ struct ExperimentOrder {
   std::vector<Variant> variants;  ///< rows of a comparison; empty: the runs as they are
   std::string out;                ///< folder; empty: experiments/TIME-SEED
   std::string version;            ///< of the program
+  LiveView view;                  ///< live view of heights and costs
 };
 /// An experiment and its record.
 struct RecordedExperiment {

@@ -15,9 +15,53 @@
 
 #pragma GCC visibility push(default)
 
-/// Results of single steps as JSON for programs (docs/formats.md) and as text for a person, a line a stone.
-/// Runs and experiments have reports of their own.
+/// Results of single steps as JSON for programs (docs/formats.md) and as text for a person, a line a stone;
+/// progress; and texts about the command itself. Runs and experiments have reports of their own.
 namespace stonestack::report {
+
+/// State of long work.
+struct Progress {
+  std::string what;      ///< name of the work: "search"
+  double done = 0.0;     ///< amount that is done
+  double total = 0.0;    ///< whole amount; 0: unknown
+  std::string unit;      ///< "stones", "runs", "s"
+  std::string best;      ///< best result so far; empty: none
+  double seconds = 0.0;  ///< time since the work began [s]
+};
+/// One line: what, how far, best so far, and the time left if the rest is as fast as what is done.
+[[nodiscard]] std::string progress_text(const Progress& progress);
+/// Shows the line in place on a terminal; elsewhere logs it when `what` or `done` has changed.
+void show_progress(const Progress& progress);
+
+/// Option or argument of a command, for completion and manual pages.
+struct CommandOption {
+  std::vector<std::string> names;    ///< "-q", "--quiet"; of an argument one name without dashes
+  std::string value;                 ///< kind of its value: FILE, DIR, TEXT; empty: a switch
+  std::vector<std::string> choices;  ///< values that it takes; empty: others too
+  std::string description;           ///< effect, with range and default
+};
+/// Command of a program as a user can type it.
+struct CommandDescription {
+  std::vector<std::string> words;            ///< "stonestack", "config", "show"
+  std::string description;                   ///< purpose in one line
+  std::string footer;                        ///< further text, with examples
+  std::vector<CommandOption> options;        ///< options by name
+  std::vector<CommandOption> arguments;      ///< arguments by place
+  std::vector<CommandDescription> commands;  ///< subcommands
+};
+/// Script that completes the command in `shell`: bash, zsh or fish. Option --set completes the names
+/// `settings`.
+/// @throws InvalidArgument for another shell.
+[[nodiscard]] std::string completion_script(const CommandDescription& program, const std::string& shell,
+                                            const std::vector<std::string>& settings);
+/// Manual page (section 1, man macros) of one command; `version` and `date` (2026-11-21) stand in its foot.
+[[nodiscard]] std::string manual_page(const CommandDescription& command, const std::string& version,
+                                      const std::string& date);
+/// Writes manual pages and completions below `folder` where a system looks for them below its share/.
+/// @throws FileError
+void write_command_pages(const CommandDescription& program, const std::string& version,
+                         const std::string& date, const std::vector<std::string>& settings,
+                         const std::string& folder);
 
 /// "stonestack.detect/1"; with the camera's pose each detection has T_W_O as well.
 [[nodiscard]] std::string detection_json(const DetectionResult& result, const Catalogue& catalogue,

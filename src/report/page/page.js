@@ -12,6 +12,7 @@ const fixed = (value, digits) => (value === null || value === undefined ? '' : v
 const stoneName = (index) => run.stones[index].name;
 
 function fillTable(table, head, rows) {
+  table.replaceChildren();
   const top = table.createTHead().insertRow();
   head.forEach((text) => top.appendChild(make('th', text)));
   const body = table.createTBody();
@@ -24,14 +25,18 @@ function fillTable(table, head, rows) {
 }
 
 // Time line
-const samples = (() => {
-  const flat = decode(run.samples, Float32Array), width = 11, list = [];
+const samples = [];
+function addSamples(text) {
+  const flat = decode(text, Float32Array), width = 11;
   for (let i = 0; i < flat.length; i += width)
-    list.push({time: flat[i], q: Array.from(flat.slice(i + 1, i + 7)), opening: flat[i + 7],
+    samples.push({time: flat[i], q: Array.from(flat.slice(i + 1, i + 7)), opening: flat[i + 7],
       spacing: flat[i + 8], force: flat[i + 9], holds: flat[i + 10] > 0.5});
-  return list;
-})();
-const duration = Math.max(0, ...samples.slice(-1).map((s) => s.time), ...run.events.slice(-1).map((e) => e.t));
+}
+let duration = 0;
+function measureTime() {
+  duration = Math.max(0, ...samples.slice(-1).map((s) => s.time), ...run.events.slice(-1).map((e) => e.t));
+  $('time').max = duration;
+}
 
 function sampleAt(time) {
   if (!samples.length) return null;
@@ -116,6 +121,7 @@ function fillHead() {
   document.title = $('title').textContent = run.title;
   $('subtitle').textContent = `${run.robot}, seed ${run.seed}, stonestack ${run.version}` +
       (run.cell ? `, cell ${run.cell}` : '');
+  $('facts').replaceChildren();
   const fact = (value, label, mood) => {
     const item = make('li');
     item.append(make('b', value, mood), make('span', label));
@@ -129,11 +135,11 @@ function fillHead() {
     fact(run.truth.engines.map(([name, height]) => `${name} ${height}`).join(', '), 'stones stand, by engine', 'bad');
   fact(`${run.paper_height}`, 'height by the paper’s protocol');
   fact(`${fixed(run.seconds.motion, 0)} s`, 'robot time');
-  fact(run.ended.replaceAll('_', ' '), 'end of the run');
+  fact(run.live ? 'running' : run.ended.replaceAll('_', ' '), 'end of the run');
 }
 
 function fillDecisions() {
-  for (const decision of run.decisions) {
+  for (const decision of run.decisions.slice($('decisions').childElementCount)) {  // those before stay open or shut
     const item = make('li');
     const jump = make('button', decision.title, 'jump');
     jump.type = 'button';
@@ -153,7 +159,7 @@ function fillDecisions() {
     }
     $('decisions').append(item);
   }
-  if (!run.decisions.length) $('decisions').append(make('li', 'No decision was made.'));
+  if (!run.decisions.length && !run.live) $('decisions').append(make('li', 'No decision was made.'));
 }
 
 function fillTables() {
@@ -164,12 +170,10 @@ function fillTables() {
       p.measured, p.off, p.note], name: p.outcome === 'placed' ? '' : 'bad'})));
   fillTable($('log'), ['s', 'event'], run.events.filter((e) => e.text).map((e) => ({cells: [fixed(e.t, 1), e.text],
     long: 1, click: () => { play(false); show(e.t); }})));
-  fillTable($('changed'), ['option', 'value', 'default'], run.changed.map((cells) => ({cells})));
-  if (!run.changed.length) $('changed').parentElement.textContent = 'All options have their defaults.';
-  $('options').textContent = run.options;
   const stages = [['detection', 'detection'], ['search', 'search'], ['planning', 'motion planning'],
     ['beside_motion', 'beside motion'], ['motion', 'robot motion']];
   const longest = Math.max(...stages.map(([key]) => run.seconds[key]), 1e-9);
+  $('stages').replaceChildren();
   for (const [key, label] of stages) {
     const row = make('div', undefined, 'bar'), bar = make('i');
     bar.style.width = `${100 * run.seconds[key] / longest}%`;
@@ -181,6 +185,12 @@ function fillTables() {
   $('stages').append(make('p', 'Host seconds for which the arm waited; motion in robot seconds. What ran while the ' +
       'arm moved counts as beside motion.', 'hint'));
   $('costs').innerHTML = run.figure5;
+}
+
+function fillOptions() {
+  fillTable($('changed'), ['option', 'value', 'default'], run.changed.map((cells) => ({cells})));
+  if (!run.changed.length) $('changed').parentElement.textContent = 'All options have their defaults.';
+  $('options').textContent = run.options;
   $('footer').textContent = `stonestack ${run.version}. Catalogue ${run.catalogue}.`;
 }
 
@@ -194,12 +204,38 @@ function fillForces() {
   $('forces').title = `force at the wrist, up to ${largest.toFixed(0)} N`;
 }
 
-function start() {
+function fillAll() {
+  measureTime();
   fillHead();
   fillDecisions();
   fillTables();
   fillForces();
-  $('time').max = duration;
+}
+
+// Messages of the live view: what to append and what to replace, and at the end all that the report holds.
+let waiting = false;
+function update(data, whole) {
+  const atEnd = now >= duration - 1e-6, {samples: more, ...rest} = data;
+  if (whole) samples.length = 0;
+  addSamples(more);
+  for (const [name, value] of Object.entries(rest))
+    run[name] = !whole && ['views', 'towers', 'decisions', 'events'].includes(name) ? run[name].concat(value) : value;
+  if (scene && rest.robot_model) scene.setArm(rest.robot_model);
+  if (whole) run.live = false;
+  if (whole || atEnd) now = Infinity;
+  if (waiting) return;
+  waiting = true;  // what comes together is drawn together
+  setTimeout(() => {
+    waiting = false;
+    fillAll();
+    show(now);
+  });
+}
+
+function start() {
+  addSamples(run.samples);
+  fillAll();
+  fillOptions();
   try {
     scene = makeScene($('view'));
   } catch (problem) {
@@ -229,6 +265,7 @@ function start() {
     if (e.key === 'ArrowLeft') show(now - 1);
   });
   show(duration);
+  if (run.live) followLive({add: (data) => update(data, false), end: (data) => update(data, true)});
   document.documentElement.dataset.ready = 'true';
 }
 start();

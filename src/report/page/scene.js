@@ -202,7 +202,7 @@ function makeScene(element) {
   site.position.set(run.site[0], run.site[1], 0.0008);
   scene.add(site);
 
-  const arm = makeArm(run.robot_model);
+  let arm = makeArm(run.robot_model);
   scene.add(arm.base);
   const stones = run.stones.map(makeStone);
   stones.forEach((stone) => { stone.visible = false; scene.add(stone); });
@@ -278,5 +278,10 @@ function makeScene(element) {
   };
   window.addEventListener('resize', resize);
   resize();
-  return {arm, stones, layers, showDecision, showTower, render, element: renderer.domElement};
+  const setArm = (model) => {
+    scene.remove(arm.base);
+    arm = makeArm(model);
+    scene.add(arm.base);
+  };
+  return {get arm() { return arm; }, setArm, stones, layers, showDecision, showTower, render, element: renderer.domElement};
 }
