@@ -98,6 +98,10 @@ AssemblyCheck check_assembly(const AssemblyTask& task) {
   out.interfaces_given = !assembly.interfaces.empty();
   if (!out.interfaces_given) assembly.interfaces = find_interfaces(assembly.blocks);
   out.interfaces = static_cast<int>(assembly.interfaces.size());
+  if (out.interfaces == 0 && assembly.blocks.size() > 1)
+    throw FileError(
+        task.path, "no two blocks share a face, and the file names no interfaces",
+        "stones that touch in points are checked as a scene file, blocks with interfaces on edges");
   const AssemblyStatics statics = statics_of(assembly);
   out.balance = block_balance(statics.bodies, statics.contacts, task.friction,
                               {-std::sin(task.tilt), 0.0, -std::cos(task.tilt)});

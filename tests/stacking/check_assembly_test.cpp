@@ -133,6 +133,13 @@ TEST_F(CheckAssembly, NamesWhatIsWrongWithAFile) {
   EXPECT_NE(refused(document).find("points"), std::string::npos) << refused(document);
 }
 
+TEST_F(CheckAssembly, BlocksThatShareNoFaceAreRefused) {
+  json document = two_boxes();
+  for (auto& [key, vertex] : node(document, "1")["block"]["data"]["vertex"].items())
+    vertex["z"] = vertex["z"].get<double>() + 0.3;
+  EXPECT_NE(refused(document).find("no two blocks share a face"), std::string::npos) << refused(document);
+}
+
 TEST_F(CheckAssembly, RefusesAMillionBlocks) {
   std::string text = R"({"graph": {"node": {)";
   for (int i = 0; i < 1000000; ++i) text += (i == 0 ? "\"" : ",\"") + std::to_string(i) + "\":0";
