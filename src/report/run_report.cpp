@@ -15,8 +15,8 @@
 namespace stonestack::report {
 
 // Files of src/report/page and three.js, embedded by the build.
-extern const std::string_view kPageHtml, kPageCss, kSceneJs, kPageJs, kThreeJs, kLiveJs, kExperimentHtml,
-    kExperimentJs;
+extern const std::string_view kPageHtml, kPageCss, kElementsJs, kSceneJs, kPageJs, kThreeJs, kLiveJs,
+    kExperimentHtml, kExperimentJs;
 
 namespace {
 
@@ -178,15 +178,15 @@ std::string page_html(const std::string& title, const std::string& text, const s
   std::string page = page_head(title);
   page.append(kPageHtml).append("<noscript><pre>").append(escape(text)).append("</pre></noscript>\n");
   page += script(kThreeJs) + script("const run = " + within_script(data) + ";\n");
-  page += script(kSceneJs) + script(kLiveJs) + script(kPageJs);
+  page += script(kElementsJs) + script(kSceneJs) + script(kLiveJs) + script(kPageJs);
   return page + "</body>\n</html>\n";
 }
 
 std::string experiment_page(const std::string& data, const std::string& text) {
   std::string page = page_head("Experiment");
   page.append(kExperimentHtml).append("<noscript><pre>").append(escape(text)).append("</pre></noscript>\n");
-  page +=
-      script("const experiment = " + within_script(data) + ";\n") + script(kLiveJs) + script(kExperimentJs);
+  page += script("const experiment = " + within_script(data) + ";\n") + script(kElementsJs) +
+          script(kLiveJs) + script(kExperimentJs);
   return page + "</body>\n</html>\n";
 }
 

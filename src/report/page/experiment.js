@@ -1,14 +1,6 @@
 // The page of an experiment: heights, runs, costs. Uses `experiment`, its data.
 'use strict';
 
-const $ = (id) => document.getElementById(id);
-const make = (tag, text, name) => {
-  const element = document.createElement(tag);
-  if (text !== undefined) element.textContent = text;
-  if (name) element.className = name;
-  return element;
-};
-
 function fillHeights(data) {
   const most = Math.max(1, ...data.heights);
   $('stages').replaceChildren(...data.heights.map((count, height) => {

@@ -1,13 +1,6 @@
 // The page around the scene: tables, decisions, time.
 'use strict';
 
-const $ = (id) => document.getElementById(id);
-const make = (tag, text, name) => {
-  const element = document.createElement(tag);
-  if (text !== undefined) element.textContent = text;
-  if (name) element.className = name;
-  return element;
-};
 const fixed = (value, digits) => (value === null || value === undefined ? '' : value.toFixed(digits));
 const stoneName = (index) => run.stones[index].name;
 
