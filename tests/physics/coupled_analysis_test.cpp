@@ -163,7 +163,7 @@ TEST(CoupledAnalysis, RefusesImpossibleInput) {
   EXPECT_TRUE(CoupledSolver({}, {}).solve(0.5, -Vector::UnitZ()).stands);
 }
 
-/// Blocks a tenth as large, a metre above the world's table, for two seconds under a tilted gravity.
+/// Blocks a tenth as large, a metre above the world's table, for a second under a tilted gravity.
 bool stands_in_simulation(const BlockAssembly& assembly, double friction, double degrees) {
   WorldOptions options;
   options.friction = friction;
@@ -209,7 +209,7 @@ struct Sample {
 /// For A and H its example shows the force method only, which accepts them; for shelf-s1 to -s3 and the
 /// wedges type-a, -c and -d at rest nothing is published. Bullet agrees: the bars of A and H and the shelf's
 /// sliver fall.
-TEST(CoupledAnalysis, DecidesTheSamplesOfCraAsPublished) {
+TEST(CoupledAnalysis, DecidesTheSamplesOfCra) {
   const std::string folder = STONESTACK_SOURCE_DIR "/../shared/assemblies/cra/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const Sample samples[] = {{"A", "0,1", 0.84, 0.0, false},
