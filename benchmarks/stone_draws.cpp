@@ -31,6 +31,8 @@ std::vector<Stone> read_scans(const std::string& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (entry.path().extension() == ".obj") files.push_back(entry.path());
+  if (files.empty())
+    throw FileError(folder, "holds no OBJ file", "name the folder of the scans with --scans");
   std::sort(files.begin(), files.end());
   std::vector<Stone> stones;
   for (const auto& file : files) {

@@ -38,7 +38,8 @@ struct StonePool {
   std::vector<Stone> stones;
   ShapeList shapes, fine;
 };
-/// Throws FileError for a catalogue that cannot be read, InvalidArgument if nothing is left to draw from.
+/// Throws FileError for a catalogue that cannot be read and for a folder of scans without one,
+/// InvalidArgument if nothing is left to draw from.
 [[nodiscard]] std::vector<StonePool> read_pools(const PoolOptions& options);
 
 /// Draw k: `count` different stones, and how they lie before they are picked up.

@@ -60,6 +60,12 @@ TEST_F(BenchCommand, EveryBenchmarkReportsTablesAsData) {
   }
 }
 
+TEST_F(BenchCommand, AFolderWithoutScansIsNamed) {
+  const Outcome bench = run("search --draws 1 --generated 0 --paper 0 --scans .");
+  EXPECT_EQ(bench.code, 3);
+  EXPECT_THAT(bench.err, HasSubstr("holds no OBJ file"));
+}
+
 TEST_F(BenchCommand, EveryBenchmarkTakesJson) {
   const Outcome list = run("--help");
   std::istringstream lines(list.out.substr(list.out.find("Subcommands:")));
