@@ -18,6 +18,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/pose.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack {
 
@@ -51,7 +52,8 @@ inline std::string interrupted_at(const std::string& folder, const std::string& 
 class Commands : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::TempDir() + concat("commands_test_", ::getpid(), "_",
+    folder_ =
+        test::temporary_folder() + concat("commands_test_", ::getpid(), "_",
                                           testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder_);
   }

@@ -6,13 +6,14 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::core {
 namespace {
 
 TEST(DataPath, FindsWhatComesWithTheProjectAndPrefersTheGivenFolder) {
   EXPECT_TRUE(std::filesystem::exists(data_path("robots")));
-  const std::string folder = testing::TempDir() + "data_test";
+  const std::string folder = test::temporary_folder() + "data_test";
   write_file(folder + "/robots/own.urdf", "<robot/>");
   setenv("STONESTACK_DATA", folder.c_str(), 1);
   EXPECT_EQ(data_path("robots"), folder + "/robots");

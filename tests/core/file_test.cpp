@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "stonestack/core/error.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::core {
 namespace {
@@ -16,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST(File, WritesWholeAndMakesFolders) {
-  const fs::path folder = fs::path(testing::TempDir()) / "file_test" / "a";
+  const fs::path folder = fs::path(test::temporary_folder()) / "file_test" / "a";
   fs::remove_all(folder.parent_path());
   write_file((folder / "x.txt").string(), "one");
   write_file((folder / "x.txt").string(), "two");
@@ -58,7 +59,7 @@ TEST(File, WritesIntoADeviceAndLeavesItOne) {
 }
 
 TEST(File, RefusesBeforehandWhereNothingCanBeWritten) {
-  const fs::path folder = fs::path(testing::TempDir()) / "file_test_writable";
+  const fs::path folder = fs::path(test::temporary_folder()) / "file_test_writable";
   fs::remove_all(folder);
   write_file((folder / "taken").string(), "a file");
   EXPECT_EQ(problem_of(require_writable, folder / "new"), "");
@@ -76,7 +77,7 @@ TEST(File, RefusesBeforehandWhereNothingCanBeWritten) {
 }
 
 TEST(File, RefusesWhatIsTooLarge) {
-  const std::string path = testing::TempDir() + "file_test_large";
+  const std::string path = test::temporary_folder() + "file_test_large";
   write_file(path, "12345");
   EXPECT_THROW((void)read_file(path, 4), FileError);
   fs::remove(path);

@@ -7,6 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::core {
 namespace {
@@ -79,7 +80,7 @@ TEST(Options, AreForExpertsUnlessMarkedForUsers) {
 }
 
 TEST(Options, FileRoundTripAndUnknownKey) {
-  const std::string path = testing::TempDir() + "options_test.yaml";
+  const std::string path = test::temporary_folder() + "options_test.yaml";
   Sample written{0.35, 7, false, "paper"};
   write_file(path, write_fields(fields(written)));
   Sample read;
@@ -101,7 +102,7 @@ TEST(Options, FileRoundTripAndUnknownKey) {
 }
 
 TEST(Options, FileMayHoldWhatOthersKnow) {
-  const std::string path = testing::TempDir() + "options_others.yaml";
+  const std::string path = test::temporary_folder() + "options_others.yaml";
   Sample mine, other;
   const auto others = nest("other", fields(other));
   write_file(path, "friction: 0.3\nother:\n  friction: 0.4\n");

@@ -9,6 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::core {
 namespace {
@@ -90,7 +91,7 @@ TEST(Serial, TwoOwnersAreRefused) {
 TEST(Serial, NamesTheFaultOfThePath) {
   EXPECT_THAT([] { (void)SerialPort::open("/dev/ttyNothing", 115200); },
               ThrowsMessage<DeviceError>(HasSubstr("/dev/ttyNothing: cannot be opened")));
-  const std::string file = testing::TempDir() + "serial_test_file";
+  const std::string file = test::temporary_folder() + "serial_test_file";
   write_file(file, "x");
   EXPECT_THAT([&] { (void)SerialPort::open(file, 115200); },
               ThrowsMessage<DeviceError>(HasSubstr("is not a serial line")));
@@ -100,7 +101,7 @@ TEST(Serial, NamesTheFaultOfThePath) {
 }
 
 TEST(Serial, ALinkLivesAsLongAsTheTerminal) {
-  const std::string link = testing::TempDir() + "serial_test_link";
+  const std::string link = test::temporary_folder() + "serial_test_link";
   fs::remove(link);
   {
     PseudoTerminal device = PseudoTerminal::open(link);

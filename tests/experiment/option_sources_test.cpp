@@ -9,6 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::experiment {
 namespace {
@@ -26,7 +27,7 @@ class OptionSourcesTest : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  std::string folder_ = testing::TempDir() + concat("option_sources_", ::getpid());
+  std::string folder_ = test::temporary_folder() + concat("option_sources_", ::getpid());
   std::string file_ = folder_ + "/options.yaml";
   EveryOption every_;
   FieldList list_ = fields(every_);

@@ -13,6 +13,7 @@
 #include "geometry/mutations.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::geometry {
 namespace {
@@ -48,7 +49,7 @@ std::string problem(const std::string& extension, const std::string& content) {
 }
 
 std::string written(const Cloud& cloud, const std::string& name) {
-  const std::string path = testing::TempDir() + name;
+  const std::string path = test::temporary_folder() + name;
   write_cloud(path, cloud);
   const std::string content = read_file(path, 1 << 20);
   std::filesystem::remove(path);
@@ -82,7 +83,7 @@ std::string packed_points() {
 TEST(CloudFile, RoundTripsOrganisedWithNormalsAndGaps) {
   const Cloud cloud = organised_cloud();
   for (const char* name : {"cloud_file_test.ply", "cloud_file_test.pcd"}) {
-    const std::string path = testing::TempDir() + name;
+    const std::string path = test::temporary_folder() + name;
     write_cloud(path, cloud);
     const Cloud again = read_cloud(path);
     EXPECT_EQ(again.width, 4) << name;

@@ -9,6 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::geometry {
 namespace {
@@ -111,7 +112,7 @@ class DepthPng : public testing::Test {
     return "";
   }
 
-  std::string path_ = testing::TempDir() + "depth_png_test.png";
+  std::string path_ = test::temporary_folder() + "depth_png_test.png";
   DepthImage image_{small_camera(), std::vector<float>(48, 0.5F)};
 };
 

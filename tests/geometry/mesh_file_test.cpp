@@ -12,6 +12,7 @@
 #include "geometry/rough_stone.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::geometry {
 namespace {
@@ -65,7 +66,7 @@ std::string ascii_stl(const Mesh& mesh) {
 }
 
 std::string written(const Mesh& mesh, const std::string& name) {
-  const std::string path = testing::TempDir() + name;
+  const std::string path = test::temporary_folder() + name;
   write_mesh(path, mesh);
   const std::string content = read_file(path, 1 << 26);
   std::filesystem::remove(path);
@@ -75,7 +76,7 @@ std::string written(const Mesh& mesh, const std::string& name) {
 TEST(MeshFile, RoundTripsExactly) {
   const Mesh stone = make_rough_stone(1);
   for (const char* name : {"mesh_file_test.ply", "mesh_file_test.obj"}) {
-    const std::string path = testing::TempDir() + name;
+    const std::string path = test::temporary_folder() + name;
     write_mesh(path, stone);
     const Mesh again = read_mesh(path);
     EXPECT_EQ(again.vertices, stone.vertices) << name;

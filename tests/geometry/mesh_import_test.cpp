@@ -13,6 +13,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::geometry {
 namespace {
@@ -40,7 +41,7 @@ class MeshImportTest : public ::testing::Test {
     return "";
   }
 
-  fs::path folder_ = fs::path(::testing::TempDir()) / concat("import-", ::getpid());
+  fs::path folder_ = fs::path(test::temporary_folder()) / concat("import-", ::getpid());
 };
 
 const char* const kTetrahedron =

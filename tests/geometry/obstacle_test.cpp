@@ -7,6 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/geometry/mesh.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::geometry {
 namespace {
@@ -48,7 +49,7 @@ TEST(Obstacle, ReadsBoxesAndRoundShapes) {
 }
 
 TEST(Obstacle, ReadsAMeshBesideTheFile) {
-  const std::string folder = testing::TempDir() + "obstacle_mesh";
+  const std::string folder = test::temporary_folder() + "obstacle_mesh";
   std::filesystem::create_directories(folder);
   write_mesh(folder + "/stand.ply", make_box({0.1, 0.2, 0.3}));
   const auto list =

@@ -11,6 +11,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -21,7 +22,7 @@ using ::testing::Not;
 class CellEdit : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::TempDir() + "cell_edit_" +
+    folder_ = test::temporary_folder() + "cell_edit_" +
               testing::UnitTest::GetInstance()->current_test_info()->name() + "/";
     std::filesystem::create_directories(folder_);
     path_ = folder_ + "cell.yaml";
@@ -114,7 +115,7 @@ TEST_F(CellEdit, NamesTheFileOfTheCalibration) {
             "layout:  # lab\n  hand_eye: eye.yaml\n" + tip);
   EXPECT_EQ(named(folder_ + "eyes/my eye.yaml", "layout:\n  hand_eye: old.yaml  # mine\n" + tip),
             "layout:\n  hand_eye: 'eyes/my eye.yaml'  # mine\n" + tip);
-  const std::string outside = testing::TempDir() + "cell_edit_outside.yaml";
+  const std::string outside = test::temporary_folder() + "cell_edit_outside.yaml";
   EXPECT_THAT(named(outside, "robot: ur10\n"), HasSubstr("hand_eye: " + outside));
   std::filesystem::remove(outside);
   // Without a file the pose takes the place of the name; a cell that has the pose keeps it.

@@ -9,6 +9,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -32,7 +33,7 @@ class CellFile : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
-  std::string path_ = testing::TempDir() + "cell_file_" +
+  std::string path_ = test::temporary_folder() + "cell_file_" +
                       testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
 };
 
@@ -72,16 +73,16 @@ TEST_F(CellFile, TakesTheCameraInTheFlangeFromACalibration) {
   EasyHandEye calibration;
   calibration.T_A_C = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
   const std::string name = "cell_file_hand_eye.yaml";
-  write_easy_handeye(testing::TempDir() + name, calibration);
+  write_easy_handeye(test::temporary_folder() + name, calibration);
   const std::string beside = "layout:\n  hand_eye: " + name + "\n";
   const CellLayout layout = to_layout(read(beside));
   EXPECT_TRUE((layout.T_F_T * layout.T_T_C).isApprox(calibration.T_A_C, 1e-12));
   EXPECT_NEAR(layout.T_T_C.translation().z(), 0.08 - 0.264, 1e-12);
   const CellLayout longer =
-      to_layout(read("layout:\n  T_F_T: {z: 0.3}\n  hand_eye: " + testing::TempDir() + name + "\n"));
+      to_layout(read("layout:\n  T_F_T: {z: 0.3}\n  hand_eye: " + test::temporary_folder() + name + "\n"));
   EXPECT_NEAR(longer.T_T_C.translation().z(), 0.08 - 0.3, 1e-12);
   // as ROS' easy_handeye writes it
-  write_file(testing::TempDir() + name,
+  write_file(test::temporary_folder() + name,
              "parameters:\n  eye_on_hand: true\n  freehand_robot_movement: false\n"
              "  robot_base_frame: base_link\n  robot_effector_frame: tool0\n"
              "  tracking_base_frame: camera_depth_optical_frame\n  tracking_marker_frame: aruco\n"
@@ -94,9 +95,9 @@ TEST_F(CellFile, TakesTheCameraInTheFlangeFromACalibration) {
       << "also where the numbers are the default";
   EXPECT_THAT(problem_of("layout: {hand_eye: none.yaml}\n"), HasSubstr("none.yaml"));
   calibration.mount = CameraMount::kOnBase;
-  write_easy_handeye(testing::TempDir() + name, calibration);
+  write_easy_handeye(test::temporary_folder() + name, calibration);
   EXPECT_THAT(problem_of(beside), AllOf(HasSubstr(name), HasSubstr("beside the arm")));
-  std::filesystem::remove(testing::TempDir() + name);
+  std::filesystem::remove(test::temporary_folder() + name);
 }
 
 TEST_F(CellFile, RefusesWhatCannotBe) {
@@ -135,7 +136,7 @@ TEST_F(CellFile, NamesTheFileThatHasNoAddressOfTheArm) {
 }
 
 TEST_F(CellFile, NamesTheFileWhoseCameraLacksSettings) {
-  const std::string folder = testing::TempDir() + "cell_file_frames";
+  const std::string folder = test::temporary_folder() + "cell_file_frames";
   std::filesystem::create_directories(folder);
   write_file(folder + "/frames.z16", "not yet a frame");
   CellConfig cell = read("camera: {driver: recorded, recorded: {path: " + folder +

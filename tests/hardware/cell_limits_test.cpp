@@ -9,6 +9,7 @@
 #include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -33,7 +34,7 @@ class CellLimitsFile : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
-  std::string path_ = testing::TempDir() + "cell_limits_" +
+  std::string path_ = test::temporary_folder() + "cell_limits_" +
                       testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
 };
 

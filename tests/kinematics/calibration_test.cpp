@@ -12,6 +12,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::kinematics {
 namespace {
@@ -60,7 +61,7 @@ std::string yaml_of(const Table& table) {
 
 /// Reads a robot from a YAML of this text.
 RobotModel robot_of(const std::string& text) {
-  const std::string path = testing::TempDir() + "calibration_" +
+  const std::string path = test::temporary_folder() + "calibration_" +
                            testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml";
   write_file(path, text);
   try {

@@ -9,6 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::kinematics {
 namespace {
@@ -27,7 +28,7 @@ class HandEyeReports : public testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directories(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string folder_ = testing::TempDir() + concat("hand_eye_calibration_", ::getpid());
+  std::string folder_ = test::temporary_folder() + concat("hand_eye_calibration_", ::getpid());
 };
 
 TEST_F(HandEyeReports, GoodStationsGiveTheChosenMethodWithoutDoubt) {

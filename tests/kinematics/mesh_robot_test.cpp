@@ -8,6 +8,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "temporary_folder.hpp"
 
 /// URDFs whose collision shapes are meshes, as the vendors' are.
 namespace stonestack::kinematics {
@@ -31,7 +32,7 @@ Mesh mesh_of(const LinkCapsule& capsule, double scale) {
 class MeshRobot : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = fs::path(testing::TempDir()) /
+    root_ = fs::path(test::temporary_folder()) /
             concat("mesh_robot_", testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(root_);
     fs::create_directories(package() / "urdf");

@@ -10,6 +10,7 @@
 #include "core/constants.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::kinematics {
 namespace {
@@ -29,7 +30,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 /// Writes `text` to a file and returns read_robot's error; "read" when it was accepted.
 std::string answer(const std::string& text) {
   // Of this test alone: others run at the same time and remove theirs.
-  const std::string path = concat(testing::TempDir(), "robot_model_",
+  const std::string path = concat(test::temporary_folder(), "robot_model_",
                                   testing::UnitTest::GetInstance()->current_test_info()->name(), ".urdf");
   write_file(path, text);
   std::string message = "read";
@@ -98,7 +99,7 @@ TEST(RobotModel, UnknownNameListsTheKnownOnes) {
 }
 
 TEST(RobotModel, SearchesTheFolderOfTheEnvironmentFirst) {
-  const std::string folder = testing::TempDir() + "robot_model_data";
+  const std::string folder = test::temporary_folder() + "robot_model_data";
   write_file(folder + "/robots/mine.urdf", ur10_text());
   ASSERT_EQ(::setenv("STONESTACK_DATA", folder.c_str(), 1), 0);
   EXPECT_THAT(robot_names(), testing::ElementsAre("mine"));
@@ -117,7 +118,7 @@ TEST(RobotModel, TakesAnyAxisDirection) {
                   "<origin xyz=\"-0.612 0 0\" rpy=\"1.5707963267948966 0 0\"/>\n    <axis xyz=\"0 1 0\"/>");
   text = replaced(text, "<origin xyz=\"-0.5723 0 0.163941\" rpy=\"0 0 0\"/>",
                   "<origin xyz=\"-0.5723 0.163941 0\" rpy=\"-1.5707963267948966 0 0\"/>");
-  const std::string path = testing::TempDir() + "robot_model_axis.urdf";
+  const std::string path = test::temporary_folder() + "robot_model_axis.urdf";
   write_file(path, text);
   const RobotModel robot = read_robot(path);
   std::filesystem::remove(path);
@@ -219,7 +220,7 @@ TEST(RobotModel, ReportsThatTheWholeChainIsALoop) {
 }
 
 TEST(RobotModel, TheRobotOfAYamlIsSoughtBesideIt) {
-  const std::string folder = testing::TempDir() + "robot_model_beside";
+  const std::string folder = test::temporary_folder() + "robot_model_beside";
   write_file(folder + "/arms/mine.urdf", ur10_text());
   write_file(folder + "/cal/mine.yaml", "robot: ../arms/mine.urdf\npayload: 4\n");
   EXPECT_DOUBLE_EQ(read_robot(folder + "/cal/mine.yaml").payload, 4.0);
@@ -272,8 +273,8 @@ TEST(RobotModel, SurvivesTruncationAndNoise) {
 }
 
 TEST(RobotModel, ReadsTheYamlBesideAUrdf) {
-  const std::string path = testing::TempDir() + "robot_model_extra.urdf";
-  const std::string yaml = testing::TempDir() + "robot_model_extra.yaml";
+  const std::string path = test::temporary_folder() + "robot_model_extra.urdf";
+  const std::string yaml = test::temporary_folder() + "robot_model_extra.yaml";
   write_file(path, ur10_text());
   write_file(yaml, "payload: 7.5\nacceleration: 2\n");
   const RobotModel robot = read_robot(path);

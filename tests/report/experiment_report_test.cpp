@@ -9,6 +9,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -87,7 +88,8 @@ TEST(ExperimentReport, WrittenFilesAreReadBack) {
   experiment.new_stones_from = "rocks";
   experiment.runs[1].report.robot = "ur10";
   experiment.runs[1].report.version = "0.1.0 (767bf62a1)";  // an experiment may go on with another program
-  const std::string path = testing::TempDir() + "experiment_to_read.json", text = experiment_json(experiment);
+  const std::string path = test::temporary_folder() + "experiment_to_read.json",
+                    text = experiment_json(experiment);
   write_file(path, text);
   const Experiment same = read_experiment(path);
   EXPECT_EQ(to_nine_digits(nlohmann::json::parse(experiment_json(same))),
@@ -108,7 +110,7 @@ TEST(ExperimentReport, ARunSaysWhichCellItIsFrom) {
   EXPECT_EQ(cell["changes"], (nlohmann::json{"friction=0.2", "clearance=0.1"}));
   EXPECT_EQ(nlohmann::json::parse(text)["runs"][1]["cell"]["name"], "real");
   EXPECT_THAT(run_table(experiment.runs[0].report), HasSubstr("cell lab, but friction=0.2, clearance=0.1"));
-  const std::string path = testing::TempDir() + "experiment_in_a_lab.json";
+  const std::string path = test::temporary_folder() + "experiment_in_a_lab.json";
   write_file(path, text);
   const Experiment same = read_experiment(path);
   EXPECT_EQ(same.runs[0].report.cell, "lab");
@@ -117,7 +119,7 @@ TEST(ExperimentReport, ARunSaysWhichCellItIsFrom) {
 }
 
 TEST(ExperimentReport, ARecordThatIsBrokenIsRefused) {
-  const std::string path = testing::TempDir() + "broken_experiment.json";
+  const std::string path = test::temporary_folder() + "broken_experiment.json";
   const nlohmann::json whole = nlohmann::json::parse(experiment_json(sample()));
   const auto refused = [&](const nlohmann::json& broken, const std::string& part) {
     write_file(path, broken.dump());
@@ -212,7 +214,7 @@ TEST(ExperimentReport, ListsTowersOnWhichTheEnginesDisagree) {
   EXPECT_THAT(table, HasSubstr("engines disagree (they count as far as both let them stand): 1 of 1"));
   EXPECT_THAT(table, HasSubstr("run 1: bullet 2 of 2; ode 1 of 2 (stone b moved)"));
   EXPECT_EQ(judged_height(experiment.runs[0]), 1);
-  const std::string path = testing::TempDir() + "experiment_with_engines.json";
+  const std::string path = test::temporary_folder() + "experiment_with_engines.json";
   write_file(path, experiment_json(experiment));
   const Experiment same = read_experiment(path);
   EXPECT_EQ(experiment_table(same), table);

@@ -6,6 +6,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -47,7 +48,7 @@ TEST(Picture, IsDeterministicAndWritesAPng) {
   const DrawnMesh box{make_box({0.1, 0.1, 0.1}), make_pose({0.7, 0.28, 0.05}), {0.9, 0.5, 0.1}};
   const Picture a = draw({box}, small_view());
   EXPECT_EQ(a.rgb, draw({box}, small_view()).rgb);
-  const std::string path = testing::TempDir() + "picture_test.png";
+  const std::string path = test::temporary_folder() + "picture_test.png";
   write_png(path, a);
   const std::string bytes = read_file(path, 1 << 20);
   EXPECT_EQ(bytes.substr(1, 3), "PNG");

@@ -8,6 +8,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/stone/catalogue.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 /// With a scan error every run makes shapes of its own: two a run beside the six of the catalogue, so that
 /// the twelve that the library keeps are there after the third run. What grows later grows for ever.
 TEST(RecordExperiment, HoldsNoMoreMemoryAfterEightRunsThanAfterThree) {
-  const std::string folder = (std::filesystem::path(testing::TempDir()) / "memory_of_runs").string();
+  const std::string folder = (std::filesystem::path(test::temporary_folder()) / "memory_of_runs").string();
   std::filesystem::remove_all(folder);
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   ExperimentOrder order;

@@ -12,6 +12,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -22,7 +23,7 @@ using ::testing::HasSubstr;
 class RecordFolderTest : public testing::Test {
  protected:
   void SetUp() override {
-    root_ = testing::TempDir() + concat("record_folder_test_", ::getpid());
+    root_ = test::temporary_folder() + concat("record_folder_test_", ::getpid());
     fs::remove_all(root_);
     fs::create_directories(root_);
   }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::report {
 namespace {
@@ -31,7 +32,7 @@ Pose at(double x, double y, double z) {
 }
 
 std::string temporary(const std::string& name) {
-  return (std::filesystem::path(testing::TempDir()) / name).string();
+  return (std::filesystem::path(test::temporary_folder()) / name).string();
 }
 
 /// "a" is certain; "b" may be "a" as well, and a pose of its own fits as well.

@@ -8,6 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -41,7 +42,8 @@ json& node(json& document, const char* name) {
 class CheckAssembly : public testing::Test {
  protected:
   std::string write(const std::string& text) {
-    const std::string path = (std::filesystem::path(testing::TempDir()) / "check_assembly.json").string();
+    const std::string path =
+        (std::filesystem::path(test::temporary_folder()) / "check_assembly.json").string();
     std::ofstream(path) << text;
     return path;
   }

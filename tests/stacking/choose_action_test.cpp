@@ -10,6 +10,7 @@
 #include "stacking/state_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 /// Decisions without a cell: states that runs saved, and what is changed in them.
 namespace stonestack::stacking {
@@ -172,7 +173,7 @@ TEST(ChooseAction, RetriesFailedGraspsBeforeItStops) {
 TEST(StateFile, IsReadAsItWasWritten) {
   for (const char* name : {"place", "reorient", "clear_base", "unstack", "stop"}) {
     const State state = read(name);
-    const std::string path = testing::TempDir() + "state_again.json";
+    const std::string path = test::temporary_folder() + "state_again.json";
     write_state(path, state.world, state.memory, models(), state.options);
     const State again = read_state(path, limestones());
     ASSERT_EQ(again.world.stack.size(), state.world.stack.size());
@@ -196,7 +197,7 @@ TEST(StateFile, IsReadAsItWasWritten) {
 }
 
 TEST(StateFile, AFileThatIsNoStateIsRefusedByName) {
-  const std::string path = testing::TempDir() + "no_state.json";
+  const std::string path = test::temporary_folder() + "no_state.json";
   for (const char* text :
        {"", "{}", "[1]", R"({"schema": "stonestack.run/1"})", R"({"schema": "stonestack.state/1"})"}) {
     write_file(path, text);

@@ -10,6 +10,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "temporary_folder.hpp"
 
 /// Actions of the loop on a stone that came to lie against the base of its tower.
 namespace stonestack::stacking {
@@ -75,7 +76,7 @@ Pushed build_and_push(const char* name, const Eigen::Vector3d& from, double tilt
   BuildOptions options;
   options.search.horizon = 1;
   options.save_states = true;
-  hooks.states_folder = test::states_folder(testing::TempDir(), name);
+  hooks.states_folder = test::states_folder(test::temporary_folder(), name);
   options.search.friction = options.max_friction;
   Cell cell = world.cell();
   run.result = build_tower(cell, catalogue, robot, options, hooks);

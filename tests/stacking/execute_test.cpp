@@ -10,6 +10,7 @@
 #include "stacking/scripted_cell.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -29,7 +30,7 @@ TEST(Execute, DescendsUntilItTouchesAndLetsGo) {
 
 TEST(Execute, WritesWhereItTouched) {
   Bench bench;
-  const std::string path = testing::TempDir() + "touch.jsonl";
+  const std::string path = test::temporary_folder() + "touch.jsonl";
   std::filesystem::remove(path);
   Journal journal(path);
   JointTrajectory& descent = bench.plan.steps[2].trajectory;  // to 15 mm below where the arm will stand

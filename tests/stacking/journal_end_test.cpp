@@ -13,6 +13,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stacking {
 namespace {
@@ -53,7 +54,7 @@ EndedRun run_until(const std::function<MotionResult()>& ends, bool dead = false)
   arm.ends = ends;
   arm.dead = dead;
   Cell cell{arm, real.gripper, real.force_torque, real.camera, real.clock, real.layout};
-  const std::string path = testing::TempDir() + "journal_end_" +
+  const std::string path = test::temporary_folder() + "journal_end_" +
                            testing::UnitTest::GetInstance()->current_test_info()->name() + ".jsonl";
   std::filesystem::remove(path);
   EndedRun run;

@@ -6,12 +6,13 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stacking {
 namespace {
 
 TEST(Journal, AppendsNumbersAndSurvivesATornTail) {
-  const std::string path = testing::TempDir() + "journal_test.jsonl";
+  const std::string path = test::temporary_folder() + "journal_test.jsonl";
   std::filesystem::remove(path);
   {
     Journal journal(path);

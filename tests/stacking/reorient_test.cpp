@@ -10,6 +10,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
+#include "temporary_folder.hpp"
 
 /// Actions of the loop on a stone that lies on a side from which no grasp brings it to its place.
 namespace stonestack::stacking {
@@ -50,7 +51,7 @@ TEST(Reorient, AStoneThatLiesOnTheWrongSideIsReorientedAndPlaced) {
   options.max_friction = 0.475;
   options.save_states = true;
   BuildHooks hooks;
-  hooks.states_folder = test::states_folder(testing::TempDir(), "reorient");
+  hooks.states_folder = test::states_folder(test::temporary_folder(), "reorient");
   Cell cell = world.cell();
   const RunResult result = build_tower(cell, catalogue, robot, options, hooks);
   const std::string message = test::words(result.events, catalogue);

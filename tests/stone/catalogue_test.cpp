@@ -10,6 +10,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/mesh.hpp"
 #include "stonestack/stone/model_stone.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stone {
 namespace {
@@ -22,7 +23,8 @@ using ::testing::HasSubstr;
 class CatalogueTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = testing::TempDir() + concat("catalogue_test_", ::getpid(), "_",
+    folder_ =
+        test::temporary_folder() + concat("catalogue_test_", ::getpid(), "_",
                                           testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     write_stone(folder_, box_);

@@ -7,6 +7,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
 #include "stonestack/geometry/mesh.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stone {
 namespace {
@@ -100,7 +101,7 @@ TEST(RepairMesh, WrapsTwoBodiesThatShareAnEdgeOrCutThroughEachOther) {
 TEST(RepairMesh, SplitsAnEdgeOfFourFacesForGood) {
   const Mesh scan = joined({make_box({0.1, 0.1, 0.1}), moved(make_box({0.1, 0.1, 0.1}), {0.1, 0.1, 0.0}),
                             moved(make_box({0.1, 0.1, 0.1}), {0.0, 0.1, 0.1})});
-  const std::string path = testing::TempDir() + "repair_mesh_test.ply";
+  const std::string path = test::temporary_folder() + "repair_mesh_test.ply";
   write_mesh(path, repair_mesh(read_mesh((write_mesh(path, scan), path)), "boxes").mesh);
   EXPECT_TRUE(is_closed(read_mesh(path)));
 }

@@ -5,6 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stone {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string problem_of(const std::string& text) {
-  const std::string path = testing::TempDir() + "scene_file_test.yaml";
+  const std::string path = test::temporary_folder() + "scene_file_test.yaml";
   write_file(path, text);
   try {
     (void)read_scene_file(path);
@@ -32,13 +33,13 @@ TEST(SceneFile, RoundTrip) {
   scene.depth_unit = 0.000125;
   scene.stack = {{"a", make_pose({0.7, 0.28, 0.05})}};
   scene.stones = {{"b", make_pose({0.6, -0.2, 0.04}, {0.5, 0.5, 0.5, 0.5})}};
-  const std::string path = testing::TempDir() + "scene_file_round_trip.yaml";
+  const std::string path = test::temporary_folder() + "scene_file_round_trip.yaml";
   write_scene_file(path, scene);
   const SceneFile read = read_scene_file(path);
   EXPECT_EQ(read.camera->k[4], -0.1124);
   EXPECT_EQ(read.camera->distortion, scene.camera->distortion);
   EXPECT_LT(difference(*read.T_W_C, *scene.T_W_C).translation, 1e-9);
-  EXPECT_EQ(read.depth_file, testing::TempDir() + "depth.png");
+  EXPECT_EQ(read.depth_file, test::temporary_folder() + "depth.png");
   ASSERT_EQ(read.stack.size(), 1u);
   ASSERT_EQ(read.stones.size(), 1u);
   EXPECT_EQ(read.stones[0].stone, "b");
@@ -46,7 +47,7 @@ TEST(SceneFile, RoundTrip) {
 }
 
 TEST(SceneFile, ReadsObstacles) {
-  const std::string path = testing::TempDir() + "scene_file_obstacles.yaml";
+  const std::string path = test::temporary_folder() + "scene_file_obstacles.yaml";
   write_file(path,
              "schema: stonestack.scene/1\nobstacles:\n  - name: wall\n    box: {x: 0.1, y: 1, z: 1}\n"
              "    T_W_O: {x: 0.4, y: 0, z: 0.5, qx: 0, qy: 0, qz: 0, qw: 1}\n");
@@ -76,7 +77,7 @@ TEST(SceneFile, RefusesWithFileKeyAndRemedy) {
 }
 
 TEST(SceneFile, ACloudIsNoSceneFile) {
-  const std::string path = testing::TempDir() + "no_scene.ply";
+  const std::string path = test::temporary_folder() + "no_scene.ply";
   write_file(path, "ply\n");
   try {
     (void)read_scene_file(path);

@@ -7,6 +7,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::stone {
 namespace {
@@ -22,7 +23,8 @@ TEST(SceneViewText, NumbersAreCountedAndFinite) {
 TEST(SceneViewText, APoseIsWrittenOutOrThatOfASceneFile) {
   EXPECT_EQ(parse_pose("1,2,3,1,0,0,0").translation(), Eigen::Vector3d(1, 2, 3));
   EXPECT_THROW((void)parse_pose("1,2,3,1,1,0,0"), InvalidArgument);  // no unit quaternion
-  const std::string path = (std::filesystem::path(testing::TempDir()) / "scene_view_test.yaml").string();
+  const std::string path =
+      (std::filesystem::path(test::temporary_folder()) / "scene_view_test.yaml").string();
   SceneFile scene;
   write_scene_file(path, scene);
   EXPECT_THROW((void)parse_pose(path), FileError);  // no T_W_C
@@ -32,7 +34,8 @@ TEST(SceneViewText, APoseIsWrittenOutOrThatOfASceneFile) {
 }
 
 TEST(SceneView, RefusesSettingsThatTheFileHasNoUseFor) {
-  const std::string path = (std::filesystem::path(testing::TempDir()) / "scene_view_empty.yaml").string();
+  const std::string path =
+      (std::filesystem::path(test::temporary_folder()) / "scene_view_empty.yaml").string();
   write_scene_file(path, SceneFile{});
   EXPECT_THROW((void)read_view(path, ""), FileError);  // neither depth nor cloud
   DepthInput with_units;

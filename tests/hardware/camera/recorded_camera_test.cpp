@@ -8,6 +8,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/geometry/cloud.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -19,7 +20,7 @@ using testing::ThrowsMessage;
 class Recorded : public testing::Test {
  protected:
   fs::path folder =
-      fs::path(testing::TempDir()) /
+      fs::path(test::temporary_folder()) /
       (std::string("recorded_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   RecordedCameraOptions options;
 

@@ -13,6 +13,7 @@
 #include "hardware/camera/v4l2_calls.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
+#include "temporary_folder.hpp"
 
 namespace stonestack::hardware {
 namespace {
@@ -202,7 +203,7 @@ TEST(V4l2Camera, TimeStampsOfAnotherClockAreRefused) {
 // As they came: padding, a damaged one, a short one, one from before the call. The recording gives what the
 // device gave, and the one from before, for nobody waits any more.
 TEST(V4l2Camera, RecordingsPlayThroughTheSameDecoder) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "v4l2_recording";
+  const auto folder = std::filesystem::path(test::temporary_folder()) / "v4l2_recording";
   std::filesystem::remove_all(folder);
   Bench bench;
   bench.options.record = folder.string();
