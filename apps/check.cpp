@@ -59,7 +59,7 @@ void check(CheckCommand& command) {
   }
   const StandVerdict& verdict = found.verdict;
   if (!verdict.stands) throw Error("the stack does not stand: " + verdict.reason, ExitCode::kNoStablePose);
-  if (!verdict.clean)
+  if (!verdict.clean && !found.wall)
     throw Error("the stack stands, but not cleanly: " + verdict.reason, ExitCode::kNoStablePose);
   if (!found.balance.stands)
     throw Error("the stack stands in simulation, but no motion of its stones produces forces that hold it",
@@ -72,7 +72,7 @@ void add_check(CLI::App& app) {
   const auto [sub, command] =
       add_subcommand<CheckCommand>(app, "check", "Does a stack or an assembly stand, and how firmly?", check);
   sub.add_option("TOWER", command.input,
-                 "Scene file with a stack, from the table up, or an assembly of COMPAS (JSON)")
+                 "Scene file with a stack, from the table up, or a wall; or an assembly of COMPAS (JSON)")
       ->required();
   sub.add_option("--friction", command.friction,
                  "Friction coefficient of all contacts [0.1 for stones, 0.84 for an assembly]")
@@ -93,7 +93,9 @@ void add_check(CLI::App& app) {
       "  stonestack check tower.yaml --friction 0.3\n"
       "  stonestack check shelf.json --supports 0 --friction 0.9 --picture shelf.png\n"
       "A stack stands if within the time no stone shifts by 1 mm or turns by 1 deg, and is clean if stone i\n"
-      "touches stones i-1 and i+1 only (counted from 0, which lies on the table). An assembly stands if "
+      "touches stones i-1 and i+1 only (counted from 0, which lies on the table); in a wall stones may "
+      "touch\n"
+      "any others. An assembly stands if "
       "coupled\n"
       "rigid-block analysis finds forces that small motions of the blocks produce. Exit code 5: it does "
       "not.\n"

@@ -25,7 +25,14 @@ struct SearchCommand {
 /// Refuses what can be refused before stones are read, which takes seconds.
 void check(const SearchCommand& command) {
   const SceneSearchTask& task = command.task;
-  require(command.trace.empty() || task.levels == 1, "--trace shows one level; give --levels 1");
+  require(command.trace.empty() || (task.levels == 1 && task.wall.empty()),
+          "--trace shows one level; give --levels 1");
+  if (!task.wall.empty()) {
+    (void)read_wall_target(task.wall);
+    require(task.search.method == "default" && task.levels == 1,
+            "--wall goes with neither --levels nor --method paper");
+    require(task.robot.empty(), "--wall does not ask the arm yet; leave out --robot");
+  }
   if (!task.scene.empty()) require_readable(task.scene);
   if (!task.robot.empty()) (void)read_robot(task.robot);
   for (const std::string& path : {command.out, command.picture})
@@ -51,7 +58,7 @@ void write_outputs(const SearchCommand& command, const SceneSearch& found) {
     log_info(concat("wrote ", path, ": ", found.trace->size(), " candidates"));
   }
   if (!command.out.empty()) {
-    write_scene_file(command.out, scene_of(tower, found.catalogue));
+    write_scene_file(command.out, scene_of(found));
     log_info("wrote " + command.out);
   }
   if (!command.picture.empty()) {
@@ -82,7 +89,9 @@ void search(SearchCommand& command) {
   if (!found.repeatable)
     log_info(concat("the clock may have ended it (--budget ", task.search.budget,
                     "): another run may find something else"));
-  if (static_cast<int>(levels) < task.levels)
+  if (found.wall && !found.reason.empty())
+    log_warning(concat(levels, " of ", found.wall->metrics.asked, " stones: ", found.reason));
+  if (!found.wall && static_cast<int>(levels) < task.levels)
     log_warning(concat(levels, " of ", task.levels, " levels: ", found.reason));
 }
 
@@ -100,7 +109,10 @@ void add_search(CLI::App& app) {
   register_depth_input(sub, task.depth);
   sub.add_flag("--world", task.world, "The cloud is in the world frame (z up, table at z = 0)");
   sub.add_option("--stones", task.stones,
-                 "Stones to plan with when there is no scene, by name, comma-separated");
+                 "Stones to plan with when there is no scene: names, comma-separated, or all");
+  sub.add_option(
+      "--wall", task.wall,
+      "Plan a wall: stones a course (4+3+2+1), metres x courses (0.8x3), or a target file (.yaml)");
   sub.add_option(
       "--site", task.site,
       "Where the tower stands, x,y in metres (default: the cell's site; for a cloud alone where one "
@@ -135,6 +147,7 @@ void add_search(CLI::App& app) {
       "  stonestack search scene.ply --camera-pose 0.7,-0.18,0.7,1,0,0,0 --json\n"
       "  stonestack search scene.yaml --site 0.7,0.28 --method paper\n"
       "  stonestack search scene.yaml --robot ur10 --json > next.json    # for stonestack plan --search\n"
+      "  stonestack search --stones all --wall 3+2 --friction 0.3 --picture wall.png --out wall.yaml\n"
       "  stonestack search scene.ply                # a cloud alone: on the tower in view, or the best "
       "place\n"
       "A cloud without --camera-pose is taken as in the camera's frame, and the table that is seen becomes z "

@@ -13,6 +13,7 @@
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"

@@ -42,7 +42,7 @@ SettleResult settle(const ShapeList& shapes, const Stack& stack, StoneIndex ston
     const Twist twist = world.twist(body);
     result.travel = (world.pose(body) * shape->mass.p_O_M - start).norm();
     if (result.travel > options.max_travel) result.reason = concat("travelled ", result.travel, " m");
-    if (result.reason.empty()) result.reason = wrong_touch(contacts, body, body - 1);
+    if (result.reason.empty() && !options.any_support) result.reason = wrong_touch(contacts, body, body - 1);
     const bool slow = twist.v.norm() + shape->radius * twist.w.norm() < options.calm_speed;
     const auto touches = [&](const Contact& c) { return c.above == body; };
     if (!slow || std::none_of(contacts.begin(), contacts.end(), touches)) {

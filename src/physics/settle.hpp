@@ -12,11 +12,12 @@ struct SettleOptions {
   double max_travel = 0.03;   ///< further is a fall, the trial ends early [m]
   double calm_speed = 0.001;  ///< of the centre of mass plus radius times turning [m/s]
   int calm_samples = 8;       ///< samples in a row (4 steps apart) below the calm speed end the trial
+  bool any_support = false;   ///< it may rest on any stones and the table, not on the top stone alone
   bool fixed_stack = true;    ///< the stack does not move while the new stone settles
   Eigen::Vector3d com_error_O = Eigen::Vector3d::Zero();  ///< of the new stone [m]: see StandOptions
 };
 struct SettleResult {
-  bool rests = false;  ///< calm, touching only the top stone (or the table for an empty stack)
+  bool rests = false;  ///< calm, touching what it may: the top stone (or the table for an empty stack)
   Pose T_W_O = Pose::Identity();
   std::vector<Contact>
       contacts;  ///< of the new stone, collected over the calm steps; index `above` is the new stone

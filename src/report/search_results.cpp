@@ -31,6 +31,42 @@ json list_of(const Catalogue& catalogue, const std::vector<PlacedStone>& stones)
   return list;
 }
 
+/// Figures of a wall, and of each stone its course and what it rests on (indices into "placements").
+json wall_json(const WallPlan& plan) {
+  const WallMetrics& m = plan.metrics;
+  json stones = json::array();
+  for (const WallPlacement& next : plan.placements)
+    stones.push_back({{"course", next.course}, {"supports", next.supports}});
+  return {{"stones", stones},
+          {"placed", m.placed},
+          {"asked", m.asked},
+          {"length_m", m.length},
+          {"height_m", m.height},
+          {"width_m", m.width},
+          {"fill", m.fill},
+          {"face", m.face},
+          {"joints", m.joints},
+          {"open_joints", m.open_joints},
+          {"flatness_m", m.flatness},
+          {"margin_g", m.margin},
+          {"candidates", plan.candidates},
+          {"seconds", plan.seconds}};
+}
+
+std::string wall_text(const WallPlan& plan) {
+  const WallMetrics& m = plan.metrics;
+  std::string text = format("wall   %d", m.placed);
+  if (m.asked > 0) text += format(" of %d", m.asked);
+  return text +
+         format(
+             " stones, %.2f m long, %.2f m high, %.2f m wide; bears %.3f g sideways\n"
+             "       %.0f %% of its volume and %.0f %% of its face are stone; tops of a course %.0f mm "
+             "about their mean\n"
+             "       %d of %d joints run through two courses; planned in %.1f s a stone\n",
+             m.length, m.height, m.width, m.margin, 1e2 * m.fill, 1e2 * m.face, 1e3 * m.flatness,
+             m.open_joints, m.joints, plan.seconds / std::max(1, m.placed));
+}
+
 json frame_json(const SearchStart& start) {
   json frame = {{"defined_by", start.frame}, {"text", start.frame_text}, {"T_W_C", nullptr}};
   if (start.T_W_C) frame["T_W_C"] = pose_json(*start.T_W_C);
@@ -99,17 +135,19 @@ std::string next_command(const SceneSearch& found, const SceneSearchTask& task, 
 std::string search_json(const SceneSearch& found, int seed, const std::string& next) {
   const SearchProblem& problem = found.start.problem;
   const Catalogue& catalogue = found.catalogue;
-  return document({{"schema", "stonestack.search/1"},
-                   {"frame", frame_json(found.start)},
-                   {"site", {{"x", problem.site.x()}, {"y", problem.site.y()}}},
-                   {"placements", list_of(catalogue, found.placements)},
-                   {"alternatives", list_of(catalogue, found.alternatives)},
-                   {"stack", list_of(catalogue, problem.stack.stones)},
-                   {"loose", list_of(catalogue, problem.available)},
-                   {"next", next},
-                   {"reason", found.reason},
-                   {"repeatable", found.repeatable},
-                   {"seed", seed}});
+  json result = {{"schema", "stonestack.search/1"},
+                 {"frame", frame_json(found.start)},
+                 {"site", {{"x", problem.site.x()}, {"y", problem.site.y()}}},
+                 {"placements", list_of(catalogue, found.placements)},
+                 {"alternatives", list_of(catalogue, found.alternatives)},
+                 {"stack", list_of(catalogue, problem.stack.stones)},
+                 {"loose", list_of(catalogue, problem.available)},
+                 {"next", next},
+                 {"reason", found.reason},
+                 {"repeatable", found.repeatable},
+                 {"seed", seed}};
+  if (found.wall) result["wall"] = wall_json(*found.wall);
+  return document(result);
 }
 
 std::string search_text(const SceneSearch& found, const std::string& next) {
@@ -130,6 +168,7 @@ std::string search_text(const SceneSearch& found, const std::string& next) {
         format("%-20s %8.3f %6.2f %10.2f   %7.4f %7.4f %7.4f\n", name_of(found.catalogue, p.stone).c_str(),
                p.cost, p.predicted_success, 1e4 * p.support.area, t.x(), t.y(), t.z());
   }
+  if (found.wall) text += wall_text(*found.wall);
   return next.empty() ? text : text + "next   " + next + "\n";
 }
 
@@ -147,10 +186,10 @@ std::vector<PlacedStone> planned_tower(const SceneSearch& found) {
   return tower;
 }
 
-SceneFile scene_of(const std::vector<PlacedStone>& tower, const Catalogue& catalogue) {
+SceneFile scene_of(const SceneSearch& found) {
   SceneFile scene;
-  for (const PlacedStone& placed : tower)
-    scene.stack.push_back({name_of(catalogue, placed.stone), placed.T_W_O});
+  for (const PlacedStone& placed : planned_tower(found))
+    (found.wall ? scene.wall : scene.stack).push_back({name_of(found.catalogue, placed.stone), placed.T_W_O});
   return scene;
 }
 

@@ -33,6 +33,7 @@ std::string tower_json(const TowerCheck& check, const Catalogue& catalogue) {
                         {"friction", check.friction},
                         {"seconds", check.seconds},
                         {"stands", check.verdict.stands},
+                        {"wall", check.wall},
                         {"clean", check.verdict.clean},
                         {"standing", check.verdict.standing},
                         {"shift_m", check.verdict.shift},
@@ -63,9 +64,13 @@ std::string tower_text(const TowerCheck& check, const Catalogue& catalogue) {
   const StandVerdict& verdict = check.verdict;
   const Equilibrium& e = check.equilibrium;
   std::string text = format("simulation   %s, %s; moved %.3f mm and turned %.3f deg in %g s at friction %g\n",
-                            verdict.stands ? "stands" : "falls", verdict.clean ? "clean" : "not clean",
+                            verdict.stands ? "stands" : "falls",
+                            check.wall      ? "a wall"
+                            : verdict.clean ? "clean"
+                                            : "not clean",
                             1e3 * verdict.shift, verdict.turn * 180 / M_PI, check.seconds, check.friction);
-  if (!verdict.reason.empty()) text += "             " + verdict.reason + "\n";
+  if (!verdict.reason.empty() && !(check.wall && verdict.stands))
+    text += "             " + verdict.reason + "\n";
   text += e.stands ? format(
                          "equilibrium  holds; bears %.3f g sideways, least when pushed towards %.0f deg (x "
                          "is 0, y is 90)\n",

@@ -11,6 +11,7 @@ struct SearchContext {
   std::vector<StoneGeometry> geometry;  ///< one for each shape
   Stack stack;                          ///< as it stands after a check, perhaps a little moved
   std::vector<PlacedStone> available;   ///< without the stones of the stack
+  bool tower = true;  ///< a stone touches those next to it in the stack alone; false: a wall
   Stopwatch watch;
   std::function<void(const std::string&)> report;
 

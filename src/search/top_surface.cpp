@@ -86,25 +86,29 @@ Pose stone_pose(const BodyPose& body) {
   return T_W_O;
 }
 
-TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid, double clean_height) {
+TopSurface top_surface(std::span<const BodyPose> may_touch, std::span<const BodyPose> kept_clear,
+                       const SurfaceGrid& grid, double clean_height) {
   TopSurface surface{HeightRaster(grid.centre, grid.cell, grid.half), {}};
   std::vector<float>& z = surface.heights.z;
-  if (stack.empty()) {
-    std::fill(z.begin(), z.end(), 0.0F);
-    surface.may_touch.assign(z.size(), 1);
-    return surface;
-  }
-  raise_by(surface.heights, stack.back());
+  for (const BodyPose& body : may_touch) raise_by(surface.heights, body);
   HeightRaster rest(grid.centre, grid.cell, grid.half);
   std::fill(rest.z.begin(), rest.z.end(), 0.0F);
-  for (const BodyPose& body : stack.first(stack.size() - 1)) raise_by(rest, body);
+  for (const BodyPose& body : kept_clear) raise_by(rest, body);
   surface.may_touch.resize(z.size());
   for (std::size_t k = 0; k < z.size(); ++k) {
-    const float kept_clear = rest.z[k] + static_cast<float>(clean_height);
-    surface.may_touch[k] = z[k] >= kept_clear ? 1 : 0;
-    z[k] = std::max(z[k], kept_clear);
+    const float clear = rest.z[k] + static_cast<float>(clean_height);
+    surface.may_touch[k] = z[k] >= clear ? 1 : 0;
+    z[k] = std::max(z[k], clear);
   }
   return surface;
+}
+
+TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid, double clean_height) {
+  if (!stack.empty()) return top_surface(stack.last(1), stack.first(stack.size() - 1), grid, clean_height);
+  TopSurface table{HeightRaster(grid.centre, grid.cell, grid.half), {}};
+  std::fill(table.heights.z.begin(), table.heights.z.end(), 0.0F);
+  table.may_touch.assign(table.heights.z.size(), 1);
+  return table;
 }
 
 std::vector<Rest> rests_of(const ShapeList& shapes, const Stack& stack) {

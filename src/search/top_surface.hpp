@@ -33,6 +33,10 @@ struct SurfaceGrid {
   double cell = 0.004;
   int half = 50;
 };
+/// The top of bodies that may be touched, among others and a table that are raised by `clean_height`.
+[[nodiscard]] TopSurface top_surface(std::span<const BodyPose> may_touch,
+                                     std::span<const BodyPose> kept_clear, const SurfaceGrid& grid,
+                                     double clean_height);
 /// The top of a stack, bottom first: only the last stone may be touched, the rest and the table are raised by
 /// `clean_height`. An empty stack is the table, which may be touched.
 [[nodiscard]] TopSurface top_surface(std::span<const BodyPose> stack, const SurfaceGrid& grid,

@@ -39,6 +39,7 @@ SettleResult lowered(const SearchContext& context, const Stack& below, StoneInde
   SettleOptions options;
   options.world.friction = context.options->friction;
   options.com_error_O = com_error_O;
+  options.any_support = !context.tower;
   return settle(context.shapes(), below, stone, lifted(context, below, stone, T_W_O), options);
 }
 
@@ -105,7 +106,7 @@ bool stands(const SearchContext& context, const Stack& stack, int k) {
   for (const PlacedStone& placed : stack.stones)
     stand.com_error_O.push_back(com_error(context, placed.stone, k));
   const StandVerdict verdict = judge_stack(context.shapes(), stack, stand);
-  return verdict.stands && verdict.clean;
+  return verdict.stands && (verdict.clean || !context.tower);
 }
 
 /// A world in which the stack falls without the new stone carries no information about this placement: the
@@ -157,7 +158,8 @@ Trial judged_trial(const SearchContext& context, const Stack& below, Trial trial
       judge_stack(context.shapes(), with(below, trial.stone, trial.placement.T_W_O), stand);
   if (!verdict.stands)
     return dropped(std::move(trial), "the stack does not stand for the time of the verdict");
-  if (!verdict.clean) return dropped(std::move(trial), "a stone touches more than the one below it");
+  if (!verdict.clean && context.tower)
+    return dropped(std::move(trial), "a stone touches more than the one below it");
   return trial;
 }
 

@@ -15,11 +15,13 @@ constexpr double kOverlap = 0.002;
 constexpr int kConeEdges = 64;  // of a friction cone; the search makes do with 8, 8 % on the safe side
 constexpr int kDirections = 16;
 
-Stack read_stack(const std::string& path, const Catalogue& catalogue) {
-  const SceneFile scene = read_scene_file(path);
-  if (scene.stack.empty()) throw FileError(path, "has no stack", "list its stones from the table up");
+/// The stack of a scene, or its wall.
+Stack read_stack(const std::string& path, const SceneFile& scene, const Catalogue& catalogue) {
+  if (scene.stack.empty() && scene.wall.empty())
+    throw FileError(path, "has no stack and no wall", "list its stones from the table up");
   Stack stack;
-  for (const NamedPose& item : scene.stack) stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
+  for (const NamedPose& item : scene.stack.empty() ? scene.wall : scene.stack)
+    stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
   return stack;
 }
 
@@ -64,7 +66,9 @@ TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue
   TowerCheck check;
   check.friction = friction;
   check.seconds = seconds;
-  check.stack = read_stack(scene_path, catalogue);
+  const SceneFile scene = read_scene_file(scene_path);
+  check.wall = scene.stack.empty();
+  check.stack = read_stack(scene_path, scene, catalogue);
   const ShapeList shapes = shapes_of(check.stack, catalogue);
   refuse_impossible(scene_path, shapes, check.stack);
   StandOptions stand;

@@ -64,6 +64,12 @@ void ask_the_arm(const SceneSearchTask& task, const Catalogue& catalogue, Search
 
 void find(const SceneSearchTask& task, const SearchProblem& problem,
           const std::function<void(const std::string&)>& report, SceneSearch& found) {
+  if (!task.wall.empty()) {
+    found.wall = plan_wall(problem, read_wall_target(task.wall), task.search, report);
+    for (const WallPlacement& next : found.wall->placements) found.placements.push_back(next.placement);
+    found.reason = found.wall->reason;
+    return;
+  }
   if (task.levels > 1) {
     TowerPlan tower = plan_tower(problem, task.levels, task.search, report);
     found.placements = std::move(tower.placements);

@@ -55,10 +55,14 @@ void add_shapes(const Catalogue& catalogue, SearchStart& start) {
 }
 
 SearchStart start_from_names(const SceneSearchTask& input, const Catalogue& catalogue) {
-  require(!input.stones.empty(), "no scene and no stones; give SCENE or --stones a,b,c");
+  require(!input.stones.empty(), "no scene and no stones; give SCENE, --stones a,b,c or --stones all");
   SearchStart start;
-  for (const auto& name : split_list(input.stones))
-    start.problem.available.push_back({catalogue.index(name), Pose::Identity()});
+  if (input.stones == "all")
+    for (std::size_t i = 0; i < catalogue.stones.size(); ++i)
+      start.problem.available.push_back({StoneIndex(i), Pose::Identity()});
+  else
+    for (const auto& name : split_list(input.stones))
+      start.problem.available.push_back({catalogue.index(name), Pose::Identity()});
   start.frame = "cell", start.frame_text = "the cell's world: z up, table at z = 0";
   add_shapes(catalogue, start);
   return start;
@@ -72,6 +76,9 @@ std::optional<SearchStart> start_from_poses(const SceneSearchTask& input, const 
     start.problem.stack.stones.push_back({catalogue.index(item.stone), item.T_W_O});
   for (const auto& item : scene.stones)
     start.problem.available.push_back({catalogue.index(item.stone), item.T_W_O});
+  if (!scene.wall.empty())
+    throw FileError(input.scene, "holds a wall, and a search goes on from a tower",
+                    "check it: stonestack check");
   if (start.problem.stack.stones.empty() && start.problem.available.empty()) {
     if (scene.depth_file.empty() && scene.cloud_file.empty())
       throw FileError(input.scene, "has no stones, no depth and no cloud",

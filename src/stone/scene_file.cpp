@@ -112,6 +112,9 @@ SceneFile read_scene_file(const std::string& path) {
   }
   if (map.has("cloud")) scene.cloud_file = beside(path, map.text("cloud"));
   scene.stack = read_stones(map, "stack");
+  scene.wall = read_stones(map, "wall");
+  if (!scene.stack.empty() && !scene.wall.empty())
+    map.fail("wall", "is given beside a stack", "give one of them");
   scene.stones = read_stones(map, "stones");
   if (map.has("obstacles"))
     scene.obstacles = parse_obstacles(YAML::Dump(map.node("obstacles")), path, "obstacles");
@@ -131,7 +134,8 @@ void write_scene_file(const std::string& path, const SceneFile& scene) {
   if (!scene.depth_file.empty())
     text += concat("depth: {file: ", scene.depth_file, ", unit: ", scene.depth_unit, "}\n");
   if (!scene.cloud_file.empty()) text += concat("cloud: ", scene.cloud_file, "\n");
-  text += write_stones("stack", scene, scene.stack) + write_stones("stones", scene, scene.stones);
+  text += write_stones("stack", scene, scene.stack) + write_stones("wall", scene, scene.wall) +
+          write_stones("stones", scene, scene.stones);
   write_file(path, text);
 }
 

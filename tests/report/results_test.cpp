@@ -148,7 +148,7 @@ TEST(SearchResults, ThePlannedTowerIsTheStackWithThePlacementsOnIt) {
   const SceneSearch found = found_in_view();
   const auto tower = planned_tower(found);
   ASSERT_EQ(tower.size(), 2U);
-  const SceneFile scene = scene_of(tower, found.catalogue);
+  const SceneFile scene = scene_of(found);
   EXPECT_EQ(scene.stack[0].stone, "a");
   EXPECT_EQ(scene.stack[1].stone, "b");
 }

@@ -97,8 +97,8 @@ void write_command_pages(const CommandDescription& program, const std::string& v
                                        const std::string& catalogue, const std::string& out);
 /// The stack with the placements on it.
 [[nodiscard]] std::vector<PlacedStone> planned_tower(const SceneSearch& found);
-/// A scene file with the tower as its stack.
-[[nodiscard]] SceneFile scene_of(const std::vector<PlacedStone>& tower, const Catalogue& catalogue);
+/// A scene file with the tower as its stack, or with the wall.
+[[nodiscard]] SceneFile scene_of(const SceneSearch& found);
 
 /// "stonestack.assembly/1".
 [[nodiscard]] std::string assembly_json(const AssemblyCheck& check);

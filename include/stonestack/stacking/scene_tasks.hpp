@@ -13,6 +13,7 @@
 #include "stonestack/physics/equilibrium.hpp"
 #include "stonestack/physics/stack.hpp"
 #include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
@@ -32,6 +33,7 @@ struct SceneSearchTask {
   DepthInput depth;            ///< how a depth image or cloud is read
   std::string robot;           ///< only poses to which this arm brings the stones, in one go; empty: any pose
   int levels = 1;              ///< to plan, as if each placement succeeded
+  std::string wall;            ///< a wall instead of a tower, as `read_wall_target` reads it; may be empty
   SearchOptions search;        ///< options of the search
   DetectionOptions detection;  ///< options of detection
   MotionOptions motion;        ///< options of motion planning, with a robot
@@ -52,7 +54,8 @@ struct SearchStart {
 struct SceneSearch {
   Catalogue catalogue;                  ///< stones of the task
   SearchStart start;                    ///< empty, or as far as it came, where the time was over before
-  std::vector<Placement> placements;    ///< the next one, or one a level; empty: see `reason`
+  std::vector<Placement> placements;    ///< the next one, one a level, or those of a wall; empty: `reason`
+  std::optional<WallPlan> wall;         ///< with SceneSearchTask::wall
   std::vector<Placement> alternatives;  ///< other poses for the first, should the arm refuse it
   std::string reason;                   ///< reason why no more was found; empty: nothing stood in the way
   bool repeatable = true;               ///< not ended by the clock or the user: the same seed gives the same
@@ -138,9 +141,10 @@ struct AssemblyCheck {
 /// @throws FileError for a file that holds no possible assembly; InvalidArgument for an unknown block.
 [[nodiscard]] AssemblyCheck check_assembly(const AssemblyTask& task);
 
-/// A tower of a scene file, and whether and how firmly it stands.
+/// A tower or a wall of a scene file, and whether and how firmly it stands.
 struct TowerCheck {
   Stack stack;              ///< stack that was checked
+  bool wall = false;        ///< a wall, whose stones may touch any others; `verdict.clean` says nothing
   double friction = 0.0;    ///< friction coefficient that was assumed
   double seconds = 0.0;     ///< simulated
   StandVerdict verdict;     ///< verdict by simulation
@@ -148,9 +152,10 @@ struct TowerCheck {
   BlockBalance balance;     ///< equilibrium and margin by coupled rigid-block analysis
   StackStatics statics;     ///< bodies and contacts of the equilibrium
 };
-/// Simulates the stack of a scene file for `seconds`, and solves its equilibrium, by forces and coupled.
-/// @throws FileError for a file without a stack, for stones that cannot be, and for stones that overlap by
-/// more than 2 mm.
+/// Simulates the stack or the wall of a scene file for `seconds`, and solves its equilibrium, by forces and
+/// coupled.
+/// @throws FileError for a file without a stack or a wall, for stones that cannot be, and for stones that
+/// overlap by more than 2 mm.
 [[nodiscard]] TowerCheck check_tower(const std::string& scene_path, const Catalogue& catalogue,
                                      double friction, double seconds);
 

@@ -27,6 +27,7 @@ struct NamedPose {
 ///   cloud: cloud.ply                             # organised, camera frame
 ///   stack:                                       # from the table up
 ///     - {stone: limestone_1, T_W_O: {x: 0.7, y: 0.28, z: 0.05, qx: 0, qy: 0, qz: 0, qw: 1}}
+///   wall: [{stone: limestone_3, T_W_O: {...}}]   # instead of a stack: in the order in which it is built
 ///   stones:                                      # loose
 ///     - {stone: limestone_2, T_W_O: {...}}
 ///   obstacles: [{name: wall, box: {x: 0.02, y: 2, z: 1.5}, T_W_O: {...}}]  # parse_obstacles
@@ -38,10 +39,11 @@ struct SceneFile {
   std::optional<Pose> T_W_C;               ///< pose of the camera
   std::string depth_file;                  ///< path, resolved against the scene file; empty: none
   double depth_unit = 0.0;                 ///< metres per count
-  std::string cloud_file;             ///< path of the cloud, resolved against the scene file; empty: none
-  std::vector<NamedPose> stack;       ///< stones of the stack, from the table up
-  std::vector<NamedPose> stones;      ///< loose stones
-  std::vector<Obstacle> obstacles;    ///< read, never written
+  std::string cloud_file;           ///< path of the cloud, resolved against the scene file; empty: none
+  std::vector<NamedPose> stack;     ///< stones of the stack, from the table up
+  std::vector<NamedPose> wall;      ///< stones of a wall in the order in which it is built; not with a stack
+  std::vector<NamedPose> stones;    ///< loose stones
+  std::vector<Obstacle> obstacles;  ///< read, never written
   std::vector<PairPadding> paddings;  ///< the same
 };
 

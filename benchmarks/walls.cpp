@@ -1,0 +1,177 @@
+// Walls of drawn stones, planned with exact placement: how many of the stones that were asked for stand, in
+// this library's engine and in another one, and what the wall is like.
+#include <cstdio>
+#include <memory>
+
+#include "bench.hpp"
+#include "ode_witness.hpp"
+#include "settings.hpp"
+#include "stone_draws.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/search/plan_wall.hpp"
+#include "walls.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+struct WallBenchOptions {
+  int draws = 10, stones = 12, seed = 1;
+  std::vector<int> courses{4, 3, 2, 1};
+  double length = 0.0;
+  int levels = 3;
+  bool ode = false;
+  OdeOptions in_ode;
+  double stand_seconds = 60.0;
+  PoolOptions pools;
+  SearchOptions search = search_without_robot();
+  Settings settings;
+};
+
+/// A planned wall and what became of it.
+struct WallOutcome {
+  WallPlan plan;
+  int stands = 0;  ///< stones that moved by less than the limits in this library's engine
+  OdeVerdict ode;
+  double cpu = 0.0;
+};
+
+WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& pool, int k) {
+  const SearchProblem problem = draw_problem(pool, options.seed, k, options.stones);
+  WallTarget target;
+  if (options.length > 0.0) {
+    target.length = options.length;
+    target.levels = options.levels;
+  } else {
+    target.courses = options.courses;
+  }
+  const double start = processor_seconds();
+  WallOutcome outcome;
+  outcome.plan = plan_wall(problem, target, options.search);
+  outcome.cpu = processor_seconds() - start;
+  Stack wall;
+  for (const WallPlacement& p : outcome.plan.placements)
+    wall.stones.push_back({p.placement.stone, p.placement.T_W_O});
+  if (wall.stones.empty()) return outcome;
+  StandOptions stand;
+  stand.friction = options.search.friction;
+  stand.seconds = options.stand_seconds;
+  const StandVerdict verdict = judge_stack(pool.fine, wall, stand);
+  outcome.stands = verdict.stands ? static_cast<int>(wall.stones.size()) : verdict.standing;
+  OdeOptions in_ode = options.in_ode;
+  in_ode.friction = options.search.friction;
+  if (options.ode) outcome.ode = stand_in_ode(pool.fine, wall, in_ode);
+  return outcome;
+}
+
+void report_wall(int draw, const WallOutcome& outcome) {
+  const WallMetrics& m = outcome.plan.metrics;
+  std::fprintf(stderr,
+               "draw %d: %d of %d stones, %d stand, ODE %d (%.2f mm), margin %.3f g, fill %.2f, face %.2f, "
+               "open joints "
+               "%d of %d, flat %.1f mm, height %.0f mm, CPU %.1f s%s%s\n",
+               draw, m.placed, m.asked, outcome.stands, outcome.ode.standing, 1e3 * outcome.ode.shift,
+               m.margin, m.fill, m.face, m.open_joints, m.joints, 1e3 * m.flatness, 1e3 * m.height,
+               outcome.cpu, outcome.plan.reason.empty() ? "" : "; ", outcome.plan.reason.c_str());
+}
+
+std::vector<TableValue> wall_cells(const WallBenchOptions& options, const std::string& pool,
+                                   const std::vector<WallOutcome>& outcomes) {
+  int whole = 0, stand = 0, in_ode = 0, stones = 0, joints = 0, open = 0;
+  double margin = 0.0, fill = 0.0, face = 0.0, flat = 0.0, cpu = 0.0;
+  const auto n = static_cast<double>(outcomes.size());
+  for (const WallOutcome& outcome : outcomes) {
+    const WallMetrics& m = outcome.plan.metrics;
+    const bool is_whole = m.placed > 0 && m.placed >= m.asked;
+    whole += is_whole ? 1 : 0;
+    stand += is_whole && outcome.stands == m.placed ? 1 : 0;
+    in_ode += is_whole && outcome.ode.standing == m.placed ? 1 : 0;
+    stones += m.placed;
+    joints += m.joints;
+    open += m.open_joints;
+    margin += m.margin / n;
+    fill += m.fill / n;
+    face += m.face / n;
+    flat += 1e3 * m.flatness / n;
+    cpu += outcome.cpu;
+  }
+  std::vector<TableValue> cells{pool,       outcomes.size(), whole, stand,
+                                stones / n, margin,          fill,  face,
+                                open,       joints,          flat,  cpu / std::max(1, stones)};
+  if (options.ode) cells.emplace_back(in_ode);
+  return cells;
+}
+
+void measure_walls(const WallBenchOptions& options, Results& results) {
+  const SearchOptions& s = options.search;
+  std::string courses;
+  for (const int count : options.courses) courses += concat(courses.empty() ? "" : "+", count);
+  results.settings({{"draws", options.draws},
+                    {"stones", options.stones},
+                    {"courses", options.length > 0.0 ? std::to_string(options.levels) : courses},
+                    {"length_m", options.length},
+                    {"friction", s.friction},
+                    {"perturbations", s.perturbations},
+                    {"stand_s", options.stand_seconds},
+                    {"seed", options.seed}});
+  std::vector<Column> columns{{"stones"},      {"draws"},    {"whole"},       {"whole_that_stand"},
+                              {"mean_stones"}, {"margin_g"}, {"fill"},        {"face"},
+                              {"open_joints"}, {"joints"},   {"flatness_mm"}, {"cpu_s_a_stone", 1}};
+  if (options.ode) columns.push_back({"whole_that_stand_in_ode"});
+  results.table("walls", columns);
+  for (const StonePool& pool : read_pools(options.pools)) {
+    std::vector<WallOutcome> outcomes;
+    for (int k = 0; k < options.draws; ++k) {
+      WallOutcome outcome = plan_and_judge(options, pool, k);
+      if (interrupt_noted()) break;
+      report_wall(k, outcome);
+      outcomes.push_back(std::move(outcome));
+    }
+    if (!outcomes.empty()) results.row(wall_cells(options, pool.name, outcomes));
+  }
+  throw_if_interrupted();
+}
+
+}  // namespace
+
+void add_walls(CLI::App& app) {
+  auto options = std::make_shared<WallBenchOptions>();
+  CLI::App* sub =
+      app.add_subcommand("walls", "Planned walls: whole, standing, figures of the wall, time a stone");
+  sub->add_option("--draws", options->draws, "Sets of stones from each pool")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--stones", options->stones, "Stones a set")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub->add_option("--courses", options->courses, "Stones of each course, from the table up")
+      ->delimiter('+')
+      ->capture_default_str();
+  sub->add_option("--length", options->length, "Length of a straight wall instead, m; 0: --courses")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  sub->add_option("--levels", options->levels, "Courses of a straight wall")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--friction", options->search.friction, "Of the planner and of the worlds that judge")
+      ->check(CLI::Range(1e-3, 2.0))
+      ->capture_default_str();
+  options->pools.register_on(*sub);
+  sub->add_flag("--ode", options->ode,
+                "Let each wall stand in another engine too (ODE, concave meshes, 5 s)");
+  sub->add_option("--stand", options->stand_seconds, "How long a wall must stand, s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
+  options->settings.register_on(*sub);
+  sub->footer(
+      "Examples:\n"
+      "  stonestack-bench walls --draws 20 --generated 0 --friction 0.3 --ode\n"
+      "  stonestack-bench walls --draws 5 --generated 0 --stones 40 --length 0.8 --levels 3 --friction 0.3");
+  measure_by(*sub, [options](Results& results) {
+    options->settings.apply(nest("search", fields(options->search)));
+    measure_walls(*options, results);
+  });
+}
+
+}  // namespace stonestack::bench

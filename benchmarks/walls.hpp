@@ -1,0 +1,8 @@
+#pragma once
+#include "bench.hpp"
+
+namespace stonestack::bench {
+
+void add_walls(CLI::App& app);
+
+}  // namespace stonestack::bench

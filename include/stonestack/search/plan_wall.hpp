@@ -1,0 +1,79 @@
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stonestack/search/find_next_pose.hpp"
+
+#pragma GCC visibility push(default)
+
+namespace stonestack::search {
+
+/// A dry-stone wall: straight, in courses, its axis through its centre.
+struct WallTarget {
+  std::vector<int>
+      courses;          ///< stones of each course, from the table up; empty: as `length` and `levels` say
+  double length = 0.0;  ///< [m] length of the lowest course, where `courses` is empty
+  int levels = 0;       ///< number of courses, where `courses` is empty
+  std::optional<Eigen::Vector2d> centre_W;  ///< middle of the wall on the table, W [m]; empty: the site
+  double yaw = 0.0;                         ///< angle of the wall's axis from the x axis of W, about z [rad]
+};
+
+/// "4+3+2+1": stones of each course; "0.8x3": a wall of 0.8 m in three courses; or the path of a target file,
+/// YAML, schema "stonestack.target/1":
+///
+///   schema: stonestack.target/1
+///   wall: {courses: [4, 3, 2, 1]}      # or {length: 0.8, levels: 3}, metres
+///   centre: {x: 0.7, y: 0.28}          # middle of the wall on the table, W, metres; may be missing
+///   yaw_deg: 0                         # of the wall's axis from x; may be missing
+/// @throws InvalidArgument; FileError for a file that cannot be read or asks for what is impossible.
+[[nodiscard]] WallTarget read_wall_target(const std::string& text);
+
+/// A stone of a wall.
+struct WallPlacement {
+  Placement placement;        ///< stone, pose, and what was predicted
+  int course = 0;             ///< from 0, the one on the table
+  std::vector<int> supports;  ///< placements that it rests on, in the order of the plan; empty: the table
+};
+
+/// Figures of a wall, as planned or as built.
+struct WallMetrics {
+  int placed = 0;       ///< stones that stand
+  int asked = 0;        ///< stones that were asked for; 0: as many as the length takes
+  double length = 0.0;  ///< [m] of the lowest course
+  double height = 0.0;  ///< [m] mean height of the tops of the highest course
+  double width = 0.0;   ///< [m] mean extent of the stones across the wall
+  /// Share of the volume length x width x height of each course that is stone; courses count with their own
+  /// length.
+  double fill = 0.0;
+  double face =
+      0.0;         ///< share of the wall's face (seen across it, each course with its length) that is stone
+  int joints = 0;  ///< joints between neighbours of a course with a course above them
+  int open_joints = 0;  ///< of these, joints that run on through the course above: another joint within 15 mm
+  double flatness = 0.0;  ///< [m] root mean square of the tops of a course about their mean, over all courses
+  double margin = 0.0;    ///< [g] horizontal acceleration borne by the whole in the weakest of 16 directions
+};
+
+/// A wall on paper.
+struct WallPlan {
+  std::vector<WallPlacement> placements;  ///< in the order in which they are built
+  WallMetrics metrics;                    ///< of the whole
+  std::string reason;                     ///< what stood in the way of more; empty: nothing
+  long candidates = 0;                    ///< poses evaluated
+  double seconds = 0.0;                   ///< duration [s]
+};
+
+/// Plans a wall, stone by stone from the table up, on the empty table: each stone rests on what stands, clear
+/// of its neighbours, where it covers the joint below; it is let down in simulation, and what stands is
+/// judged with each stone dynamic. Depth-first with backtracking where the number of stones is given.
+/// The stack of the problem must be empty. The plan that holds most stones is returned.
+/// @throws InvalidArgument for a target without courses, or with counts that are not positive, and as
+/// find_next_pose does. Ctrl-C and the budget end it with the best so far.
+[[nodiscard]] WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target,
+                                 const SearchOptions& options = {},
+                                 const std::function<void(const std::string&)>& report = {});
+
+}  // namespace stonestack::search
+
+#pragma GCC visibility pop

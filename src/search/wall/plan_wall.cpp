@@ -1,0 +1,255 @@
+#include "stonestack/search/plan_wall.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "physics/shape.hpp"
+#include "search/orientations.hpp"
+#include "search/parallel.hpp"
+#include "search/wall/wall_state.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/random.hpp"
+
+namespace stonestack::search {
+namespace {
+
+constexpr std::size_t kSettledInSlot = 12;  // proposals of a slot that are let down in simulation
+constexpr std::size_t kTriedInSlot = 4;     // of these, that are judged before the search goes back
+constexpr int kPasses = 16;                 // from the table up, at most
+constexpr int kJudgedPerStone = 3;          // judgements of a pass, for each stone that is asked for
+constexpr double kVariation = 0.3;          // of the worth of stones, one sigma, from the second pass on
+constexpr double kCloseGap = 0.001;         // m between stones that counts as resting on each other
+constexpr double kBaseStep = 0.02;          // m that a slot moves on where no stone fits
+
+/// A stone that came to rest in a slot.
+struct Settled {
+  Trial trial;
+  WallStonePlaced placed;
+  double worth = 0.0;
+};
+
+/// The wall's frame in W.
+Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double middle) {
+  Pose T_W_V = Pose::Identity();
+  T_W_V.linear() = yaw_rotation(target.yaw);
+  T_W_V.translation() << target.centre_W.value_or(site), 0.0;
+  return T_W_V * Eigen::Translation3d(-middle, 0.0, 0.0);
+}
+
+class WallSearch {
+ public:
+  WallSearch(const SearchContext& context, const WallTarget& target)
+      : context_(context),
+        target_(target),
+        stones_(wall_stones(context, 2 * raster_half(context, context.options->grid) + 1)) {
+    asked_ = std::accumulate(target.courses.begin(), target.courses.end(), 0);
+    budget_ = kJudgedPerStone * (asked_ > 0 ? asked_ : static_cast<int>(context.available.size()));
+  }
+
+  void run() {
+    try {
+      bool done = false;
+      for (int pass = 0; pass < kPasses && !done && !context_.out_of_time(); ++pass) {
+        variation_ = pass == 0 ? 0.0 : kVariation;
+        random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
+        judged_ = 0;
+        if (target_.courses.empty())
+          grow({});
+        else
+          done = complete({});
+        done = done || target_.courses.empty();
+      }
+    } catch (const Interrupted&) {
+      reason_ = why_interrupted();
+    }
+  }
+  [[nodiscard]] const WallState& best() const { return best_; }
+  [[nodiscard]] int asked() const { return asked_; }
+  [[nodiscard]] long candidates() const { return candidates_; }
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+
+ private:
+  /// The stones that come to rest in a slot in balance, best first.
+  std::vector<Settled> settled(const WallState& state, const WallSlot& slot) {
+    WallProposals proposals = wall_proposals(context_, state, slot, stones_);
+    candidates_ += proposals.evaluated;
+    proposals.list.resize(std::min(proposals.list.size(), kSettledInSlot));
+    const Stack below = state.stack();
+    std::vector<Settled> list(proposals.list.size());
+    run_tasks(context_.options->threads, list.size(), [&](std::size_t k) {
+      const WallProposal& made = proposals.list[k];
+      Trial trial;
+      trial.stone = made.proposal.stone;
+      trial.T_W_O = stone_pose(made.proposal.body);
+      trial.estimate = made.proposal.robust;
+      list[k].trial = settled_trial(context_, below, std::move(trial));
+      if (!list[k].trial.alive) return;
+      const Pose& T_W_O = list[k].trial.placement.T_W_O;
+      const BodyPose body = body_pose(*made.stone->geometry, T_W_O);
+      list[k].placed = placed_in_wall(*made.stone, made.side->top, body.R_W_O, body.p_W_M, slot.course);
+      list[k].worth = worth_in_slot(slot, list[k].placed, list[k].trial.margin, context_.options->friction);
+    });
+    for (const Settled& one : list)
+      if (!one.trial.alive) reason_ = one.trial.outcome;
+    if (list.empty()) reason_ = "no stone that is left fits";
+    std::erase_if(list, [](const Settled& one) { return !one.trial.alive; });
+    for (Settled& one : list) one.worth += random_.normal(0.0, variation_);
+    std::stable_sort(list.begin(), list.end(),
+                     [](const Settled& p, const Settled& q) { return p.worth > q.worth; });
+    return list;
+  }
+
+  /// Judges a stone in place, and predicts it; false if it does not hold.
+  bool holds(const WallState& state, Settled& next) {
+    ++judged_;
+    const Stack below = state.stack();
+    next.trial = judged_trial(context_, below, std::move(next.trial));
+    if (next.trial.alive && context_.options->perturbations > 0) {
+      const Candidate candidate{&below, &next.trial};
+      next.trial = predicted_trials(context_, {&candidate, 1}, context_.options->perturbations).front();
+    }
+    if (!next.trial.alive) reason_ = next.trial.outcome;
+    return next.trial.alive;
+  }
+
+  void keep(const WallState& state) {
+    if (state.stones.size() <= best_.stones.size()) return;
+    best_ = state;
+    context_.log(concat(best_.stones.size(), " stones stand, course ", best_.stones.back().course + 1));
+  }
+
+  WallState with(const WallState& state, const Settled& next) const {
+    WallState higher = state;
+    higher.stones.push_back(next.placed);
+    higher.trials.push_back(next.trial);
+    return higher;
+  }
+
+  [[nodiscard]] bool out_of_tries() const { return context_.out_of_time() || judged_ >= budget_; }
+
+  [[nodiscard]] std::optional<WallSlot> slot_after(const WallState& state) {
+    const bool first = state.stones.empty();
+    std::optional<WallSlot> slot = next_slot(target_, state, first ? thickness_first(state) : 0.0);
+    if (slot && !first && state.course(slot->course).empty())
+      slot = next_slot(target_, state, common_thickness(stones_, state));
+    return slot;
+  }
+  [[nodiscard]] double thickness_first(const WallState& state) const {
+    return common_thickness(stones_, state);
+  }
+
+  /// Depth-first, until the wall is complete.
+  bool complete(const WallState& state) {
+    keep(state);
+    const std::optional<WallSlot> slot = slot_after(state);
+    if (!slot) return true;
+    std::vector<Settled> list = settled(state, *slot);
+    std::size_t tried = 0;
+    for (Settled& next : list) {
+      if (out_of_tries() || tried == kTriedInSlot) return false;
+      if (!holds(state, next)) continue;
+      ++tried;
+      if (complete(with(state, next))) return true;
+    }
+    return false;
+  }
+
+  /// Stone after stone, as far as the length goes; a place where nothing fits is left open.
+  void grow(WallState state) {
+    std::optional<WallSlot> slot = slot_after(state);
+    while (slot && !out_of_tries()) {
+      std::vector<Settled> list = settled(state, *slot);
+      const auto next =
+          std::find_if(list.begin(), list.end(), [&](Settled& one) { return holds(state, one); });
+      if (next != list.end()) {
+        state = with(state, *next);
+        keep(state);
+        slot = slot_after(state);
+        continue;
+      }
+      slot->from += kBaseStep;
+      const std::vector<int> base = state.course(0);
+      if (base.empty() || slot->from > state.stones[static_cast<std::size_t>(base.back())].reach.max.x())
+        return;
+    }
+  }
+
+  const SearchContext& context_;
+  const WallTarget& target_;
+  std::vector<WallStone> stones_;
+  WallState best_;
+  int asked_ = 0, judged_ = 0, budget_ = 0;
+  double variation_ = 0.0;
+  Random random_ = Random::stream(0, "wall");
+  long candidates_ = 0;
+  std::string reason_;
+};
+
+void check_target(const WallTarget& target, std::size_t stones) {
+  require((!target.centre_W || target.centre_W->allFinite()) && std::isfinite(target.yaw),
+          "the wall's place must be finite");
+  if (target.courses.empty()) {
+    require(target.length > 0.0 && std::isfinite(target.length) && target.levels > 0,
+            "a wall needs stones a course (4+3+2+1), or a length and a number of courses");
+    return;
+  }
+  int sum = 0;
+  for (std::size_t k = 0; k < target.courses.size(); ++k) {
+    const int count = target.courses[k];
+    require(count > 0, "a course needs at least one stone, got ", count);
+    require(k == 0 || count <= target.courses[k - 1], "course ", k + 1, " has more stones (", count,
+            ") than the one below (", target.courses[k - 1], ")");
+    sum += count;
+  }
+  require(static_cast<std::size_t>(sum) <= stones, "the wall asks for ", sum, " stones, and ", stones,
+          " are there");
+}
+
+/// Placements that each stone rests on.
+std::vector<std::vector<int>> supports_of(const SearchContext& context, const WallState& state) {
+  std::vector<std::vector<int>> supports(state.stones.size());
+  for (const Contact& contact : geometric_contacts(context.shapes(), state.stack(), kCloseGap)) {
+    auto& list = supports[static_cast<std::size_t>(contact.above)];
+    if (contact.below == kTable || contact.n_W.z() < 0.3) continue;
+    if (std::find(list.begin(), list.end(), contact.below) == list.end()) list.push_back(contact.below);
+  }
+  return supports;
+}
+
+}  // namespace
+
+WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const SearchOptions& options,
+                   const std::function<void(const std::string&)>& report) {
+  check_problem(problem, options);
+  require(problem.stack.stones.empty(), "a wall is planned on the empty table, and ",
+          problem.stack.stones.size(), " stones stand");
+  check_target(target, problem.available.size());
+  SearchContext context = make_context(problem, options, report);
+  context.tower = false;
+  WallSearch search(context, target);
+  search.run();
+  const WallState& best = search.best();
+  WallPlan plan;
+  plan.candidates = search.candidates();
+  plan.metrics = wall_metrics(context, best);
+  plan.metrics.asked = search.asked();
+  double left = 0.0, right = 0.0;
+  for (const int k : best.course(0)) {
+    left = std::min(left, best.stones[static_cast<std::size_t>(k)].reach.min.x());
+    right = std::max(right, best.stones[static_cast<std::size_t>(k)].reach.max.x());
+  }
+  const Pose T_W_V = frame_of(target, problem.site, 0.5 * (left + right));
+  const std::vector<std::vector<int>> supports = supports_of(context, best);
+  for (std::size_t k = 0; k < best.stones.size(); ++k) {
+    WallPlacement placement{best.trials[k].placement, best.stones[k].course, supports[k]};
+    placement.placement.T_W_O = T_W_V * placement.placement.T_W_O;
+    placement.placement.support = {};
+    plan.placements.push_back(std::move(placement));
+  }
+  if (plan.metrics.asked > plan.metrics.placed) plan.reason = search.reason();
+  plan.seconds = context.watch.seconds();
+  return plan;
+}
+
+}  // namespace stonestack::search

@@ -1,0 +1,76 @@
+#pragma once
+#include <limits>
+
+#include "search/trial.hpp"
+#include "search/wall/wall_sides.hpp"
+#include "stonestack/search/plan_wall.hpp"
+
+namespace stonestack::search {
+
+/// A stone that stands in a wall, in the wall's frame: x along it, y across, z = 0 the table.
+struct WallStonePlaced {
+  StoneIndex stone = kNoStone;
+  Pose T_W_O = Pose::Identity();
+  int course = 0;
+  Extents reach;         ///< from where to where it goes along and across the wall [m]
+  double top = 0.0;      ///< height of a plate on top [m]
+  double level = 1.0;    ///< cosine of the plate's tilt
+  double breadth = 0.0;  ///< centre of mass to the rim of what carries the plate [m]
+};
+
+/// A wall that is partly built.
+struct WallState {
+  std::vector<WallStonePlaced> stones;  ///< in the order in which they were placed
+  std::vector<Trial> trials;            ///< of each
+  [[nodiscard]] Stack stack() const;
+  [[nodiscard]] bool holds(StoneIndex stone) const;
+  /// Indices of a course's stones, from the left.
+  [[nodiscard]] std::vector<int> course(int k) const;
+};
+
+/// The place of the next stone.
+struct WallSlot {
+  int course = 0;
+  double from = -std::numeric_limits<double>::infinity();  ///< x where the last stone of the course ends [m]
+  std::optional<double>
+      centre;           ///< x that the stone's middle is wanted at; empty: as near to `from` as it goes
+  double top = 0.0;     ///< height at which its top is wanted [m]
+  bool carries = true;  ///< another course comes on top
+  std::vector<double> joints;  ///< x of the joints of the course below [m]
+};
+
+/// The worth of a stone in a slot: how firmly it lies, what its top offers, how well it fits. Larger is
+/// better.
+/// @param firmness horizontal acceleration that it bears [g]
+[[nodiscard]] double worth_in_slot(const WallSlot& slot, const WallStonePlaced& placed, double firmness,
+                                   double friction);
+/// A stone in the wall's frame.
+[[nodiscard]] WallStonePlaced placed_in_wall(const WallStone& stone, const TopFace& top,
+                                             const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& p_W_com,
+                                             int course);
+
+/// The slot after the stones of a state; empty where the wall is finished.
+/// @param wanted_top height of a course's top where no stone of it stands yet [m]
+[[nodiscard]] std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& state,
+                                                double thickness);
+/// Height [m] over the course below in which most stones of `stones` have a level side.
+[[nodiscard]] double common_thickness(const std::vector<WallStone>& stones, const WallState& state);
+
+/// Proposals for a slot, best first: stones on the table side by side, or on what stands.
+struct WallProposal {
+  const WallStone* stone = nullptr;
+  const WallSide* side = nullptr;
+  Proposal proposal;
+  double worth = 0.0;
+};
+struct WallProposals {
+  std::vector<WallProposal> list;
+  long evaluated = 0;
+};
+[[nodiscard]] WallProposals wall_proposals(const SearchContext& context, const WallState& state,
+                                           const WallSlot& slot, const std::vector<WallStone>& stones);
+
+/// Figures of what stands.
+[[nodiscard]] WallMetrics wall_metrics(const SearchContext& context, const WallState& state);
+
+}  // namespace stonestack::search
