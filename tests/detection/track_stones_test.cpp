@@ -1,4 +1,4 @@
-#include "stonestack/detection/track_stones.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

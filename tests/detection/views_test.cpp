@@ -14,7 +14,7 @@
 #include "detection/trace.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/detection/track_stones.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/cloud.hpp"
 
 namespace stonestack::detection {

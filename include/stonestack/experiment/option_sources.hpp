@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "stonestack/core/options.hpp"
-#include "stonestack/detection/track_stones.hpp"
+#include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 

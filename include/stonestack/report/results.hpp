@@ -5,7 +5,6 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
-#include "stonestack/detection/track_stones.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"

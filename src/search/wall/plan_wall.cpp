@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "physics/shape.hpp"
@@ -18,6 +19,7 @@ constexpr std::size_t kSettledInSlot = 12;  // proposals of a slot that are let 
 constexpr std::size_t kTriedInSlot = 4;     // of these, that are judged before the search goes back
 constexpr int kPasses = 16;                 // from the table up, at most
 constexpr int kJudgedPerStone = 3;          // judgements of a pass, for each stone that is asked for
+constexpr double kUrgency = 0.5;            // worth that a stone gains with each pass that left it over
 constexpr double kVariation = 0.3;          // of the worth of stones, one sigma, from the second pass on
 constexpr double kCloseGap = 0.001;         // m between stones that counts as resting on each other
 constexpr double kBaseStep = 0.02;          // m that a slot moves on where no stone fits
@@ -54,11 +56,14 @@ class WallSearch {
         variation_ = pass == 0 ? 0.0 : kVariation;
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
         judged_ = 0;
+        longest_ = {};
         if (target_.courses.empty())
           grow({});
         else
           done = complete({});
         done = done || target_.courses.empty();
+        for (const WallStone& stone : stones_)
+          if (!longest_.holds(stone.stone)) urgency_[stone.stone] += kUrgency;
       }
     } catch (const Interrupted&) {
       reason_ = why_interrupted();
@@ -94,7 +99,7 @@ class WallSearch {
       if (!one.trial.alive) reason_ = one.trial.outcome;
     if (list.empty()) reason_ = "no stone that is left fits";
     std::erase_if(list, [](const Settled& one) { return !one.trial.alive; });
-    for (Settled& one : list) one.worth += random_.normal(0.0, variation_);
+    for (Settled& one : list) one.worth += urgency_[one.placed.stone] + random_.normal(0.0, variation_);
     std::stable_sort(list.begin(), list.end(),
                      [](const Settled& p, const Settled& q) { return p.worth > q.worth; });
     return list;
@@ -114,6 +119,7 @@ class WallSearch {
   }
 
   void keep(const WallState& state) {
+    if (state.stones.size() > longest_.stones.size()) longest_ = state;
     if (state.stones.size() <= best_.stones.size()) return;
     best_ = state;
     context_.log(concat(best_.stones.size(), " stones stand, course ", best_.stones.back().course + 1));
@@ -178,7 +184,8 @@ class WallSearch {
   const SearchContext& context_;
   const WallTarget& target_;
   std::vector<WallStone> stones_;
-  WallState best_;
+  WallState best_, longest_;              // of all passes, of this pass
+  std::map<StoneIndex, double> urgency_;  // a stone that is hard to place is placed early
   int asked_ = 0, judged_ = 0, budget_ = 0;
   double variation_ = 0.0;
   Random random_ = Random::stream(0, "wall");

@@ -17,7 +17,7 @@ constexpr double kLevelTilt = 0.02;         // rise over run that needs no furth
 constexpr std::size_t kRefinedInSlot = 40;  // proposals that are refined
 constexpr std::size_t kPerStone = 6;        // of these, of one stone at most
 
-/// What a slot's stone is laid over.
+/// Surface that a slot's stone is laid over.
 StackField wall_field(const SearchContext& context, const WallState& state, const WallSlot& slot,
                       const SurfaceGrid& grid) {
   std::vector<BodyPose> below, beside;

@@ -1,0 +1,172 @@
+#include "stonestack/search/plan_wall.hpp"
+
+#include <gmock/gmock.h>
+
+#include <numeric>
+
+#include "box_scenes.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "temporary_folder.hpp"
+
+namespace stonestack::search {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+/// Six bricks, which differ a little in length.
+const ShapeList& bricks() {
+  static const ShapeList list = [] {
+    ShapeList made;
+    for (int k = 0; k < 6; ++k) made.push_back(box(concat("brick_", k), {0.12 + 0.002 * k, 0.07, 0.05}));
+    return made;
+  }();
+  return list;
+}
+
+SearchProblem bricks_on_the_floor(int count) {
+  SearchProblem problem;
+  problem.shapes = &bricks();
+  for (int k = 0; k < count; ++k) problem.available.push_back({StoneIndex(k), at(1.0, 0.2 * k, 0.025)});
+  problem.site = {0.7, 0.28};
+  return problem;
+}
+
+WallTarget courses(std::vector<int> counts) {
+  WallTarget target;
+  target.courses = std::move(counts);
+  return target;
+}
+
+/// Pose of the k-th stone of a plan.
+Eigen::Vector3d place(const WallPlan& plan, std::size_t k) {
+  return plan.placements[k].placement.T_W_O.translation();
+}
+
+const WallPlan& three_bricks() {
+  static const WallPlan plan = plan_wall(bricks_on_the_floor(3), courses({2, 1}), quick());
+  return plan;
+}
+
+TEST(PlanWall, TwoBricksCarryTheThirdOverTheirJoint) {
+  const WallPlan& plan = three_bricks();
+  ASSERT_EQ(plan.placements.size(), 3U) << plan.reason;
+  EXPECT_EQ(plan.reason, "");
+  EXPECT_THAT(plan.placements[0].supports, ElementsAre());
+  EXPECT_THAT(plan.placements[1].supports, ElementsAre());
+  EXPECT_EQ(plan.placements[2].course, 1);
+  EXPECT_THAT(plan.placements[2].supports, UnorderedElementsAre(0, 1));
+}
+
+TEST(PlanWall, TheMiddleOfTheWallIsTheSite) {
+  const WallPlan& plan = three_bricks();
+  ASSERT_EQ(plan.placements.size(), 3U);
+  const Eigen::Vector3d middle = 0.5 * (place(plan, 0) + place(plan, 1));
+  EXPECT_NEAR(middle.x(), 0.7, 0.01);
+  EXPECT_NEAR(middle.y(), 0.28, 0.002);
+  EXPECT_NEAR(place(plan, 2).x(), 0.7, 0.03) << "over the joint";
+}
+
+TEST(PlanWall, TheWallIsTurnedAndMovedAsAsked) {
+  WallTarget target = courses({2, 1});
+  target.centre_W = Eigen::Vector2d(-0.3, 0.1);
+  target.yaw = M_PI / 2;
+  const WallPlan plan = plan_wall(bricks_on_the_floor(3), target, quick());
+  ASSERT_EQ(plan.placements.size(), 3U);
+  const WallPlan& straight = three_bricks();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d p = place(straight, k) - Eigen::Vector3d(0.7, 0.28, 0.0);
+    EXPECT_NEAR((place(plan, k) - Eigen::Vector3d(-0.3 - p.y(), 0.1 + p.x(), p.z())).norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(PlanWall, MetricsDescribeTheWall) {
+  const WallMetrics& m = three_bricks().metrics;
+  EXPECT_EQ(m.placed, 3);
+  EXPECT_EQ(m.asked, 3);
+  EXPECT_EQ(m.joints, 1);
+  EXPECT_EQ(m.open_joints, 0);
+  EXPECT_NEAR(m.flatness, 0.0, 0.03);
+  EXPECT_GT(m.fill, 0.8) << "bricks leave their joints open, nothing else";
+  EXPECT_LE(m.fill, 1.0);
+  EXPECT_GT(m.face, 0.9);
+  EXPECT_GT(m.margin, 0.02);
+}
+
+TEST(PlanWall, TheSameSeedGivesTheSameWallForAnyNumberOfThreads) {
+  SearchOptions one = quick();
+  one.threads = 1;
+  const WallPlan again = plan_wall(bricks_on_the_floor(3), courses({2, 1}), one);
+  ASSERT_EQ(again.placements.size(), 3U);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_EQ(again.placements[k].placement.T_W_O.matrix(),
+              three_bricks().placements[k].placement.T_W_O.matrix());
+}
+
+TEST(PlanWall, AStraightWallIsAsLongAsAskedAndNoJointRunsThrough) {
+  WallTarget target;
+  target.length = 0.3;
+  target.levels = 2;
+  const WallPlan plan = plan_wall(bricks_on_the_floor(6), target, quick());
+  EXPECT_GE(plan.metrics.length, 0.3 - 0.07);
+  EXPECT_EQ(plan.metrics.open_joints, 0);
+  EXPECT_EQ(plan.placements.back().course, 1);
+}
+
+TEST(PlanWall, RefusesWhatCannotBe) {
+  const SearchProblem problem = bricks_on_the_floor(3);
+  const auto refusal = [&](const WallTarget& target) -> std::string {
+    try {
+      (void)plan_wall(problem, target, quick());
+    } catch (const InvalidArgument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal(courses({3, 2})), HasSubstr("asks for 5 stones, and 3 are there"));
+  EXPECT_THAT(refusal(courses({1, 2})), HasSubstr("more stones (2) than the one below"));
+  EXPECT_THAT(refusal(WallTarget{}), HasSubstr("a wall needs stones a course"));
+  SearchProblem standing = base_stands();
+  EXPECT_THROW((void)plan_wall(standing, courses({1, 1}), quick()), InvalidArgument);
+}
+
+TEST(WallTargetText, CountsOrLengthAndCourses) {
+  EXPECT_THAT(read_wall_target("4+3+2+1").courses, ElementsAre(4, 3, 2, 1));
+  const WallTarget straight = read_wall_target("0.8x3");
+  EXPECT_EQ(straight.length, 0.8);
+  EXPECT_EQ(straight.levels, 3);
+  EXPECT_TRUE(straight.courses.empty());
+  for (const char* wrong :
+       {"", "0", "2+", "+1", "2+1.5", "-1", "0x3", "0.8x", "0.8x0", "axb", "1e9", "2+1+x"})
+    EXPECT_THROW((void)read_wall_target(wrong), InvalidArgument) << wrong;
+}
+
+TEST(WallTargetFile, IsReadAndFaultsAreNamed) {
+  const std::string path = test::temporary_folder() + "wall.yaml";
+  write_file(
+      path, "schema: stonestack.target/1\nwall: {courses: [3, 2]}\ncentre: {x: 0.6, y: -0.2}\nyaw_deg: 90\n");
+  const WallTarget target = read_wall_target(path);
+  EXPECT_THAT(target.courses, ElementsAre(3, 2));
+  ASSERT_TRUE(target.centre_W);
+  EXPECT_EQ(*target.centre_W, Eigen::Vector2d(0.6, -0.2));
+  EXPECT_NEAR(target.yaw, M_PI / 2, 1e-12);
+  const auto fault = [&](const std::string& text) -> std::string {
+    write_file(path, text);
+    try {
+      (void)read_wall_target(path);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(fault("schema: stonestack.target/2\nwall: {length: 1, levels: 2}\n"), HasSubstr("target/1"));
+  EXPECT_THAT(fault("schema: stonestack.target/1\nwall: {courses: [3, none]}\n"), HasSubstr("courses"));
+  EXPECT_THAT(fault("schema: stonestack.target/1\nwall: {length: 1, levels: 2, high: 3}\n"),
+              HasSubstr("high"));
+  EXPECT_THAT(fault("schema: stonestack.target/1\nwall: {length: -1, levels: 2}\n"), HasSubstr("length"));
+}
+
+}  // namespace
+}  // namespace stonestack::search
