@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kSettledInSlot = 12;  // proposals of a slot that are let down in simulation
 constexpr std::size_t kTriedInSlot = 4;     // of these, that are judged before the search goes back
 constexpr int kPasses = 16;                 // from the table up, at most
+constexpr int kPassesOfLength = 3;          // of these, where a length is given
 constexpr int kJudgedPerStone = 3;          // judgements of a pass, for each stone that is asked for
 constexpr double kUrgency = 0.5;            // worth that a stone gains with each pass that left it over
 constexpr double kVariation = 0.3;          // of the worth of stones, one sigma, from the second pass on
@@ -61,7 +62,7 @@ class WallSearch {
           grow({});
         else
           done = complete({});
-        done = done || target_.courses.empty();
+        done = done || (target_.courses.empty() && pass + 1 == kPassesOfLength);
         for (const WallStone& stone : stones_)
           if (!longest_.holds(stone.stone)) urgency_[stone.stone] += kUrgency;
       }
@@ -118,9 +119,17 @@ class WallSearch {
     return next.trial.alive;
   }
 
+  /// Worth of a wall: its stones where their number is given, else the length of its courses.
+  [[nodiscard]] double worth_of(const WallState& state) const {
+    if (asked_ > 0) return static_cast<double>(state.stones.size());
+    double sum = 0.0;
+    for (const WallStonePlaced& placed : state.stones) sum += (placed.reach.max - placed.reach.min).x();
+    return sum;
+  }
+
   void keep(const WallState& state) {
     if (state.stones.size() > longest_.stones.size()) longest_ = state;
-    if (state.stones.size() <= best_.stones.size()) return;
+    if (worth_of(state) <= worth_of(best_)) return;
     best_ = state;
     context_.log(concat(best_.stones.size(), " stones stand, course ", best_.stones.back().course + 1));
   }
@@ -176,9 +185,16 @@ class WallSearch {
       }
       slot->from += kBaseStep;
       const std::vector<int> base = state.course(0);
-      if (base.empty() || slot->from > state.stones[static_cast<std::size_t>(base.back())].reach.max.x())
-        return;
+      if (base.empty()) return;
+      if (slot->from <= end_of(state, base)) continue;
+      if (state.course(slot->course).empty()) return;
+      state.closed = slot->course + 1;
+      slot = slot_after(state);
     }
+  }
+  /// x where the lowest course ends.
+  [[nodiscard]] static double end_of(const WallState& state, const std::vector<int>& base) {
+    return state.stones[static_cast<std::size_t>(base.back())].reach.max.x();
   }
 
   const SearchContext& context_;

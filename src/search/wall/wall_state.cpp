@@ -119,6 +119,7 @@ std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& sta
     const double typical = (at(last.back()).reach.max - at(last.back()).reach.min).x();
     full = at(last.back()).reach.max.x() > end - 0.5 * typical;
   }
+  full = full || reached < state.closed;
   slot.course = full ? reached + 1 : reached;
   if (slot.course >= courses) return std::nullopt;
   slot.carries = slot.course + 1 < courses;

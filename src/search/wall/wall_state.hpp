@@ -22,6 +22,7 @@ struct WallStonePlaced {
 struct WallState {
   std::vector<WallStonePlaced> stones;  ///< in the order in which they were placed
   std::vector<Trial> trials;            ///< of each
+  int closed = 0;                       ///< courses from the bottom in which no more stone fits
   [[nodiscard]] Stack stack() const;
   [[nodiscard]] bool holds(StoneIndex stone) const;
   /// Indices of a course's stones, from the left.
