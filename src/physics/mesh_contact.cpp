@@ -17,50 +17,49 @@ constexpr double kDepth = 1e-3;     // m: depth that is looked for, unless the b
 constexpr double kMaxDepth = 0.01;  // m: deeper they are taken for passed through each other
 constexpr double kBeside = 1e-5;    // m: beside a face or beyond the end of an edge that still touches
 constexpr double kAngle = 0.02;     // sine: how far a direction may be outside what a vertex or edge leads in
-constexpr double kFlat = 1e-3;      // sine: edges closer to flat do not count as convex
-constexpr double kParallel = 0.005;  // sine between edges: below it their ends carry
-constexpr double kSure = 5e-5;       // m: shallower touches are not doubted
+constexpr double kFlatEdge = 1e-3;  // sine: edges closer to flat do not count as convex
+constexpr double kAlongside = 0.005;  // sine between edges: below it their ends carry
+constexpr double kSure = 5e-5;        // m: shallower touches are taken as they are
 
 constexpr int kVertexOfA = 0, kVertexOfB = 1, kEdges = 2;
 
-std::size_t index(int i) {
+std::size_t slot(int i) {
   return static_cast<std::size_t>(i);
 }
 
 /// The foot of the point on the face's plane lies on the face, or less than `beyond` beside it.
 bool is_over(const ContactMesh& mesh, int face, const Vector& p, double beyond) {
-  const Vector& n = mesh.normals[index(face)];
+  const Vector& n = mesh.normals[slot(face)];
   for (int k = 0; k < 3; ++k) {
-    const Vector& from = mesh.vertices[index(mesh.faces[index(face)][k])];
-    const Vector along = mesh.vertices[index(mesh.faces[index(face)][(k + 1) % 3])] - from;
+    const Vector& from = mesh.vertices[slot(mesh.faces[slot(face)][k])];
+    const Vector along = mesh.vertices[slot(mesh.faces[slot(face)][(k + 1) % 3])] - from;
     if (n.cross(along).dot(p - from) < -beyond * along.norm()) return false;
   }
   return true;
 }
 
 double height_over(const ContactMesh& mesh, int face, const Vector& p) {
-  return mesh.normals[index(face)].dot(p - mesh.vertices[index(mesh.faces[index(face)][0])]);
+  return mesh.normals[slot(face)].dot(p - mesh.vertices[slot(mesh.faces[slot(face)][0])]);
 }
 
 /// No neighbour of the vertex lies further in direction -n.
 bool leads_against(const ContactMesh& mesh, int vertex, const Vector& n, double sine) {
-  const Vector& p = mesh.vertices[index(vertex)];
-  return std::all_of(mesh.neighbours[index(vertex)].begin(), mesh.neighbours[index(vertex)].end(),
-                     [&](int k) {
-                       const Vector along = mesh.vertices[index(k)] - p;
-                       return along.dot(n) >= -sine * along.norm();
-                     });
+  const Vector& p = mesh.vertices[slot(vertex)];
+  return std::all_of(mesh.neighbours[slot(vertex)].begin(), mesh.neighbours[slot(vertex)].end(), [&](int k) {
+    const Vector along = mesh.vertices[slot(k)] - p;
+    return along.dot(n) >= -sine * along.norm();
+  });
 }
 
 /// Height of a vertex of X over a face of Y, where it may be the first to touch it, within `slack` and
 /// `turn`.
 std::optional<double> gap_of(const ContactMesh& X, int vertex, const Pose& T_Y_X, const ContactMesh& Y,
                              int face, double max_gap, double max_depth, double slack, double turn) {
-  const Vector p = T_Y_X * X.vertices[index(vertex)];
+  const Vector p = T_Y_X * X.vertices[slot(vertex)];
   const double gap = height_over(Y, face, p);
   if (gap > max_gap + slack || gap < -max_depth - slack) return {};
   if (!is_over(Y, face, p, kBeside + slack + std::abs(gap))) return {};
-  const Vector n_X = T_Y_X.linear().transpose() * Y.normals[index(face)];
+  const Vector n_X = T_Y_X.linear().transpose() * Y.normals[slot(face)];
   if (!leads_against(X, vertex, n_X, kAngle + turn)) return {};
   return gap;
 }
@@ -78,13 +77,13 @@ std::vector<Foot> true_feet(const ContactMesh& mesh, std::vector<Foot> feet) {
   });
   std::vector<Foot> kept;
   for (const Foot& foot : feet) {
-    const Vector& n = mesh.normals[index(foot.face)];
+    const Vector& n = mesh.normals[slot(foot.face)];
     const bool false_depth = std::any_of(kept.begin(), kept.end(), [&](const Foot& other) {
-      if (mesh.normals[index(other.face)].dot(n) > 0.9999) return true;
+      if (mesh.normals[slot(other.face)].dot(n) > 0.9999) return true;
       if (-foot.gap < kSure + 2.0 * std::abs(other.gap)) return false;
-      const Eigen::Vector3i& f = mesh.faces[index(foot.face)];
+      const Eigen::Vector3i& f = mesh.faces[slot(foot.face)];
       const Vector middle =
-          (mesh.vertices[index(f[0])] + mesh.vertices[index(f[1])] + mesh.vertices[index(f[2])]) / 3.0;
+          (mesh.vertices[slot(f[0])] + mesh.vertices[slot(f[1])] + mesh.vertices[slot(f[2])]) / 3.0;
       return height_over(mesh, other.face, middle) < 0.0;
     });
     if (!false_depth) kept.push_back(foot);
@@ -121,9 +120,9 @@ Vector direction_between(const ContactMesh& A, const ConvexEdge& a, const Vector
                          const Eigen::Matrix3d& R_B_A, const ContactMesh& B, const ConvexEdge& b) {
   const Vector across = d_B.cross(b.d);
   const double sine = across.norm();
-  if (sine < kParallel) return Vector::Zero();
-  const Vector outward_b = B.normals[index(b.faces[0])] + B.normals[index(b.faces[1])];
-  const Vector outward_a = R_B_A * (A.normals[index(a.faces[0])] + A.normals[index(a.faces[1])]);
+  if (sine < kAlongside) return Vector::Zero();
+  const Vector outward_b = B.normals[slot(b.faces[0])] + B.normals[slot(b.faces[1])];
+  const Vector outward_a = R_B_A * (A.normals[slot(a.faces[0])] + A.normals[slot(a.faces[1])]);
   return across.dot(outward_b - outward_a) < 0.0 ? Vector(-across / sine) : Vector(across / sine);
 }
 
@@ -131,10 +130,10 @@ Vector direction_between(const ContactMesh& A, const ConvexEdge& a, const Vector
 /// edge.
 bool came_elsewhere(const ContactMesh& mesh, const ConvexEdge& edge, const Vector& p, double depth) {
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
-    const Vector& n = mesh.normals[index(f)];
+    const Vector& n = mesh.normals[slot(f)];
     if (std::abs(height_over(mesh, f, p)) > 0.5 * depth || n.isZero()) continue;
     const bool of_edge = std::any_of(edge.faces.begin(), edge.faces.end(),
-                                     [&](int own) { return mesh.normals[index(own)].dot(n) > 0.98; });
+                                     [&](int own) { return mesh.normals[slot(own)].dot(n) > 0.98; });
     if (!of_edge && is_over(mesh, f, p, kBeside)) return true;
   }
   return false;
@@ -143,12 +142,12 @@ bool came_elsewhere(const ContactMesh& mesh, const ConvexEdge& edge, const Vecto
 /// Touch of edge a of A and edge b of B, in B; none if they do not cross as the first to touch.
 std::optional<MeshTouch> cross_edges(const ContactMesh& A, int a, const PlacedEdge& placed, const Pose& T_B_A,
                                      const ContactMesh& B, int b, double max_gap, double max_depth) {
-  const ConvexEdge& own = A.edges[index(a)];
-  const ConvexEdge& other = B.edges[index(b)];
+  const ConvexEdge& own = A.edges[slot(a)];
+  const ConvexEdge& other = B.edges[slot(b)];
   const Vector r = other.p - placed.p;
   const Vector across = placed.d.cross(other.d);
   const double sine2 = across.squaredNorm();
-  if (sine2 < kParallel * kParallel) return {};
+  if (sine2 < kAlongside * kAlongside) return {};
   const double offset = across.dot(r);  // the gap times the sine, but for its sign
   const double limit = std::max(max_gap, max_depth);
   if (offset * offset > limit * limit * sine2) return {};
@@ -167,7 +166,7 @@ std::optional<MeshTouch> cross_edges(const ContactMesh& A, int a, const PlacedEd
   return MeshTouch{{kEdges, a, b}, 0.5 * (p_a + p_b), n, gap};
 }
 
-/// What a point within `radius` of A's origin moved at most, and how far A turned.
+/// Largest shift of a point within `radius` of A's origin, and A's turn.
 struct Motion {
   double shift, turn;
 };
@@ -186,9 +185,9 @@ std::vector<FaceBox> faces_within(const ContactMesh& mesh, const std::vector<Vec
                                   const Eigen::AlignedBox3d& region) {
   std::vector<FaceBox> found;
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f) {
-    if (mesh.normals[index(f)].isZero()) continue;
+    if (mesh.normals[slot(f)].isZero()) continue;
     FaceBox entry{{}, f};
-    for (int k = 0; k < 3; ++k) entry.box.extend(vertices[index(mesh.faces[index(f)][k])]);
+    for (int k = 0; k < 3; ++k) entry.box.extend(vertices[slot(mesh.faces[slot(f)][k])]);
     if (region.intersects(entry.box)) found.push_back(entry);
   }
   std::sort(found.begin(), found.end(), [](const FaceBox& s, const FaceBox& t) {
@@ -234,10 +233,10 @@ void add_vertex_touches(const ContactMesh& X, const ContactMesh& Y, int vertex, 
                         const Pose& T_W_Y, const std::vector<Foot>& feet, bool of_a,
                         std::vector<MeshTouch>& out) {
   for (const Foot& foot : true_feet(Y, feet)) {
-    const Vector n_W = T_W_Y.linear() * Y.normals[index(foot.face)];
+    const Vector n_W = T_W_Y.linear() * Y.normals[slot(foot.face)];
     const std::array<int, 3> features =
         of_a ? std::array{kVertexOfA, vertex, foot.face} : std::array{kVertexOfB, foot.face, vertex};
-    out.push_back({features, T_W_X * X.vertices[index(vertex)], of_a ? n_W : Vector(-n_W), foot.gap});
+    out.push_back({features, T_W_X * X.vertices[slot(vertex)], of_a ? n_W : Vector(-n_W), foot.gap});
   }
 }
 
@@ -254,32 +253,32 @@ ContactMesh make_contact_mesh(const Mesh& mesh) {
   std::vector<ConvexEdge> all(edges.edges.size());
   for (std::size_t e = 0; e < all.size(); ++e) {
     const auto [a, b] = std::pair(edges.edges[e].a, edges.edges[e].b);
-    out.neighbours[index(a)].push_back(b);
-    out.neighbours[index(b)].push_back(a);
-    all[e].p = mesh.vertices[index(a)];
-    all[e].d = mesh.vertices[index(b)] - all[e].p;
+    out.neighbours[slot(a)].push_back(b);
+    out.neighbours[slot(b)].push_back(a);
+    all[e].p = mesh.vertices[slot(a)];
+    all[e].d = mesh.vertices[slot(b)] - all[e].p;
     all[e].length = all[e].d.norm();
     all[e].d /= all[e].length;
   }
   for (int f = 0; f < static_cast<int>(mesh.faces.size()); ++f)
     for (int k = 0; k < 3; ++k) {
-      ConvexEdge& edge = all[index(edges.of_face[index(f)][index(k)])];
-      const bool forward = mesh.faces[index(f)][k] < mesh.faces[index(f)][(k + 1) % 3];
-      const Vector& n = out.normals[index(f)];
+      ConvexEdge& edge = all[slot(edges.of_face[slot(f)][slot(k)])];
+      const bool forward = mesh.faces[slot(f)][k] < mesh.faces[slot(f)][(k + 1) % 3];
+      const Vector& n = out.normals[slot(f)];
       const int side = edge.faces[0] < 0 ? 0 : 1;
-      edge.faces[index(side)] = f;
-      edge.into[index(side)] = forward ? n.cross(edge.d) : edge.d.cross(n);
+      edge.faces[slot(side)] = f;
+      edge.into[slot(side)] = forward ? n.cross(edge.d) : edge.d.cross(n);
     }
   std::vector<int> number(all.size(), -1);
   for (std::size_t e = 0; e < all.size(); ++e) {
     const ConvexEdge& edge = all[e];
-    if (edge.faces[1] < 0 || out.normals[index(edge.faces[0])].dot(edge.into[1]) > -kFlat) continue;
+    if (edge.faces[1] < 0 || out.normals[slot(edge.faces[0])].dot(edge.into[1]) > -kFlatEdge) continue;
     number[e] = static_cast<int>(out.edges.size());
     out.edges.push_back(edge);
   }
   out.edges_of_face.resize(mesh.faces.size());
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
-    for (std::size_t k = 0; k < 3; ++k) out.edges_of_face[f][k] = number[index(edges.of_face[f][k])];
+    for (std::size_t k = 0; k < 3; ++k) out.edges_of_face[f][k] = number[slot(edges.of_face[f][k])];
   return out;
 }
 
@@ -294,11 +293,11 @@ void MeshPair::refresh(const ContactMesh& A, const ContactMesh& B, const Pose& T
   std::vector<Pair> of_a, of_b, of_edges;
   visit_near_faces(A, B, T_B_A, depth + kMotion, [&](int a, int b) {
     for (std::size_t k = 0; k < 3; ++k) {
-      of_a.push_back({A.faces[index(a)][static_cast<int>(k)], b});
-      of_b.push_back({B.faces[index(b)][static_cast<int>(k)], a});
-      if (A.edges_of_face[index(a)][k] < 0) continue;
-      for (const int e : B.edges_of_face[index(b)])
-        if (e >= 0) of_edges.push_back({A.edges_of_face[index(a)][k], e});
+      of_a.push_back({A.faces[slot(a)][static_cast<int>(k)], b});
+      of_b.push_back({B.faces[slot(b)][static_cast<int>(k)], a});
+      if (A.edges_of_face[slot(a)][k] < 0) continue;
+      for (const int e : B.edges_of_face[slot(b)])
+        if (e >= 0) of_edges.push_back({A.edges_of_face[slot(a)][k], e});
     }
   });
   for (auto* list : {&of_a, &of_b, &of_edges}) sort_unique(*list);
@@ -307,8 +306,8 @@ void MeshPair::refresh(const ContactMesh& A, const ContactMesh& B, const Pose& T
   for (const Pair& p : of_b)
     if (gap_of(B, p.a, T_A_B, A, p.b, 0.0, depth, kMotion, kTilt)) vertices_of_b_.push_back(p);
   for (const Pair& p : of_edges) {
-    const ConvexEdge& a = A.edges[index(p.a)];
-    if (are_near(place(a, T_B_A), a.length, B.edges[index(p.b)], depth + kMotion)) edges_.push_back(p);
+    const ConvexEdge& a = A.edges[slot(p.a)];
+    if (are_near(place(a, T_B_A), a.length, B.edges[slot(p.b)], depth + kMotion)) edges_.push_back(p);
   }
 }
 
@@ -336,7 +335,7 @@ std::vector<MeshTouch> MeshPair::touches(const ContactMesh& A, const ContactMesh
   stand(A, B, T_B_A, vertices_of_a_, true);
   stand(B, A, T_A_B, vertices_of_b_, false);
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    const PlacedEdge placed = place(A.edges[index(edges_[i].a)], T_B_A);
+    const PlacedEdge placed = place(A.edges[slot(edges_[i].a)], T_B_A);
     if (auto touch = cross_edges(A, edges_[i].a, placed, T_B_A, B, edges_[i].b, max_gap, depth)) {
       touch->p = T_W_B * touch->p;
       touch->n = T_W_B.linear() * touch->n;

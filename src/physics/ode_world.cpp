@@ -38,14 +38,14 @@ void start_ode() {
   });
 }
 
-Vector to_eigen(const dReal* v) {
+Vector vector_of(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
 Pose body_pose(dBodyID body) {
   const dReal* q = dBodyGetQuaternion(body);
   Pose T_W_M = Pose::Identity();
-  T_W_M.translation() = to_eigen(dBodyGetPosition(body));
+  T_W_M.translation() = vector_of(dBodyGetPosition(body));
   T_W_M.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
   return T_W_M;
 }
@@ -133,7 +133,7 @@ struct OdeWorld::Ode {
     Contact contact;
     dJointFeedback load{};
   };
-  /// What a pair of bodies keeps from step to step.
+  /// Memory of a pair of bodies from step to step.
   struct Meeting {
     MeshPair pair;
     Carriers carriers;
@@ -213,7 +213,7 @@ Vector OdeWorld::Ode::friction_axis(const Touch& touch, const Body* above, const
     dVector3 v;
     const Vector& p = touch.contact.p_W;
     dBodyGetPointVel(body->body, p.x(), p.y(), p.z(), v);
-    return to_eigen(v);
+    return vector_of(v);
   };
   Vector along = velocity(above) - velocity(below);
   along -= along.dot(n) * n;
@@ -296,7 +296,7 @@ void OdeWorld::Ode::lead(double dt) {
 
 void OdeWorld::Ode::read_loads(double dt) {
   for (auto& touch : touches)
-    touch->contact.impulse = std::max(0.0, to_eigen(touch->load.f1).dot(touch->contact.n_W)) * dt;
+    touch->contact.impulse = std::max(0.0, vector_of(touch->load.f1).dot(touch->contact.n_W)) * dt;
 }
 
 OdeWorld::OdeWorld(const WorldOptions& options) {
@@ -377,7 +377,7 @@ void OdeWorld::step(double dt) {
     if (!body) continue;
     if (body->moves) put(body->body, body->T_W_M_target);
     body->moves = false;
-    require(to_eigen(dBodyGetPosition(body->body)).allFinite(), "ODE lost a body: it has no place any more");
+    require(vector_of(dBodyGetPosition(body->body)).allFinite(), "ODE lost a body: it has no place any more");
   }
 }
 
@@ -388,7 +388,7 @@ Pose OdeWorld::pose(int body) const {
 
 Twist OdeWorld::twist(int body) const {
   const Ode::Body& b = ode_->body(body);
-  return {to_eigen(dBodyGetLinearVel(b.body)), to_eigen(dBodyGetAngularVel(b.body))};
+  return {vector_of(dBodyGetLinearVel(b.body)), vector_of(dBodyGetAngularVel(b.body))};
 }
 
 std::vector<Contact> OdeWorld::contacts() const {

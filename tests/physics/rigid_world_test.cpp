@@ -198,8 +198,8 @@ TEST_P(Engines, ATowerStandsAndOneBeyondItsEdgeFalls) {
 
 /// A block at rest on a fixed one, the world's axes turned into no special position.
 struct BlockOnBlock {
-  Eigen::Vector3d lower{0.10, 0.10, 0.04}, upper{0.10, 0.10, 0.04};  ///< m
-  double yaw = 0.0, overhang = 0.0;                                  ///< of the upper; rad, m
+  Eigen::Vector3d lower{0.10, 0.10, 0.04}, upper{0.10, 0.10, 0.04};  ///< full sides [m]
+  double yaw = 0.0, overhang = 0.0;                                  ///< of the upper [rad], [m]
 };
 std::unique_ptr<RigidWorld> lay(EngineKind engine, double friction, const BlockOnBlock& blocks) {
   auto world = make_rigid_world(engine, with_friction(friction));
