@@ -3,51 +3,49 @@
 #include <ode/ode.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
+#include <set>
 #include <utility>
 
+#include "physics/mesh_contact.hpp"
 #include "physics/rigid_frame.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::physics {
 namespace {
 
-constexpr int kFound = 256;            // contacts that ODE may report for a pair
-constexpr std::size_t kContacts = 12;  // of these, the deepest and most spread: the solver is cubic in them
-constexpr double kSoftness = 1e-9;     // ODE's CFM: without it redundant contacts have no solution
+constexpr std::size_t kContacts = 12;  // of a pair, the deepest and most spread: the solver is cubic in them
+constexpr double kSoftness = 1e-7;     // ODE's CFM: redundant contacts share a load; 1 um/s at 10 N
+constexpr double kUneven = 1e-7;       // m/s: by which the velocities that contacts ask for differ
 constexpr double kOdeRecovery = 0.2;   // ODE's ERP: share of a depth that one step takes away
 constexpr double kOdeFastest = 0.1;    // m/s, while depths are corrected
-constexpr double kLayer = 2e-5;        // m: depth that is left alone, so that resting contacts do not flicker
-constexpr double kSlides = 1e-3;       // m/s: slower counts as at rest
-constexpr unsigned long kTableBits = 1, kStoneBits = 2, kBoxBits = 4;  // boxes meet stones only
+constexpr double kNear = 1e-5;         // m: gaps and depths up to this are rest: they neither close nor open
+constexpr double kStays = 5e-6;   // m of depth that a new contact must have ahead of one of the last step
+constexpr double kSlides = 1e-3;  // m/s: slower counts as at rest
 
 using Vector = Eigen::Vector3d;
-
-/// Debian's ODE keeps the state of mesh collisions in the process: one thread at a time may use it.
-std::mutex& collision_mutex() {
-  static std::mutex mutex;
-  return mutex;
-}
 
 void start_ode() {
   static std::once_flag once;
   std::call_once(once, [] {
     dInitODE2(0);
-    dSetMessageHandler([](int, const char*, va_list) {});  // of its solver, at singular contacts
+    dSetMessageHandler([](int, const char*, va_list) {});
   });
-  dAllocateODEDataForThread(dAllocateMaskAll);
 }
 
-Vector to_eigen(const dReal* v) {
+Vector vector_of(const dReal* v) {
   return {v[0], v[1], v[2]};
 }
 
 Pose body_pose(dBodyID body) {
   const dReal* q = dBodyGetQuaternion(body);
   Pose T_W_M = Pose::Identity();
-  T_W_M.translation() = to_eigen(dBodyGetPosition(body));
+  T_W_M.translation() = vector_of(dBodyGetPosition(body));
   T_W_M.linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
   return T_W_M;
 }
@@ -59,25 +57,61 @@ void put(dBodyID body, const Pose& T_W_M) {
   dBodySetQuaternion(body, turned);
 }
 
+/// Number from 0 to 1 that belongs to a feature pair and a direction (splitmix64's finaliser).
+double share_of(const std::array<int, 3>& features, unsigned direction) {
+  std::uint64_t key = direction;
+  for (const int feature : features) {
+    key = (key ^ static_cast<std::uint64_t>(feature)) + 0x9e3779b97f4a7c15u;
+    key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
+    key = (key ^ (key >> 27)) * 0x94d049bb133111ebu;
+    key ^= key >> 31;
+  }
+  return static_cast<double>(key >> 11) * 0x1.0p-53;
+}
+
+/// Contacts of flat faces are redundant, and where two of them would open at the same moment ODE's solver
+/// gives up and leaves the rest without force. Each asks for a velocity a little different, which decides.
+void make_uneven(dSurfaceParameters& surface, const std::array<int, 3>& features) {
+  surface.mode |= dContactMotionN | dContactMotion1 | dContactMotion2;
+  surface.motionN = kUneven * share_of(features, 0);
+  surface.motion1 = kUneven * (share_of(features, 1) - 0.5);
+  surface.motion2 = kUneven * (share_of(features, 2) - 0.5);
+}
+
 void set_twist(dBodyID body, const Twist& twist) {
   dBodySetLinearVel(body, twist.v.x(), twist.v.y(), twist.v.z());
   dBodySetAngularVel(body, twist.w.x(), twist.w.y(), twist.w.z());
 }
 
-/// The deepest, then those furthest from all that were taken.
-std::vector<dContactGeom> thinned(const std::vector<dContactGeom>& found) {
+/// Features that carried a pair's contacts in the last step.
+using Carriers = std::set<std::array<int, 3>>;
+
+/// The deepest, then those furthest from all that were taken; those of the last step have a lead, so that a
+/// body at rest keeps its contacts.
+std::vector<MeshTouch> thinned(const std::vector<MeshTouch>& found, const Carriers& before) {
   if (found.size() <= kContacts) return found;
-  std::vector<double> apart(found.size(), 1e9);
+  std::vector<double> apart(found.size(), 1e9), lead(found.size(), 1.0);
   std::size_t next = 0;
-  for (std::size_t k = 1; k < found.size(); ++k)
-    if (found[k].depth > found[next].depth) next = k;
-  std::vector<dContactGeom> taken;
+  double deepest = -1.0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const bool carried = before.contains(found[k].features);
+    if (carried) lead[k] = 1.1;
+    const double depth = -found[k].gap + (carried ? kStays : 0.0);
+    if (depth > deepest) {
+      deepest = depth;
+      next = k;
+    }
+  }
+  std::vector<MeshTouch> taken;
   while (taken.size() < kContacts) {
     taken.push_back(found[next]);
-    const Vector last = to_eigen(found[next].pos);
-    for (std::size_t k = 0; k < found.size(); ++k)
-      apart[k] = std::min(apart[k], (to_eigen(found[k].pos) - last).norm());
-    next = static_cast<std::size_t>(std::max_element(apart.begin(), apart.end()) - apart.begin());
+    double furthest = -1.0;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      apart[k] = std::min(apart[k], lead[k] * (found[k].p - taken.back().p).norm());
+      if (apart[k] <= furthest) continue;
+      furthest = apart[k];
+      next = k;
+    }
   }
   return taken;
 }
@@ -87,11 +121,8 @@ std::vector<dContactGeom> thinned(const std::vector<dContactGeom>& found) {
 struct OdeWorld::Ode {
   struct Body {
     std::shared_ptr<const ContactShape> stone;  ///< empty for a box
-    std::vector<double> vertices;
-    std::vector<dTriIndex> indices;
-    dTriMeshDataID mesh = nullptr;
+    ContactMesh mesh;                           ///< in M
     dBodyID body = nullptr;
-    dGeomID geom = nullptr;
     Vector p_O_M = Vector::Zero();
     bool led = false;    ///< moves as commanded or not at all
     bool moves = false;  ///< has a target for the next step
@@ -102,29 +133,25 @@ struct OdeWorld::Ode {
     Contact contact;
     dJointFeedback load{};
   };
+  /// Memory of a pair of bodies from step to step.
+  struct Meeting {
+    MeshPair pair;
+    Carriers carriers;
+  };
 
   explicit Ode(const WorldOptions& o) : options(o), gravity(0, 0, -o.gravity) {
     start_ode();
     world = dWorldCreate();
-    space = dSimpleSpaceCreate(nullptr);
     group = dJointGroupCreate(0);
     dWorldSetCFM(world, kSoftness);
     dWorldSetERP(world, kOdeRecovery);
     dWorldSetContactMaxCorrectingVel(world, kOdeFastest);
-    dWorldSetContactSurfaceLayer(world, kLayer);
-    table = dCreatePlane(space, 0, 0, 1, 0);
-    dGeomSetCategoryBits(table, kTableBits);
-    dGeomSetCollideBits(table, kStoneBits);
+    dWorldSetContactSurfaceLayer(world, 2.0 * kNear);
   }
   Ode(const Ode&) = delete;
   Ode& operator=(const Ode&) = delete;
   ~Ode() {
-    const std::lock_guard guard(collision_mutex());
     dJointGroupDestroy(group);
-    if (tangent) dGeomDestroy(table);
-    dSpaceDestroy(space);
-    for (auto& body : bodies)
-      if (body && body->mesh != nullptr) dGeomTriMeshDataDestroy(body->mesh);
     dWorldDestroy(world);
   }
 
@@ -135,7 +162,9 @@ struct OdeWorld::Ode {
   }
   int add(std::unique_ptr<Body> body, const MassProperties& mass, const Pose& T_W_O, bool fixed);
   void collide();
-  void meet(dGeomID a, dGeomID b);
+  void meet_table(int above);
+  void meet(int above, int below);
+  void join(int above, int below, const std::vector<MeshTouch>& found);
   [[nodiscard]] Vector friction_axis(const Touch& touch, const Body* above, const Body* below) const;
   [[nodiscard]] double friction_of(int a, int b) const {
     const auto found = frictions.find({std::min(a, b), std::max(a, b)});
@@ -148,11 +177,10 @@ struct OdeWorld::Ode {
   WorldOptions options;
   Vector gravity;
   dWorldID world = nullptr;
-  dSpaceID space = nullptr;
   dJointGroupID group = nullptr;
-  dGeomID table = nullptr;
   std::function<Plane(const Eigen::Vector2d&)> tangent;  ///< empty: z = 0
   std::map<std::pair<int, int>, double> frictions;
+  std::map<std::pair<int, int>, Meeting> meetings;
   std::vector<std::unique_ptr<Body>> bodies;    ///< null for a table
   std::vector<std::unique_ptr<Touch>> touches;  ///< ODE writes the loads into them
 };
@@ -170,10 +198,6 @@ int OdeWorld::Ode::add(std::unique_ptr<Body> body, const MassProperties& mass, c
   dBodySetLinearDampingThreshold(body->body, 0);
   dBodySetAngularDampingThreshold(body->body, 0);
   put(body->body, T_W_O * Eigen::Translation3d(body->p_O_M));
-  dGeomSetBody(body->geom, body->body);
-  dGeomSetCategoryBits(body->geom, body->stone ? kStoneBits : kBoxBits);
-  dGeomSetCollideBits(body->geom, body->stone ? kTableBits | kStoneBits | kBoxBits : kStoneBits);
-  dGeomSetData(body->geom, reinterpret_cast<void*>(bodies.size()));
   body->led = fixed;
   if (fixed) dBodySetKinematic(body->body);
   bodies.push_back(std::move(body));
@@ -189,7 +213,7 @@ Vector OdeWorld::Ode::friction_axis(const Touch& touch, const Body* above, const
     dVector3 v;
     const Vector& p = touch.contact.p_W;
     dBodyGetPointVel(body->body, p.x(), p.y(), p.z(), v);
-    return to_eigen(v);
+    return vector_of(v);
   };
   Vector along = velocity(above) - velocity(below);
   along -= along.dot(n) * n;
@@ -197,26 +221,24 @@ Vector OdeWorld::Ode::friction_axis(const Touch& touch, const Body* above, const
   return along.norm() < 1e-6 * std::max(1.0, gravity.norm()) ? n.unitOrthogonal() : along.normalized();
 }
 
-void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
-  const auto index = [&](dGeomID geom) {
-    return geom == table ? kTable : static_cast<int>(reinterpret_cast<std::uintptr_t>(dGeomGetData(geom)));
-  };
-  if (index(a) < index(b)) std::swap(a, b);  // ODE's normals point into the first
-  const int above = index(a), below = index(b);
+void OdeWorld::Ode::join(int above, int below, const std::vector<MeshTouch>& found) {
   const Body* upper = bodies[static_cast<std::size_t>(above)].get();
   const Body* lower = below == kTable ? nullptr : bodies[static_cast<std::size_t>(below)].get();
-  if (upper->led && (lower == nullptr || lower->led)) return;
-  std::vector<dContactGeom> found(kFound);
-  const int count = dCollide(a, b, kFound, found.data(), sizeof(dContactGeom));
-  found.resize(static_cast<std::size_t>(std::max(count, 0)));
   const double friction = friction_of(above, below);
-  for (const dContactGeom& geom : thinned(found)) {
+  Carriers& carriers = meetings[{below, above}].carriers;
+  const std::vector<MeshTouch> taken = thinned(found, carriers);
+  carriers.clear();
+  for (const MeshTouch& at : taken) {
+    carriers.insert(at.features);
     auto touch = std::make_unique<Touch>();
-    touch->contact = {below, above, to_eigen(geom.pos), to_eigen(geom.normal), -geom.depth, 0.0};
+    touch->contact = {below, above, at.p, at.n, at.gap, 0.0};
     dContact contact{};
-    contact.geom = geom;
+    std::copy(at.p.data(), at.p.data() + 3, contact.geom.pos);
+    std::copy(at.n.data(), at.n.data() + 3, contact.geom.normal);
+    contact.geom.depth = kNear - at.gap;
     contact.surface.mode = dContactApprox1 | dContactFDir1;
     contact.surface.mu = friction;
+    make_uneven(contact.surface, at.features);
     const Vector axis = friction_axis(*touch, upper, lower);
     std::copy(axis.data(), axis.data() + 3, contact.fdir1);
     const dJointID joint = dJointCreateContact(world, group, &contact);
@@ -226,17 +248,34 @@ void OdeWorld::Ode::meet(dGeomID a, dGeomID b) {
   }
 }
 
+void OdeWorld::Ode::meet_table(int above) {
+  const Body& body = *bodies[static_cast<std::size_t>(above)];
+  if (body.led || !body.stone) return;
+  const Pose T_W_M = body_pose(body.body);
+  const Plane plane = tangent ? tangent(T_W_M.translation().head<2>()) : Plane{Vector::UnitZ(), 0.0};
+  join(above, kTable, plane_touches(body.mesh, T_W_M, plane.normal, plane.offset, kNear));
+}
+
+void OdeWorld::Ode::meet(int above, int below) {
+  const Body& upper = *bodies[static_cast<std::size_t>(above)];
+  const Body& lower = *bodies[static_cast<std::size_t>(below)];
+  if ((upper.led && lower.led) || (!upper.stone && !lower.stone)) return;
+  const Pose T_W_upper = body_pose(upper.body), T_W_lower = body_pose(lower.body);
+  const double reach = upper.mesh.radius + lower.mesh.radius + kNear;
+  if ((T_W_upper.translation() - T_W_lower.translation()).norm() > reach) return;
+  join(above, below,
+       meetings[{below, above}].pair.touches(upper.mesh, lower.mesh, T_W_upper, T_W_lower, kNear));
+}
+
 void OdeWorld::Ode::collide() {
-  const std::lock_guard guard(collision_mutex());
   touches.clear();
-  if (tangent)
-    for (auto& body : bodies) {
-      if (!body || !body->stone) continue;
-      const Plane plane = tangent(to_eigen(dBodyGetPosition(body->body)).head<2>());
-      dGeomPlaneSetParams(table, plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
-      meet(body->geom, table);
-    }
-  dSpaceCollide(space, this, [](void* self, dGeomID a, dGeomID b) { static_cast<Ode*>(self)->meet(a, b); });
+  const int count = static_cast<int>(bodies.size());
+  for (int above = 0; above < count; ++above) {
+    if (!bodies[static_cast<std::size_t>(above)]) continue;
+    meet_table(above);
+    for (int below = 0; below < above; ++below)
+      if (bodies[static_cast<std::size_t>(below)]) meet(above, below);
+  }
 }
 
 /// Bullet's damping: a velocity loses the share 1 - (1 - damping)^dt.
@@ -257,7 +296,7 @@ void OdeWorld::Ode::lead(double dt) {
 
 void OdeWorld::Ode::read_loads(double dt) {
   for (auto& touch : touches)
-    touch->contact.impulse = std::max(0.0, to_eigen(touch->load.f1).dot(touch->contact.n_W)) * dt;
+    touch->contact.impulse = std::max(0.0, vector_of(touch->load.f1).dot(touch->contact.n_W)) * dt;
 }
 
 OdeWorld::OdeWorld(const WorldOptions& options) {
@@ -270,20 +309,9 @@ OdeWorld::~OdeWorld() = default;
 int OdeWorld::add_stone(std::shared_ptr<const ContactShape> shape, const Pose& T_W_O, bool fixed) {
   require(shape != nullptr && !shape->scan.faces.empty(), "a stone needs a contact shape");
   auto body = std::make_unique<Ode::Body>();
-  for (const auto& v : shape->scan.vertices)
-    for (int i = 0; i < 3; ++i) body->vertices.push_back(v[i] - shape->mass.p_O_M[i]);
-  for (const auto& f : shape->scan.faces)
-    for (int i = 0; i < 3; ++i) body->indices.push_back(static_cast<dTriIndex>(f[i]));
   const MassProperties mass = shape->mass;
+  body->mesh = make_contact_mesh(transformed(shape->scan, Pose(Eigen::Translation3d(-mass.p_O_M))));
   body->stone = std::move(shape);
-  {
-    const std::lock_guard guard(collision_mutex());
-    body->mesh = dGeomTriMeshDataCreate();
-    dGeomTriMeshDataBuildDouble(body->mesh, body->vertices.data(), 3 * sizeof(double),
-                                static_cast<int>(body->vertices.size() / 3), body->indices.data(),
-                                static_cast<int>(body->indices.size()), 3 * sizeof(dTriIndex));
-    body->geom = dCreateTriMesh(ode_->space, body->mesh, nullptr, nullptr, nullptr);
-  }
   return ode_->add(std::move(body), mass, T_W_O, fixed);
 }
 
@@ -291,13 +319,12 @@ void OdeWorld::add_table(const TableSurface& surface) {
   require(!ode_->tangent, "a world has one table");
   ode_->tangent = surface.tangent;
   ode_->bodies.push_back(nullptr);
-  dSpaceRemove(ode_->space, ode_->table);  // it meets each stone elsewhere
 }
 
 int OdeWorld::add_box(const Eigen::Vector3d& size, const Pose& T_W_box) {
   require(size.minCoeff() > 0.0 && size.allFinite(), "a box needs positive sides, got ", size.transpose());
   auto body = std::make_unique<Ode::Body>();
-  body->geom = dCreateBox(ode_->space, size.x(), size.y(), size.z());
+  body->mesh = make_contact_mesh(make_box(size));
   MassProperties mass;
   mass.mass = 1.0;
   mass.p_O_M.setZero();
@@ -339,7 +366,6 @@ void OdeWorld::set_gravity(const Eigen::Vector3d& g_W) {
 
 void OdeWorld::step(double dt) {
   require(dt > 0.0 && dt <= 0.1, "a step must be in (0, 0.1] s, got ", dt);
-  start_ode();  // for this thread
   dWorldSetGravity(ode_->world, ode_->gravity.x(), ode_->gravity.y(), ode_->gravity.z());
   ode_->damp(dt);
   ode_->lead(dt);
@@ -351,7 +377,7 @@ void OdeWorld::step(double dt) {
     if (!body) continue;
     if (body->moves) put(body->body, body->T_W_M_target);
     body->moves = false;
-    require(to_eigen(dBodyGetPosition(body->body)).allFinite(), "ODE lost a body: it has no place any more");
+    require(vector_of(dBodyGetPosition(body->body)).allFinite(), "ODE lost a body: it has no place any more");
   }
 }
 
@@ -362,7 +388,7 @@ Pose OdeWorld::pose(int body) const {
 
 Twist OdeWorld::twist(int body) const {
   const Ode::Body& b = ode_->body(body);
-  return {to_eigen(dBodyGetLinearVel(b.body)), to_eigen(dBodyGetAngularVel(b.body))};
+  return {vector_of(dBodyGetLinearVel(b.body)), vector_of(dBodyGetAngularVel(b.body))};
 }
 
 std::vector<Contact> OdeWorld::contacts() const {

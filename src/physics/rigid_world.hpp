@@ -79,7 +79,7 @@ class RigidWorld {
 /// The engines that step a world.
 enum class EngineKind {
   kBullet,  ///< Bullet with exact contact between the scans' features and round friction cones (World)
-  kOde      ///< Open Dynamics Engine on the scans' concave triangle meshes (OdeWorld)
+  kOde      ///< Open Dynamics Engine with contacts of its own between the scans (OdeWorld)
 };
 /// "bullet" or "ode"; throws InvalidArgument for another name.
 [[nodiscard]] EngineKind engine_named(const std::string& name);

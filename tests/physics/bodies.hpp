@@ -18,8 +18,7 @@ inline Pose at(double x, double y, double z, double yaw = 0.0) {
   return make_pose({x, y, z}, Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())));
 }
 
-/// A slab of full side lengths `size` with roughness of up to 0.6 mm, as ODE's contact of meshes needs it:
-/// between smooth parallel faces it finds no sound contacts.
+/// A slab of full side lengths `size` with roughness of up to 0.6 mm.
 inline Mesh rough_slab(const Eigen::Vector3d& size, std::uint64_t seed) {
   Random random = Random::stream(seed, "rough slab");
   Mesh mesh = make_sphere(1.0, 3);

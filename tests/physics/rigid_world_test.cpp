@@ -196,6 +196,65 @@ TEST_P(Engines, ATowerStandsAndOneBeyondItsEdgeFalls) {
   EXPECT_GT(turned(0.060), 0.2);
 }
 
+/// A block at rest on a fixed one, the world's axes turned into no special position.
+struct BlockOnBlock {
+  Eigen::Vector3d lower{0.10, 0.10, 0.04}, upper{0.10, 0.10, 0.04};  ///< full sides [m]
+  double yaw = 0.0, overhang = 0.0;                                  ///< of the upper [rad], [m]
+};
+std::unique_ptr<RigidWorld> lay(EngineKind engine, double friction, const BlockOnBlock& blocks) {
+  auto world = make_rigid_world(engine, with_friction(friction));
+  const auto& [lower, upper, yaw, overhang] = blocks;
+  world->add_stone(box(lower.x(), lower.y(), lower.z()), at(0, 0, 0.5), true);
+  world->add_stone(box(upper.x(), upper.y(), upper.z()),
+                   at(overhang, 0, 0.5 + 0.5 * (lower.z() + upper.z()), yaw), false);
+  return world;
+}
+
+TEST_P(Engines, ABlockRestsOnABlock) {
+  for (const BlockOnBlock& blocks : {BlockOnBlock{}, BlockOnBlock{.yaw = 0.3}, BlockOnBlock{.overhang = 0.03},
+                                     BlockOnBlock{.upper = {0.06, 0.05, 0.09}, .yaw = 0.003}}) {
+    const auto world = lay(GetParam(), 0.3, blocks);
+    const Pose before = world->pose(1);
+    pass(*world, 10.0, 0.002);
+    const auto moved = difference(before, world->pose(1));
+    EXPECT_LT(moved.translation, 2e-5) << "yaw " << blocks.yaw << ", overhang " << blocks.overhang;
+    EXPECT_LT(moved.angle, 2e-4) << "yaw " << blocks.yaw << ", overhang " << blocks.overhang;
+  }
+}
+
+TEST_P(Engines, ABlockSlipsOnABlockAtTheFrictionAngle) {
+  const auto slips = [](double friction, double share) {
+    const auto world = lay(GetParam(), friction, {.upper = {0.06, 0.05, 0.02}, .yaw = 0.4});
+    const double tilt = std::atan(share * friction);
+    pass(*world, 0.05);
+    const Eigen::Vector3d before = world->pose(1).translation();
+    world->set_gravity(kGravity *
+                       Eigen::Vector3d(std::sin(tilt) * 0.8, std::sin(tilt) * 0.6, -std::cos(tilt)));
+    pass(*world, 0.4);
+    return (world->pose(1).translation() - before).norm();
+  };
+  for (const double friction : {0.1, 0.3, 0.6}) {
+    const double tilt = std::atan(1.02 * friction);
+    const double free = 0.5 * kGravity * 0.16 * (std::sin(tilt) - friction * std::cos(tilt));
+    EXPECT_LT(slips(friction, 0.98), 5e-5) << friction;
+    EXPECT_GT(slips(friction, 1.02), 0.8 * free) << friction;
+  }
+}
+
+TEST_P(Engines, ABlockTipsWhereItsWeightLeavesItsBase) {
+  // The upper block, 40 mm wide and 60 mm high, overhangs by 5 mm: it tips over the lower one's rim.
+  const double angle = std::atan(0.015 / 0.03);
+  const auto turned = [](double tilt) {
+    const auto world = lay(GetParam(), 0.9, {.upper = {0.04, 0.05, 0.06}, .overhang = 0.035});
+    const Pose before = world->pose(1);
+    world->set_gravity(kGravity * Eigen::Vector3d(std::sin(tilt), 0, -std::cos(tilt)));
+    pass(*world, 0.8, 0.001);
+    return difference(before, world->pose(1)).angle;
+  };
+  EXPECT_LT(turned(angle - 0.5 * kDegree), 0.001);
+  EXPECT_GT(turned(angle + 0.5 * kDegree), 0.02);
+}
+
 TEST_P(Engines, ConcaveStonesStayWhereTheyLie) {
   const auto world = make(0.5);
   const auto stone = test::lump(7);
