@@ -32,7 +32,7 @@ void segment_scene(SegmentCommand& command) {
   const Segmentation result = segment(depth_views_of(views), command.options);
   check_level(views.front(), result.table_C, first);
   log_info(concat(result.objects.size(), " objects in ", watch.seconds(), " s"));
-  for (const auto& doubt : segmentation_warnings(result)) log_warning(doubt);
+  for (const auto& warning : segmentation_warnings(result)) log_warning(warning);
   if (!command.out.empty()) write_segmentation(command.out, result, views);
   if (!command.picture.empty()) draw_segmentation(command.picture, result, views);
   std::cout << (command.json ? segmentation_json(result, views.front().T_W_C)

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 constexpr double kSureObject = 0.8;  // confidence from which on no warning is given
 
-json point_json(const Eigen::Vector3d& p) {
+json coordinates_json(const Eigen::Vector3d& p) {
   return json{{"x", p.x()}, {"y", p.y()}, {"z", p.z()}};
 }
 
@@ -121,19 +121,20 @@ std::string segmentation_json(const Segmentation& result, const std::optional<Po
   for (const SegmentedObject& object : result.objects) {
     json entry = {{"object", list.size() + 1},
                   {"confidence", object.confidence},
-                  {"p_C_middle", point_json(object.p_C_middle)},
+                  {"p_C_middle", coordinates_json(object.p_C_middle)},
                   {"length_m", object.size.x()},
                   {"width_m", object.size.y()},
                   {"height_m", object.size.z()},
                   {"pixels", object.pixels},
                   {"views", object.views},
                   {"cut_off", object.cut_off}};
-    if (T_W_C) entry["p_W_middle"] = point_json(*T_W_C * object.p_C_middle);
+    if (T_W_C) entry["p_W_middle"] = coordinates_json(*T_W_C * object.p_C_middle);
     list.push_back(std::move(entry));
   }
   json out = {{"schema", "stonestack.segment/1"}, {"objects", list}, {"note", result.note}};
   if (result.table_C)
-    out["table_C"] = {{"normal", point_json(result.table_C->normal)}, {"offset_m", result.table_C->offset}};
+    out["table_C"] = {{"normal", coordinates_json(result.table_C->normal)},
+                      {"offset_m", result.table_C->offset}};
   return document(out);
 }
 

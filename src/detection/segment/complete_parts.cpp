@@ -66,11 +66,11 @@ std::vector<Run> runs_along(const Line& line, const ObjectSurface& surface, cons
   return runs;
 }
 
-/// What the lines say about a pair of parts, the lower index first.
+/// Evidence of the lines about a pair of parts, the lower index first.
 struct Continuation {
   int lines = 0, agreeing = 0;
 };
-/// What is seen of a part behind the rim of another.
+/// Sight of a part behind the rim of another.
 struct Rim {
   std::vector<double> heights;  ///< above the table, of the pixels in front [m]
 };
@@ -230,14 +230,9 @@ void complete_parts(const ObjectSurface& surface, SurfaceParts& parts) {
     if (name[r] < 0) {
       name[r] = static_cast<int>(joined.pixels.size());
       joined.pixels.push_back(0);
-      joined.inside.push_back(parts.inside[k]);
-      joined.outside.push_back(parts.outside[k]);
     }
     name[k] = name[r];
-    const auto n = static_cast<std::size_t>(name[k]);
-    joined.pixels[n] += parts.pixels[k];
-    joined.inside[n] = std::max(joined.inside[n], parts.inside[k]);
-    joined.outside[n] = std::min(joined.outside[n], parts.outside[k]);
+    joined.pixels[static_cast<std::size_t>(name[k])] += parts.pixels[k];
   }
   joined.label = std::move(parts.label);
   for (int& label : joined.label)

@@ -10,7 +10,7 @@
 
 namespace stonestack::detection {
 
-/// What one depth image shows above the table. V is the camera.
+/// Surface that one depth image shows above the table. V is the camera.
 struct ObjectSurface {
   DepthImage depth;                     ///< smoothed; 0 where unknown or out of range
   std::optional<Plane> table_V;         ///< normal towards the camera; empty: nothing else was made

@@ -17,7 +17,6 @@ namespace {
 constexpr int kMarkerCell = 8;          // px
 constexpr float kMarkerDepth = 0.25F;   // no marker lies in a groove
 constexpr float kMarkerCentre = 1e-4F;  // groove depth that a pixel off the cell's centre is worth
-constexpr double kUnmerged = 1.0;       // cost of a merge with nobody
 
 /// Surface with its groove depths, and which pixels are neighbours.
 struct Relief {
@@ -106,7 +105,6 @@ class PartGraph {
     const auto count = static_cast<std::size_t>(basins.count);
     beside_.resize(count);
     pixels_.assign(count, 0);
-    inside_.assign(count, -kUnmerged);
     version_.assign(count, 0);
     parent_.resize(count);
     std::iota(parent_.begin(), parent_.end(), 0);
@@ -138,12 +136,6 @@ class PartGraph {
     return a;
   }
   [[nodiscard]] int pixels(int a) const { return at(pixels_, a); }
-  [[nodiscard]] double inside(int a) const { return at(inside_, a); }
-  [[nodiscard]] double outside(int a) const {
-    double lowest = kUnmerged;
-    for (const auto& [b, boundary] : at(beside_, a)) lowest = std::min(lowest, cost(a, b, boundary));
-    return lowest;
-  }
 
  private:
   struct Merge {
@@ -188,7 +180,6 @@ class PartGraph {
     if (at(beside_, a).size() < at(beside_, b).size()) std::swap(a, b);
     at(parent_, b) = a;
     at(pixels_, a) += at(pixels_, b);
-    at(inside_, a) = std::max({at(inside_, a), at(inside_, b), next.cost});
     ++at(version_, a);
     at(beside_, a).erase(b);
     for (const auto& [k, boundary] : at(beside_, b)) {
@@ -205,7 +196,6 @@ class PartGraph {
 
   std::vector<std::map<int, Boundary>> beside_;
   std::vector<int> pixels_, version_, parent_;
-  std::vector<double> inside_;
   std::priority_queue<Merge> merges_;
 };
 
@@ -225,11 +215,7 @@ SurfaceParts split_surface(const ObjectSurface& surface, int fewest) {
     const int root = graph.root(basins.label[i]);
     if (graph.pixels(root) < fewest) continue;
     const auto [entry, fresh] = name_of.try_emplace(root, static_cast<int>(name_of.size()));
-    if (fresh) {
-      parts.pixels.push_back(graph.pixels(root));
-      parts.inside.push_back(graph.inside(root));
-      parts.outside.push_back(graph.outside(root));
-    }
+    if (fresh) parts.pixels.push_back(graph.pixels(root));
     parts.label[i] = entry->second;
   }
   return parts;

@@ -9,10 +9,6 @@ namespace stonestack::detection {
 struct SurfaceParts {
   std::vector<int> label;   ///< a pixel each: 0 .., or -1 for what is no object's
   std::vector<int> pixels;  ///< of each part
-  /// Highest cost at which pieces of the part were merged, ...
-  std::vector<double> inside;
-  /// ... and lowest cost at which it would have been merged with another; both are compared with `kPartCost`.
-  std::vector<double> outside;
 };
 
 /// Over-segments the surface by watershed of the groove depths (Meyer's flooding from one marker a cell of

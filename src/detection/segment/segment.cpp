@@ -25,8 +25,10 @@ constexpr double kSameSurface = 0.008;  // m along the line of sight: one surfac
 constexpr double kOverlap = 0.4;        // of the smaller part's shared surface: the same object
 constexpr int kFewestShared = 30;       // pixels of it
 constexpr double kLargeDoubt = 0.15;    // confidence that is left to an object twice the usual size
-// Logistic fit of the confidence to the margins of 570 objects (docs/measurements.md, Segmentation).
-constexpr double kConfidenceBase = 0.5, kConfidenceInside = 5.0, kConfidenceOutside = 12.0;
+// Logistic fit of the confidence to 682 parts, 24 of them wrong (docs/measurements.md, Segmentation): small
+// parts are wrong most often. How long a part stays the same over the cost of merging tells nothing beside.
+constexpr double kConfidenceBase = -5.0, kConfidenceSize = 13.0;
+constexpr double kSureSize = 60.0;  // px, square root of the pixels from which on size adds nothing
 
 std::string unusable_image(const DepthImage& image) {
   const auto pixels = static_cast<std::size_t>(std::max(0, image.camera.width)) *
@@ -180,11 +182,10 @@ Eigen::Vector3d extents_on(const Plane& table_C, const std::vector<Eigen::Vector
   return {box.sizes().maxCoeff(), box.sizes().minCoeff(), top};
 }
 
-double confidence_of(double inside, double outside, double longest, const SegmentOptions& options) {
-  const double margin_in = std::clamp(kPartCost - inside, 0.0, 1.0);
-  const double margin_out = std::clamp(outside - kPartCost, 0.0, 1.0);
-  const double logit = kConfidenceBase + kConfidenceInside * margin_in + kConfidenceOutside * margin_out;
-  const double oversize = std::max(0.0, longest / options.usual_size - 1.0);
+double confidence_of(const SegmentedObject& object, const SegmentOptions& options) {
+  const double width = std::sqrt(static_cast<double>(object.pixels) / object.views);
+  const double logit = kConfidenceBase + kConfidenceSize * std::min(1.0, width / kSureSize);
+  const double oversize = std::max(0.0, object.size.maxCoeff() / options.usual_size - 1.0);
   return std::pow(kLargeDoubt, oversize) / (1.0 + std::exp(-logit));
 }
 
@@ -194,7 +195,6 @@ void describe_objects(const std::vector<ViewParts>& views, const SegmentOptions&
   const auto name = objects_of(views);
   struct Gathered {
     SegmentedObject object;
-    double inside = -1.0, outside = 1.0;
     int name = 0;
   };
   std::map<int, Gathered> found;
@@ -213,8 +213,6 @@ void describe_objects(const std::vector<ViewParts>& views, const SegmentOptions&
         ++object.object.pixels;
         in_view[object_name] = true;
         object.object.cut_off |= std::min({u, v, camera.width - 1 - u, camera.height - 1 - v}) < kBorder;
-        object.inside = std::max(object.inside, view.parts.inside[static_cast<std::size_t>(part)]);
-        object.outside = std::min(object.outside, view.parts.outside[static_cast<std::size_t>(part)]);
         const Eigen::Vector3d n = seen_normal(view.surface.depth, u, v);
         if (view.surface.depth.z[i] <= 0 || n.isZero()) continue;
         object.object.cloud_C.points.emplace_back(
@@ -239,7 +237,7 @@ void describe_objects(const std::vector<ViewParts>& views, const SegmentOptions&
     for (const auto& p : cloud.points) sum += p.cast<double>();
     object.p_C_middle = sum / static_cast<double>(cloud.points.size());
     object.size = extents_on(*result.table_C, cloud.points);
-    object.confidence = confidence_of(gathered.inside, gathered.outside, object.size.maxCoeff(), options);
+    object.confidence = confidence_of(object, options);
     result.objects.push_back(std::move(object));
   }
   for (std::size_t k = 0; k < views.size(); ++k) {
