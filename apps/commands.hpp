@@ -11,6 +11,7 @@ namespace stonestack::apps {
 void add_scan(CLI::App& app);
 void add_render(CLI::App& app);
 void add_detect(CLI::App& app);
+void add_segment(CLI::App& app);
 void add_track(CLI::App& app);
 void add_search(CLI::App& app);
 void add_check(CLI::App& app);

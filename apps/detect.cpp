@@ -15,43 +15,21 @@ namespace {
 
 struct DetectCommand {
   CommonOptions common;
-  std::vector<std::string> inputs;
-  std::vector<std::string> camera_poses;
-  bool world = false;
+  SceneInputs inputs;
   std::string stones;
   std::string trace;
-  DepthInput depth;
   DetectionOptions options;
 };
-
-/// Every scene with its camera pose; several need one each, so that they can be joined.
-std::vector<SceneView> read_views(const DetectCommand& command) {
-  const auto& poses = command.camera_poses;
-  require(poses.empty() || poses.size() == command.inputs.size(),
-          "give one --camera-pose a scene: there are ", command.inputs.size(), " scenes and ", poses.size(),
-          " poses");
-  std::vector<SceneView> views;
-  for (std::size_t i = 0; i < command.inputs.size(); ++i) {
-    views.push_back(
-        read_view(command.inputs[i], poses.empty() ? "" : poses[i], command.world, command.depth));
-    if (command.inputs.size() > 1 && !views.back().T_W_C)
-      throw FileError(command.inputs[i], "has no camera pose",
-                      "several views need one each: add T_W_C or give --camera-pose for every scene");
-  }
-  return views;
-}
 
 DetectionResult detect_in(const std::vector<SceneView>& views, const Catalogue& catalogue,
                           const DetectCommand& command) {
   std::vector<StoneIndex> wanted;
   if (!command.stones.empty())
     for (const auto& name : split_list(command.stones)) wanted.push_back(catalogue.index(name));
-  std::vector<DepthView> depth_views;
-  for (const auto& view : views) depth_views.push_back({view.image, view.T_W_C.value_or(Pose::Identity())});
   log_info(concat("preparing ", catalogue.stones.size(), " stones"));
   const DetectionModels models(catalogue.stones, command.options);
   const Stopwatch watch;
-  DetectionResult result = detect_stones(depth_views, models, wanted, command.options);
+  DetectionResult result = detect_stones(depth_views_of(views), models, wanted, command.options);
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
   return result;
 }
@@ -62,8 +40,8 @@ void detect(DetectCommand& command) {
   command.options.trace = !command.trace.empty();
   if (command.options.trace) require_writable(command.trace + "/stages.json");
   const Catalogue catalogue = command.common.read();
-  const auto views = read_views(command);
-  const std::string& first = command.inputs.front();
+  const auto views = read_views(command.inputs);
+  const std::string& first = command.inputs.paths.front();
   if (views.front().world)
     check_level(views.front(), find_table(views.front().image, command.options), first);
   const DetectionResult result = detect_in(views, catalogue, command);
@@ -83,16 +61,7 @@ void add_detect(CLI::App& app) {
   const auto [sub, command] =
       add_subcommand<DetectCommand>(app, "detect", "Find stones of a catalogue in a depth view", detect);
   Settings& settings = command.common.settings;
-  sub.add_option("SCENE", command.inputs,
-                 "Cloud (PLY, PCD) in the camera frame, scene file with depth or cloud, 16-bit depth PNG, or "
-                 "recording (folder: BOP, Open3D, TUM); several: views of one scene, judged together, "
-                 "results in the first one's camera frame")
-      ->required();
-  sub.add_option("--camera-pose", command.camera_poses,
-                 "T_W_C: x,y,z,qx,qy,qz,qw or a scene file; adds T_W_O to the result; once a scene")
-      ->allow_extra_args(false);
-  sub.add_flag("--world", command.world, "The cloud is in the world frame (z up, table at z = 0)");
-  register_depth_input(sub, command.depth);
+  register_scene_inputs(sub, command.inputs);
   sub.add_option("--stones", command.stones, "Search for these stones only, by name, comma-separated");
   settings.bind(sub.add_option("--copies", command.options.copies, "Maximum number of copies of each stone")
                     ->check(CLI::Range(1, 100))

@@ -5,7 +5,6 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/report/record_run.hpp"
-#include "stonestack/report/run_report.hpp"
 #include "version.hpp"
 
 namespace stonestack::apps {

@@ -6,7 +6,6 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/report/results.hpp"
-#include "stonestack/report/run_report.hpp"
 #include "version.hpp"
 
 namespace stonestack::apps {

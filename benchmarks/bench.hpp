@@ -26,6 +26,7 @@ void add_search(CLI::App& app);
 void add_calibration(CLI::App& app);
 void add_equilibrium(CLI::App& app);
 void add_detection(CLI::App& app);
+void add_segmentation(CLI::App& app);
 void add_rtde(CLI::App& app);
 void add_results(CLI::App& app);
 void add_site(CLI::App& app);

@@ -5,11 +5,15 @@
 #include <numeric>
 
 #include "core/constants.hpp"
+#include "physics/world.hpp"
 
 namespace stonestack::bench {
 namespace {
 
-constexpr double kApart = 0.001;  // m, between stones that "touch"
+constexpr double kApart = 0.001;       // m, between stones that "touch"
+constexpr double kHeapRadius = 0.07;   // m from the middle of a heap to where a stone is let go, at most
+constexpr double kHeapFriction = 0.6;  // of dry limestone on limestone, about
+constexpr double kHeapRest = 0.6;      // s that a stone is given before the next one
 
 double lowest(const Stone& stone, const Eigen::Quaterniond& R) {
   double z = 1e9;
@@ -103,10 +107,30 @@ Pose SceneMaker::push(const std::vector<PlacedStone>& placed, StoneIndex stone, 
   for (double step = 0.016; step > 0.0005; step *= 0.5)
     for (int k = 0; k < 40; ++k) {
       const Pose next = make_pose(step * towards) * T_W_O;
-      if (gap(placed, stone, next) < kApart) break;
+      const double foot =
+          next.translation().z() + lowest(at(stones_, stone), Eigen::Quaterniond(next.linear()));
+      if (foot < -1e-6 || gap(placed, stone, next) < kApart) break;
       T_W_O = next;
     }
   return T_W_O;
+}
+
+std::vector<PlacedStone> SceneMaker::pile_up(const std::vector<StoneIndex>& order, Random& random) const {
+  WorldOptions options;
+  options.friction = kHeapFriction;
+  World world(options);
+  std::vector<PlacedStone> placed;
+  for (const StoneIndex stone : order) {
+    const double angle = random.uniform(0, 2 * kPi), r = kHeapRadius * std::sqrt(random.uniform());
+    const Pose above = make_pose({r * std::cos(angle), r * std::sin(angle), 0.5}, random.rotation());
+    placed.push_back({stone, push(placed, stone, above, -Eigen::Vector3d::UnitZ())});
+    world.add_stone(
+        make_contact_shape(at(stones_, stone).scan, at(stones_, stone).mass, at(stones_, stone).name),
+        placed.back().T_W_O);
+    world.run(kHeapRest);
+    for (std::size_t k = 0; k < placed.size(); ++k) placed[k].T_W_O = world.pose(static_cast<int>(k));
+  }
+  return placed;
 }
 
 std::vector<PlacedStone> SceneMaker::arrange(const SceneKind& kind, Random& random) const {
@@ -115,6 +139,7 @@ std::vector<PlacedStone> SceneMaker::arrange(const SceneKind& kind, Random& rand
   order.insert(order.begin(), static_cast<std::size_t>(kind.copies - 1), order.front());
   std::vector<PlacedStone> placed;
   const int count = std::min<int>(kind.present, static_cast<int>(order.size()));
+  if (kind.arrangement == "heap") return pile_up({order.begin(), order.begin() + count}, random);
   const double start = random.uniform(0, 2 * kPi);
   for (int i = 0; i < count; ++i) {
     const StoneIndex stone = order[static_cast<std::size_t>(i)];
@@ -164,6 +189,8 @@ BenchScene SceneMaker::make(const SceneKind& kind, std::uint64_t seed, const Cam
     const RenderedView view = render(world, sensor.camera, T_W_C);
     scene.views.push_back(
         {add_noise(view, T_W_C, sensor, random), v == 0 ? T_W_C : reported(T_W_C, error, random)});
+    scene.shown.push_back(view.instance);
+    for (int& instance : scene.shown.back()) instance = std::max(instance - 1, -1);  // 0 is the table
     if (kind.mirrored)
       mirror(scene.views.back().image);
     else if (v == 0)

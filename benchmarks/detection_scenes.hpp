@@ -21,7 +21,7 @@ namespace stonestack::bench {
 struct SceneKind {
   std::string name;
   int present = 4;
-  std::string arrangement = "apart";  ///< apart, touching, stacked
+  std::string arrangement = "apart";  ///< apart, touching, stacked, heap
   std::string sensor = "sr300";
   int copies = 1;              ///< of the first stone
   int views = 1;               ///< camera poses
@@ -43,6 +43,7 @@ struct TrueStone {
 struct BenchScene {
   std::vector<DepthView> views;
   std::vector<TrueStone> truth;
+  std::vector<std::vector<int>> shown;  ///< a view: index into `truth` of each pixel's stone; -1 elsewhere
 };
 
 /// How far the reported pose of each further view is off, standard deviations an axis.
@@ -53,7 +54,8 @@ struct CameraError {
 
 /// Places and renders full-resolution scans. Stones rest in an orientation in which they would stay on a
 /// table, are pushed together until 1 mm apart, or set down on each other; nothing is settled, so stacks need
-/// not hold.
+/// not hold; a heap is settled: stones in any orientation, one after the other, let go where they meet it or
+/// the table.
 class SceneMaker {
  public:
   explicit SceneMaker(const std::vector<Stone>& stones);
@@ -70,6 +72,7 @@ class SceneMaker {
                                                 const RenderedView& view, const Pose& T_W_C,
                                                 const CameraIntrinsics& camera) const;
   [[nodiscard]] std::vector<PlacedStone> arrange(const SceneKind& kind, Random& random) const;
+  [[nodiscard]] std::vector<PlacedStone> pile_up(const std::vector<StoneIndex>& order, Random& random) const;
 
   const std::vector<Stone>& stones_;
   std::vector<SignedDistance> distance_;

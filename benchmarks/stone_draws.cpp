@@ -71,7 +71,7 @@ void PoolOptions::register_on(CLI::App& command) {
   command.add_option("--catalogue", catalogue, "Draw from this catalogue too")->type_name("DIR");
 }
 
-std::vector<StonePool> read_pools(const PoolOptions& options) {
+std::vector<StonePool> read_pool_stones(const PoolOptions& options) {
   std::vector<StonePool> pools;
   if (options.generated > 0) pools.push_back({"generated", make_limestones(options.generated), {}, {}});
   if (std::filesystem::is_directory(options.scans))
@@ -79,6 +79,11 @@ std::vector<StonePool> read_pools(const PoolOptions& options) {
   if (!options.catalogue.empty())
     pools.push_back({options.catalogue, read_catalogue(options.catalogue).stones, {}, {}});
   require(!pools.empty(), "no stones to draw from; give --generated, --scans or --catalogue");
+  return pools;
+}
+
+std::vector<StonePool> read_pools(const PoolOptions& options) {
+  std::vector<StonePool> pools = read_pool_stones(options);
   ShapeOptions finer;
   finer.cell = 0.001;
   finer.spacing = 0.002;

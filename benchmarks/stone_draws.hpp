@@ -41,6 +41,8 @@ struct StonePool {
 /// Throws FileError for a catalogue that cannot be read and for a folder of scans without one,
 /// InvalidArgument if nothing is left to draw from.
 [[nodiscard]] std::vector<StonePool> read_pools(const PoolOptions& options);
+/// Pools of the same stones without shapes.
+[[nodiscard]] std::vector<StonePool> read_pool_stones(const PoolOptions& options);
 
 /// Draw k: `count` different stones, and how they lie before they are picked up.
 [[nodiscard]] SearchProblem draw_problem(const StonePool& pool, int seed, int k, int count);

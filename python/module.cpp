@@ -18,7 +18,6 @@
 #include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/report/results.hpp"
-#include "stonestack/report/run_report.hpp"
 #include "stonestack/stacking/observe.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
 #include "version.hpp"

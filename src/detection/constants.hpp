@@ -30,6 +30,13 @@ inline constexpr double kViewShift = 0.001;
 /// Standard deviation of a further view's reported rotation, rad. Design choice.
 inline constexpr double kViewTurn = 0.003;
 
+// Segmentation
+/// Cost from which on neighbouring parts of a surface stay apart: mean depth of the groove between them, sine
+/// of half the angle. Chosen on half of the recordings and on drawn rubble (docs/measurements.md).
+inline constexpr double kPartCost = 0.33;
+/// Cost that a part of one pixel is allowed more; falls with the square root of its pixels. Chosen as above.
+inline constexpr double kPartAllowance = 10.0;
+
 // Hypotheses
 /// Spacing of the keypoints, m. Wider, 14 mm, found fewer stones in an early experiment.
 inline constexpr double kKeypointSpacing = 0.010;

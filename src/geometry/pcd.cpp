@@ -1,5 +1,6 @@
 #include "geometry/pcd.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "geometry/byte_order.hpp"
@@ -188,8 +189,9 @@ class Body {
       for (std::size_t i = 1; i < f.count; ++i) (void)cursor_.number(cursor_.next_word());
       return first;
     }
-    if (f.type != 'F') return 0.0;  // never used
     const std::string_view bytes = data_.substr(start_[field] + point * stride_[field], f.size);
+    if (f.type == 'U' && f.size == 4) return decoded<std::uint32_t>(bytes);
+    if (f.type != 'F') return 0.0;  // never used
     return f.size == 8 ? decoded<double>(bytes) : static_cast<double>(decoded<float>(bytes));
   }
 
@@ -249,6 +251,22 @@ Cloud parse_pcd(const std::string& path, std::string_view content) {
   }
   body.require_end();
   return cloud;
+}
+
+std::vector<int> parse_pcd_labels(const std::string& path, std::string_view content) {
+  FileCursor cursor(path, content);
+  const Header header = parse_header(cursor);
+  const auto field = std::find_if(header.fields.begin(), header.fields.end(), [](const Field& f) {
+    return f.name == "label" && f.type == 'U' && f.size == 4 && f.count == 1;
+  });
+  if (field == header.fields.end() || header.data == "ascii")
+    cursor.fail("the points have no label (unsigned, 4 bytes, binary)", "give a labelled cloud");
+  Body body(cursor, header);
+  std::vector<int> labels;
+  const auto index = static_cast<std::size_t>(field - header.fields.begin());
+  for (std::size_t i = 0; i < header.width * header.height; ++i)
+    labels.push_back(static_cast<int>(body.value(header, i, index)));
+  return labels;
 }
 
 }  // namespace stonestack::geometry

@@ -3,7 +3,7 @@
 
 #include "geometry/json_file.hpp"
 #include "stonestack/core/error.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -1,7 +1,7 @@
 #include "report/experiment_page.hpp"
 
 #include "report/text.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack::report {
 

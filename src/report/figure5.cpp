@@ -3,7 +3,7 @@
 
 #include "report/csv.hpp"
 #include "report/svg.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack::report {
 std::unique_ptr<LiveServer> make_live_server(const LiveView& view, std::string page) {

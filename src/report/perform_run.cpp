@@ -14,7 +14,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/report/results.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/observe.hpp"
 

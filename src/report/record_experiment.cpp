@@ -19,7 +19,7 @@
 #include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/report/results.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {

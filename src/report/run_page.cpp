@@ -16,7 +16,7 @@
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/physics/stack.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {

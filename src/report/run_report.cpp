@@ -1,4 +1,4 @@
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 #include <array>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "report/picture.hpp"
 #include "report/text.hpp"
 #include "stonestack/report/results.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -46,6 +46,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"scan", "--catalogue"},
       {"render", "--out"},
       {"detect", "SCENE"},
+      {"segment", "SCENE"},
       {"track", "SCENE"},
       {"check --friction -1 x.yaml", "--friction"},
       {"plan", "SCENE"},

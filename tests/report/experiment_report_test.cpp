@@ -1,4 +1,4 @@
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 
 #include "stonestack/core/file.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
-#include "stonestack/report/run_report.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack::report {
 namespace {

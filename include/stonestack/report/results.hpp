@@ -5,6 +5,7 @@
 
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/detection/segment.hpp"
 #include "stonestack/simulation/render_scene.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
@@ -73,6 +74,23 @@ void write_command_pages(const CommandDescription& program, const std::string& v
 [[nodiscard]] std::vector<std::string> detection_warnings(const DetectionResult& result,
                                                           const Catalogue& catalogue,
                                                           const DetectionOptions& options);
+
+/// "stonestack.segment/1"; with the camera's pose each object has p_W_middle as well.
+[[nodiscard]] std::string segmentation_json(const Segmentation& result, const std::optional<Pose>& T_W_C);
+/// Positions in C, or in W for a cloud that no camera took.
+[[nodiscard]] std::string segmentation_table(const Segmentation& result, const SceneView& view);
+/// Warnings: objects that may be parts of one, or several.
+[[nodiscard]] std::vector<std::string> segmentation_warnings(const Segmentation& result);
+/// Writes into the folder object_1.ply and so on (cloud with normals, in C) and labels_1.png and so on, a
+/// view each: 16-bit greyscale, the object's number or 0.
+/// @throws FileError.
+void write_segmentation(const std::string& folder, const Segmentation& result,
+                        const std::vector<SceneView>& views);
+/// Draws the views side by side as a PNG file: depth in grey, each object in a colour of its own with its
+/// number.
+/// @throws FileError.
+void draw_segmentation(const std::string& path, const Segmentation& result,
+                       const std::vector<SceneView>& views);
 
 /// "stonestack.track/1".
 [[nodiscard]] std::string tracking_json(const TrackResult& result, const Catalogue& catalogue,
