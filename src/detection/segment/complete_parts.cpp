@@ -20,7 +20,7 @@ constexpr double kMaxBend = 0.35;    // rad between the tangent planes on both s
 constexpr double kOffPlane = 0.006;  // m of a point from the other side's tangent plane, ...
 constexpr double kOffPlaneGrowth = 0.10;  // ... and times the distance
 constexpr double kFrontBefore = 0.003;    // m that the object in front must be nearer than the line behind it
-constexpr int kFewestAgreeing = 25;       // lines that agree
+constexpr int kFewestAgreeing = 18;       // lines that agree
 constexpr double kAgreeing = 0.45;        // share of the lines that lead from one part to the other
 constexpr int kRimGap = 6;                // px without depth between the inside of a vessel and its rim
 constexpr int kRimPixels = 12;            // of a rim at least
@@ -140,10 +140,11 @@ class Evidence {
     rims[key].heights.push_back(top);
   }
 
-  /// True if every pixel of a run with depth is nearer than the straight line behind it.
+  /// True if every pixel of a run, but for its smeared ends, is nearer than the straight line behind it.
   [[nodiscard]] bool hides(const Line& line, const Run& run, const Run& from, const Run& to) const {
     const double za = surface_.depth.z[line[from.last]], zb = surface_.depth.z[line[to.first]];
-    for (std::size_t k = run.first; k <= run.last; ++k) {
+    const auto smear = std::min<std::size_t>(kSmear, (run.last - run.first) / 2);
+    for (std::size_t k = run.first + smear; k + smear <= run.last; ++k) {
       const double share = static_cast<double>(k - from.last) / static_cast<double>(to.first - from.last);
       if (surface_.depth.z[line[k]] > 1.0 / ((1.0 - share) / za + share / zb) - kFrontBefore) return false;
     }

@@ -17,18 +17,19 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kFewestPixels = 60;       // of a part, however large its pixels are
-constexpr int kBorder = 4;              // px: so far from the border the smoothed image is empty, and a bit
-constexpr int kGrowth = 3;              // px that parts grow into what smoothing left out
-constexpr float kGrowthStep = 0.010F;   // m of depth between neighbours of one part
-constexpr double kSameSurface = 0.008;  // m along the line of sight: one surface in two views
-constexpr double kOverlap = 0.4;        // of the smaller part's shared surface: the same object
-constexpr int kFewestShared = 30;       // pixels of it
-constexpr double kLargeDoubt = 0.15;    // confidence that is left to an object twice the usual size
+constexpr int kFewestPixels = 60;         // of a part, however large its pixels are
+constexpr int kBorder = 4;                // px: so far from the border the smoothed image is empty, and a bit
+constexpr int kGrowth = 3;                // px that parts grow into what smoothing left out
+constexpr float kGrowthStep = 0.010F;     // m of depth between neighbours of one part
+constexpr double kSameSurface = 0.008;    // m along the line of sight: one surface in two views
+constexpr double kOverlap = 0.4;          // of the smaller part's shared surface: the same object
+constexpr int kFewestShared = 30;         // pixels of it
+constexpr double kOversizeFactor = 0.15;  // confidence that is left to an object twice the usual size
 // Logistic fit of the confidence to 682 parts, 24 of them wrong (docs/measurements.md, Segmentation): small
 // parts are wrong most often. How long a part stays the same over the cost of merging tells nothing beside.
 constexpr double kConfidenceBase = -5.0, kConfidenceSize = 13.0;
-constexpr double kSureSize = 60.0;  // px, square root of the pixels from which on size adds nothing
+constexpr double kMostConfident = 0.99;  // large parts, too, are wrong in about one of a hundred cases
+constexpr double kSureSize = 60.0;       // px, square root of the pixels from which on size adds nothing
 
 std::string unusable_image(const DepthImage& image) {
   const auto pixels = static_cast<std::size_t>(std::max(0, image.camera.width)) *
@@ -186,7 +187,7 @@ double confidence_of(const SegmentedObject& object, const SegmentOptions& option
   const double width = std::sqrt(static_cast<double>(object.pixels) / object.views);
   const double logit = kConfidenceBase + kConfidenceSize * std::min(1.0, width / kSureSize);
   const double oversize = std::max(0.0, object.size.maxCoeff() / options.usual_size - 1.0);
-  return std::pow(kLargeDoubt, oversize) / (1.0 + std::exp(-logit));
+  return kMostConfident * std::pow(kOversizeFactor, oversize) / (1.0 + std::exp(-logit));
 }
 
 /// Objects with their clouds, the one with most pixels first; sets the labels.
