@@ -13,8 +13,8 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
-#include "stonestack/report/results.hpp"
 #include "stonestack/report/record_run.hpp"
+#include "stonestack/report/results.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/observe.hpp"
 

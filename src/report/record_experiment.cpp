@@ -18,8 +18,8 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/motion/planning_scene.hpp"
-#include "stonestack/report/results.hpp"
 #include "stonestack/report/record_run.hpp"
+#include "stonestack/report/results.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {

@@ -3,8 +3,8 @@
 
 #include "report/picture.hpp"
 #include "report/text.hpp"
-#include "stonestack/report/results.hpp"
 #include "stonestack/report/record_run.hpp"
+#include "stonestack/report/results.hpp"
 
 namespace stonestack::report {
 namespace {

@@ -78,6 +78,7 @@ TEST_F(EveryCommand, SpeaksJsonOnStdoutAlone) {
       {"scan --generate 1 --catalogue made --json", "stonestack.scan/1"},
       {"render --out again --stones limestone_1 --json", "stonestack.render/1"},
       {"detect scene/scene.yaml --json", "stonestack.detect/1"},
+      {"segment scene/scene.yaml --json", "stonestack.segment/1"},
       {"track scene/scene.yaml --expect scene/scene.yaml --json", "stonestack.track/1"},
       {"search --stones limestone_1,limestone_2 --json --set search.rounds=1", "stonestack.search/1"},
       {"config show --json", "stonestack.config/1"},

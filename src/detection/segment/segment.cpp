@@ -28,7 +28,7 @@ constexpr double kOversizeFactor = 0.15;  // confidence that is left to an objec
 // Logistic fit of the confidence to 682 parts, 24 of them wrong (docs/measurements.md, Segmentation): small
 // parts are wrong most often. How long a part stays the same over the cost of merging tells nothing beside.
 constexpr double kConfidenceBase = -5.0, kConfidenceSize = 13.0;
-constexpr double kMostConfident = 0.99;  // large parts, too, are wrong in about one of a hundred cases
+constexpr double kMaxConfidence = 0.99;  // large parts, too, are wrong in about one of a hundred cases
 constexpr double kSureSize = 60.0;       // px, square root of the pixels from which on size adds nothing
 
 std::string unusable_image(const DepthImage& image) {
@@ -187,7 +187,7 @@ double confidence_of(const SegmentedObject& object, const SegmentOptions& option
   const double width = std::sqrt(static_cast<double>(object.pixels) / object.views);
   const double logit = kConfidenceBase + kConfidenceSize * std::min(1.0, width / kSureSize);
   const double oversize = std::max(0.0, object.size.maxCoeff() / options.usual_size - 1.0);
-  return kMostConfident * std::pow(kOversizeFactor, oversize) / (1.0 + std::exp(-logit));
+  return kMaxConfidence * std::pow(kOversizeFactor, oversize) / (1.0 + std::exp(-logit));
 }
 
 /// Objects with their clouds, the one with most pixels first; sets the labels.
