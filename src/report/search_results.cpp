@@ -53,6 +53,23 @@ json wall_json(const WallPlan& plan) {
           {"seconds", plan.seconds}};
 }
 
+/// The stones in the order in which they are built, with what each rests on.
+std::string wall_table(const Catalogue& catalogue, const WallPlan& plan) {
+  std::string text = format("%-20s %6s %6s   %-24s position (m)\n", "stone", "course", "p(ok)", "rests on");
+  for (const WallPlacement& next : plan.placements) {
+    std::string below;
+    for (const int k : next.supports)
+      below += (below.empty() ? "" : ", ") +
+               name_of(catalogue, plan.placements[static_cast<std::size_t>(k)].placement.stone);
+    const Eigen::Vector3d p = next.placement.T_W_O.translation();
+    text += format("%-20s %6d %6.2f   %-24s %7.4f %7.4f %7.4f\n",
+                   name_of(catalogue, next.placement.stone).c_str(), next.course + 1,
+                   next.placement.predicted_success, below.empty() ? "the table" : below.c_str(), p.x(),
+                   p.y(), p.z());
+  }
+  return text;
+}
+
 std::string wall_text(const WallPlan& plan) {
   const WallMetrics& m = plan.metrics;
   std::string text = format("wall   %d", m.placed);
@@ -161,6 +178,10 @@ std::string search_text(const SceneSearch& found, const std::string& next) {
     }
     text += "\nstack  " + start.site_text + "\n";
   }
+  if (found.wall) {
+    text += wall_table(found.catalogue, *found.wall) + wall_text(*found.wall);
+    return next.empty() ? text : text + "next   " + next + "\n";
+  }
   text += format("%-20s %8s %6s %10s   position (m)\n", "stone", "cost", "p(ok)", "area (cm2)");
   for (const auto& p : found.placements) {
     const auto& t = p.T_W_O.translation();
@@ -168,7 +189,6 @@ std::string search_text(const SceneSearch& found, const std::string& next) {
         format("%-20s %8.3f %6.2f %10.2f   %7.4f %7.4f %7.4f\n", name_of(found.catalogue, p.stone).c_str(),
                p.cost, p.predicted_success, 1e4 * p.support.area, t.x(), t.y(), t.z());
   }
-  if (found.wall) text += wall_text(*found.wall);
   return next.empty() ? text : text + "next   " + next + "\n";
 }
 
