@@ -166,6 +166,8 @@ TEST(WallTargetFile, IsReadAndFaultsAreNamed) {
   EXPECT_THAT(fault("schema: stonestack.target/1\nwall: {length: 1, levels: 2, high: 3}\n"),
               HasSubstr("high"));
   EXPECT_THAT(fault("schema: stonestack.target/1\nwall: {length: -1, levels: 2}\n"), HasSubstr("length"));
+  EXPECT_THAT(fault("schema: stonestack.target/1\nwall: {length: 1, levels: 2.5}\n"),
+              HasSubstr("whole number"));
 }
 
 }  // namespace

@@ -45,7 +45,10 @@ WallTarget target_of_file(const std::string& path) {
     }
   } else {
     target.length = wall.number("length", kMinLength, kMaxLength);
-    target.levels = static_cast<int>(wall.number("levels", 1, kMaxCourses));
+    const double levels = wall.number("levels", 1, kMaxCourses);
+    if (levels != std::floor(levels))
+      wall.fail("levels", concat("is ", levels), "give a whole number of courses");
+    target.levels = static_cast<int>(levels);
   }
   wall.finish();
   if (map.has("centre")) {

@@ -1,0 +1,36 @@
+// Targets of walls, as files and as short text: refused with an error that names them, or a wall that can be
+// asked for.
+#include <cmath>
+
+#include "fuzz/checks.hpp"
+#include "rooms.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/search/plan_wall.hpp"
+
+namespace {
+
+void check_wall(const std::string& text) {
+  using namespace stonestack;
+  using stonestack::fuzz::check;
+  try {
+    const search::WallTarget target = search::read_wall_target(text);
+    for (const int count : target.courses) check(count > 0);
+    check(!target.courses.empty() ||
+          (target.length > 0.0 && std::isfinite(target.length) && target.levels > 0));
+    check(!target.centre_W || target.centre_W->allFinite());
+    check(std::isfinite(target.yaw));
+  } catch (const InvalidArgument&) {
+  } catch (const FileError&) {
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace stonestack;
+  static const fuzz::Scratch scratch;
+  const std::string text = fuzz::text_of(data, size);
+  check_wall(scratch.write("wall.yaml", text));
+  if (!is_scene_file(text)) check_wall(text);  // no file of that name is asked for
+  return 0;
+}
