@@ -486,9 +486,7 @@ void add_search(py::module_& m) {
            })
       .def(
           "write_scene",
-          [](const Searched& s, const std::string& path) {
-            write_scene_file(path, scene_of(*s.found));
-          },
+          [](const Searched& s, const std::string& path) { write_scene_file(path, scene_of(*s.found)); },
           py::arg("path"))
       .def(
           "draw",

@@ -6,11 +6,13 @@
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/search/plan_wall.hpp"
+#include "stonestack/stone/scene_file.hpp"
 
 namespace {
 
 void check_wall(const std::string& text) {
   using namespace stonestack;
+  using namespace stonestack::report;
   using stonestack::fuzz::check;
   try {
     const search::WallTarget target = search::read_wall_target(text);
@@ -28,6 +30,7 @@ void check_wall(const std::string& text) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace stonestack;
+  using namespace stonestack::report;
   static const fuzz::Scratch scratch;
   const std::string text = fuzz::text_of(data, size);
   check_wall(scratch.write("wall.yaml", text));
