@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "geometry/polygon.hpp"
 #include "physics/shape.hpp"
 #include "search/constants.hpp"
 #include "search/orientations.hpp"
@@ -15,6 +17,8 @@ constexpr double kFirmOnTable = 0.006;  // m: centre of mass to the rim of the c
 constexpr double kSteepTop = 0.5;       // rise over run of a plate on top, at most
 constexpr double kTopTouch = 0.002;     // m: what is nearer to the plate carries it
 constexpr double kWallOffset = 0.05;    // m about the place of a stone that a raster covers, beside the stone
+constexpr double kLevelOnTable = 0.01;  // rise over run that needs no further turning
+constexpr int kTableLevellings = 3;     // rounds of turning a stone level, at most
 constexpr std::size_t kSidesPerStone = 16;
 
 Eigen::Matrix3d upside_down() {
@@ -25,17 +29,34 @@ Eigen::Matrix3d upside_down() {
 std::optional<std::pair<Eigen::Matrix3d, Landing>> lying(const StackField& table, const StoneGeometry& stone,
                                                          Eigen::Matrix3d R_W_O) {
   GapField buffer;
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0;; ++round) {
     const Underside side = make_underside(stone.vertices_M, stone.faces, R_W_O, underside_options(table));
     const Landing landing = land_on_table(table, side, &buffer);
     if (!landing.holds) return std::nullopt;
-    if (std::hypot(landing.a, landing.b) < 0.01) return std::pair(R_W_O, landing);
+    if (std::hypot(landing.a, landing.b) < kLevelOnTable || round == kTableLevellings)
+      return std::pair(R_W_O, landing);
     R_W_O = levelled(R_W_O, landing);
   }
-  const Underside side = make_underside(stone.vertices_M, stone.faces, R_W_O, underside_options(table));
-  const Landing landing = land_on_table(table, side, &buffer);
-  if (!landing.holds) return std::nullopt;
-  return std::pair(R_W_O, landing);
+}
+
+/// The stone turned about the vertical so that the smallest rectangle about its outline lies along the wall,
+/// the long side in x: turns that are tried begin there, and a brick can stand square to the wall.
+Eigen::Matrix3d along_the_wall(const StoneGeometry& stone, const Eigen::Matrix3d& R_W_O) {
+  std::vector<Eigen::Vector2d> seen;
+  for (const Eigen::Vector3d& v : stone.vertices_M) seen.emplace_back((R_W_O * v).head<2>());
+  const Polygon2 outline = convex_hull(std::move(seen));
+  double smallest = std::numeric_limits<double>::infinity();
+  Eigen::Matrix3d best = R_W_O;
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const Eigen::Vector2d side = outline[(k + 1) % outline.size()] - outline[k];
+    const Eigen::Matrix3d turned = yaw_rotation(-std::atan2(side.y(), side.x())) * R_W_O;
+    const Extents extents = extents_of(stone, turned);
+    const Eigen::Vector2d size = extents.max - extents.min;
+    if (size.prod() > smallest - 1e-9) continue;
+    smallest = size.prod();
+    best = size.x() >= size.y() ? turned : Eigen::Matrix3d(yaw_rotation(M_PI / 2) * turned);
+  }
+  return best;
 }
 
 std::optional<TopFace> top_of(const StackField& table, const StoneGeometry& stone,
@@ -105,7 +126,7 @@ std::vector<WallStone> wall_stones(const SearchContext& context, int stride) {
       });
       if (known) continue;
       if (const auto top = top_of(table, geometry, on_table->first))
-        bases.push_back({on_table->first, on_table->second, *top});
+        bases.push_back({along_the_wall(geometry, on_table->first), on_table->second, *top});
     }
     std::stable_sort(bases.begin(), bases.end(), [](const Base& p, const Base& q) {
       return worth_of_side(p.landing, p.top, p.R) > worth_of_side(q.landing, q.top, q.R);
