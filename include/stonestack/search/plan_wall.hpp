@@ -66,8 +66,9 @@ struct WallPlan {
 
 /// Plans a wall, stone by stone from the table up, on the empty table: each stone rests on what stands, clear
 /// of its neighbours, where it covers the joint below; it is let down in simulation, and what stands is
-/// judged with each stone dynamic. Depth-first with backtracking where the number of stones is given.
-/// The stack of the problem must be empty. The plan that holds most stones is returned.
+/// judged with each stone dynamic. Depth-first with backtracking where the number of stones is given, and in
+/// passes that begin anew with what was left over. The stack of the problem must be empty, and `reachable` is
+/// not asked. The plan with most stones is returned, for a length the one whose courses are longest.
 /// @throws InvalidArgument for a target without courses, or with counts that are not positive, and as
 /// find_next_pose does. Ctrl-C and the budget end it with the best so far.
 [[nodiscard]] WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target,

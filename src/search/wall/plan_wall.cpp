@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "physics/shape.hpp"
 #include "search/orientations.hpp"
@@ -46,7 +45,7 @@ class WallSearch {
       : context_(context),
         target_(target),
         stones_(wall_stones(context, 2 * raster_half(context, context.options->grid) + 1)) {
-    asked_ = std::accumulate(target.courses.begin(), target.courses.end(), 0);
+    asked_ = stones_asked(target);
     budget_ = kJudgedPerStone * (asked_ > 0 ? asked_ : static_cast<int>(context.available.size()));
   }
 
@@ -58,17 +57,23 @@ class WallSearch {
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
         judged_ = 0;
         longest_ = {};
-        if (target_.courses.empty())
+        if (asked_ == 0)
           grow({});
         else
           done = complete({});
-        done = done || (target_.courses.empty() && pass + 1 == kPassesOfLength);
+        done = done || (asked_ == 0 && pass + 1 == kPassesOfLength);
         for (const WallStone& stone : stones_)
           if (!longest_.holds(stone.stone)) urgency_[stone.stone] += kUrgency;
       }
+      if (context_.out_of_time()) reason_ = kTimeOver;
     } catch (const Interrupted&) {
       reason_ = why_interrupted();
     }
+  }
+  /// All that was asked for stands: the stones, or stones in each course.
+  [[nodiscard]] bool is_whole() const {
+    if (asked_ > 0) return best_.stones.size() >= static_cast<std::size_t>(asked_);
+    return !best_.stones.empty() && best_.stones.back().course + 1 >= target_.levels;
   }
   [[nodiscard]] const WallState& best() const { return best_; }
   [[nodiscard]] int asked() const { return asked_; }
@@ -143,15 +148,8 @@ class WallSearch {
 
   [[nodiscard]] bool out_of_tries() const { return context_.out_of_time() || judged_ >= budget_; }
 
-  [[nodiscard]] std::optional<WallSlot> slot_after(const WallState& state) {
-    const bool first = state.stones.empty();
-    std::optional<WallSlot> slot = next_slot(target_, state, first ? thickness_first(state) : 0.0);
-    if (slot && !first && state.course(slot->course).empty())
-      slot = next_slot(target_, state, common_thickness(stones_, state));
-    return slot;
-  }
-  [[nodiscard]] double thickness_first(const WallState& state) const {
-    return common_thickness(stones_, state);
+  [[nodiscard]] std::optional<WallSlot> slot_after(const WallState& state) const {
+    return next_slot(target_, state, [&] { return common_thickness(stones_, state); });
   }
 
   /// Depth-first, until the wall is complete.
@@ -217,15 +215,14 @@ void check_target(const WallTarget& target, std::size_t stones) {
             "a wall needs stones a course (4+3+2+1), or a length and a number of courses");
     return;
   }
-  int sum = 0;
   for (std::size_t k = 0; k < target.courses.size(); ++k) {
     const int count = target.courses[k];
     require(count > 0, "a course needs at least one stone, got ", count);
     require(k == 0 || count <= target.courses[k - 1], "course ", k + 1, " has more stones (", count,
             ") than the one below (", target.courses[k - 1], ")");
-    sum += count;
   }
-  require(static_cast<std::size_t>(sum) <= stones, "the wall asks for ", sum, " stones, and ", stones,
+  const int asked = stones_asked(target);
+  require(static_cast<std::size_t>(asked) <= stones, "the wall asks for ", asked, " stones, and ", stones,
           " are there");
 }
 
@@ -270,7 +267,7 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
     placement.placement.support = {};
     plan.placements.push_back(std::move(placement));
   }
-  if (plan.metrics.asked > plan.metrics.placed) plan.reason = search.reason();
+  if (!search.is_whole()) plan.reason = search.reason();
   plan.seconds = context.watch.seconds();
   return plan;
 }

@@ -18,11 +18,11 @@ constexpr double kBroadTop =
     0.03;  // m from the centre of mass to the rim of the top: more is worth nothing more
 constexpr double kTopSlope = 0.35;  // rad of the top's tilt that cost as much
 
-double sum_of(const std::vector<int>& counts) {
-  return std::accumulate(counts.begin(), counts.end(), 0);
-}
-
 }  // namespace
+
+int stones_asked(const WallTarget& target) {
+  return std::accumulate(target.courses.begin(), target.courses.end(), 0);
+}
 
 Stack WallState::stack() const {
   Stack stack;
@@ -100,7 +100,8 @@ double common_thickness(const std::vector<WallStone>& stones, const WallState& s
   return best;
 }
 
-std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& state, double thickness) {
+std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& state,
+                                  const std::function<double()>& thickness) {
   WallSlot slot;
   const auto at = [&](int i) -> const WallStonePlaced& { return state.stones[static_cast<std::size_t>(i)]; };
   const int reached = state.stones.empty() ? 0 : state.stones.back().course;
@@ -109,7 +110,7 @@ std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& sta
   const int courses = counted ? static_cast<int>(target.courses.size()) : target.levels;
   bool full = false;
   if (counted) {
-    if (state.stones.size() >= static_cast<std::size_t>(sum_of(target.courses))) return std::nullopt;
+    if (state.stones.size() >= static_cast<std::size_t>(stones_asked(target))) return std::nullopt;
     full = last.size() >= static_cast<std::size_t>(target.courses[static_cast<std::size_t>(reached)]);
   } else if (!last.empty()) {
     const double end = reached == 0 ? at(last.front()).reach.min.x() + target.length : [&] {
@@ -128,13 +129,9 @@ std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& sta
   if (!own.empty()) slot.from = at(own.back()).reach.max.x();
   for (std::size_t k = 1; k < below.size(); ++k)
     slot.joints.push_back(0.5 * (at(below[k - 1]).reach.max.x() + at(below[k]).reach.min.x()));
-  double top = 0.0;
-  for (const int k : below) top += at(k).top / static_cast<double>(below.size());
-  slot.top = top + thickness;
-  if (!own.empty()) {
-    slot.top = 0.0;
-    for (const int k : own) slot.top += at(k).top / static_cast<double>(own.size());
-  }
+  const std::vector<int>& level = own.empty() ? below : own;
+  for (const int k : level) slot.top += at(k).top / static_cast<double>(level.size());
+  if (own.empty()) slot.top += thickness();
   if (counted && slot.course > 0) {
     const int count = target.courses[static_cast<std::size_t>(slot.course)];
     const auto j = static_cast<double>(own.size());

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <limits>
 
 #include "search/trial.hpp"
@@ -50,10 +51,12 @@ struct WallSlot {
                                              const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& p_W_com,
                                              int course);
 
+/// Number of stones that a target asks for; 0: as many as its length takes.
+[[nodiscard]] int stones_asked(const WallTarget& target);
 /// The slot after the stones of a state; empty where the wall is finished.
-/// @param wanted_top height of a course's top where no stone of it stands yet [m]
+/// @param thickness of a course of which no stone stands yet [m]; asked only then
 [[nodiscard]] std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& state,
-                                                double thickness);
+                                                const std::function<double()>& thickness);
 /// Height [m] over the course below in which most stones of `stones` have a level side.
 [[nodiscard]] double common_thickness(const std::vector<WallStone>& stones, const WallState& state);
 
