@@ -98,7 +98,7 @@ class WallSearch {
       if (!list[k].trial.alive) return;
       const Pose& T_W_O = list[k].trial.placement.T_W_O;
       const BodyPose body = body_pose(*made.stone->geometry, T_W_O);
-      list[k].placed = placed_in_wall(*made.stone, made.side->top, body.R_W_O, body.p_W_M, slot.course);
+      list[k].placed = placed_in_wall(*made.stone, *made.side, body.R_W_O, body.p_W_M, slot.course);
       list[k].worth = worth_in_slot(slot, list[k].placed, list[k].trial.margin, context_.options->friction);
     });
     for (const Settled& one : list)

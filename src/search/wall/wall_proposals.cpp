@@ -48,7 +48,7 @@ WallProposal proposal_of(const WallStone& stone, const WallSide& side, const Wal
   made.proposal.landing = landing;
   made.proposal.robust = firmness;
   made.worth =
-      worth_in_slot(slot, placed_in_wall(stone, side.top, R_W_O, p_W_com, slot.course), firmness, friction);
+      worth_in_slot(slot, placed_in_wall(stone, side, R_W_O, p_W_com, slot.course), firmness, friction);
   return made;
 }
 

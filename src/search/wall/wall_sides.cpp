@@ -39,12 +39,17 @@ std::optional<std::pair<Eigen::Matrix3d, Landing>> lying(const StackField& table
   }
 }
 
+/// Convex hull of a stone seen from above, about its centre of mass.
+Polygon2 outline_of(const StoneGeometry& stone, const Eigen::Matrix3d& R_W_O) {
+  std::vector<Eigen::Vector2d> seen;
+  for (const Eigen::Vector3d& v : stone.vertices_M) seen.emplace_back((R_W_O * v).head<2>());
+  return convex_hull(std::move(seen));
+}
+
 /// The stone turned about the vertical so that the smallest rectangle about its outline lies along the wall,
 /// the long side in x: turns that are tried begin there, and a brick can stand square to the wall.
 Eigen::Matrix3d along_the_wall(const StoneGeometry& stone, const Eigen::Matrix3d& R_W_O) {
-  std::vector<Eigen::Vector2d> seen;
-  for (const Eigen::Vector3d& v : stone.vertices_M) seen.emplace_back((R_W_O * v).head<2>());
-  const Polygon2 outline = convex_hull(std::move(seen));
+  const Polygon2 outline = outline_of(stone, R_W_O);
   double smallest = std::numeric_limits<double>::infinity();
   Eigen::Matrix3d best = R_W_O;
   for (std::size_t k = 0; k < outline.size(); ++k) {
@@ -136,6 +141,7 @@ std::vector<WallStone> wall_stones(const SearchContext& context, int stride) {
       for (int yaw = 0; yaw < o.yaws; ++yaw) {
         const Eigen::Matrix3d R = yaw_rotation(2.0 * M_PI * yaw / o.yaws) * base.R;
         stones[s].sides.push_back({R, base.landing, base.top, extents_of(geometry, R),
+                                   area(outline_of(geometry, R)),
                                    make_underside(geometry.vertices_M, geometry.faces, R, of_wall)});
       }
   });

@@ -24,6 +24,7 @@ struct WallSide {
   Landing on_table;       ///< how it lies there
   TopFace top;            ///< what it then offers
   Extents extents;        ///< along the wall (x) and across it (y)
+  double outline = 0.0;   ///< area of the convex hull, seen from above [m^2]
   Underside underside;    ///< for rasters of the stride that it was made for
 };
 /// A loose stone with its sides.

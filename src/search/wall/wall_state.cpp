@@ -16,6 +16,7 @@ constexpr double kOffGap = 0.05;     // m
 constexpr double kOffAxis = 0.06;    // m
 constexpr double kBroadTop =
     0.03;  // m from the centre of mass to the rim of the top: more is worth nothing more
+constexpr double kSquare = 2.0;     // worth of an outline that fills the rectangle along and across the wall
 constexpr double kTopSlope = 0.35;  // rad of the top's tilt that cost as much
 
 }  // namespace
@@ -45,7 +46,7 @@ std::vector<int> WallState::course(int k) const {
   return list;
 }
 
-WallStonePlaced placed_in_wall(const WallStone& stone, const TopFace& top, const Eigen::Matrix3d& R_W_O,
+WallStonePlaced placed_in_wall(const WallStone& stone, const WallSide& side, const Eigen::Matrix3d& R_W_O,
                                const Eigen::Vector3d& p_W_com, int course) {
   WallStonePlaced placed;
   placed.stone = stone.stone;
@@ -54,9 +55,10 @@ WallStonePlaced placed_in_wall(const WallStone& stone, const TopFace& top, const
   placed.reach = extents_of(*stone.geometry, R_W_O);
   placed.reach.min += p_W_com.head<2>();
   placed.reach.max += p_W_com.head<2>();
-  placed.top = p_W_com.z() + top.height;
-  placed.breadth = top.margin;
-  placed.level = (R_W_O * top.normal_O).z();
+  placed.square = side.outline / (placed.reach.max - placed.reach.min).prod();
+  placed.top = p_W_com.z() + side.top.height;
+  placed.breadth = side.top.margin;
+  placed.level = (R_W_O * side.top.normal_O).z();
   return placed;
 }
 
@@ -75,7 +77,7 @@ double worth_in_slot(const WallSlot& slot, const WallStonePlaced& placed, double
   double clear = kCoverJoint;
   for (const double joint : slot.joints)
     clear = std::min({clear, std::abs(placed.reach.min.x() - joint), std::abs(placed.reach.max.x() - joint)});
-  return worth + clear / kCoverJoint;
+  return worth + clear / kCoverJoint + kSquare * placed.square;
 }
 
 double common_thickness(const std::vector<WallStone>& stones, const WallState& state) {

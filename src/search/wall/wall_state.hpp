@@ -17,6 +17,7 @@ struct WallStonePlaced {
   double top = 0.0;      ///< height of a plate on top [m]
   double level = 1.0;    ///< cosine of the plate's tilt
   double breadth = 0.0;  ///< centre of mass to the rim of what carries the plate [m]
+  double square = 0.0;   ///< share of the rectangle along and across the wall that its outline covers
 };
 
 /// A wall that is partly built.
@@ -47,7 +48,7 @@ struct WallSlot {
 [[nodiscard]] double worth_in_slot(const WallSlot& slot, const WallStonePlaced& placed, double firmness,
                                    double friction);
 /// A stone in the wall's frame.
-[[nodiscard]] WallStonePlaced placed_in_wall(const WallStone& stone, const TopFace& top,
+[[nodiscard]] WallStonePlaced placed_in_wall(const WallStone& stone, const WallSide& side,
                                              const Eigen::Matrix3d& R_W_O, const Eigen::Vector3d& p_W_com,
                                              int course);
 
