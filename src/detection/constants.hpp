@@ -32,7 +32,7 @@ inline constexpr double kViewTurn = 0.003;
 
 // Segmentation
 /// Cost from which on neighbouring parts of a surface stay apart: mean depth of the groove between them, sine
-/// of half the angle. Chosen on half of the recordings and on drawn rubble (docs/measurements.md).
+/// of half the angle. Chosen with the recordings and drawn rubble in view (docs/measurements.md).
 inline constexpr double kPartCost = 0.33;
 /// Cost that a part of one pixel is allowed more; falls with the square root of its pixels. Chosen as above.
 inline constexpr double kPartAllowance = 10.0;
