@@ -9,7 +9,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <utility>
 
 #include "physics/mesh_contact.hpp"
@@ -83,8 +82,8 @@ void set_twist(dBodyID body, const Twist& twist) {
   dBodySetAngularVel(body, twist.w.x(), twist.w.y(), twist.w.z());
 }
 
-/// Features that carried a pair's contacts in the last step.
-using Carriers = std::set<std::array<int, 3>>;
+/// Features that carried a pair's contacts in the last step, with their normal forces [N].
+using Carriers = std::map<std::array<int, 3>, double>;
 
 /// The deepest, then those furthest from all that were taken; those of the last step have a lead, so that a
 /// body at rest keeps its contacts.
@@ -131,7 +130,10 @@ struct OdeWorld::Ode {
   /// A contact of the last step with the joint that carried it.
   struct Touch {
     Contact contact;
+    std::array<int, 3> features{};
     dJointFeedback load{};
+    /// Normal force of the step [N].
+    [[nodiscard]] double normal_force() const { return std::max(0.0, vector_of(load.f1).dot(contact.n_W)); }
   };
   /// Memory of a pair of bodies from step to step.
   struct Meeting {
@@ -225,19 +227,22 @@ void OdeWorld::Ode::join(int above, int below, const std::vector<MeshTouch>& fou
   const Body* upper = bodies[static_cast<std::size_t>(above)].get();
   const Body* lower = below == kTable ? nullptr : bodies[static_cast<std::size_t>(below)].get();
   const double friction = friction_of(above, below);
-  Carriers& carriers = meetings[{below, above}].carriers;
-  const std::vector<MeshTouch> taken = thinned(found, carriers);
-  carriers.clear();
-  for (const MeshTouch& at : taken) {
-    carriers.insert(at.features);
+  const Carriers& before = meetings[{below, above}].carriers;
+  for (const MeshTouch& at : thinned(found, before)) {
     auto touch = std::make_unique<Touch>();
     touch->contact = {below, above, at.p, at.n, at.gap, 0.0};
+    touch->features = at.features;
     dContact contact{};
     std::copy(at.p.data(), at.p.data() + 3, contact.geom.pos);
     std::copy(at.n.data(), at.n.data() + 3, contact.geom.normal);
     contact.geom.depth = kNear - at.gap;
-    contact.surface.mode = dContactApprox1 | dContactFDir1;
-    contact.surface.mu = friction;
+    contact.surface.mode = dContactFDir1;  // mu is a force [N], or with dContactApprox1 a coefficient
+    if (const auto last = before.find(at.features); last != before.end()) {
+      contact.surface.mu = friction * last->second;
+    } else {
+      contact.surface.mode |= dContactApprox1;
+      contact.surface.mu = friction;
+    }
     make_uneven(contact.surface, at.features);
     const Vector axis = friction_axis(*touch, upper, lower);
     std::copy(axis.data(), axis.data() + 3, contact.fdir1);
@@ -295,8 +300,12 @@ void OdeWorld::Ode::lead(double dt) {
 }
 
 void OdeWorld::Ode::read_loads(double dt) {
-  for (auto& touch : touches)
-    touch->contact.impulse = std::max(0.0, vector_of(touch->load.f1).dot(touch->contact.n_W)) * dt;
+  for (auto& [pair, meeting] : meetings) meeting.carriers.clear();
+  for (auto& touch : touches) {
+    Contact& contact = touch->contact;
+    contact.impulse = touch->normal_force() * dt;
+    meetings[{contact.below, contact.above}].carriers[touch->features] = touch->normal_force();
+  }
 }
 
 OdeWorld::OdeWorld(const WorldOptions& options) {

@@ -9,9 +9,12 @@ namespace stonestack::physics {
 /// Stones and boxes on a table (z = 0) in the Open Dynamics Engine, which shares nothing with `World` but the
 /// scans: contacts of its own between the scans' vertices, edges and faces (physics/mesh_contact.hpp), an
 /// exact solver (dWorldStep), friction pyramids of four sides whose axes follow the sliding, or where nothing
-/// slides the weight. ODE limits friction by the normal forces that there would be without any.
-/// `WorldOptions::iterations` has no effect. Gaps and depths of up to 10 um are rest. A table that is not
-/// plane is, under each stone, the plane that touches it there.
+/// slides the weight. `WorldOptions::iterations` has no effect. Gaps and depths of up to 10 um are rest. A
+/// table that is not plane is, under each stone, the plane that touches it there.
+///
+/// Friction is limited by the normal force that the same contact carried in the step before. ODE's own limit,
+/// the normal force that there would be without any friction, serves new contacts only: it lets a ladder
+/// slide that leans, and walls whose stones wedge each other.
 ///
 /// ODE's own collider of triangle meshes is not used: of two flat faces it reports the crossing edges as
 /// sideways contacts as deep as the faces are wide (13 to 42 mm for boxes that meet by 10 um).

@@ -255,6 +255,29 @@ TEST_P(Engines, ABlockTipsWhereItsWeightLeavesItsBase) {
   EXPECT_GT(turned(angle + 0.5 * kDegree), 0.02);
 }
 
+TEST_P(Engines, ALadderStandsWhereFrictionAtBothEndsCarriesIt) {
+  // A plank leans against a fixed block. N and mu N at floor and wall balance it as long as the lever x of
+  // its weight about the foot is at most (mu sin + mu^2 cos) / (1 + mu^2) of its length: from 41 deg on. The
+  // normal forces without friction, of a plank that slides, are smaller: 0.63 and 0.38 of its weight at 45
+  // deg.
+  constexpr double kLength = 0.30, kThickness = 0.01, kFriction = 0.45;
+  const auto slid = [&](double angle) {
+    auto world = make(kFriction);
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(-angle, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    const Eigen::Vector3d foot = R * Eigen::Vector3d(-0.5 * kLength, 0, -0.5 * kThickness);
+    const Eigen::Vector3d head = R * Eigen::Vector3d(0.5 * kLength, 0, -0.5 * kThickness);
+    Pose T_W_O = Pose::Identity();
+    T_W_O.linear() = R;
+    T_W_O.translation() << 0, 0, -foot.z();
+    world->add_stone(box(0.1, 0.3, 0.6), at(head.x() + 0.05, 0, 0.3), true);
+    const int plank = world->add_stone(box(kLength, 0.1, kThickness), T_W_O, false);
+    pass(*world, 0.5, 0.0005);
+    return difference(T_W_O, world->pose(plank)).translation;
+  };
+  EXPECT_LT(slid(45.0 * kDegree), 5e-4);
+  EXPECT_GT(slid(37.0 * kDegree), 0.02);
+}
+
 TEST_P(Engines, ConcaveStonesStayWhereTheyLie) {
   const auto world = make(0.5);
   const auto stone = test::lump(7);
