@@ -7,6 +7,16 @@
 
 namespace stonestack::bench {
 
+void Judges::register_on(CLI::App& command) {
+  command.add_flag("--ode", ode, "Let each stand in another engine too (ODE, concave meshes, 5 s)");
+  command.add_option("--ode-step", in_ode.step, "Of that engine, s")
+      ->check(CLI::Range(1e-5, 0.02))
+      ->capture_default_str();
+  command.add_option("--stand", stand_seconds, "How long each must stand, s")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+}
+
 OdeVerdict stand_in_ode(const ShapeList& shapes, const Stack& stack, const OdeOptions& options) {
   WorldOptions in_ode;
   in_ode.friction = options.friction;

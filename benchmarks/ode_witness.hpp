@@ -1,4 +1,6 @@
 #pragma once
+#include <CLI/CLI.hpp>
+
 #include "rooms.hpp"
 #include "stonestack/physics/stack.hpp"
 
@@ -16,6 +18,15 @@ struct OdeVerdict {
   int standing = 0;    ///< stones from the bottom that stayed
   double shift = 0.0;  ///< largest of any stone, m
   double turn = 0.0;   ///< largest of any stone, rad
+};
+/// How planned stacks are judged.
+struct Judges {
+  bool ode = false;             ///< in the other engine too
+  OdeOptions in_ode;            ///< its options
+  double stand_seconds = 60.0;  ///< in this library's engine, simulated
+
+  /// --ode, --ode-step, --stand.
+  void register_on(CLI::App& command);
 };
 /// Lets a stack stand with every stone dynamic (physics: OdeWorld).
 [[nodiscard]] OdeVerdict stand_in_ode(const ShapeList& shapes, const Stack& stack,

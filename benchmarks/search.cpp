@@ -20,9 +20,7 @@ namespace {
 struct SearchBenchOptions {
   int draws = 10, stones = 4, seed = 1;
   bool paper = true;
-  bool ode = false;
-  OdeOptions in_ode;
-  double witness_seconds = 60.0;
+  Judges judges;
   double noise = 0.0, noise_turn = 0.0;  // mm, deg: one sigma along and about each axis
   PoolOptions pools;
   SearchOptions search = search_without_robot();
@@ -36,16 +34,16 @@ SearchOutcome witness(const SearchBenchOptions& options, const StonePool& pool, 
   if (tower.stones.empty()) return outcome;
   StandOptions stand;
   stand.friction = options.search.friction;
-  stand.seconds = options.witness_seconds;
+  stand.seconds = options.judges.stand_seconds;
   const StandVerdict verdict = judge_stack(pool.fine, tower, stand);
   outcome.clean = verdict.standing;
   outcome.reason = verdict.reason;
   EquilibriumOptions statics;
   statics.friction = options.search.friction;
   outcome.margin = stack_equilibrium(pool.fine, tower, statics).margin;
-  OdeOptions in_ode = options.in_ode;
+  OdeOptions in_ode = options.judges.in_ode;
   in_ode.friction = options.search.friction;
-  if (options.ode) outcome.ode = stand_in_ode(pool.fine, tower, in_ode);
+  if (options.judges.ode) outcome.ode = stand_in_ode(pool.fine, tower, in_ode);
   return outcome;
 }
 
@@ -190,10 +188,10 @@ std::vector<Figure> settings_of(const SearchBenchOptions& options) {
                                {"horizon", s.horizon},
                                {"planned_for_mm", 1e3 * s.placement_sigma_translation},
                                {"planned_for_deg", s.placement_sigma_rotation * 180 / M_PI},
-                               {"stand_s", options.witness_seconds},
+                               {"stand_s", options.judges.stand_seconds},
                                {"seed", options.seed}};
-  if (!options.ode) return settings;
-  const OdeOptions& o = options.in_ode;
+  if (!options.judges.ode) return settings;
+  const OdeOptions& o = options.judges.in_ode;
   settings.insert(settings.end(), {{"ode_s", o.seconds},
                                    {"ode_shift_max_mm", 1e3 * o.max_shift},
                                    {"ode_turn_max_deg", o.max_turn * 180 / M_PI},
@@ -204,13 +202,14 @@ std::vector<Figure> settings_of(const SearchBenchOptions& options) {
 void measure(const SearchBenchOptions& options, Results& results) {
   const SearchOptions& s = options.search;
   results.settings(settings_of(options));
-  results.table("towers", search_columns(options.ode));
+  results.table("towers", search_columns(options.judges.ode));
   const std::vector<StonePool> pools = read_pools(options.pools);
   std::vector<std::pair<std::string, std::vector<SearchOutcome>>> of_paper;
   for (const StonePool& pool : pools) {
-    const SearchRow of_search{pool.name,    "default",   options.stones,
-                              s.min_margin, options.ode, options.in_ode};
-    const SearchRow paper{pool.name, "paper", options.stones, s.min_margin, options.ode, options.in_ode};
+    const SearchRow of_search{pool.name,    "default",          options.stones,
+                              s.min_margin, options.judges.ode, options.judges.in_ode};
+    const SearchRow paper{
+        pool.name, "paper", options.stones, s.min_margin, options.judges.ode, options.judges.in_ode};
     PoolOutcomes outcomes = measure_pool(options, pool, of_search, paper);
     if (!outcomes.of_default.empty()) results.row(search_cells(of_search, outcomes.of_default));
     if (outcomes.of_paper.empty()) continue;
@@ -252,14 +251,7 @@ void add_search(CLI::App& app) {
   options->pools.register_on(*sub);
   sub->add_option("--paper", options->paper, "Beside it the paper's search at the same processor time")
       ->capture_default_str();
-  sub->add_flag("--ode", options->ode,
-                "Let each tower stand in another engine too (ODE, concave meshes, 5 s)");
-  sub->add_option("--ode-step", options->in_ode.step, "Of that engine, s")
-      ->check(CLI::Range(1e-5, 0.02))
-      ->capture_default_str();
-  sub->add_option("--stand", options->witness_seconds, "How long a tower must stand, s")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
+  options->judges.register_on(*sub);
   sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   options->settings.register_on(*sub);
   sub->footer(

@@ -20,9 +20,7 @@ struct WallBenchOptions {
   std::vector<int> courses{4, 3, 2, 1};
   double length = 0.0;
   int levels = 3;
-  bool ode = false;
-  OdeOptions in_ode;
-  double stand_seconds = 60.0;
+  Judges judges;
   PoolOptions pools;
   SearchOptions search = search_without_robot();
   Settings settings;
@@ -55,12 +53,12 @@ WallOutcome plan_and_judge(const WallBenchOptions& options, const StonePool& poo
   if (wall.stones.empty()) return outcome;
   StandOptions stand;
   stand.friction = options.search.friction;
-  stand.seconds = options.stand_seconds;
+  stand.seconds = options.judges.stand_seconds;
   const StandVerdict verdict = judge_stack(pool.fine, wall, stand);
   outcome.stands = verdict.stands ? static_cast<int>(wall.stones.size()) : verdict.standing;
-  OdeOptions in_ode = options.in_ode;
+  OdeOptions in_ode = options.judges.in_ode;
   in_ode.friction = options.search.friction;
-  if (options.ode) outcome.ode = stand_in_ode(pool.fine, wall, in_ode);
+  if (options.judges.ode) outcome.ode = stand_in_ode(pool.fine, wall, in_ode);
   return outcome;
 }
 
@@ -98,7 +96,7 @@ std::vector<TableValue> wall_cells(const WallBenchOptions& options, const std::s
   std::vector<TableValue> cells{pool,       outcomes.size(), whole, stand,
                                 stones / n, margin,          fill,  face,
                                 open,       joints,          flat,  cpu / std::max(1, stones)};
-  if (options.ode) cells.emplace_back(in_ode);
+  if (options.judges.ode) cells.emplace_back(in_ode);
   return cells;
 }
 
@@ -112,12 +110,12 @@ void measure_walls(const WallBenchOptions& options, Results& results) {
                     {"length_m", options.length},
                     {"friction", s.friction},
                     {"perturbations", s.perturbations},
-                    {"stand_s", options.stand_seconds},
+                    {"stand_s", options.judges.stand_seconds},
                     {"seed", options.seed}});
   std::vector<Column> columns{{"stones"},      {"draws"},    {"whole"},       {"whole_that_stand"},
                               {"mean_stones"}, {"margin_g"}, {"fill"},        {"face"},
                               {"open_joints"}, {"joints"},   {"flatness_mm"}, {"cpu_s_a_stone", 1}};
-  if (options.ode) columns.push_back({"whole_that_stand_in_ode"});
+  if (options.judges.ode) columns.push_back({"whole_that_stand_in_ode"});
   results.table("walls", columns);
   for (const StonePool& pool : read_pools(options.pools)) {
     std::vector<WallOutcome> outcomes;
@@ -157,11 +155,7 @@ void add_walls(CLI::App& app) {
       ->check(CLI::Range(1e-3, 2.0))
       ->capture_default_str();
   options->pools.register_on(*sub);
-  sub->add_flag("--ode", options->ode,
-                "Let each wall stand in another engine too (ODE, concave meshes, 5 s)");
-  sub->add_option("--stand", options->stand_seconds, "How long a wall must stand, s")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
+  options->judges.register_on(*sub);
   sub->add_option("--seed", options->seed)->check(CLI::Range(0, 2147483647))->capture_default_str();
   options->settings.register_on(*sub);
   sub->footer(
