@@ -5,6 +5,14 @@
 
 namespace stonestack::test {
 
+/// Whether a sanitizer allocates: it keeps freed memory to find its use, so that resident memory says
+/// nothing.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitizerAllocates = true;
+#else
+inline constexpr bool kSanitizerAllocates = false;
+#endif
+
 /// Resident memory of this process [MB], of /proc/self/statm.
 inline double resident_megabytes() {
   std::ifstream statm("/proc/self/statm");

@@ -78,12 +78,19 @@ int refuse(const std::string& why) {
   return 1;
 }
 
+/// A sanitizer reserves terabytes of addresses for its shadow.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr rlim_t kAddresses = RLIM_INFINITY;
+#else
+constexpr rlim_t kAddresses = kMemory;
+#endif
+
 bool restrict_this_process() {
   const auto limit = [](int what, rlim_t value) {
     const rlimit both{value, value};
     return ::setrlimit(static_cast<__rlimit_resource>(what), &both) == 0;
   };
-  return limit(RLIMIT_CORE, 0) && limit(RLIMIT_AS, kMemory) && limit(RLIMIT_CPU, kProcessorSeconds) &&
+  return limit(RLIMIT_CORE, 0) && limit(RLIMIT_AS, kAddresses) && limit(RLIMIT_CPU, kProcessorSeconds) &&
          limit(RLIMIT_FSIZE, kMaxResult) && limit(RLIMIT_NOFILE, kOpenFiles) &&
          ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
 }
