@@ -78,11 +78,11 @@ int refuse(const std::string& why) {
   return 1;
 }
 
-/// A sanitizer reserves terabytes of addresses for its shadow.
+/// A sanitizer reserves terabytes of addresses for its shadow, and opens files to look for leaks.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr rlim_t kAddresses = RLIM_INFINITY;
+constexpr rlim_t kAddresses = RLIM_INFINITY, kFiles = 256;
 #else
-constexpr rlim_t kAddresses = kMemory;
+constexpr rlim_t kAddresses = kMemory, kFiles = kOpenFiles;
 #endif
 
 bool restrict_this_process() {
@@ -91,7 +91,7 @@ bool restrict_this_process() {
     return ::setrlimit(static_cast<__rlimit_resource>(what), &both) == 0;
   };
   return limit(RLIMIT_CORE, 0) && limit(RLIMIT_AS, kAddresses) && limit(RLIMIT_CPU, kProcessorSeconds) &&
-         limit(RLIMIT_FSIZE, kMaxResult) && limit(RLIMIT_NOFILE, kOpenFiles) &&
+         limit(RLIMIT_FSIZE, kMaxResult) && limit(RLIMIT_NOFILE, kFiles) &&
          ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
 }
 
