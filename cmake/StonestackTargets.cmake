@@ -27,6 +27,7 @@ if(STONESTACK_SANITIZE)
   # another class (assimp's IOSystem).
   target_compile_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE} -fno-sanitize=vptr -fno-sanitize-recover=undefined
     -fno-omit-frame-pointer -Wno-error)
+  target_compile_definitions(stonestack_settings INTERFACE STONESTACK_SANITIZED)  # not every compiler tells by a macro of its own
   target_link_options(stonestack_settings INTERFACE -fsanitize=${STONESTACK_SANITIZE})
 endif()
 

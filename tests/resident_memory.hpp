@@ -7,7 +7,7 @@ namespace stonestack::test {
 
 /// Whether a sanitizer allocates: it keeps freed memory to find its use, so that resident memory says
 /// nothing.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef STONESTACK_SANITIZED
 inline constexpr bool kSanitizerAllocates = true;
 #else
 inline constexpr bool kSanitizerAllocates = false;

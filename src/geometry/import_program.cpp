@@ -79,7 +79,7 @@ int refuse(const std::string& why) {
 }
 
 /// A sanitizer reserves terabytes of addresses for its shadow, and opens files to look for leaks.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef STONESTACK_SANITIZED
 constexpr rlim_t kAddresses = RLIM_INFINITY, kFiles = 256;
 #else
 constexpr rlim_t kAddresses = kMemory, kFiles = kOpenFiles;
