@@ -135,8 +135,8 @@ std::string zsh_option(const CommandOption& option, const std::string& program) 
   for (const std::string& name : option.names)
     specs.push_back(name + (option.value.empty() ? "" : name.starts_with("--") ? "=" : "+"));
   const std::string once = is_setting(option) ? "*" : std::string("(") + joined(option.names, " ") + ")";
-  const std::string tail = "[" + zsh_text(option.description) + "]" +
-                           (option.value.empty() ? "" : zsh_values(option, program)) + "'";
+  const std::string tail = concat("[", zsh_text(option.description), "]",
+                                  option.value.empty() ? "" : zsh_values(option, program), "'");
   std::string text;
   for (const std::string& spec : specs) text += " \\\n    '" + once + spec + tail;
   return text;
