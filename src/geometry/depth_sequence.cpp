@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "geometry/bop_folder.hpp"
 #include "geometry/json_file.hpp"
 
 namespace stonestack::geometry {
@@ -63,6 +64,22 @@ std::optional<Pose> bop_camera_pose(const nlohmann::json& entry, const std::stri
   return orthonormal(T_C_W).inverse();
 }
 
+/// The camera with the lens distortion of an image that `BopFolder` has written; BOP has none.
+CameraIntrinsics with_lens(CameraIntrinsics camera, const nlohmann::json& entry, const std::string& path) {
+  using Distortion = CameraIntrinsics::Distortion;
+  if (!entry.contains("distortion")) return camera;
+  const auto& name = entry["distortion"];
+  for (const Distortion kind : {Distortion::kBrownConrady, Distortion::kInverseBrownConrady})
+    if (name == distortion_name(kind)) camera.distortion = kind;
+  if (camera.distortion == Distortion::kNone && name != distortion_name(Distortion::kNone))
+    throw FileError(path, concat("distortion is ", name.dump()),
+                    "it must be none, brown_conrady or inverse_brown_conrady");
+  if (camera.distortion == Distortion::kNone) return camera;
+  const auto k = numbers_of(entry, "k", 5, path);
+  std::copy(k.begin(), k.end(), camera.k);
+  return camera;
+}
+
 DepthSequence read_bop(const std::string& folder, const DepthSequenceInput& input) {
   const std::string path = folder + "/scene_camera.json";
   DepthSequence out{"bop", {}};
@@ -73,15 +90,12 @@ DepthSequence read_bop(const std::string& folder, const DepthSequenceInput& inpu
     if (key.empty() || key.size() > 9 || key.find_first_not_of("0123456789") != std::string::npos)
       throw FileError(path, "has an image named '" + key + "'", "images are numbered");
     record.number = std::stoi(key);
-    std::ostringstream name;
-    name.width(6);
-    name.fill('0');
-    name << record.number;
-    record.path = folder + "/depth/" + name.str() + ".png";
+    record.path = bop_depth_path(folder, record.number);
     record.unit = agreed_unit(0.001 * number_of(entry, "depth_scale", 1e-3, 1e2, path), input.unit, path);
     const auto K = numbers_of(entry, "cam_K", 9, path);
-    record.camera = input.camera.value_or(pinhole(K[0], K[4], K[2], K[5], path));
+    record.camera = input.camera.value_or(with_lens(pinhole(K[0], K[4], K[2], K[5], path), entry, path));
     record.T_W_C = bop_camera_pose(entry, path);
+    if (entry.contains("time") && entry["time"].is_number()) record.time = entry["time"].get<double>();
     out.records.push_back(record);
   }
   std::sort(out.records.begin(), out.records.end(),

@@ -33,7 +33,7 @@ struct DepthSequenceInput {
 /// Reads what a folder holds:
 ///
 ///   BOP     scene_camera.json (cam_K, depth_scale in mm a count, cam_R_w2c and cam_t_w2c)
-///           and depth/NNNNNN.png
+///           and depth/NNNNNN.png; what `BopFolder` adds to an image (time, distortion, k)
 ///   Open3D  camera_intrinsic.json (width, height, intrinsic_matrix by columns, depth_scale
 ///           in counts a metre) and depth/*.png
 ///   TUM     depth.txt (time, file) and groundtruth.txt (time, T_W_C), matched within 20 ms

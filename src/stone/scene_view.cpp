@@ -105,7 +105,9 @@ SceneView view_of_cloud(const std::string& path, const std::string& camera_pose,
 CameraIntrinsics with_distortion(CameraIntrinsics camera, const DepthInput& input) {
   const auto colon = input.distortion.find(':');
   const std::string kind = input.distortion.substr(0, colon);
-  if (kind.empty() || kind == "none") return camera;
+  if (kind.empty()) return camera;
+  camera.distortion = CameraIntrinsics::Distortion::kNone;
+  if (kind == "none") return camera;
   require(kind == "brown_conrady" || kind == "inverse_brown_conrady", "distortion '", kind,
           "' is none of none, brown_conrady and inverse_brown_conrady");
   require(colon != std::string::npos, "distortion '", input.distortion, "' lacks :k1,k2,p1,p2,k3");

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "geometry/bop_folder.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "temporary_folder.hpp"
@@ -45,6 +46,26 @@ TEST(SceneView, RefusesSettingsThatTheFileHasNoUseFor) {
   with_camera.camera = "475,475,320,240";
   EXPECT_THROW((void)read_view(path, "", false, with_camera), InvalidArgument);
   EXPECT_THROW((void)read_view("depth.png", ""), FileError);  // no intrinsics
+}
+
+TEST(SceneView, ARecordingKeepsItsLensUnlessAnotherIsGiven) {
+  using Distortion = CameraIntrinsics::Distortion;
+  DepthImage image;
+  image.camera.distortion = Distortion::kInverseBrownConrady;
+  image.camera.k[0] = 0.1;
+  image.z.assign(static_cast<std::size_t>(image.camera.width) * 480, 0.7F);
+  const std::string folder = test::temporary_folder() + "scene_view_recording";
+  BopFolder(folder).add(image, 0.0, std::nullopt);
+  const auto camera = [&](const std::string& distortion) {
+    DepthInput input;
+    input.distortion = distortion;
+    return read_view(folder, "", false, input).image.camera;
+  };
+  EXPECT_EQ(camera("").distortion, Distortion::kInverseBrownConrady);
+  EXPECT_EQ(camera("").k[0], 0.1);
+  EXPECT_EQ(camera("none").distortion, Distortion::kNone);
+  EXPECT_EQ(camera("brown_conrady:0.2,0,0,0,0").distortion, Distortion::kBrownConrady);
+  EXPECT_EQ(camera("brown_conrady:0.2,0,0,0,0").k[0], 0.2);
 }
 
 TEST(SceneView, ALeaningTableIsRefusedInTheWorldFrameAlone) {

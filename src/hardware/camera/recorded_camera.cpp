@@ -12,7 +12,7 @@ namespace stonestack::hardware {
 FieldList fields(RecordedCameraOptions& o) {
   FieldList own = {
       user(field("path", o.path, "of the recording: a folder, a cloud, or a file of raw frames")),
-      user(field("format", o.format, "auto, tum, open3d, clouds, z16 or v4l2")),
+      user(field("format", o.format, "auto, bop, tum, open3d, clouds, z16 or v4l2")),
       field("rate", o.rate, {0.01, 1000.0}, "1/s", "of recordings without times"),
       field("loop", o.loop, "true: after the last frame comes the first"),
   };
@@ -46,6 +46,7 @@ struct RecordedCamera::Recording {
   }
 
   [[nodiscard]] DepthImage read(const RecordedFrame& frame) const {
+    if (frame.image) return read_depth(*frame.image);
     if (format == RecordingFormat::kClouds) return to_depth_image(read_cloud(frame.path), camera);
     if (format != RecordingFormat::kZ16 && format != RecordingFormat::kV4l2)
       return read_depth_png(frame.path, camera, unit);

@@ -8,7 +8,7 @@ namespace stonestack::hardware {
 
 struct RecordedCameraOptions {
   std::string path;             ///< a folder, or one PCD or PLY cloud, or a file of raw Z16 frames
-  std::string format = "auto";  ///< auto, tum, open3d, clouds, z16 or v4l2
+  std::string format = "auto";  ///< auto, bop, tum, open3d, clouds, z16 or v4l2
   CameraSettings camera;        ///< settings that the recording lacks
   double rate = 30.0;           ///< frames/s, of recordings without times
   bool loop = false;            ///< start again after the last frame; times and numbers go on
@@ -17,6 +17,7 @@ struct RecordedCameraOptions {
 [[nodiscard]] FieldList fields(RecordedCameraOptions& options);
 
 /// Plays a recording, one frame a capture:
+///   bop     folder with depth/NNNNNN.png and scene_camera.json, as `stonestack record` writes it
 ///   tum     folder with depth.txt ("time file" a line) and 16-bit PNGs
 ///   open3d  folder with depth/*.png and camera_intrinsic.json (width, height, intrinsic_matrix by columns)
 ///   clouds  folder of PCD and PLY files in the camera's frame and metres, or one such file

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "geometry/bop_folder.hpp"
 #include "hardware/camera/v4l2_recording.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -53,6 +54,38 @@ void read_open3d_intrinsics(const std::string& path, CameraSettings& camera) {
   }
 }
 
+/// Settings of the first image.
+void read_bop_settings(const std::string& folder, CameraSettings& settings) {
+  const DepthRecord first = read_depth_sequence(folder).records.front();
+  const CameraIntrinsics& camera = first.camera;
+  settings.depth_scale = 1.0 / first.unit;
+  settings.width = camera.width;
+  settings.height = camera.height;
+  settings.fx = camera.fx;
+  settings.fy = camera.fy;
+  settings.cx = camera.cx;
+  settings.cy = camera.cy;
+  settings.distortion = distortion_name(camera.distortion);
+  settings.k1 = camera.k[0];
+  settings.k2 = camera.k[1];
+  settings.p1 = camera.k[2];
+  settings.p2 = camera.k[3];
+  settings.k3 = camera.k[4];
+}
+
+/// Images with their times where these rise, else at `rate`.
+std::vector<RecordedFrame> list_bop(const std::string& folder, double rate) {
+  const std::vector<DepthRecord> records = read_depth_sequence(folder).records;
+  const bool timed = std::adjacent_find(records.begin(), records.end(), [](const auto& a, const auto& b) {
+                       return a.time >= b.time;
+                     }) == records.end();
+  std::vector<RecordedFrame> frames;
+  for (const DepthRecord& record : records)
+    frames.push_back(
+        {timed ? record.time : static_cast<double>(frames.size()) / rate, record.path, 0, 0, record});
+  return frames;
+}
+
 std::vector<RecordedFrame> number_frames(const std::vector<std::string>& names, double rate) {
   std::vector<RecordedFrame> frames;
   for (const auto& name : names) frames.push_back({static_cast<double>(frames.size()) / rate, name});
@@ -81,22 +114,26 @@ std::vector<RecordedFrame> list_raw(const std::string& path, const CameraIntrins
 RecordingFormat find_recording_format(const RecordedCameraOptions& options) {
   const fs::path path(options.path);
   std::error_code ignored;
+  if (options.format == "bop") return RecordingFormat::kBop;
   if (options.format == "tum") return RecordingFormat::kTum;
   if (options.format == "open3d") return RecordingFormat::kOpen3d;
   if (options.format == "clouds") return RecordingFormat::kClouds;
   if (options.format == "z16") return RecordingFormat::kZ16;
   if (options.format == "v4l2") return RecordingFormat::kV4l2;
-  require(options.format == "auto", "a recording's format is auto, tum, open3d, clouds, z16 or v4l2, not '",
-          options.format, "'");
+  require(options.format == "auto",
+          "a recording's format is auto, bop, tum, open3d, clouds, z16 or v4l2, not '", options.format, "'");
   if (fs::is_regular_file(path, ignored))
     return is_cloud(path) ? RecordingFormat::kClouds : RecordingFormat::kZ16;
   if (fs::exists(path / "v4l2.txt", ignored)) return RecordingFormat::kV4l2;
+  if (fs::exists(path / "scene_camera.json", ignored)) return RecordingFormat::kBop;
   if (fs::exists(path / "depth.txt", ignored)) return RecordingFormat::kTum;
   if (fs::exists(path / "camera_intrinsic.json", ignored)) return RecordingFormat::kOpen3d;
   if (fs::is_directory(path, ignored) && !files_in(path, {".pcd", ".ply"}).empty())
     return RecordingFormat::kClouds;
-  throw FileError(options.path, "no recording (depth.txt, camera_intrinsic.json, v4l2.txt, PCD or PLY files)",
-                  "give a TUM or Open3D folder, clouds, or a file of raw Z16 frames");
+  throw FileError(
+      options.path,
+      "no recording (scene_camera.json, depth.txt, camera_intrinsic.json, v4l2.txt, PCD or PLY files)",
+      "give a BOP, TUM or Open3D folder, clouds, or a file of raw Z16 frames");
 }
 
 CameraSettings read_camera_settings(RecordingFormat format, const RecordedCameraOptions& options) {
@@ -106,6 +143,7 @@ CameraSettings read_camera_settings(RecordingFormat format, const RecordedCamera
   const fs::path folder = fs::is_directory(path, ignored) ? path : path.parent_path();
   if (fs::exists(folder / "camera.yaml", ignored))
     read_fields(fields(camera), (folder / "camera.yaml").string());
+  if (format == RecordingFormat::kBop) read_bop_settings(options.path, camera);
   if (format == RecordingFormat::kOpen3d)
     read_open3d_intrinsics((path / "camera_intrinsic.json").string(), camera);
   return camera;
@@ -145,7 +183,9 @@ std::vector<RecordedFrame> list_frames(RecordingFormat format, const RecordedCam
   const fs::path path(options.path);
   std::error_code ignored;
   std::vector<RecordedFrame> frames;
-  if (format == RecordingFormat::kTum) {
+  if (format == RecordingFormat::kBop) {
+    frames = list_bop(options.path, options.rate);
+  } else if (format == RecordingFormat::kTum) {
     const std::string list = (path / "depth.txt").string();
     frames = parse_tum_list(read_file(list, kMaxText), options.path, list);
   } else if (format == RecordingFormat::kOpen3d) {

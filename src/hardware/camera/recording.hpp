@@ -1,7 +1,9 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "geometry/depth_sequence.hpp"
 #include "hardware/camera/recorded_camera.hpp"
 
 /// Lists of frames on disk.
@@ -10,11 +12,12 @@ namespace stonestack::hardware {
 struct RecordedFrame {
   double time = 0.0;  ///< [s]
   std::string path;
-  std::size_t offset = 0;          ///< bytes, of raw frames
-  std::size_t bytes_per_line = 0;  ///< of raw frames; 0: no padding
+  std::size_t offset = 0;                 ///< bytes, of raw frames
+  std::size_t bytes_per_line = 0;         ///< of raw frames; 0: no padding
+  std::optional<DepthRecord> image = {};  ///< of BOP's layout: with a camera and a unit of its own
 };
 
-enum class RecordingFormat { kTum, kOpen3d, kClouds, kZ16, kV4l2 };
+enum class RecordingFormat { kBop, kTum, kOpen3d, kClouds, kZ16, kV4l2 };
 /// The format asked for, or the one that the path suggests. Throws FileError when it suggests none.
 [[nodiscard]] RecordingFormat find_recording_format(const RecordedCameraOptions& options);
 /// Camera settings: options, over them camera.yaml, over them the recording's own settings.

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "geometry/bop_folder.hpp"
 #include "hardware/camera/recording.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -91,6 +92,30 @@ TEST_F(Recorded, ALoopGoesOnInTime) {
     EXPECT_EQ(frame.number, i + 1);
     time = frame.device_time;
   }
+}
+
+TEST_F(Recorded, PlaysABopFolderWithWhatItSays) {
+  options.rate = 10.0;
+  DepthImage bent = plane(0.5F), next = plane(0.6F);
+  options.camera = {};  // not needed: the recording has it all
+  bent.camera.distortion = CameraIntrinsics::Distortion::kBrownConrady;
+  bent.camera.k[0] = 0.1;
+  BopFolder images(folder.string());
+  images.add(bent, 20.0, std::nullopt);
+  images.add(next, 20.25, std::nullopt);
+  RecordedCamera camera(options);
+  EXPECT_EQ(camera.intrinsics().distortion, CameraIntrinsics::Distortion::kBrownConrady);
+  const DepthFrame a = camera.capture(), b = camera.capture();
+  EXPECT_NEAR(a.image.at(3, 3), 0.5, 1e-4);
+  EXPECT_NEAR(b.image.at(3, 3), 0.6, 1e-4);
+  EXPECT_EQ(a.image.camera.k[0], 0.1);
+  EXPECT_DOUBLE_EQ(b.device_time - a.device_time, 0.25);
+  write_file((folder / "scene_camera.json").string(),  // as others write it, without times
+             R"({"0": {"cam_K": [6, 0, 3.5, 0, 6, 2.5, 0, 0, 1], "depth_scale": 0.01},
+                 "1": {"cam_K": [6, 0, 3.5, 0, 6, 2.5, 0, 0, 1], "depth_scale": 0.01}})");
+  RecordedCamera untimed(options);
+  const double first = untimed.capture().device_time;
+  EXPECT_NEAR(untimed.capture().device_time - first, 0.1, 1e-12) << "at the rate that is set";
 }
 
 TEST_F(Recorded, PlaysAnOpen3dFolderWithItsIntrinsics) {
