@@ -22,6 +22,7 @@ void add_export(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_record(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_config(CLI::App& app);
 void add_completion(CLI::App& app);

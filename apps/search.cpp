@@ -102,8 +102,10 @@ void add_search(CLI::App& app) {
       add_subcommand<SearchCommand>(app, "search", "Find the next stable stacking pose", search);
   SceneSearchTask& task = command.task;
   Settings& settings = command.common.settings;
-  sub.add_option("SCENE", task.scene,
-                 "Point cloud (PLY, PCD) or scene file; without it, --stones plans from the empty table");
+  sub.add_option(
+      "SCENE", task.scene,
+      "Cloud (PLY, PCD), scene file, depth PNG or recording (folder); without it, --stones plans from the "
+      "empty table");
   sub.add_option("--camera-pose", task.camera_pose,
                  "The cloud is in the camera frame, taken from here: x,y,z,qx,qy,qz,qw or a scene file");
   register_depth_input(sub, task.depth);

@@ -60,6 +60,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"experiment --runs none", "--runs"},
       {"simulate --only lamp", "--only"},
       {"doctor --frames 1", "--frames"},
+      {"record", "--out"},
       {"completion tcsh", "SHELL"},
       {"config", "A subcommand is required"},
       {"search --levels 0", "--levels"},
@@ -81,6 +82,7 @@ TEST_F(EveryCommand, SpeaksJsonOnStdoutAlone) {
       {"segment scene/scene.yaml --json", "stonestack.segment/1"},
       {"track scene/scene.yaml --expect scene/scene.yaml --json", "stonestack.track/1"},
       {"search --stones limestone_1,limestone_2 --json --set search.rounds=1", "stonestack.search/1"},
+      {"record --frames 1 --per-run 1 --out views --json", "stonestack.record/1"},
       {"config show --json", "stonestack.config/1"},
       {"config cell --json", "stonestack.config/1"},
   };

@@ -12,8 +12,8 @@
 
 #pragma GCC visibility push(default)
 
-/// Runs and experiments that write a record, and reports of them for people and for other programs. The
-/// folder of a record belongs to the process that writes into it, until it ends.
+/// Runs, experiments and recordings that write a record, and reports of them for people and for other
+/// programs. The folder of a record belongs to the process that writes into it, until it ends.
 namespace stonestack::report {
 
 /// Page of the work under way for browsers on this machine, or at the other end of an SSH tunnel.
@@ -48,6 +48,59 @@ struct RecordedRun {
 /// stones where they were seen last. The caller has asked for the permission to move.
 /// @throws InvalidArgument where a run that ended is in the folder; FileError; DeviceError.
 [[nodiscard]] RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue);
+
+/// A recording of what the camera of a cell sees while the arm stands.
+struct ViewsOrder {
+  /// Devices that are read, or simulated ones that are served on sockets. Empty: a cell that is simulated in
+  /// this process.
+  std::optional<CellFile> cell;
+  RobotModel robot;              ///< of a cell that is simulated in this process
+  SimulationOptions simulation;  ///< options of a simulated cell
+  int per_run = 4;               ///< stones of the catalogue that are drawn into a simulated field
+  int frames = 5;                ///< depth frames to take
+  double every = 0.0;            ///< from the start of one frame to the next, at least [s]; 0: no pause
+  std::string out;               ///< folder
+  bool replace = false;          ///< write into a folder that is not empty; a recording in it is replaced
+  std::string version;           ///< of the program
+};
+/// One frame of a recording.
+struct RecordedView {
+  int image = 0;              ///< number of the image in the folder, from 0
+  long number = 0;            ///< number of the frame, as the camera counts
+  double time = 0.0;          ///< clock of the camera [s]
+  double host_time = 0.0;     ///< time by `host_seconds` [s]; in a simulated cell of its clock
+  double depth_share = 0.0;   ///< share of the pixels that have a depth
+  std::optional<Joints> q;    ///< joint angles after the exposure [rad]; empty: no arm was asked
+  double arm_time = 0.0;      ///< clock of the arm's controller, likewise [s]
+  double moved = 0.0;         ///< change of a joint during the exposure, maximum [rad]
+  std::optional<Pose> T_W_C;  ///< by the arm and the cell's mounts; empty: no arm was asked, or it moved
+};
+/// A recording, as record.json holds it.
+struct RecordedViews {
+  std::string folder;               ///< folder of the recording
+  std::string version;              ///< of the program
+  std::string started;              ///< date and time in UTC, "2026-11-21T14:30:00Z"
+  std::string cell;                 ///< path of the cell file, or the name of the simulated cell
+  bool simulated = false;           ///< true: this program simulated the devices
+  int seed = 0;                     ///< of the simulated cell
+  std::string robot;                ///< name of the robot
+  std::string camera;               ///< driver of the camera, or the simulated sensor
+  CellLayout layout;                ///< mounts of the cell
+  CameraIntrinsics intrinsics;      ///< of the first frame
+  int asked = 0;                    ///< frames that were asked for
+  std::vector<RecordedView> views;  ///< frames in order
+  std::string ended;                ///< "done", "interrupted" or the error that ended it; empty: not yet
+};
+/// Takes depth frames without moving anything, in BOP's layout (docs/formats.md): depth/NNNNNN.png and
+/// scene_camera.json, beside them record.json. The folder can be read after each frame, however the program
+/// ends. The arm is asked where it is; a cell without `arm.address` and a recorded camera give no poses.
+/// @return with `ended` "interrupted" after Ctrl-C, if there is a frame
+/// @throws InvalidArgument for a folder that is not empty; FileError; DeviceError; Interrupted
+[[nodiscard]] RecordedViews record_views(const ViewsOrder& order, const Catalogue& catalogue);
+/// "stonestack.record/1": content of record.json.
+[[nodiscard]] std::string views_json(const RecordedViews& record);
+/// For a person: a line a frame.
+[[nodiscard]] std::string views_table(const RecordedViews& record);
 
 /// Consecutive runs of stones that are drawn anew each time: from the catalogue, or with `new_stones` ones
 /// that no other run of the experiment has.
