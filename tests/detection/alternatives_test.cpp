@@ -19,12 +19,12 @@ Stone block(const Eigen::Vector3d& size) {
 }
 
 TEST(Alternatives, ACubeHas23TurnsOntoItselfAnIrregularStoneNone) {
-  const auto turns = turns_onto_itself(make_detection_model(block({0.08, 0.08, 0.08}), {}));
+  const auto turns = turns_onto_itself(make_detection_model(block({0.08, 0.08, 0.08})));
   EXPECT_EQ(turns.size(), 23U);
   for (const auto& T : turns)
     EXPECT_TRUE(((T.linear().array().abs() - 0.5).abs() > 0.45).all()) << T.matrix();
-  EXPECT_EQ(turns_onto_itself(make_detection_model(block({0.06, 0.09, 0.14}), {})).size(), 3U) << "a brick";
-  EXPECT_TRUE(turns_onto_itself(make_detection_model(test::make_test_stone(1), {})).empty());
+  EXPECT_EQ(turns_onto_itself(make_detection_model(block({0.06, 0.09, 0.14}))).size(), 3U) << "a brick";
+  EXPECT_TRUE(turns_onto_itself(make_detection_model(test::make_test_stone(1))).empty());
 }
 
 TEST(Alternatives, ACubesPoseIsOneOf24AndTheCovarianceShowsIt) {

@@ -119,7 +119,7 @@ class OneStone : public ::testing::Test {
  protected:
   Stone stone = test::make_test_stone(5);
   DetectionOptions options;
-  DetectionModel model = make_detection_model(stone, options);
+  DetectionModel model = make_detection_model(stone);
   Pose T_W_C = test::make_camera_pose(0.5, 1.0);
   Pose T_W_O = test::on_table(stone, Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())),
                               0.02, -0.01);
@@ -173,7 +173,7 @@ TEST(Verify, AFlatStoneThatFitsIntoTheFaceOfALargerOneIsRefutedByItsOutline) {
   const auto score = [&](const Stone& stone, bool contour) {
     VerifyOptions strict;
     strict.contour = contour;
-    return verify_pose(make_detection_model(stone, options), T_W_C.inverse() * T_W_O, scene, strict).score;
+    return verify_pose(make_detection_model(stone), T_W_C.inverse() * T_W_O, scene, strict).score;
   };
   EXPECT_GT(score(small, false), options.accept_score)
       << "the trap is gone: no pixel contradicts the small one";
@@ -197,7 +197,7 @@ TEST(Candidates, EveryPoseOfANearlySymmetricStoneIsJudgedFinely) {
         turned.push_back({T_W_C.inverse() * T_W_O * Eigen::AngleAxisd(side * M_PI_2, axis) *
                               Eigen::AngleAxisd(turn * M_PI_2, Eigen::Vector3d::UnitZ()),
                           1.0});
-  const auto judged = judge_hypotheses(make_detection_model(cube, options), 0_stone, turned, scene, options);
+  const auto judged = judge_hypotheses(make_detection_model(cube), 0_stone, turned, scene, options);
   EXPECT_GT(judged.size(), 5U);
   ASSERT_FALSE(judged.empty());
   const Eigen::Vector3d corner = Eigen::Vector3d::Constant(0.046);  // about its diagonal all turns are alike
@@ -263,8 +263,8 @@ TEST(Accept, OnePlaceIsOneStoneWhateverTheStepsOfDrawing) {
 
 TEST_F(OneStone, IsNotTwoStones) {
   DetectionModels::Data data;
-  data.models.push_back(make_detection_model(stone, options));
-  data.models.push_back(make_detection_model(stone, options));
+  data.models.push_back(make_detection_model(stone));
+  data.models.push_back(make_detection_model(stone));
   Detection first, second, hidden;
   first.stone = 0_stone, first.T_C_O = T_C_O, first.score = 0.99, first.visible = 0.3;
   second = hidden = first;

@@ -57,7 +57,7 @@ SurfacePoints as_seen(const SurfacePoints& dense, const SurfaceField& field) {
 
 }  // namespace
 
-DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& options) {
+DetectionModel make_detection_model(const Stone& stone) {
   require(!stone.mesh.faces.empty(), "stone ", stone.name, " has no mesh to detect");
   const Eigen::AlignedBox3d box = bounds(stone.mesh);
   const double size = box.diagonal().norm();
@@ -78,10 +78,17 @@ DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& 
                        {},
                        {}};
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
-  model.features = describe_model(stone.mesh, as_seen(model.surface, model.field), options);
   model.sides = make_sides(model.surface);
-  model.symmetries = turns_onto_itself(model);
   return model;
+}
+
+const Features& features_of(const DetectionModel& model, const DetectionOptions& options) {
+  return model.features.get(
+      [&] { return describe_model(model.mesh, as_seen(model.surface, model.field), options); });
+}
+
+const std::vector<Pose>& symmetries_of(const DetectionModel& model) {
+  return model.symmetries.get([&] { return turns_onto_itself(model); });
 }
 
 bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C, double margin) {
@@ -135,7 +142,7 @@ DetectionModels::DetectionModels(std::span<const Stone> stones, const DetectionO
   std::vector<std::unique_ptr<DetectionModel>> made(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t i) {
     throw_if_interrupted();
-    made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i], data_->options));
+    made[i] = std::make_unique<DetectionModel>(make_detection_model(stones[i]));
   });
   for (auto& m : made) data_->models.push_back(std::move(*m));
   data_->rivals = models_of_similar_shape(data_->models);

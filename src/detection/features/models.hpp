@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "detection/features/made_once.hpp"
 #include "detection/features/surface_field.hpp"
 #include "detection/scene/preprocess.hpp"
 #include "geometry/surface_tree.hpp"
@@ -34,9 +35,9 @@ struct DetectionModel {
   SurfacePoints surface;   ///< dense samples, for registration
   SurfaceField field;      ///< over them
   SurfaceTree tree;        ///< over the mesh itself
-  Features features;
   std::vector<ModelSide> sides;
-  std::vector<Pose> symmetries;  ///< T_O_S that bring it nearly onto itself: detection/alternatives.hpp
+  MadeOnce<Features> features;             ///< see `features_of`
+  MadeOnce<std::vector<Pose>> symmetries;  ///< see `symmetries_of`
 };
 
 struct DetectionModels::Data {
@@ -46,8 +47,14 @@ struct DetectionModels::Data {
       rivals;  ///< of each model, the others of like shape: detection/identity.hpp
 };
 
+/// Descriptors of a model's keypoints. Most scenes are explained without: they are made on first use.
+[[nodiscard]] const Features& features_of(const DetectionModel& model, const DetectionOptions& options);
+
+/// The T_O_S that bring a model nearly onto itself (turns_onto_itself), made on first use.
+[[nodiscard]] const std::vector<Pose>& symmetries_of(const DetectionModel& model);
+
 /// Prepares one stone.
-[[nodiscard]] DetectionModel make_detection_model(const Stone& stone, const DetectionOptions& options);
+[[nodiscard]] DetectionModel make_detection_model(const Stone& stone);
 
 /// True if `p_C` lies within `margin` of the surface of the model at T_C_O, or inside it.
 [[nodiscard]] bool explains(const DetectionModel& model, const Pose& T_C_O, const Eigen::Vector3f& p_C,

@@ -101,18 +101,19 @@ struct ModelSearch {
   std::vector<Candidate> candidates;
 };
 
-ModelSearch search_model(const DetectionModel& model, StoneIndex stone, const DetectionScene& scene,
+ModelSearch search_model(const DetectionModels::Data& data, StoneIndex stone, const DetectionScene& scene,
                          const SearchView& view, const DetectionOptions& options) {
+  const DetectionModel& model = at(data.models, stone);
   ModelSearch out;
   if (view.seen != nullptr) {
-    out.matches = options.matching == "kdtree"
-                      ? match_features_kdtree(*view.seen, model.features, kNeighbours)
-                      : match_features(*view.seen, model.features, kNeighbours);
+    const Features& features = features_of(model, data.options);
+    out.matches = options.matching == "kdtree" ? match_features_kdtree(*view.seen, features, kNeighbours)
+                                               : match_features(*view.seen, features, kNeighbours);
     ConsistencyOptions grouping;
     grouping.size = kConsistencySize;
     grouping.fewest = kMinConsistent;
     grouping.best = kBestHypotheses;
-    out.grouped = consistent_groups(out.matches, *view.seen, model.features, grouping);
+    out.grouped = consistent_groups(out.matches, *view.seen, features, grouping);
   }
   for (const auto& cluster : view.clusters) {
     const Eigen::Vector3f eye =
@@ -127,10 +128,12 @@ ModelSearch search_model(const DetectionModel& model, StoneIndex stone, const De
 }
 
 void note_search(TracedTurn& turn, const ModelSearch& found, StoneIndex stone, const SearchView& view,
-                 const DetectionModel& model) {
-  for (const auto& m : found.matches)
+                 const DetectionModels::Data& data) {
+  for (const auto& m : found.matches) {
+    const Features& of_model = features_of(at(data.models, stone), data.options);
     turn.matches.push_back({stone, view.seen->points[static_cast<std::size_t>(m.scene)],
-                            model.features.points[static_cast<std::size_t>(m.model)], m.distance});
+                            of_model.points[static_cast<std::size_t>(m.model)], m.distance});
+  }
   for (const auto& h : found.grouped) turn.hypotheses.push_back({stone, "consistency", h.support, h.T_C_O});
   for (const auto& h : found.swept) turn.hypotheses.push_back({stone, "sweep", h.support, h.T_C_O});
 }
@@ -143,12 +146,11 @@ std::vector<Candidate> search(const DetectionModels::Data& data, const std::vect
   stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
   std::vector<ModelSearch> found(stones.size());
   tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
-    const DetectionModel& model = at(data.models, stones[k]);
-    found[k] = search_model(model, stones[k], scene, view, options);
+    found[k] = search_model(data, stones[k], scene, view, options);
   });
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < stones.size(); ++k) {
-    if (turn != nullptr) note_search(*turn, found[k], stones[k], view, at(data.models, stones[k]));
+    if (turn != nullptr) note_search(*turn, found[k], stones[k], view, data);
     all.insert(all.end(), std::make_move_iterator(found[k].candidates.begin()),
                std::make_move_iterator(found[k].candidates.end()));
   }

@@ -109,7 +109,7 @@ std::vector<Pose> turns_onto_itself(const DetectionModel& model) {
 std::vector<Detection> judged_alternatives(const Detection& d, const DetectionModel& model,
                                            const DetectionScene& alone) {
   std::vector<Pose> poses{d.T_C_O};
-  for (const auto& T_O_S : model.symmetries) poses.push_back(d.T_C_O * T_O_S);
+  for (const auto& T_O_S : symmetries_of(model)) poses.push_back(d.T_C_O * T_O_S);
   std::vector<Detection> judged(poses.size());
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t k) {
     const auto candidate = judge_pose(model, d.stone, poses[k], alone, kAlternativeHiddenWeight);

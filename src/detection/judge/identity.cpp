@@ -130,7 +130,7 @@ std::vector<Detection> among_alternatives(std::vector<Detection> found, const De
   for (auto& d : found) {
     const DetectionModel& model = at(data.models, d.stone);
     const auto rivals = rivals_at(d, data, scene, options, known);
-    if (model.symmetries.empty() && rivals.empty()) continue;
+    if (symmetries_of(model).empty() && rivals.empty()) continue;
     std::vector<KnownStone> others;
     for (const auto& other : found)
       if (&other != &d) others.push_back({other.stone, other.T_C_O});
