@@ -25,6 +25,7 @@ constexpr double kMssdStep = 0.05;  // of the diameter; ten steps
 constexpr double kMspdStep = 5.0;   // pixels of an image 640 wide; ten steps
 constexpr int kSteps = 10;
 constexpr double kAddShare = 0.1;    // of the diameter (Hinterstoisser et al. 2012)
+constexpr double kAddClose = 0.005;  // m: a gripper can use the pose
 constexpr double kMinVisible = 0.1;  // of a stone's surface: BOP looks for no other
 
 /// The objects of a data set: their numbers, in the order of the models.
@@ -147,7 +148,8 @@ std::map<int, std::vector<BopTruth>> read_truth(const std::string& scene, const 
   if (!fs::exists(path)) return truth;
   const auto content = read_json(path);
   const auto info = fs::exists(info_path) ? read_json(info_path) : nlohmann::json::object();
-  for (const auto& [key, list] : content.items())
+  for (const auto& [key, list] : content.items()) {
+    auto& of_image = truth[number_in(key, path)];
     for (const auto& entry : list) {
       const auto R = numbers_of(entry, "cam_R_m2c", 9, path), t = numbers_of(entry, "cam_t_m2c", 3, path);
       BopTruth one;
@@ -155,11 +157,11 @@ std::map<int, std::vector<BopTruth>> read_truth(const std::string& scene, const 
       one.T_C_O.translation() = 0.001 * Eigen::Vector3d(t[0], t[1], t[2]);
       one.T_C_O = orthonormal(one.T_C_O);
       one.model = index_of(models, static_cast<int>(number_of(entry, "obj_id", 0, 1e6, path)), path);
-      auto& of_image = truth[number_in(key, path)];
       if (info.contains(key) && info[key].is_array() && info[key].size() > of_image.size())
         one.visible = number_of(info[key][of_image.size()], "visib_fract", -1, 1, info_path);
       of_image.push_back(one);
     }
+  }
   return truth;
 }
 
@@ -174,6 +176,34 @@ std::vector<BopTruth> wanted(std::vector<BopTruth> truth, const Target& target) 
     return ++taken[t.model] > std::count(target.begin(), target.end(), t.model);
   });
   return truth;
+}
+
+/// Objects that an image shows although its truth has no pose of them: they count neither for nor against.
+/// {image: [object, ...]} in present_without_pose.json of the scene, if there is one.
+std::map<int, std::set<int>> read_unposed(const std::string& scene) {
+  const std::string path = scene + "/present_without_pose.json";
+  std::map<int, std::set<int>> unposed;
+  if (!fs::exists(path)) return unposed;
+  const nlohmann::json content = read_json(path);
+  for (const auto& [key, list] : content.items()) {
+    if (!list.is_array()) throw FileError(path, concat("has no list for image ", key), "list object numbers");
+    for (const auto& entry : list) {
+      if (!entry.is_number_integer())
+        throw FileError(path, concat("has something else than an object's number for image ", key),
+                        "list object numbers");
+      unposed[number_in(key, path)].insert(entry.get<int>());
+    }
+  }
+  return unposed;
+}
+
+/// Detections of one model where the image's truth names no pose of it, however little is visible.
+int count_absent(std::size_t found, StoneIndex model, int object, const std::vector<BopTruth>& truth,
+                 const std::set<int>& unposed) {
+  const bool there =
+      unposed.count(object) > 0 ||
+      std::any_of(truth.begin(), truth.end(), [&](const BopTruth& t) { return t.model == model; });
+  return there ? 0 : static_cast<int>(found);
 }
 
 /// How many true poses (columns) are met by estimates (rows, best score first) with an error below `max`:
@@ -194,7 +224,8 @@ struct BopScore {
   int present = 0;
   int right = 0;           ///< within 5 deg and 5 mm of a pose that looks the same
   int mssd = 0, mspd = 0;  ///< correct poses, summed over the thresholds
-  int add_s = 0;
+  int add_s = 0, add_s_close = 0;
+  int absent = 0;  ///< reported in images that do not show it
 
   void add(const BopScore& other) {
     present += other.present;
@@ -202,6 +233,8 @@ struct BopScore {
     mssd += other.mssd;
     mspd += other.mspd;
     add_s += other.add_s;
+    add_s_close += other.add_s_close;
+    absent += other.absent;
   }
 };
 
@@ -220,8 +253,9 @@ BopScore score(const ScoredObject& object, std::vector<Detection> found, const s
   };
   BopScore score;
   score.present = static_cast<int>(truth.size());
-  score.add_s = count_matched(errors([&](const Pose& a, const Pose& b) { return add_s(object, a, b); }),
-                              kAddShare * object.diameter);
+  const auto to_surface = errors([&](const Pose& a, const Pose& b) { return add_s(object, a, b); });
+  score.add_s = count_matched(to_surface, kAddShare * object.diameter);
+  score.add_s_close = count_matched(to_surface, kAddClose);
   if (object.symmetries.empty()) return score;
   score.right = count_matched(errors([&](const Pose& a, const Pose& b) {
                                 const PoseDifference off = symmetric_difference(object, a, b);
@@ -251,27 +285,28 @@ void report(const std::string& method, const BopModels& models, const std::vecto
                                                   {"within_5_deg_5_mm"},
                                                   {"mssd_recall_percent", 1},
                                                   {"mspd_recall_percent", 1},
-                                                  {"add_s_recall_percent", 1}});
+                                                  {"add_s_recall_percent", 1},
+                                                  {"add_s_below_5_mm"},
+                                                  {"reported_where_absent"}});
   BopScore all;
   bool known = true;
   const auto row = [&](const std::string& name, const std::string& symmetry, const BopScore& s,
                        bool with_symmetries) {
     const auto share = [&](int found, int tries) { return 100.0 * found / (tries * s.present); };
-    const double by_distance = share(s.add_s, 1);
-    if (with_symmetries)
-      results.row(
-          {name, symmetry, s.present, s.right, share(s.mssd, kSteps), share(s.mspd, kSteps), by_distance});
-    else
-      results.row({name, symmetry, s.present, TableValue(), TableValue(), TableValue(), by_distance});
+    const auto if_present = [&](double value) { return s.present > 0 ? TableValue(value) : TableValue(); };
+    const auto if_known = [&](TableValue value) { return with_symmetries ? std::move(value) : TableValue(); };
+    results.row({name, symmetry, s.present, if_known(s.right), if_known(if_present(share(s.mssd, kSteps))),
+                 if_known(if_present(share(s.mspd, kSteps))), if_present(share(s.add_s, 1)), s.add_s_close,
+                 s.absent});
   };
   for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (scores[i].present == 0) continue;
+    if (scores[i].present + scores[i].absent == 0) continue;
     row(models.stones[i].name, symmetry_text(models.scored[i]), scores[i],
         !models.scored[i].symmetries.empty());
     known = known && !models.scored[i].symmetries.empty();
     all.add(scores[i]);
   }
-  if (all.present > 0) row("all", "", all, known);
+  if (all.present + all.absent > 0) row("all", "", all, known);
   if (!known)
     results.note(
         "models/models_info.json does not have all objects: their symmetries are unknown, and only ADD-S is "
@@ -295,10 +330,12 @@ void run_bop(const std::string& folder, const std::string& split, const std::str
   std::sort(scenes.begin(), scenes.end());
   std::string text = "scene_id,im_id,obj_id,score,R,t,time\n";
   int images = 0, detections = 0;
+  double processor = 0.0;  // s
   std::vector<BopScore> scores(bop.ids.size());
   for (const auto& path : scenes) {
     const int scene = number_in(fs::path(path).filename().string(), path);
     auto truth = read_truth(path, bop);
+    auto unposed = read_unposed(path);
     for (const auto& record : read_depth_sequence(path).records) {
       throw_if_interrupted();
       Target target;
@@ -309,23 +346,32 @@ void run_bop(const std::string& folder, const std::string& split, const std::str
       }
       const DepthImage image = read_depth(record);
       const Stopwatch watch;
+      const double start = processor_seconds();
       const auto found = detect_stones(image, models, target, options).detections;
       const double seconds = watch.seconds();
+      processor += processor_seconds() - start;
       for (const auto& d : found) text += result_line(scene, record.number, at(bop.ids, d.stone), d, seconds);
       ++images;
       detections += static_cast<int>(found.size());
-      const auto present = wanted(truth[record.number], target);
+      const auto present =
+          truth.count(record.number) > 0 ? wanted(truth[record.number], target) : std::vector<BopTruth>{};
       for (std::size_t i = 0; i < scores.size(); ++i) {
         auto of_model = found;
         std::erase_if(of_model, [&](const Detection& d) { return d.stone != StoneIndex(i); });
         auto there = present;
         std::erase_if(there, [&](const BopTruth& t) { return t.model != StoneIndex(i); });
+        if (truth.count(record.number) > 0)
+          scores[i].absent += count_absent(of_model.size(), StoneIndex(i), bop.ids[i], truth[record.number],
+                                           unposed[record.number]);
         if (!there.empty()) scores[i].add(score(bop.scored[i], of_model, there, image.camera));
       }
     }
   }
   write_file(csv, text);
-  results.figures(options.method, {{"images", images}, {"detections", detections}, {"written_to", csv}});
+  results.figures(options.method, {{"images", images},
+                                   {"detections", detections},
+                                   {"cpu_seconds_per_image", processor / std::max(1, images)},
+                                   {"written_to", csv}});
   report(options.method, bop, scores, results);
 }
 

@@ -53,6 +53,8 @@ TEST_F(BenchCommand, ScoresADataSetOfTheBopLayout) {
   EXPECT_EQ(all["mssd_recall_percent"], 100.0);
   EXPECT_EQ(all["mspd_recall_percent"], 100.0);
   EXPECT_EQ(all["add_s_recall_percent"], 100.0);
+  EXPECT_EQ(all["add_s_below_5_mm"], 2);
+  EXPECT_EQ(all["reported_where_absent"], 0);
   std::istringstream lines(read_file(folder_ + "/results.csv", 1 << 20));
   std::string line;
   std::getline(lines, line);
@@ -73,6 +75,17 @@ TEST_F(BenchCommand, ScoresADataSetOfTheBopLayout) {
     for (int i = 0; i < 9; ++i) EXPECT_NEAR(R[i], there["cam_R_m2c"][i].get<double>(), 0.04);
   }
   EXPECT_EQ(count, 2);
+  const auto without_the_first = [&] {
+    write("bop/test/000002/scene_gt.json", json{{"7", {truth[1]}}}.dump());
+    return rows_of(run("detection --bop bop --json").data(), "true poses found by default").back();
+  };
+  EXPECT_EQ(without_the_first()["reported_where_absent"], 1) << "it is there, and the truth says otherwise";
+  write("bop/test/000002/present_without_pose.json", json{{"7", {truth[0]["obj_id"]}}}.dump());
+  EXPECT_EQ(without_the_first()["reported_where_absent"], 0) << "it counts neither for nor against";
+  write("bop/test/000002/present_without_pose.json", R"({"7": ["one"]})");
+  expect_refusal("detection --bop bop", 3, {"present_without_pose.json", "image 7"});
+  fs::remove(folder_ + "/bop/test/000002/present_without_pose.json");
+  write("bop/test/000002/scene_gt.json", json{{"7", truth}}.dump());
   write("bop/test_targets_bop19.json", R"([{"scene_id": 2, "im_id": 7, "obj_id": 4, "inst_count": 1}])");
   const json of_target = run("detection --bop bop --json").data();
   EXPECT_EQ(rows_of(of_target, "default")[0]["images"], 1);
