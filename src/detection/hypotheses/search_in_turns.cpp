@@ -89,6 +89,7 @@ SweepOptions thorough_sweep() {
   options.apart = 0.2;
   options.shifts = 3;
   options.aside = 0.022;
+  options.glance = 0.2;
   options.area_low = 0.15;
   options.area_high = 1.6;
   return options;

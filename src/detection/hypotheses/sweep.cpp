@@ -32,6 +32,14 @@ SeenPatch look_at(const SurfacePoints& seen, std::span<const int> cluster, const
   return patch;
 }
 
+/// Every third of the patch's points.
+SeenPatch thinned(const SeenPatch& patch) {
+  SeenPatch out = patch;
+  out.points.clear();
+  for (std::size_t k = 0; k < patch.points.size(); k += 3) out.points.push_back(patch.points[k]);
+  return out;
+}
+
 /// A rotation with `axis` as its third column, turned about it by `angle`.
 Eigen::Matrix3f frame_about(const Eigen::Vector3f& axis, float angle) {
   Eigen::Matrix3f frame;
@@ -119,23 +127,34 @@ std::vector<Hypothesis> sweep_orientations(const DetectionModel& model, const Su
     return frame_about(patch.towards, step * static_cast<float>(turn)) *
            frame_about(model.sides[static_cast<std::size_t>(side)].towards, 0.0F).transpose();
   };
+  const auto tried = [&](int side, int turn, const SeenPatch& points,
+                         std::span<const Eigen::Vector3f> starts) {
+    const Eigen::Matrix3f R_O_C = rotation(side, turn).transpose();
+    Trial best{std::numeric_limits<float>::max(), side, turn, {}};
+    for (const auto& start : starts) {
+      Eigen::Vector3f t = model.sides[static_cast<std::size_t>(side)].centre - R_O_C * (patch.centre + start);
+      for (int k = 0; k < options.shifts; ++k) t += slide(model, seen, points, R_O_C, t);
+      const float cost = misfit(model, seen, points, R_O_C, t, reach);
+      if (cost < best.cost) best.cost = cost, best.t_O_C = t;
+    }
+    return best;
+  };
   const auto starts = starts_beside(patch.towards, static_cast<float>(options.aside));
+  const bool in_two_steps = options.glance < 1.0;
+  const SeenPatch first_points = in_two_steps ? thinned(patch) : patch;
+  const auto first_starts = in_two_steps ? std::span(starts).first(1) : std::span(starts);
   std::vector<Trial> trials;
   for (int side = 0; side < static_cast<int>(model.sides.size()); ++side) {
-    const ModelSide& s = model.sides[static_cast<std::size_t>(side)];
-    const double share = patch.area / s.area;
+    const double share = patch.area / model.sides[static_cast<std::size_t>(side)].area;
     if (share < options.area_low || share > options.area_high) continue;
-    for (int turn = 0; turn < options.turns; ++turn) {
-      const Eigen::Matrix3f R_O_C = rotation(side, turn).transpose();
-      Trial best{std::numeric_limits<float>::max(), side, turn, {}};
-      for (const auto& start : starts) {
-        Eigen::Vector3f t = s.centre - R_O_C * (patch.centre + start);
-        for (int k = 0; k < options.shifts; ++k) t += slide(model, seen, patch, R_O_C, t);
-        const float cost = misfit(model, seen, patch, R_O_C, t, reach);
-        if (cost < best.cost) best.cost = cost, best.t_O_C = t;
-      }
-      trials.push_back(best);
-    }
+    for (int turn = 0; turn < options.turns; ++turn)
+      trials.push_back(tried(side, turn, first_points, first_starts));
+  }
+  if (in_two_steps) {
+    const auto left = static_cast<std::ptrdiff_t>(options.glance * static_cast<double>(trials.size()));
+    std::nth_element(trials.begin(), trials.begin() + left, trials.end());
+    trials.resize(static_cast<std::size_t>(left));
+    for (Trial& trial : trials) trial = tried(trial.side, trial.turn, patch, starts);
   }
   std::sort(trials.begin(), trials.end());
   for (const Trial& trial : trials) {

@@ -17,6 +17,8 @@ struct SweepOptions {
       0.35;  ///< of the side's shadow that the cluster covers at least (it may be hidden in part)
   double area_high = 1.4;  ///< and at most
   int shifts = 0;          ///< steps by which each trial may slide to where it fits, ...
+  double glance = 1.0;     ///< share of the orientations that remain after a first trial of each from the
+                           ///< aligned centres alone, on a third of the points
   double aside = 0.0;  ///< ... from the aligned centres and from this far to four sides of them [m]: where
                        ///< other stones hide a part, centres do not agree
 };
