@@ -10,8 +10,8 @@ inline constexpr double kSmoothingStep = 0.006;
 inline constexpr double kTableTolerance = 0.004;
 /// Height above the table where stones begin, m. Design choice.
 inline constexpr double kMinHeight = 0.006;
-/// Height above the table where stones end, m. Design choice.
-inline constexpr double kMaxHeight = 0.7;
+/// Height above the table where stones end, m. The largest plane may be the floor, and stones lie on a bench.
+inline constexpr double kMaxHeight = 2.0;
 /// Spacing of scene and model points, m. Design choice.
 inline constexpr double kVoxel = 0.003;
 /// Radius of the neighbourhood that gives a normal, m. Design choice.

@@ -11,6 +11,7 @@
 #include "detection/judge/accept.hpp"
 #include "detection/judge/alternatives.hpp"
 #include "detection/judge/identity.hpp"
+#include "detection/prepare_scene.hpp"
 #include "detection/trace.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -64,7 +65,7 @@ void check_depth_scale(DetectionResult& result, const DetectionModels::Data& dat
 DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
                         std::vector<StoneIndex> missing, const DetectionOptions& options,
                         const SceneKnowledge& known) {
-  if (scene.clusters > 0) scene = without_stones(std::move(scene), data, known.stones);
+  scene = prepare_scene(std::move(scene), data, options, known);
   DetectionResult result;
   result.table_C = scene.table_C;
   result.note = scene.note;

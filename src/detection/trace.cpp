@@ -74,6 +74,7 @@ json stages_json(const TracedTurn& turn, std::span<const Stone> stones) {
                           {"score", c.detection.score},
                           {"inlier_ratio", c.detection.inlier_ratio},
                           {"visible", c.detection.visible},
+                          {"wanted", c.wanted},
                           {"accepted", c.accepted}});
   return {{"schema", "stonestack.trace/1"},
           {"points", turn.surface_C.size()},

@@ -26,6 +26,8 @@ struct TracedHypothesis {
 struct TracedCandidate {
   Detection detection;
   bool accepted = false;
+  double wanted = 0.0;  ///< score that it needs
+  ScoreLosses lost{};
 };
 
 /// One search of the points that were still unexplained.

@@ -10,6 +10,8 @@
 #include "detection/hypotheses/candidates.hpp"
 #include "detection/hypotheses/refine.hpp"
 #include "detection/judge/accept.hpp"
+#include "detection/judge/contour.hpp"
+#include "detection/judge/draw_model.hpp"
 #include "detection/judge/verify.hpp"
 #include "detection/scene/preprocess.hpp"
 #include "detection/test_scene.hpp"
@@ -181,6 +183,58 @@ TEST(Verify, AFlatStoneThatFitsIntoTheFaceOfALargerOneIsRefutedByItsOutline) {
   EXPECT_GT(score(large, true), 0.95);
 }
 
+TEST(Verify, ThingsInFrontHaveOutlinesOfTheirOwn) {
+  const Stone flat = make_slab({0.16, 0.12, 0.03}), board = make_slab({0.30, 0.05, 0.004});
+  const Pose T_W_C = test::make_camera_pose(0.3, 0.5), T_W_O = make_pose({0, 0, 0.015});
+  const Pose T_W_board = make_pose({0, 0.03, 0.10});
+  const DetectionOptions options;
+  const DetectionScene scene =
+      preprocess(test::look_at({{&flat, T_W_O}, {&board, T_W_board}}, T_W_C), {}, true, options);
+  const DetectionModel model = make_detection_model(flat);
+  const DrawnModel drawn =
+      draw_model(model.drawn, model.drawn_normals, T_W_C.inverse() * T_W_O, scene.views[0].depth.camera, 2);
+  const ContourTally contour = compare_contour(scene.views[0], drawn, 0.02);
+  EXPECT_GT(contour.seen, 100);
+  EXPECT_LT(contour.goes_on, 0.02 * contour.seen)
+      << "the board goes on across the outline, the stone does not";
+}
+
+TEST(Verify, NormalsOfADrawnModelAreThoseOfItsFacesAndReachOverRipples) {
+  const CameraIntrinsics camera;
+  const Pose T = make_pose({0, 0, 0.7}, Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())));
+  const Mesh plain = make_box({0.12, 0.12, 0.02});
+  const DrawnModel drawn = draw_model(plain, face_normals(plain), T, camera, 2);
+  const Eigen::Vector3d towards = T.linear() * -Eigen::Vector3d::UnitZ();
+  EXPECT_LT((drawn_normal(drawn, camera, drawn.width / 2, drawn.height / 2) - towards).norm(), 1e-3);
+  Mesh rippled;  // 1.5 mm long and 0.4 mm high: up to 28 deg off the plane
+  const auto add_strip = [&](double x0, double z0, double x1, double z1) {
+    const int first = static_cast<int>(rippled.vertices.size());
+    for (const auto& [x, z] : {std::pair(x0, z0), std::pair(x1, z1)})
+      for (const double y : {-0.06, 0.06}) rippled.vertices.emplace_back(x, y, z);
+    rippled.faces.emplace_back(first, first + 1, first + 2);
+    rippled.faces.emplace_back(first + 1, first + 3, first + 2);
+  };
+  for (int i = -40; i < 40; ++i) {
+    add_strip(0.0015 * i, 0.0, 0.0015 * (i + 0.5), 0.0004);
+    add_strip(0.0015 * (i + 0.5), 0.0004, 0.0015 * (i + 1), 0.0);
+  }
+  const auto faces = face_normals(rippled);
+  const DrawnModel ripples = draw_model(rippled, faces, T, camera, 2);
+  double of_faces = 0, of_drawn = 0;
+  int count = 0;
+  for (int y = ripples.height / 4; y < 3 * ripples.height / 4; ++y)
+    for (int x = ripples.width / 4; x < 3 * ripples.width / 4; ++x) {
+      const auto i = static_cast<std::size_t>(y * ripples.width + x);
+      if (!(ripples.z[i] > 0)) continue;
+      of_faces += (ripples.normals_C[static_cast<std::size_t>(ripples.face[i])] - towards).norm();
+      of_drawn += (drawn_normal(ripples, camera, x, y) - towards).norm();
+      ++count;
+    }
+  ASSERT_GT(count, 200);
+  EXPECT_GT(of_faces / count, 0.3);
+  EXPECT_LT(of_drawn / count, 0.1);
+}
+
 TEST(Candidates, EveryPoseOfANearlySymmetricStoneIsJudgedFinely) {
   Stone cube = make_slab(Eigen::Vector3d::Constant(0.1));
   for (auto& p : cube.mesh.vertices)
@@ -226,12 +280,12 @@ TEST(Accept, KeepsTheMoreCompleteOfTwoPosesAtOnePlace) {
   const DetectionScene scene = filled_scene();
   const auto taken =
       without_conflicts({square_candidate(0_stone, 0.96, 40, 1), square_candidate(1_stone, 0.995, 37, 1)},
-                        {0_stone, 1_stone}, scene, {});
+                        {0_stone, 1_stone}, scene, {}, Demand::kLikely);
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0], 1U) << "a wrong flat stone covered more of the right one's face";
   EXPECT_EQ(
       without_conflicts({square_candidate(0_stone, 0.96, 40, 1), square_candidate(1_stone, 0.99, 11, 1)},
-                        {0_stone, 1_stone}, scene, {})[0],
+                        {0_stone, 1_stone}, scene, {}, Demand::kLikely)[0],
       0U)
       << "a speck that fits is no evidence";
 }
@@ -239,7 +293,7 @@ TEST(Accept, KeepsTheMoreCompleteOfTwoPosesAtOnePlace) {
 TEST(Accept, ALargeStoneDrawnCoarselyCountsAsMuchAsASmallOneDrawnFinely) {
   const auto taken =
       without_conflicts({square_candidate(0_stone, 0.994, 80, 2), square_candidate(1_stone, 0.991, 70, 1)},
-                        first_stones(2), filled_scene(), {});
+                        first_stones(2), filled_scene(), {}, Demand::kLikely);
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0], 0U) << "it fits better and explains more";
 }
@@ -249,13 +303,13 @@ TEST(Accept, OnePlaceIsOneStoneWhateverTheStepsOfDrawing) {
     for (const int other : {1, 4, 5, 6, 15})
       EXPECT_EQ(without_conflicts(
                     {square_candidate(0_stone, 0.99, 240, step), square_candidate(1_stone, 0.98, 240, other)},
-                    first_stones(2), filled_scene(), {})
+                    first_stones(2), filled_scene(), {}, Demand::kLikely)
                     .size(),
                 1U)
           << "steps " << step << ", " << other;
   EXPECT_EQ(
       without_conflicts({square_candidate(0_stone, 0.99, 96, 6), square_candidate(1_stone, 0.98, 96, 5, 200)},
-                        first_stones(2), filled_scene(), {})
+                        first_stones(2), filled_scene(), {}, Demand::kLikely)
           .size(),
       2U)
       << "side by side";
@@ -277,18 +331,26 @@ TEST_F(OneStone, IsNotTwoStones) {
 }
 
 TEST(Accept, APoseThatShowsLittleMustFitTheBetter) {
-  const auto accepted = [](double score, double visible, double min = -1.0) {
+  const auto accepted = [](double score, double visible, double noise, Demand demand = Demand::kLikely) {
     Detection d;
-    d.score = score, d.visible = visible;
-    return acceptable(d, {}, min);
+    d.score = score, d.visible = visible, d.T_C_O = make_pose(Eigen::Vector3d(0, 0, 0.7));
+    DetectionScene scene;
+    scene.views.resize(1);
+    scene.noise = noise;
+    return acceptable(d, scene, {}, demand);
   };
-  EXPECT_TRUE(accepted(0.86, 0.20));
-  EXPECT_FALSE(accepted(0.84, 0.20));
-  EXPECT_FALSE(accepted(0.94, 0.05)) << "wrong poses of hidden stones reached this";
-  EXPECT_TRUE(accepted(0.99, 0.05));
-  EXPECT_FALSE(accepted(1.00, 0.02)) << "no evidence";
-  EXPECT_FALSE(accepted(0.88, 0.20, 0.89)) << "a clean image shows mirror images this well";
-  EXPECT_TRUE(accepted(0.99, 0.05, 0.89)) << "the two are not added up";
+  EXPECT_TRUE(accepted(0.86, 0.20, 0.0015));
+  EXPECT_FALSE(accepted(0.84, 0.20, 0.0015));
+  EXPECT_FALSE(accepted(0.94, 0.05, 0.0015)) << "wrong poses of hidden stones reached this";
+  EXPECT_TRUE(accepted(0.99, 0.05, 0.0015));
+  EXPECT_FALSE(accepted(1.00, 0.02, 0.0015)) << "no evidence";
+  EXPECT_FALSE(accepted(0.88, 0.20, 0.0006)) << "a clean image shows mirror images this well";
+  EXPECT_TRUE(accepted(0.99, 0.05, 0.0006)) << "the two are not added up";
+  EXPECT_FALSE(accepted(0.94, 0.20, 0.0006, Demand::kCertain));
+  EXPECT_TRUE(accepted(0.96, 0.20, 0.0006, Demand::kCertain));
+  EXPECT_FALSE(accepted(0.89, 0.30, 0.0050, Demand::kCertain)) << "however noisy";
+  EXPECT_FALSE(accepted(0.95, 0.15, 0.0050)) << "noise of this size fits whatever is not there";
+  EXPECT_TRUE(accepted(0.90, 0.26, 0.0050));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -35,6 +36,17 @@ struct Detection {
                                             ///< `alternatives`, too, supposing that it is this stone
   double certainty = 1.0;  ///< of this stone in this pose: a cube has 24, and another stone may look alike
   std::vector<AlternativePose> alternatives;  ///< what fits nearly as well, the best first
+};
+
+/// Losses of a pose's score, by what contradicts it: together they are 1 - score.
+struct ScoreLosses {
+  double misfit = 0.0;        ///< seen surface lies off the model's, or is turned from it
+  double seen_through = 0.0;  ///< surface behind the model is seen where the model should be
+  double in_front = 0.0;      ///< surface lies just in front of the model
+  double hidden = 0.0;        ///< something further in front hides the model
+  double beside = 0.0;        ///< surface goes on just off the model's surface
+  double outline = 0.0;       ///< surface goes on smoothly across the model's outline
+  double below = 0.0;         ///< the model reaches below the table or another support
 };
 
 struct DetectionTrace;
@@ -120,6 +132,16 @@ class DetectionModels {
                                             std::span<const StoneIndex> wanted = {},
                                             const DetectionOptions& options = {},
                                             const SceneKnowledge& known = {});
+
+/// Evidence of one pixel on a model that is drawn into the image.
+enum class PixelEvidence : std::uint8_t {
+  kNone,         ///< the model is not there
+  kFits,         ///< the seen surface is the model's
+  kSeenThrough,  ///< the surface behind is seen
+  kInFront,      ///< surface just in front of the model
+  kHidden,       ///< something further in front hides the model
+  kNoDepth,      ///< the camera gave no depth
+};
 
 /// Refines known poses: a stone is expected at T_C_O_guess (within about 15 mm, 15 deg); empty if it is not
 /// there.

@@ -9,6 +9,7 @@
 #include "detection/hypotheses/sweep.hpp"
 #include "detection/judge/alternatives.hpp"
 #include "detection/judge/identity.hpp"
+#include "stone/reduce_mesh.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::detection {
@@ -16,6 +17,7 @@ namespace {
 
 constexpr float kFieldCell = 0.003F;  // m
 constexpr float kFieldBand = 0.020F;  // m: the widest gate of a registration
+constexpr int kDrawnFaces = 1500;     // finer meshes cost more time to draw than their details tell
 constexpr int kSides = 180;           // about 15 deg apart
 
 SurfacePoints sampled(const Mesh& mesh, double spacing) {
@@ -67,7 +69,8 @@ DetectionModel make_detection_model(const Stone& stone) {
   SurfaceField field(surface.points, kFieldCell, kFieldBand);
   DetectionModel model{stone.name,
                        stone.mesh,
-                       face_normals(stone.mesh),
+                       {},
+                       {},
                        surface_area(stone.mesh),
                        box.center(),
                        0.0,
@@ -77,6 +80,9 @@ DetectionModel make_detection_model(const Stone& stone) {
                        {},
                        {},
                        {}};
+  model.drawn = reduce_mesh(stone.mesh, kDrawnFaces);
+  if (model.drawn.faces.empty()) model.drawn = stone.mesh;  // cannot be reduced
+  model.drawn_normals = face_normals(model.drawn);
   for (const auto& p : stone.mesh.vertices) model.radius = std::max(model.radius, (p - model.centre).norm());
   model.sides = make_sides(model.surface);
   return model;
@@ -120,17 +126,7 @@ DetectionScene without_stones(DetectionScene scene, const DetectionModels::Data&
           view.explained[static_cast<std::size_t>(v * camera.width + u)] = 1;
     });
   }
-  SurfacePoints rest;
-  std::vector<int> view_of;
-  for (std::size_t i = 0; i < scene.surface.points.size(); ++i) {
-    if (explained(scene.surface.points[i])) continue;
-    rest.points.push_back(scene.surface.points[i]);
-    rest.normals.push_back(scene.surface.normals[i]);
-    rest.areas.push_back(scene.surface.areas[i]);
-    view_of.push_back(scene.view_of[i]);
-  }
-  scene.surface = std::move(rest);
-  scene.view_of = std::move(view_of);
+  keep_surface(scene, [&](std::size_t i) { return !explained(scene.surface.points[i]); });
   find_clusters(scene, kClusterGap);
   return scene;
 }

@@ -28,13 +28,14 @@ struct ModelSide {
 struct DetectionModel {
   std::string name;
   Mesh mesh;
-  std::vector<Eigen::Vector3d> face_normals;
-  double area = 0.0;       ///< of the whole surface [m^2]
-  Eigen::Vector3d centre;  ///< of the bounding sphere
-  double radius = 0.0;     ///< of it [m]
-  SurfacePoints surface;   ///< dense samples, for registration
-  SurfaceField field;      ///< over them
-  SurfaceTree tree;        ///< over the mesh itself
+  Mesh drawn;                                  ///< of few faces, to be drawn into images
+  std::vector<Eigen::Vector3d> drawn_normals;  ///< of its faces
+  double area = 0.0;                           ///< of the whole surface [m^2]
+  Eigen::Vector3d centre;                      ///< of the bounding sphere
+  double radius = 0.0;                         ///< of it [m]
+  SurfacePoints surface;                       ///< dense samples, for registration
+  SurfaceField field;                          ///< over them
+  SurfaceTree tree;                            ///< over the mesh itself
   std::vector<ModelSide> sides;
   MadeOnce<Features> features;             ///< see `features_of`
   MadeOnce<std::vector<Pose>> symmetries;  ///< see `symmetries_of`

@@ -15,9 +15,10 @@ constexpr std::size_t kMaxKept = 24;        // poses that nothing sets apart: a 
 constexpr double kNearTie = 0.04;           // of the coarse score
 constexpr double kSameTranslation = 0.006;  // m, rad: two coarse poses this near are one
 constexpr double kSameAngle = 0.10;
-constexpr double kNoiseTolerance = 4.0;  // standard deviations
+constexpr double kNoiseTolerance = 4.0;   // standard deviations
+constexpr double kShapeTolerance = 0.12;  // of the model's radius: with more, other shapes fit as well
 constexpr double kHiddenWeight =
-    0.1;  // of a pixel that something unknown hides: stones may be hidden by three quarters
+    0.05;  // of a pixel that something unknown hides: stones may be hidden by three quarters
 
 /// A coarse pose and its score, best first.
 struct Coarse {
@@ -33,19 +34,14 @@ RefineOptions fine_refinement() {
   return {15, 0.6 * kIcpGate, 0.004, 0.0015, 0.6};
 }
 
-/// Noisier images are judged by wider tolerances.
-double tolerance(const DetectionScene& scene) {
-  return std::max(kVerifyTolerance, kNoiseTolerance * scene.noise);
-}
-
 std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hypothesis> hypotheses,
                                  const DetectionScene& scene, std::size_t max) {
-  VerifyOptions loose{2.0 * tolerance(scene), kHiddenWeight, 0.025, 300};
   std::vector<Coarse> poses;
   for (const auto& h : hypotheses) {
     throw_if_interrupted();
     const auto near = points_near(model, h.T_C_O, scene.surface, kIcpGate, kCoarsePoints);
     const Refined refined = refine_pose(model, h.T_C_O, scene.surface, near, coarse_refinement());
+    const VerifyOptions loose{2.0 * tolerance(model, refined.T_C_O, scene), kHiddenWeight, 0.025, 300};
     const Verdict verdict = verify_pose(model, refined.T_C_O, scene, loose);
     if (verdict.score > -0.9) poses.push_back({refined.T_C_O, verdict.score});
   }
@@ -67,12 +63,17 @@ std::vector<Coarse> coarse_poses(const DetectionModel& model, std::span<const Hy
 
 }  // namespace
 
+double tolerance(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene) {
+  const double noisy = kNoiseTolerance * noise_at(scene, (T_C_O * model.centre).z());
+  return std::max(kVerifyTolerance, std::min(noisy, kShapeTolerance * model.radius));
+}
+
 std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex stone, const Pose& T_C_O,
                                     const DetectionScene& scene, double hidden_weight) {
   const auto near = points_near(model, T_C_O, scene.surface, kIcpGate, kFinePoints);
   const Refined refined = refine_pose(model, T_C_O, scene.surface, near, fine_refinement());
   if (refined.correspondences == 0 || !is_valid(refined.T_C_O)) return {};
-  VerifyOptions strict{tolerance(scene), hidden_weight};
+  VerifyOptions strict{tolerance(model, refined.T_C_O, scene), hidden_weight};
   strict.keep_pixels = strict.contour = true;
   Verdict verdict = verify_pose(model, refined.T_C_O, scene, strict);
   Candidate candidate;
@@ -82,12 +83,13 @@ std::optional<Candidate> judge_pose(const DetectionModel& model, StoneIndex ston
   candidate.detection.inlier_ratio = verdict.inlier_ratio;
   candidate.detection.visible = verdict.visible;
   candidate.pixels = std::move(verdict.pixels);
+  candidate.lost = verdict.lost;
   return candidate;
 }
 
 std::vector<SeenPixel> explained_pixels(const DetectionModel& model, const Pose& T_C_O,
                                         const DetectionScene& scene) {
-  VerifyOptions strict{tolerance(scene), kHiddenWeight};
+  VerifyOptions strict{tolerance(model, T_C_O, scene), kHiddenWeight};
   strict.keep_pixels = true;
   return verify_pose(model, T_C_O, scene, strict).pixels;
 }

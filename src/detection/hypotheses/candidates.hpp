@@ -14,7 +14,12 @@ namespace stonestack::detection {
 struct Candidate {
   Detection detection;
   std::vector<SeenPixel> pixels;  ///< that it explains, on the drawn raster
+  ScoreLosses lost{};             ///< what the score lacks, by what contradicts
 };
+
+/// How far [m] seen surface may lie off a model at a pose, along its normal: noisier depths are judged by
+/// wider tolerances.
+[[nodiscard]] double tolerance(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene);
 
 /// Refines hypotheses coarsely, keeps the most likely few that differ, refines these finely and verifies
 /// them (`kept_poses`, more if they tie). Best score first; nothing below half the accept score.

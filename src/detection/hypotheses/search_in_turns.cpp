@@ -19,12 +19,6 @@ namespace {
 constexpr double kWiderGap = 3.0;         // times the gap of clusters
 constexpr double kNearlyAccepted = 0.10;  // below the accept score
 constexpr double kWellVisible = 0.13;     // of the whole surface
-// Another stone of like shape scores up to 0.94 (limestones, seed 77), and what it explains would be lost to
-// the right one: a score below this waits until everything has been tried.
-constexpr double kCertain = 0.95;
-constexpr double kUsualNoise = 0.0006;  // m: noisier images fit right poses the worse, ...
-constexpr double kNoiseCosts = 50.0;    // ... by this much score a metre (bench: d435)
-constexpr double kCleaner = 0.04;       // above the accept score: a right pose in a clean image of one view
 
 /// Points of one cluster that one view saw.
 struct SeenCluster {
@@ -146,9 +140,8 @@ std::vector<Candidate> search(const DetectionModels::Data& data, const std::vect
   std::vector<StoneIndex> stones = missing;
   stones.erase(std::unique(stones.begin(), stones.end()), stones.end());
   std::vector<ModelSearch> found(stones.size());
-  tbb::parallel_for(std::size_t{0}, stones.size(), [&](std::size_t k) {
-    found[k] = search_model(data, stones[k], scene, view, options);
-  });
+  tbb::parallel_for(std::size_t{0}, stones.size(),
+                    [&](std::size_t k) { found[k] = search_model(data, stones[k], scene, view, options); });
   std::vector<Candidate> all;
   for (std::size_t k = 0; k < stones.size(); ++k) {
     if (turn != nullptr) note_search(*turn, found[k], stones[k], view, data);
@@ -165,8 +158,11 @@ void note_scene(TracedTurn& turn, const DetectionScene& scene, const Features& s
 }
 
 void note_candidates(TracedTurn& turn, const std::vector<Candidate>& all,
-                     const std::vector<std::size_t>& taken) {
-  for (const auto& c : all) turn.candidates.push_back({c.detection, false});
+                     const std::vector<std::size_t>& taken, const DetectionScene& scene,
+                     const DetectionOptions& options) {
+  for (const auto& c : all)
+    turn.candidates.push_back(
+        {c.detection, false, wanted_score(c.detection, scene, options, Demand::kLikely), c.lost});
   for (const std::size_t i : taken) turn.candidates[i].accepted = true;
 }
 
@@ -186,21 +182,6 @@ std::optional<Turn> turn_after(Turn turn, bool found, const DetectionOptions& op
   if (turn == Turn::kParts) return Turn::kDescribe;
   if (turn == Turn::kDescribe) return Turn::kThorough;
   return {};
-}
-
-/// Returns stricter options for accepting before everything has been tried.
-DetectionOptions certain_options(DetectionOptions options, const DetectionScene& scene) {
-  const double bar = kCertain - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise);
-  options.accept_score = std::max(options.accept_score, bar);
-  return options;
-}
-
-/// The least score of any pose: a mirror image of a stone scored up to 0.875 in a clean image, where right
-/// poses of a single view score 0.91 and up (bench: mirrored, hidden). Views joined fit less well.
-double min_score(const DetectionOptions& options, const DetectionScene& scene) {
-  if (options.method == "paper" || scene.views.size() > 1) return -1.0;
-  return options.accept_score +
-         std::max(0.0, kCleaner - kNoiseCosts * std::max(0.0, scene.noise - kUsualNoise));
 }
 
 /// How far a search has come.
@@ -226,7 +207,6 @@ std::vector<KnownStone> poses_of(std::span<const Candidate> candidates) {
 void take_turns(const DetectionModels::Data& data, Search& so_far, const DetectionOptions& options,
                 DetectionTrace* trace) {
   Turn turn = options.sweep ? Turn::kSweep : Turn::kDescribe;
-  const double min = min_score(options, so_far.scene);
   while (!so_far.missing.empty() && so_far.scene.clusters > 0) {
     throw_if_interrupted();
     Features seen;
@@ -235,13 +215,12 @@ void take_turns(const DetectionModels::Data& data, Search& so_far, const Detecti
     TracedTurn* noted = trace != nullptr ? &trace->turns.emplace_back() : nullptr;
     if (noted != nullptr) note_scene(*noted, so_far.scene, seen);
     auto found = search(data, so_far.missing, so_far.scene, view, options, noted);
-    auto accepted =
-        without_conflicts(found, so_far.missing, so_far.scene, certain_options(options, so_far.scene), min);
+    auto accepted = without_conflicts(found, so_far.missing, so_far.scene, options, Demand::kCertain);
     if (accepted.empty() && !turn_after(turn, false, options)) {
       found.insert(found.end(), so_far.refused.begin(), so_far.refused.end());
-      accepted = without_conflicts(found, so_far.missing, so_far.scene, options, min);
+      accepted = without_conflicts(found, so_far.missing, so_far.scene, options, Demand::kLikely);
     }
-    if (noted != nullptr) note_candidates(*noted, found, accepted);
+    if (noted != nullptr) note_candidates(*noted, found, accepted, so_far.scene, options);
     const std::size_t before = so_far.taken.size();
     for (const std::size_t i : accepted) take(so_far, found[i]);
     so_far.scene =
@@ -277,7 +256,7 @@ void take_for_granted(const DetectionModels::Data& data, Search& so_far, const D
   const Hypothesis again{best->detection.T_C_O, 1.0};
   auto judged = judge_hypotheses(at(data.models, best->detection.stone), best->detection.stone,
                                  std::span(&again, 1), alone, options);
-  if (judged.empty() || !acceptable(judged.front().detection, options, min_score(options, alone))) return;
+  if (judged.empty() || !acceptable(judged.front().detection, alone, options, Demand::kLikely)) return;
   take(so_far, std::move(judged.front()));
   for (auto& c : rest.taken) take(so_far, std::move(c));
 }

@@ -9,7 +9,7 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr int kBeside = 6;              // px to each side of the outline: 500 faces are a pixel or two off
+constexpr int kOutlineOff = 2;          // px: the outline of 500 faces is a pixel or two off
 constexpr double kSameSurface = 0.004;  // m from the tangent plane, at up to 1 m; grows with z^2
 constexpr double kSameNormal = 0.94;    // cosine: less is a crease
 
@@ -31,7 +31,7 @@ bool one_surface(const DepthImage& depth, int u, int v, int to_u, int to_v) {
 
 }  // namespace
 
-ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn) {
+ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn, double reach) {
   ContourTally tally;
   const CameraIntrinsics& camera = view.depth.camera;
   const auto in_image = [&](int u, int v) {
@@ -40,21 +40,26 @@ ContourTally compare_contour(const SeenView& view, const DrawnModel& drawn) {
   const auto known = [&](int u, int v) {
     return !view.explained.empty() && view.explained[static_cast<std::size_t>(v * camera.width + u)] != 0;
   };
-  const auto is_drawn = [&](int x, int y) {
-    return x >= 0 && y >= 0 && x < drawn.width && y < drawn.height &&
-           drawn.z[static_cast<std::size_t>(y * drawn.width + x)] > 0.0F;
+  const auto shows_model = [&](int x, int y, Direction d, int beside) {
+    const int within = std::max(1, beside / drawn.step);
+    const float inner = drawn.depth(x - within * d.x, y - within * d.y);
+    const float z = inner > 0 ? inner : drawn.depth(x, y);
+    const int u = drawn.u0 + x * drawn.step - beside * d.x, v = drawn.v0 + y * drawn.step - beside * d.y;
+    return std::abs(view.depth.at(u, v) - z) < reach;
   };
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
-      if (!is_drawn(x, y)) continue;
+      if (!(drawn.depth(x, y) > 0)) continue;
       for (const Direction d : kContourDirections) {
-        if (is_drawn(x + d.x, y + d.y)) continue;
+        if (drawn.depth(x + d.x, y + d.y) > 0) continue;
         const int u = drawn.u0 + x * drawn.step, v = drawn.v0 + y * drawn.step;
-        const int in_u = u - kBeside * d.x, in_v = v - kBeside * d.y;
-        const int out_u = u + kBeside * d.x, out_v = v + kBeside * d.y;
+        const int beside = normal_span(camera, drawn.depth(x, y)) + kOutlineOff;  // px to each side
+        const int in_u = u - beside * d.x, in_v = v - beside * d.y;
+        const int out_u = u + beside * d.x, out_v = v + beside * d.y;
         if (!in_image(in_u, in_v) || !in_image(out_u, out_v)) continue;
         if (known(in_u, in_v) || known(out_u, out_v)) continue;
         if (!(view.depth.at(in_u, in_v) > 0) || !(view.depth.at(out_u, out_v) > 0)) continue;
+        if (!shows_model(x, y, d, beside)) continue;
         ++tally.seen;
         tally.goes_on += one_surface(view.depth, in_u, in_v, out_u, out_v) ? 1 : 0;
       }

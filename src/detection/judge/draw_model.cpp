@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "detection/scene/seen_normal.hpp"
+
 namespace stonestack::detection {
 namespace {
 
-constexpr double kNearest = 0.02;  // m: a mesh nearer than this cannot be drawn
+constexpr double kNearest = 0.02;    // m: a mesh nearer than this cannot be drawn
+constexpr double kDrawnStep = 0.02;  // m of depth between the pixels of a normal: more is an edge
 
 /// A vertex in drawn pixels, and its inverse depth, which is affine in them.
 struct Corner {
@@ -67,6 +70,23 @@ DrawnModel draw_model(const Mesh& mesh_O, const std::vector<Eigen::Vector3d>& no
               corners[static_cast<std::size_t>(face[2])], static_cast<int>(f));
   }
   return out;
+}
+
+Eigen::Vector3d drawn_normal(const DrawnModel& drawn, const CameraIntrinsics& camera, int x, int y) {
+  const auto at = static_cast<std::size_t>(y * drawn.width + x);
+  const Eigen::Vector3d& of_face = drawn.normals_C[static_cast<std::size_t>(drawn.face[at])];
+  const int span = std::max(1, (normal_span(camera, drawn.z[at]) + drawn.step / 2) / drawn.step);
+  const double here = drawn.z[at];
+  bool edge = false;
+  const auto point = [&](int dx, int dy) -> Eigen::Vector3d {
+    const double z = drawn.depth(x + dx, y + dy);
+    edge = edge || std::abs(z - here) > kDrawnStep;
+    return z * deproject(camera, drawn.u0 + (x + dx) * drawn.step, drawn.v0 + (y + dy) * drawn.step);
+  };
+  const Eigen::Vector3d across = point(span, 0) - point(-span, 0);
+  const Eigen::Vector3d down = point(0, span) - point(0, -span);
+  const Eigen::Vector3d normal = down.cross(across);
+  return edge || normal.norm() < 1e-12 ? of_face : Eigen::Vector3d(normal.normalized());
 }
 
 }  // namespace stonestack::detection

@@ -6,6 +6,7 @@
 #include "detection/judge/contour.hpp"
 #include "detection/judge/draw_model.hpp"
 #include "detection/scene/seen_normal.hpp"
+#include "detection/scene/supports.hpp"
 
 namespace stonestack::detection {
 namespace {
@@ -18,8 +19,9 @@ constexpr double kCosineFull = 0.85;       // ... and fully: flat faces stand fo
 constexpr double kBeyond = 0.012;          // m off the surface: further is another thing
 constexpr double kBeyondTolerated = 0.15;  // share: neighbours that touch
 constexpr double kBeyondWeight = 1.0;
-constexpr double kGoesOnTolerated = 0.2;  // share of the outline: stones that lie flush
-constexpr double kGoesOnWeight = 1.0;
+constexpr double kContourReach = 4.0;      // times the tolerance: so near the model's depth it is seen
+constexpr double kGoesOnTolerated = 0.06;  // share of the outline: stones that lie flush
+constexpr double kGoesOnWeight = 2.0;
 constexpr double kMinSeen = 0.10;           // of the drawn pixels must fit
 constexpr double kBelowTableScale = 0.010;  // m below the tolerated depth that cost one full score
 
@@ -46,36 +48,56 @@ int drawing_step(const DetectionModel& model, const Pose& T_C_O, const CameraInt
   return std::clamp(static_cast<int>(std::lround(std::sqrt(in_view / pixels))), 1, 16);
 }
 
-double below_table(const DetectionModel& model, const Pose& T_C_O, const Plane& table_C) {
+/// Depth [m] of the model's deepest vertex below what carries things there; 0 without a table.
+double below_support(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene) {
+  const auto planes = planes_below(scene, T_C_O * model.centre);
   double deepest = 0;
-  for (const auto& p : model.mesh.vertices) deepest = std::min(deepest, table_C.distance(T_C_O * p));
-  return -deepest;
+  for (const auto& p : model.drawn.vertices)
+    for (const auto& plane : planes) deepest = std::max(deepest, -plane.distance(T_C_O * p));
+  return deepest;
+}
+
+/// A drawn pixel against what was seen there.
+struct ComparedPixel {
+  PixelEvidence evidence = PixelEvidence::kNoDepth;
+  double off = 0.0;    ///< distance from the model along its normal [m]
+  double slope = 0.0;  ///< cosine between the line of sight and the normal
+};
+
+ComparedPixel compare_pixel(const DepthImage& depth, int u, int v, double z, const Eigen::Vector3d& normal_C,
+                            double tolerance) {
+  ComparedPixel out;
+  const double seen = depth.at(u, v);
+  if (seen <= 0) return out;
+  const double dz = seen - z;
+  out.slope = -normal_C.dot(deproject(depth.camera, u, v));
+  out.off = std::abs(dz) * out.slope;
+  if (out.off < tolerance && std::abs(dz) < 4.0 * tolerance)
+    out.evidence = PixelEvidence::kFits;
+  else if (dz > 0)
+    out.evidence = PixelEvidence::kSeenThrough;
+  else
+    out.evidence = dz > -kJustInFront ? PixelEvidence::kInFront : PixelEvidence::kHidden;
+  return out;
 }
 
 /// Adds one drawn pixel with a depth to the tally; true if it fits.
 bool count_pixel(const DepthImage& depth, int u, int v, double z, const Eigen::Vector3d& normal_C,
                  const VerifyOptions& options, Tally& tally) {
-  const CameraIntrinsics& camera = depth.camera;
-  const double dz = depth.at(u, v) - z;
-  const double slope = -normal_C.dot(deproject(camera, u, v));
-  const double off = std::abs(dz) * slope;
-  if (off < options.tolerance && std::abs(dz) < 4.0 * options.tolerance) {
-    const double ratio = off / options.tolerance;
-    const Eigen::Vector3d seen = seen_normal(depth, u, v);
-    const double agree =
-        seen.isZero()
-            ? 1.0
-            : std::clamp((seen.dot(normal_C) - kCosineNone) / (kCosineFull - kCosineNone), 0.0, 1.0);
-    ++tally.fits;
-    tally.quality += (1.0 - ratio * ratio) * agree;
-    tally.area += z * z / (camera.fx * camera.fy * std::max(slope, 0.1));
-    return true;
-  }
-  if (dz > 0)
-    ++tally.through;
-  else
-    ++(dz > -kJustInFront ? tally.just_in_front : tally.hidden);
-  return false;
+  const ComparedPixel pixel = compare_pixel(depth, u, v, z, normal_C, options.tolerance);
+  if (pixel.evidence == PixelEvidence::kSeenThrough) ++tally.through;
+  if (pixel.evidence == PixelEvidence::kInFront) ++tally.just_in_front;
+  if (pixel.evidence == PixelEvidence::kHidden) ++tally.hidden;
+  if (pixel.evidence != PixelEvidence::kFits) return false;
+  const double ratio = pixel.off / options.tolerance;
+  const Eigen::Vector3d seen = seen_normal(depth, u, v);
+  const double agree =
+      seen.isZero() ? 1.0
+                    : std::clamp((seen.dot(normal_C) - kCosineNone) / (kCosineFull - kCosineNone), 0.0, 1.0);
+  ++tally.fits;
+  tally.quality += (1.0 - ratio * ratio) * agree;
+  tally.area += z * z / (depth.camera.fx * depth.camera.fy * std::max(pixel.slope, 0.1));
+  return true;
 }
 
 /// Of the seen points at or just off the model's surface, the share that is off.
@@ -102,7 +124,7 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
                 const VerifyOptions& options, Tally& tally, Verdict& verdict) {
   const CameraIntrinsics& camera = view.depth.camera;
   const int step = drawing_step(model, T_V_O, camera, options.drawn_pixels);
-  const DrawnModel drawn = draw_model(model.mesh, model.face_normals, T_V_O, camera, step);
+  const DrawnModel drawn = draw_model(model.drawn, model.drawn_normals, T_V_O, camera, step);
   const double area_before = tally.area;
   for (int y = 0; y < drawn.height; ++y)
     for (int x = 0; x < drawn.width; ++x) {
@@ -113,16 +135,21 @@ void tally_view(const DetectionModel& model, const Pose& T_V_O, const SeenView& 
       if (!view.explained.empty() && view.explained[pixel] != 0) continue;
       ++tally.drawn;
       if (view.depth.z[pixel] <= 0) continue;
-      const bool fits = count_pixel(view.depth, u, v, drawn.z[i],
-                                    drawn.normals_C[static_cast<std::size_t>(drawn.face[i])], options, tally);
+      const bool fits =
+          count_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y), options, tally);
       if (fits && options.keep_pixels) verdict.pixels.push_back({index, static_cast<int>(pixel), step});
     }
   if (options.contour) {
-    const ContourTally contour = compare_contour(view, drawn);
+    const ContourTally contour = compare_contour(view, drawn, kContourReach * options.tolerance);
     tally.contour.seen += contour.seen, tally.contour.goes_on += contour.goes_on;
   }
   verdict.visible =
       std::max(verdict.visible, std::min(1.0, (tally.area - area_before) * step * step / model.area));
+}
+
+double total(const ScoreLosses& lost) {
+  return lost.misfit + lost.seen_through + lost.in_front + lost.hidden + lost.beside + lost.outline +
+         lost.below;
 }
 
 }  // namespace
@@ -136,19 +163,38 @@ Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const Detect
                tally, verdict);
   if (tally.fits < std::max(10.0, kMinSeen * tally.drawn)) return {};
   const double seen = tally.fits + tally.through + tally.just_in_front;
-  verdict.score = (tally.quality - tally.through - kJustInFrontWeight * tally.just_in_front -
-                   options.hidden_weight * tally.hidden) /
-                  seen;
-  verdict.inlier_ratio = tally.fits / (seen + tally.hidden);
   const double beyond = share_beyond(model, T_C_O, scene.surface, options);
-  verdict.score -= kBeyondWeight * std::max(0.0, beyond - kBeyondTolerated);
-  if (tally.contour.seen > 0)
-    verdict.score -=
-        kGoesOnWeight * std::max(0.0, tally.contour.goes_on / tally.contour.seen - kGoesOnTolerated);
-  if (scene.table_C)
-    verdict.score -=
-        std::max(0.0, below_table(model, T_C_O, *scene.table_C) - options.below_table) / kBelowTableScale;
+  const double goes_on = tally.contour.seen > 0 ? tally.contour.goes_on / tally.contour.seen : 0.0;
+  const double below = below_support(model, T_C_O, scene);
+  ScoreLosses& lost = verdict.lost;
+  lost.misfit = (tally.fits - tally.quality) / seen;
+  lost.seen_through = 2.0 * tally.through / seen;  // it does not fit, and it contradicts
+  lost.in_front = (1.0 + kJustInFrontWeight) * tally.just_in_front / seen;
+  lost.hidden = options.hidden_weight * tally.hidden / seen;
+  lost.beside = kBeyondWeight * std::max(0.0, beyond - kBeyondTolerated);
+  lost.outline = kGoesOnWeight * std::max(0.0, goes_on - kGoesOnTolerated);
+  lost.below = std::max(0.0, below - options.below_table) / kBelowTableScale;
+  verdict.score = 1.0 - total(lost);
+  verdict.inlier_ratio = tally.fits / (seen + tally.hidden);
   return verdict;
+}
+
+std::vector<PixelEvidence> pixel_evidence(const DetectionModel& model, const Pose& T_C_O,
+                                          const DetectionScene& scene, double tolerance) {
+  const SeenView& view = scene.views.front();
+  const CameraIntrinsics& camera = view.depth.camera;
+  std::vector<PixelEvidence> evidence(view.depth.z.size(), PixelEvidence::kNone);
+  const DrawnModel drawn =
+      draw_model(model.drawn, model.drawn_normals, view.T_C_V.inverse() * T_C_O, camera, 1);
+  for (int y = 0; y < drawn.height; ++y)
+    for (int x = 0; x < drawn.width; ++x) {
+      const auto i = static_cast<std::size_t>(y * drawn.width + x);
+      if (drawn.z[i] == 0.0F) continue;
+      const int u = drawn.u0 + x, v = drawn.v0 + y;
+      evidence[static_cast<std::size_t>(v * camera.width + u)] =
+          compare_pixel(view.depth, u, v, drawn.z[i], drawn_normal(drawn, camera, x, y), tolerance).evidence;
+    }
+  return evidence;
 }
 
 }  // namespace stonestack::detection

@@ -19,6 +19,7 @@ struct Verdict {
   double score = -1.0;        ///< at most 1: what fits, minus what contradicts
   double inlier_ratio = 0.0;  ///< the paper's: share that fits, of the drawn pixels that have a depth
   double visible = 0.0;  ///< share of the model's whole surface that was seen and fits, in the view of most
+  ScoreLosses lost;      ///< what the score lacks to 1, by what contradicts
   std::vector<SeenPixel> pixels;  ///< that fit, on the drawn raster
 };
 
@@ -26,7 +27,7 @@ struct Verdict {
 struct VerifyOptions {
   double tolerance = 0.005;    ///< along the surface normal [m]
   double hidden_weight = 0.3;  ///< what a pixel costs that something unknown hides
-  double below_table = 0.008;  ///< how deep a vertex may lie below the table [m]
+  double below_table = 0.012;  ///< how deep a vertex may lie below the table or another support [m]
   int drawn_pixels = 1500;     ///< about, for a pose in full view, in each view
   bool keep_pixels = false;    ///< fill Verdict::pixels
   bool contour = false;        ///< check the outline as well
@@ -40,5 +41,9 @@ struct VerifyOptions {
 /// (compare_contour). Pixels that are explained by known stones carry no evidence.
 [[nodiscard]] Verdict verify_pose(const DetectionModel& model, const Pose& T_C_O, const DetectionScene& scene,
                                   const VerifyOptions& options);
+
+/// Evidence of each pixel of the scene's first view, row by row.
+[[nodiscard]] std::vector<PixelEvidence> pixel_evidence(const DetectionModel& model, const Pose& T_C_O,
+                                                        const DetectionScene& scene, double tolerance);
 
 }  // namespace stonestack::detection

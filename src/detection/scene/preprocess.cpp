@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "detection/constants.hpp"
+#include "detection/scene/fit_plane.hpp"
 #include "detection/scene/point_grid.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/random.hpp"
@@ -21,6 +22,8 @@ constexpr int kFewestNeighbours = 10;  // of 25: fewer is an edge or a flying pi
 constexpr int kTableStride = 6;        // every 6th pixel along both axes is enough for a plane
 constexpr int kTableTrials = 400;      // misses a table that fills a third of the view with p < 1e-6
 constexpr double kTableShare = 0.05;   // of the valid pixels at least
+constexpr double kNearer = 0.7;        // of the table's depth, ...
+constexpr double kFarther = 1.15;      // ... what stands on it: judged by the noise that it shows as a whole
 constexpr double kMaxBelow = 0.30;     // share of valid pixels below a table: more is a shelf or a wall
 
 double depth_step(double z) {
@@ -42,39 +45,9 @@ std::vector<Eigen::Vector3d> table_candidates(const DepthImage& depth) {
   return points;
 }
 
-/// Through three points, normal towards the camera at the origin; empty for a sliver.
-std::optional<Plane> plane_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                   const Eigen::Vector3d& c) {
-  const Eigen::Vector3d normal = (b - a).cross(c - a);
-  const double area = normal.norm();
-  if (area < 1e-4) return {};
-  Plane plane{normal / area, 0.0};
-  plane.offset = plane.normal.dot(a);
-  if (plane.offset > 0) plane = {-plane.normal, -plane.offset};
-  return plane;
-}
-
 bool plausible(const Plane& plane, const std::optional<Plane>& expected) {
   if (!expected) return plane.offset < -0.1;  // the camera is above it
   return plane.normal.dot(expected->normal) > 0.985 && std::abs(plane.offset - expected->offset) < 0.03;
-}
-
-/// Least squares over the points near `plane`, twice.
-Plane fitted(const std::vector<Eigen::Vector3d>& points, Plane plane, double tolerance) {
-  for (int turn = 0; turn < 2; ++turn) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d outer = Eigen::Matrix3d::Zero();
-    int count = 0;
-    for (const auto& p : points)
-      if (std::abs(plane.distance(p)) < tolerance) sum += p, outer += p * p.transpose(), ++count;
-    if (count < 3) return plane;
-    const Eigen::Vector3d mean = sum / count;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(outer / count - mean * mean.transpose());
-    Eigen::Vector3d normal = solver.eigenvectors().col(0);
-    if (normal.dot(mean) > 0) normal = -normal;
-    plane = {normal, normal.dot(mean)};
-  }
-  return plane;
 }
 
 /// Smallest principal direction of the points near `p`; zero if they are too few or a line.
@@ -170,17 +143,28 @@ std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Pla
     if (inliers > best_inliers) best = plane, best_inliers = inliers;
   }
   if (!best) return expected;
-  return fitted(points, *best, kTableTolerance);
+  return fit_plane(points, *best, kTableTolerance);
 }
 
-double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance) {
-  std::vector<double> off;
+NoiseAbout noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance) {
+  std::vector<double> off, depths;
   for (const auto& p : table_candidates(depth))
-    if (const double d = std::abs(plane_C.distance(p)); d < 3.0 * tolerance) off.push_back(d);
-  if (off.size() < 30) return 0.0006;
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
-  return 1.4826 * *middle;
+    if (const double d = std::abs(plane_C.distance(p)); d < 3.0 * tolerance)
+      off.push_back(d), depths.push_back(p.z());
+  if (off.size() < 30) return {};
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return {1.4826 * median(off), median(depths)};
+}
+
+double noise_at(const DetectionScene& scene, double z) {
+  if (!(scene.noise_depth > 0.0)) return scene.noise;
+  const double ratio = z / scene.noise_depth;
+  const double outside = ratio < kNearer ? ratio / kNearer : std::max(1.0, ratio / kFarther);
+  return scene.noise * outside * outside;
 }
 
 SurfacePoints surface_points(const std::vector<Eigen::Vector3f>& points, const std::vector<float>& areas,

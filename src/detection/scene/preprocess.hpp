@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "detection/scene/depth_error.hpp"
+#include "detection/scene/plane_outline.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/geometry/depth_image.hpp"
 #include "stonestack/geometry/pose.hpp"
@@ -33,6 +34,8 @@ struct DetectionScene {
   std::vector<SeenView> views;
   std::optional<Plane> table_C;  ///< normal towards the camera
   double noise = 0.0006;     ///< deviation of the smoothed depth from the table plane, along its normal [m]
+  double noise_depth = 0.0;  ///< median depth of the table's points that showed it [m]; 0: assumed
+  std::vector<PlaneOutline> supports;  ///< level planes above the table that carry things, too, in C
   SurfacePoints surface;     ///< above the table, `voxel` apart in each view, without what is explained
   std::vector<int> view_of;  ///< the view that saw each point
   std::vector<int> cluster;  ///< of each point: 0.., or -1 for specks
@@ -54,8 +57,17 @@ struct DetectionScene {
 [[nodiscard]] std::optional<Plane> find_table(const DepthImage& depth, const std::optional<Plane>& expected,
                                               const DetectionOptions& options);
 
-/// Robust standard deviation of the depth image's points about a plane, along its normal; m.
-[[nodiscard]] double noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance);
+/// Noise of a depth image, as its points about a plane show it.
+struct NoiseAbout {
+  double deviation = 0.0006;  ///< robust standard deviation along the plane's normal [m]
+  double depth = 0.0;         ///< median depth of these points [m]; 0 where they are too few
+};
+[[nodiscard]] NoiseAbout noise_about(const Plane& plane_C, const DepthImage& depth, double tolerance);
+
+/// Noise [m] of the depths about `z` [m]: that about the table for what stands there, from 0.7 to 1.15 times
+/// its depth; beyond, it changes with the square of the depth, as that of depth cameras does (Khoshelham and
+/// Elberink 2012).
+[[nodiscard]] double noise_at(const DetectionScene& scene, double z);
 
 /// Means of points that share a cube of `voxel`; normals by local planes within `radius`, towards the origin
 /// (the camera). Points without a local plane vanish.
@@ -69,6 +81,22 @@ struct DetectionScene {
 
 /// Sets the clusters of the scene's surface.
 void find_clusters(DetectionScene& scene, double gap);
+
+/// Leaves the points of the surface for which `keep(index)` holds. Clusters are not found anew.
+template <class Keep>
+void keep_surface(DetectionScene& scene, Keep&& keep) {
+  SurfacePoints rest;
+  std::vector<int> view_of;
+  for (std::size_t i = 0; i < scene.surface.points.size(); ++i) {
+    if (!keep(i)) continue;
+    rest.points.push_back(scene.surface.points[i]);
+    rest.normals.push_back(scene.surface.normals[i]);
+    rest.areas.push_back(scene.surface.areas[i]);
+    view_of.push_back(scene.view_of[i]);
+  }
+  scene.surface = std::move(rest);
+  scene.view_of = std::move(view_of);
+}
 
 /// Returns the surface that one view saw.
 [[nodiscard]] SurfacePoints surface_of_view(const DetectionScene& scene, int view);

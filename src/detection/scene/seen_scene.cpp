@@ -83,8 +83,9 @@ std::string add_view(DetectionScene& scene, const DepthImage& image, const Pose&
   view.error = assumed_depth_error(view.depth.camera, options);
   if (view.table_V) {
     view.error = measure_depth_error(view.depth, *view.table_V, options);
-    const double noise = noise_about(*view.table_V, view.depth, kTableTolerance);
-    scene.noise = scene.views.empty() ? noise : std::max(scene.noise, noise);
+    const NoiseAbout noise = noise_about(*view.table_V, view.depth, kTableTolerance);
+    if (scene.views.empty() || noise.deviation > scene.noise)
+      scene.noise = noise.deviation, scene.noise_depth = noise.depth;
     if (scene.views.empty() || !scene.table_C) scene.table_C = in_scene(*view.table_V, T_C_V);
     if (!scene.views.empty()) view.T_C_V = aligned_view(seen_table(scene), view);
   }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "detection/constants.hpp"
+#include "detection/scene/plane_outline.hpp"
 #include "detection/scene/preprocess.hpp"
-#include "geometry/polygon.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::detection {
@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kNoiseHeights = 4.0;  // times the noise about the table: lower may be the table
 constexpr double kTableNoise = 3.0;    // times the noise: so near the plane counts as seen table
+constexpr double kHighest = 0.7;       // m above the table: objects to be picked end below
 constexpr double kBeyondTable = 0.03;  // m outside the outline of the seen table
 constexpr int kOutlineStride = 4;      // px between the points that make the outline
 constexpr int kFewestDepths = 200;     // of the whole image
@@ -26,25 +27,16 @@ DetectionOptions detection_options(const SegmentOptions& options) {
   return out;
 }
 
-/// Two unit vectors along the plane.
-Eigen::Matrix<double, 2, 3> axes_of(const Plane& plane) {
-  Eigen::Matrix<double, 2, 3> axes;
-  axes.row(0) = plane.normal.unitOrthogonal().transpose();
-  axes.row(1) = plane.normal.cross(axes.row(0).transpose()).transpose();
-  return axes;
-}
-
-/// Convex outline of the seen table, in the plane's axes.
-Polygon2 outline_of_table(const ObjectSurface& surface, double tolerance) {
-  const auto axes = axes_of(*surface.table_V);
+/// Outline of the seen table.
+PlaneOutline outline_of_table(const ObjectSurface& surface, double tolerance) {
   const CameraIntrinsics& camera = surface.depth.camera;
-  std::vector<Eigen::Vector2d> seen;
+  std::vector<Eigen::Vector3d> seen;
   for (int v = 0; v < camera.height; v += kOutlineStride)
     for (int u = 0; u < camera.width; u += kOutlineStride) {
       const Eigen::Vector3d p = surface.points[static_cast<std::size_t>(v * camera.width + u)].cast<double>();
-      if (p.z() > 0 && std::abs(surface.table_V->distance(p)) < tolerance) seen.emplace_back(axes * p);
+      if (p.z() > 0 && std::abs(surface.table_V->distance(p)) < tolerance) seen.push_back(p);
     }
-  return convex_hull(std::move(seen));
+  return {*surface.table_V, seen};
 }
 
 }  // namespace
@@ -70,7 +62,7 @@ ObjectSurface object_surface(const DepthImage& image, const std::optional<Plane>
         "below it; let the camera see more of the table";
     return surface;
   }
-  const double noise = noise_about(*surface.table_V, surface.depth, kTableTolerance);
+  const double noise = noise_about(*surface.table_V, surface.depth, kTableTolerance).deviation;
   surface.lowest = std::max(kMinHeight, kNoiseHeights * noise);
   const CameraIntrinsics& camera = surface.depth.camera;
   surface.points.assign(surface.depth.z.size(), Eigen::Vector3f::Zero());
@@ -81,13 +73,12 @@ ObjectSurface object_surface(const DepthImage& image, const std::optional<Plane>
         surface.points[static_cast<std::size_t>(v * camera.width + u)] =
             (z * deproject(camera, u, v)).cast<float>();
   const auto outline = outline_of_table(surface, std::max(kTableTolerance, kTableNoise * noise));
-  const auto axes = axes_of(*surface.table_V);
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
     const Eigen::Vector3d p = surface.points[i].cast<double>();
     if (p.z() <= 0) continue;
     const double height = surface.table_V->distance(p);
     surface.shown[i] =
-        height > surface.lowest && height < kMaxHeight && margin(outline, axes * p) > -kBeyondTable ? 1 : 0;
+        height > surface.lowest && height < kHighest && outline.margin(p) > -kBeyondTable ? 1 : 0;
   }
   return surface;
 }
