@@ -18,39 +18,71 @@ struct DetectCommand {
   SceneInputs inputs;
   std::string stones;
   std::string trace;
+  std::string explain;
   DetectionOptions options;
 };
 
-DetectionResult detect_in(const std::vector<SceneView>& views, const Catalogue& catalogue,
-                          const DetectCommand& command) {
-  std::vector<StoneIndex> wanted;
-  if (!command.stones.empty())
-    for (const auto& name : split_list(command.stones)) wanted.push_back(catalogue.index(name));
+/// The stones that a comma-separated list names; none for an empty one.
+std::vector<StoneIndex> named_stones(const std::string& list, const Catalogue& catalogue) {
+  std::vector<StoneIndex> stones;
+  if (list.empty()) return stones;
+  for (const auto& name : split_list(list)) stones.push_back(catalogue.index(name));
+  return stones;
+}
+
+/// Detections, and why other stones were not found.
+struct Detected {
+  DetectionResult result;
+  std::vector<Explanation> explanations;
+};
+
+Detected detect_in(const std::vector<SceneView>& views, const Catalogue& catalogue,
+                   const DetectCommand& command) {
+  const auto wanted = named_stones(command.stones, catalogue);
+  const auto explained = named_stones(command.explain, catalogue);
   log_info(concat("preparing ", catalogue.stones.size(), " stones"));
   const DetectionModels models(catalogue.stones, command.options);
   const Stopwatch watch;
   DetectionResult result = detect_stones(depth_views_of(views), models, wanted, command.options);
   log_info(concat(result.detections.size(), " stones found in ", watch.seconds(), " s"));
-  return result;
+  Detected detected{std::move(result), {}};
+  for (const StoneIndex stone : explained)
+    detected.explanations.push_back(
+        explain_stone(views.front().image, detected.result, models, stone, command.options));
+  return detected;
+}
+
+/// Pictures beside the trace, or here.
+void draw_explanations(const std::vector<Explanation>& explanations, const SceneView& view,
+                       const Catalogue& catalogue, const DetectCommand& command) {
+  const std::string folder = command.trace.empty() ? "" : command.trace + "/";
+  for (const Explanation& e : explanations) {
+    if (e.evidence.empty()) continue;
+    const std::string path = concat(folder, "explain_", at(catalogue.stones, e.stone).name, ".png");
+    draw_explanation(path, view.image, e);
+    log_info("drawn: " + path);
+  }
 }
 
 void detect(DetectCommand& command) {
   command.options.seed = command.common.seed;
   command.common.settings.apply(nest("detection", fields(command.options)));
-  command.options.trace = !command.trace.empty();
-  if (command.options.trace) require_writable(command.trace + "/stages.json");
+  command.options.trace = !command.trace.empty() || !command.explain.empty();
+  if (!command.trace.empty()) require_writable(command.trace + "/stages.json");
   const Catalogue catalogue = command.common.read();
   const auto views = read_views(command.inputs);
   const std::string& first = command.inputs.paths.front();
   if (views.front().world)
     check_level(views.front(), find_table(views.front().image, command.options), first);
-  const DetectionResult result = detect_in(views, catalogue, command);
+  const auto [result, explanations] = detect_in(views, catalogue, command);
   if (!result.detections.empty() && !result.note.empty()) log_warning(first + ": " + result.note);
   for (const auto& uncertainty : detection_warnings(result, catalogue, command.options))
     log_warning(uncertainty);
-  if (result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
-  std::cout << (command.common.json ? detection_json(result, catalogue, views.front().T_W_C)
-                                    : detection_table(result, catalogue, views.front()));
+  if (!command.trace.empty() && result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
+  draw_explanations(explanations, views.front(), catalogue, command);
+  std::cout << (command.common.json ? detection_json(result, catalogue, views.front().T_W_C, explanations)
+                                    : detection_table(result, catalogue, views.front()) +
+                                          explanation_text(explanations, catalogue));
   if (result.detections.empty())
     throw Error(first + ": nothing detected: " + result.note, ExitCode::kNothingDetected);
 }
@@ -69,6 +101,10 @@ void add_detect(CLI::App& app) {
                 "detection.copies");
   add_path(sub, "--trace", command.trace,
            "Write what each stage saw: keypoints, matches, clusters, hypotheses (PLY, JSON)", "DIR");
+  sub.add_option("--explain", command.explain,
+                 "Say of these stones, by name, comma-separated, at which stage they were lost and what may "
+                 "help, and draw the pose that came nearest: explain_NAME.png, in the folder of --trace if "
+                 "there is one");
   settings.bind(sub.add_option("--method", command.options.method,
                                "default, or paper: section 2 as a set of options, which --set, files and "
                                "environment override")
@@ -82,6 +118,7 @@ void add_detect(CLI::App& app) {
       "  stonestack detect cloud.pcd --catalogue rocks --json\n"
       "  stonestack detect depth.png --camera 475,475,319.5,239.5 --depth-unit 0.000125\n"
       "  stonestack detect left/scene.yaml right/scene.yaml --trace trace\n"
+      "  stonestack detect depth.png --camera 475,475,319.5,239.5 --explain limestone_2\n"
       "  stonestack detect cloud.ply --method paper --set detection.keypoints=iss --set "
       "detection.descriptor=iss");
 }

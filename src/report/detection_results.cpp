@@ -49,6 +49,21 @@ json entry_of(const Catalogue& catalogue, const TrackedStone& tracked, const Pos
   return entry;
 }
 
+json entry_of(const Catalogue& catalogue, const Explanation& explanation, const std::optional<Pose>& T_W_C) {
+  json entry = {{"stone", name_of(catalogue, explanation.stone)},
+                {"stage", explanation.stage},
+                {"text", explanation.text}};
+  if (!explanation.best) return entry;
+  const ScoreLosses& lost = explanation.lost;
+  entry["best"] = entry_of(catalogue, *explanation.best, T_W_C);
+  entry["wanted"] = explanation.wanted;
+  entry["lost"] = {{"misfit", lost.misfit},     {"seen_through", lost.seen_through},
+                   {"in_front", lost.in_front}, {"hidden", lost.hidden},
+                   {"beside", lost.beside},     {"outline", lost.outline},
+                   {"below", lost.below}};
+  return entry;
+}
+
 /// Names what else a detection may be: the other stones by name, and in how many other poses.
 std::string in_words(const Detection& found, const Catalogue& catalogue) {
   std::string others;
@@ -80,12 +95,14 @@ Pose pose_in(const json& entry, const std::string& key, const std::string& path)
 }  // namespace
 
 std::string detection_json(const DetectionResult& result, const Catalogue& catalogue,
-                           const std::optional<Pose>& T_W_C) {
+                           const std::optional<Pose>& T_W_C, const std::vector<Explanation>& explanations) {
   json list = json::array();
   for (const auto& found : result.detections) list.push_back(entry_of(catalogue, found, T_W_C));
   json out = {{"schema", "stonestack.detect/1"}, {"detections", list}, {"note", result.note}};
   if (result.depth_scale_sigma > 0)
     out["depth_scale"] = {{"factor", result.depth_scale}, {"sigma", result.depth_scale_sigma}};
+  for (const auto& explanation : explanations)
+    out["explanations"].push_back(entry_of(catalogue, explanation, T_W_C));
   return document(out);
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "geometry/json_file.hpp"
-#include "report/picture.hpp"
+#include "report/depth_picture.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/report/results.hpp"
@@ -40,13 +40,6 @@ Eigen::Vector3d colour_of(int object) {
     return std::clamp(std::abs(h - 3.0) - 1.0, 0.0, 1.0);
   };
   return Eigen::Vector3d(0.25, 0.25, 0.25) + 0.75 * Eigen::Vector3d(part(0.0), part(4.0), part(2.0));
-}
-
-void set_pixel(Picture& picture, int x, int y, const Eigen::Vector3d& colour) {
-  if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
-  for (int c = 0; c < 3; ++c)
-    picture.rgb[static_cast<std::size_t>(3 * (y * picture.width + x) + c)] =
-        static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(colour[c], 0.0, 1.0)));
 }
 
 /// White digits on black, the middle at (x, y).
@@ -89,16 +82,12 @@ std::optional<std::array<int, 2>> middle_of(const std::vector<int>& labels, int 
 void draw_view(Picture& picture, int left, const DepthImage& image, const std::vector<int>& labels,
                int objects) {
   const int width = image.camera.width;
-  float nearest = 1e9F, farthest = 0.0F;
-  for (const float z : image.z)
-    if (z > 0 && std::isfinite(z)) nearest = std::min(nearest, z), farthest = std::max(farthest, z);
+  const std::vector<double> brightness = brightness_of(image);
   for (int v = 0; v < image.camera.height; ++v)
     for (int u = 0; u < width; ++u) {
       const auto i = static_cast<std::size_t>(v * width + u);
-      const float z = image.z[i];
-      if (!(z > 0) || !std::isfinite(z)) continue;
-      const double grey =
-          0.85 - 0.5 * static_cast<double>((z - nearest) / std::max(1e-6F, farthest - nearest));
+      const double grey = brightness[i];
+      if (!(grey > 0)) continue;
       Eigen::Vector3d colour = Eigen::Vector3d::Constant(0.6 * grey);
       if (labels[i] > 0) {
         const bool rim =

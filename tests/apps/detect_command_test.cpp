@@ -156,6 +156,20 @@ TEST_F(DetectCommand, TracesWhatItSawThoughItFoundNothing) {
   EXPECT_TRUE(fs::exists(folder_ + "/trace/turn_1/stages.json"));
 }
 
+TEST_F(DetectCommand, ExplainsWhyAStoneWasNotFoundAndDrawsIt) {
+  const Outcome told = run("detect scene/scene.yaml --explain limestone_2,limestone_4");
+  EXPECT_EQ(told.code, 0) << told.err;
+  EXPECT_THAT(told.out, HasSubstr("limestone_4: found: "));
+  EXPECT_THAT(told.out, HasSubstr("limestone_2: "));
+  EXPECT_TRUE(fs::exists(folder_ + "/explain_limestone_4.png"));
+  const Outcome data = run("detect scene/scene.yaml --explain limestone_2 --trace trace --json");
+  const json explained = data.data()["explanations"][0];
+  EXPECT_EQ(explained["stone"], "limestone_2");
+  EXPECT_NE(explained["stage"], "found");
+  EXPECT_EQ(fs::exists(folder_ + "/trace/explain_limestone_2.png"), explained.contains("best"));
+  expect_refusal("detect scene/scene.yaml --explain limestone_77", 2, {"limestone_77"});
+}
+
 TEST_F(DetectCommand, WarnsOfADepthUnitThatIsALittleOff) {
   const std::string camera = "--camera 475,475,319.5,239.5 --json --depth-unit ";
   const Outcome right = run("detect scene/depth.png " + camera + "0.000125");

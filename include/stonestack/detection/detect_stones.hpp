@@ -143,6 +143,26 @@ enum class PixelEvidence : std::uint8_t {
   kNoDepth,      ///< the camera gave no depth
 };
 
+/// Why a stone was found or not.
+struct Explanation {
+  StoneIndex stone = kNoStone;  ///< index into the models
+  std::string stage;  ///< where its search ended: found, no surface, no hypothesis, no pose, refuted,
+                      ///< claimed by another, or not wanted
+  std::string text;   ///< what happened and what may help, for a person
+  std::optional<Detection> best;        ///< the pose that came nearest; empty where none was tried
+  double wanted = 0.0;                  ///< score that this pose would have needed
+  ScoreLosses lost;                     ///< what its score lost
+  std::vector<PixelEvidence> evidence;  ///< of each pixel at this pose, row by row; empty without one
+};
+
+/// Says at which stage of a search a stone was lost, from the trace of `result`, which `detect_stones` found
+/// in this image with these models and options.
+/// @throws InvalidArgument for a result without a trace (DetectionOptions::trace).
+[[nodiscard]] Explanation explain_stone(const DepthImage& image, const DetectionResult& result,
+                                        const DetectionModels& models, StoneIndex stone,
+                                        const DetectionOptions& options = {},
+                                        const SceneKnowledge& known = {});
+
 /// Refines known poses: a stone is expected at T_C_O_guess (within about 15 mm, 15 deg); empty if it is not
 /// there.
 [[nodiscard]] std::optional<Detection> track_stone(const DepthImage& image, const DetectionModels& models,

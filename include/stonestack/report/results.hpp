@@ -65,7 +65,8 @@ void write_command_pages(const CommandDescription& program, const std::string& v
 
 /// "stonestack.detect/1"; with the camera's pose each detection has T_W_O as well.
 [[nodiscard]] std::string detection_json(const DetectionResult& result, const Catalogue& catalogue,
-                                         const std::optional<Pose>& T_W_C);
+                                         const std::optional<Pose>& T_W_C,
+                                         const std::vector<Explanation>& explanations = {});
 /// Positions in C, or in W for a cloud that no camera took.
 [[nodiscard]] std::string detection_table(const DetectionResult& result, const Catalogue& catalogue,
                                           const SceneView& view);
@@ -74,6 +75,14 @@ void write_command_pages(const CommandDescription& program, const std::string& v
 [[nodiscard]] std::vector<std::string> detection_warnings(const DetectionResult& result,
                                                           const Catalogue& catalogue,
                                                           const DetectionOptions& options);
+
+/// Why stones were found or not, a line each, and what the colours of `draw_explanation` say.
+[[nodiscard]] std::string explanation_text(const std::vector<Explanation>& explanations,
+                                           const Catalogue& catalogue);
+/// Draws the image as a PNG file, depth in grey, with the best pose of the stone coloured by what each pixel
+/// says of it.
+/// @throws FileError.
+void draw_explanation(const std::string& path, const DepthImage& image, const Explanation& explanation);
 
 /// "stonestack.segment/1"; with the camera's pose each object has p_W_middle as well.
 [[nodiscard]] std::string segmentation_json(const Segmentation& result, const std::optional<Pose>& T_W_C);
