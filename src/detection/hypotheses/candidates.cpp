@@ -18,7 +18,7 @@ constexpr double kSameAngle = 0.10;
 constexpr double kNoiseTolerance = 4.0;   // standard deviations
 constexpr double kShapeTolerance = 0.12;  // of the model's radius: with more, other shapes fit as well
 constexpr double kHiddenWeight =
-    0.05;  // of a pixel that something unknown hides: stones may be hidden by three quarters
+    0.1;  // of a pixel that something unknown hides: stones may be hidden by three quarters
 
 /// A coarse pose and its score, best first.
 struct Coarse {

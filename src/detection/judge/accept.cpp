@@ -14,7 +14,6 @@ constexpr double kLittleVisible = 1.5;  // ... by this much score for all that i
 // Another stone of like shape scores up to 0.94 (limestones), and what it explains would be lost to
 // the right one: a score below this waits until everything has been tried.
 constexpr double kCertain = 0.95;
-constexpr double kCertainlyMore = 1.3;  // times as much surface, likewise
 // A mirror image of a stone scored up to 0.875 in a clean image, where right poses of a single view score
 // 0.91 and up (bench: mirrored, hidden). Views joined fit less well.
 constexpr double kCleaner = 0.04;         // above the accept score: a right pose in a clean image of one view
@@ -23,7 +22,7 @@ constexpr double kNoiseCosts = 50.0;      // ... by this much score a metre (ben
 constexpr double kNoisiest = 0.001;       // ... of at most so much more noise [m]
 constexpr double kCleanNoise = 0.0015;    // m: noisier depths fit shapes that are not there, ...
 constexpr double kMuchMore = 2.0;         // ... unless more is seen, up to so many times as much
-constexpr double kUsuallyLacking = 0.03;  // of the score of a right pose in a clean image
+constexpr double kUsuallyLacking = 0.03;  // of the score of a right pose
 constexpr double kMaxOverlap = 0.3;       // of a candidate's pixels that an accepted one explains already
 constexpr double kDouble = 0.5;           // the same of final poses: the same stone twice
 
@@ -35,17 +34,16 @@ double image_area(const Candidate& c) {
 }
 
 /// Score that a right pose may lack by the noise where it lies.
-double noise_costs(const Detection& d, const DetectionScene& scene) {
-  const double noise = noise_at(scene, d.T_C_O.translation().z());
+double noise_costs(double noise) {
   return kNoiseCosts * std::clamp(noise - kUsualNoise, 0.0, kNoisiest);
 }
 
-/// Score by what it lacks, 0.99 against 0.96 is stronger evidence than 0.93 against 0.90, times the surface
-/// that it explains. The paper has the inlier ratio.
-double worth(const Candidate& c, const DetectionScene& scene, const DetectionOptions& options) {
+/// Score first, by what it lacks: 0.99 against 0.96 is stronger evidence than 0.93 against 0.90. But a large
+/// surface that fits is worth more than a small one. The paper has the inlier ratio.
+double worth(const Candidate& c, const DetectionOptions& options) {
   if (options.method == "paper") return c.detection.inlier_ratio;
-  const double lacking = 1.0 - c.detection.score + kUsuallyLacking + noise_costs(c.detection, scene);
-  return c.detection.score / lacking * image_area(c);
+  const double lacking = 1.0 - c.detection.score + kUsuallyLacking;
+  return c.detection.score / lacking * std::sqrt(image_area(c));
 }
 
 /// Pixels that accepted candidates explain, in every view.
@@ -84,11 +82,10 @@ class Claims {
 double wanted_score(const Detection& d, const DetectionScene& scene, const DetectionOptions& options,
                     Demand demand) {
   if (options.method == "paper") return options.accept_inlier_ratio;
-  const double noise = noise_at(scene, d.T_C_O.translation().z()), costs = noise_costs(d, scene);
-  const bool certain = demand == Demand::kCertain;
-  const double base = certain ? std::max(options.accept_score, kCertain - costs) : options.accept_score;
-  const double much =
-      (certain ? kCertainlyMore : 1.0) * kMuchVisible * std::clamp(noise / kCleanNoise, 1.0, kMuchMore);
+  const double noise = noise_at(scene, d.T_C_O.translation().z()), costs = noise_costs(noise);
+  const double base =
+      demand == Demand::kCertain ? std::max(options.accept_score, kCertain - costs) : options.accept_score;
+  const double much = kMuchVisible * std::clamp(noise / kCleanNoise, 1.0, kMuchMore);
   const double wanted = base + kLittleVisible * std::max(0.0, much - d.visible);
   if (scene.views.size() > 1) return wanted;
   return std::max(wanted, options.accept_score + std::max(0.0, kCleaner - costs));
@@ -107,7 +104,7 @@ std::vector<Detection> without_doubles(const std::vector<Detection>& found, cons
   for (const auto& d : found)
     candidates.push_back({d, explained_pixels(at(data.models, d.stone), d.T_C_O, scene)});
   std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
-    return worth(a, scene, options) > worth(b, scene, options);
+    return worth(a, options) > worth(b, options);
   });
   Claims claims(scene);
   std::vector<Detection> kept;
@@ -126,7 +123,7 @@ std::vector<std::size_t> without_conflicts(const std::vector<Candidate>& candida
   std::vector<std::size_t> order(candidates.size()), taken;
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return worth(candidates[a], scene, options) > worth(candidates[b], scene, options);
+    return worth(candidates[a], options) > worth(candidates[b], options);
   });
   std::map<StoneIndex, int> left;
   for (const StoneIndex stone : missing) ++left[stone];

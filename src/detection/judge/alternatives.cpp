@@ -21,7 +21,7 @@ constexpr double kFar = 0.008;                // m: distances count up to this
 constexpr double kAlike = 0.0025;             // m, mean distance: nearly indistinguishable
 constexpr double kApart = 0.3;                // rad
 constexpr std::size_t kMaxTurns = 24;
-constexpr double kAlternativeHiddenWeight = 0.05;  // as in the search
+constexpr double kAlternativeHiddenWeight = 0.1;  // as in the search
 
 /// A turn about the model's centre, and how far it leaves the surface from itself.
 struct Turned {
