@@ -52,13 +52,16 @@ Detected detect_in(const std::vector<SceneView>& views, const Catalogue& catalog
   return detected;
 }
 
-/// Pictures beside the trace, or here.
+/// Path of the picture that explains a stone: beside the trace, or here.
+std::string picture_path(const DetectCommand& command, const std::string& stone) {
+  return concat(command.trace.empty() ? "" : command.trace + "/", "explain_", stone, ".png");
+}
+
 void draw_explanations(const std::vector<Explanation>& explanations, const SceneView& view,
                        const Catalogue& catalogue, const DetectCommand& command) {
-  const std::string folder = command.trace.empty() ? "" : command.trace + "/";
   for (const Explanation& e : explanations) {
     if (e.evidence.empty()) continue;
-    const std::string path = concat(folder, "explain_", at(catalogue.stones, e.stone).name, ".png");
+    const std::string path = picture_path(command, at(catalogue.stones, e.stone).name);
     draw_explanation(path, view.image, e);
     log_info("drawn: " + path);
   }
@@ -70,6 +73,8 @@ void detect(DetectCommand& command) {
   command.options.trace = !command.trace.empty() || !command.explain.empty();
   if (!command.trace.empty()) require_writable(command.trace + "/stages.json");
   const Catalogue catalogue = command.common.read();
+  for (const StoneIndex stone : named_stones(command.explain, catalogue))
+    require_writable(picture_path(command, at(catalogue.stones, stone).name));
   const auto views = read_views(command.inputs);
   const std::string& first = command.inputs.paths.front();
   if (views.front().world)
@@ -79,10 +84,10 @@ void detect(DetectCommand& command) {
   for (const auto& uncertainty : detection_warnings(result, catalogue, command.options))
     log_warning(uncertainty);
   if (!command.trace.empty() && result.trace) write_trace(command.trace, *result.trace, catalogue.stones);
-  draw_explanations(explanations, views.front(), catalogue, command);
   std::cout << (command.common.json ? detection_json(result, catalogue, views.front().T_W_C, explanations)
                                     : detection_table(result, catalogue, views.front()) +
                                           explanation_text(explanations, catalogue));
+  draw_explanations(explanations, views.front(), catalogue, command);
   if (result.detections.empty())
     throw Error(first + ": nothing detected: " + result.note, ExitCode::kNothingDetected);
 }

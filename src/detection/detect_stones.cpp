@@ -70,6 +70,7 @@ DetectionResult find_in(DetectionScene scene, const DetectionModels::Data& data,
   result.table_C = scene.table_C;
   result.note = scene.note;
   const auto trace = options.trace ? std::make_shared<DetectionTrace>() : nullptr;
+  if (trace) trace->searched = missing;
   if (scene.clusters == 0 || missing.empty()) {
     if (trace) trace->turns.emplace_back().surface_C = scene.surface.points;
     result.trace = trace;

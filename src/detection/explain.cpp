@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "detection/hypotheses/candidates.hpp"
 #include "detection/judge/verify.hpp"
@@ -11,12 +12,11 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr double kPercent = 100.0;
 constexpr double kSameMiddle = 0.5;  // times the model's radius: so near another's middle, it is at its place
 
 /// Percent, as a whole number.
 int percent(double share) {
-  return static_cast<int>(std::lround(kPercent * share));
+  return static_cast<int>(std::lround(100.0 * share));
 }
 
 /// A reason for a lower score, and what may help.
@@ -29,9 +29,8 @@ struct Reason {
 std::vector<Reason> reasons_of(const ScoreLosses& lost) {
   std::array<Reason, 7> all = {{
       {lost.misfit,
-       "the seen surface lies off the scan or is turned from it: is the scan of this stone, and in metres? "
-       "Are "
-       "the camera's intrinsics and depth unit right?"},
+       "the seen surface lies off the scan or is turned from it: is the scan of this stone, and in "
+       "metres? Are the camera's intrinsics and depth unit right?"},
       {lost.seen_through,
        "surface behind it is seen where it should be: what is there is smaller, or it is not there"},
       {lost.in_front, "surface lies just in front of it: what is there is larger, or it is a neighbour"},
@@ -49,14 +48,15 @@ std::vector<Reason> reasons_of(const ScoreLosses& lost) {
   return reasons;
 }
 
-/// The candidate of a stone that came nearest to what it needed; null without one.
+/// The candidate of a stone that was accepted, or that came nearest to what it needed; null without one.
 const TracedCandidate* nearest_candidate(const DetectionTrace& trace, StoneIndex stone) {
   const TracedCandidate* best = nullptr;
+  const auto rank = [](const TracedCandidate& c) {
+    return std::pair(c.accepted, c.detection.score - c.wanted);
+  };
   for (const TracedTurn& turn : trace.turns)
     for (const TracedCandidate& c : turn.candidates)
-      if (c.detection.stone == stone &&
-          (best == nullptr || c.detection.score - c.wanted > best->detection.score - best->wanted))
-        best = &c;
+      if (c.detection.stone == stone && (best == nullptr || rank(c) > rank(*best))) best = &c;
   return best;
 }
 
@@ -95,6 +95,11 @@ void explain_refused(Explanation& out, const DetectionResult& result, const Dete
   const Detection& best = *out.best;
   const double score = options.method == "paper" ? best.inlier_ratio : best.score;
   const Detection* other = at_place(result, data, best);
+  if (score >= out.wanted && result.detections.empty() && !result.note.empty()) {
+    out.stage = "left out";
+    out.text = concat("its best pose fits (", score, ", wanted ", out.wanted, "), but ", result.note);
+    return;
+  }
   if (score >= out.wanted && other != nullptr) {
     out.stage = "claimed by another";
     out.text = concat("its best pose fits (", score, ", wanted ", out.wanted, "), but ",
@@ -106,6 +111,8 @@ void explain_refused(Explanation& out, const DetectionResult& result, const Dete
   out.text = concat("its best pose scores ", score, " where ", out.wanted, " is wanted, with ",
                     percent(best.visible), " % of its surface seen");
   if (other != nullptr) out.text += concat(", at the place of ", at(data.models, other->stone).name);
+  if (score >= out.wanted)
+    out.text += "; that is too little to be sure, or others explain the most of it: take another picture";
   for (const Reason& reason : reasons_of(out.lost)) out.text += concat("; ", reason.lost, ": ", reason.text);
 }
 
@@ -148,6 +155,9 @@ Explanation explain_stone(const DepthImage& image, const DetectionResult& result
     out.best = *found;
     out.stage = "found";
     out.text = concat("score ", found->score, ", ", percent(found->visible), " % of its surface seen");
+  } else if (!std::binary_search(result.trace->searched.begin(), result.trace->searched.end(), stone)) {
+    out.stage = "not searched";
+    out.text = "it was not asked for, or its pose was known";
   } else if (out.best) {
     explain_refused(out, result, data, options);
   } else {

@@ -42,6 +42,7 @@ struct TracedTurn {
 
 /// Data of each stage of detection, in the order of the turns.
 struct DetectionTrace {
+  std::vector<StoneIndex> searched;  ///< stones that were searched for, sorted
   std::vector<TracedTurn> turns;
 };
 

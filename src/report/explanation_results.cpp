@@ -36,9 +36,8 @@ std::string explanation_text(const std::vector<Explanation>& explanations, const
                                  [](const Explanation& e) { return !e.evidence.empty(); });
   if (drawn)
     text +=
-        "in the pictures: green fits, blue is seen through, orange lies in front, violet is hidden, yellow "
-        "has "
-        "no depth\n";
+        "in the pictures: green fits, blue is seen through, orange lies in front, violet is hidden, "
+        "yellow has no depth\n";
   return text;
 }
 

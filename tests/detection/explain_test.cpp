@@ -51,6 +51,25 @@ TEST_F(Explain, AStoneThatIsInTheCatalogueTwiceIsClaimedByItsTwin) {
   EXPECT_EQ(explain_stone(scene.image, result, both, other, traced()).stage, "claimed by another");
 }
 
+TEST_F(Explain, AStoneThatNobodyAskedForWasNotSearched) {
+  const Scene scene = make_scene(3);
+  const std::vector<StoneIndex> wanted{1_stone};
+  const DetectionResult result = detect_stones(scene.image, *models(), wanted, traced());
+  EXPECT_EQ(explain_stone(scene.image, result, *models(), 2_stone, traced()).stage, "not searched");
+  EXPECT_EQ(explain_stone(scene.image, result, *models(), 1_stone, traced()).stage, "found");
+}
+
+TEST_F(Explain, ADetectionLeftOutForItsDepthScaleSaysSo) {
+  Scene scene = make_scene(3);
+  for (float& z : scene.image.z) z *= 1.10F;
+  const DetectionResult result = detect_stones(scene.image, *models(), {}, traced());
+  ASSERT_TRUE(result.detections.empty());
+  ASSERT_NE(result.note.find("depth unit"), std::string::npos) << result.note;
+  const Explanation e = explain_stone(scene.image, result, *models(), 1_stone, traced());
+  EXPECT_EQ(e.stage, "left out") << e.text;
+  EXPECT_NE(e.text.find("depth unit"), std::string::npos) << e.text;
+}
+
 TEST_F(Explain, AnEmptyTableHasNoSurfaceAndASceneOfSpecksNoHypothesis) {
   const DepthImage empty = test::look_at({}, test::make_camera_pose(0.3, 0.2));
   const DetectionResult nothing = detect_stones(empty, *models(), {}, traced());

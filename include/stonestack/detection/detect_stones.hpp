@@ -147,7 +147,7 @@ enum class PixelEvidence : std::uint8_t {
 struct Explanation {
   StoneIndex stone = kNoStone;  ///< index into the models
   std::string stage;  ///< where its search ended: found, no surface, no hypothesis, no pose, refuted,
-                      ///< claimed by another, or not wanted
+                      ///< claimed by another, left out, or not searched
   std::string text;   ///< what happened and what may help, for a person
   std::optional<Detection> best;        ///< the pose that came nearest; empty where none was tried
   double wanted = 0.0;                  ///< score that this pose would have needed

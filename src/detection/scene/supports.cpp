@@ -10,10 +10,9 @@
 namespace stonestack::detection {
 namespace {
 
-constexpr double kLonger = 1.2;  // times the longest model: a plane of one model and a bit of its neighbour
-constexpr double kFilled = 0.4;  // of the outline's area seen: less is things that happen to be as high
-constexpr double kSquareness =
-    0.1;  // of the longest model squared, the least area: a strip is the rim of a thing
+constexpr double kLonger = 1.2;   // times the longest model: a plane of one model and a bit of its neighbour
+constexpr double kFilled = 0.4;   // of the outline's area seen: less is things that happen to be as high
+constexpr double kMinArea = 0.1;  // of the longest model squared: a strip is the rim of a thing
 constexpr double kNoiseReach = 3.0;    // times the noise: so near the plane counts as plane
 constexpr double kSameFacing = 0.8;    // cosine between a point's normal and the plane's
 constexpr double kLevel = 0.985;       // cosine to the table's normal: 10 deg
@@ -108,7 +107,7 @@ std::optional<PlaneOutline> large_outline(const DetectionScene& scene, const Pla
   PlaneOutline outline(plane, points);
   const double seen = static_cast<double>(part.size()) * kVoxel * kVoxel;
   const bool large = outline.length() > kLonger * longest && seen > kFilled * outline.area() &&
-                     seen > kSquareness * longest * longest;
+                     seen > kMinArea * longest * longest;
   return large ? std::optional(std::move(outline)) : std::nullopt;
 }
 

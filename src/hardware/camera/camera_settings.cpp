@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "geometry/bop_folder.hpp"
 #include "geometry/camera_check.hpp"
 #include "hardware/constants.hpp"
 #include "stonestack/core/clock.hpp"
@@ -56,6 +57,17 @@ CameraIntrinsics to_intrinsics(const CameraSettings& s) {
   std::copy(std::begin(k), std::end(k), std::begin(camera.k));
   require_usable(camera);
   return camera;
+}
+
+void set_intrinsics(CameraSettings& s, const CameraIntrinsics& camera) {
+  s.width = camera.width;
+  s.height = camera.height;
+  s.fx = camera.fx;
+  s.fy = camera.fy;
+  s.cx = camera.cx;
+  s.cy = camera.cy;
+  s.distortion = distortion_name(camera.distortion);
+  s.k1 = camera.k[0], s.k2 = camera.k[1], s.p1 = camera.k[2], s.p2 = camera.k[3], s.k3 = camera.k[4];
 }
 
 double depth_unit(const CameraSettings& settings) {

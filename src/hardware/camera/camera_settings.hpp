@@ -24,6 +24,8 @@ struct CameraSettings {
 [[nodiscard]] FieldList fields(CameraSettings& settings);
 /// Throws InvalidArgument when focal lengths, size or the name of the distortion are missing or wrong.
 [[nodiscard]] CameraIntrinsics to_intrinsics(const CameraSettings& settings);
+/// Sets size, focal lengths, principal point and distortion: the inverse of `to_intrinsics`.
+void set_intrinsics(CameraSettings& settings, const CameraIntrinsics& camera);
 /// Metres a count.
 /// @throws InvalidArgument with the usual values, when the scale was not given.
 [[nodiscard]] double depth_unit(const CameraSettings& settings);

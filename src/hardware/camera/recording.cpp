@@ -57,20 +57,8 @@ void read_open3d_intrinsics(const std::string& path, CameraSettings& camera) {
 /// Settings of the first image.
 void read_bop_settings(const std::string& folder, CameraSettings& settings) {
   const DepthRecord first = read_depth_sequence(folder).records.front();
-  const CameraIntrinsics& camera = first.camera;
   settings.depth_scale = 1.0 / first.unit;
-  settings.width = camera.width;
-  settings.height = camera.height;
-  settings.fx = camera.fx;
-  settings.fy = camera.fy;
-  settings.cx = camera.cx;
-  settings.cy = camera.cy;
-  settings.distortion = distortion_name(camera.distortion);
-  settings.k1 = camera.k[0];
-  settings.k2 = camera.k[1];
-  settings.p1 = camera.k[2];
-  settings.p2 = camera.k[3];
-  settings.k3 = camera.k[4];
+  set_intrinsics(settings, first.camera);
 }
 
 /// Images with their times where these rise, else at `rate`.
