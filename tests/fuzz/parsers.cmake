@@ -31,7 +31,7 @@ stonestack_files(parsers emulators robotiq/gripper_plant robotiq/gripper_registe
 
 # What these stand on: no foreign byte is read there, so it is built as fast as can be.
 stonestack_files(others core byte_stream clock data error log random serial socket spelling time_limit)
-stonestack_files(others geometry capsule capsule_cover cloud convex_hull convex_pieces enclosing_shapes mass_properties mesh mesh_edges mesh_shapes pose surface_tree)
+stonestack_files(others geometry capsule capsule_cover cloud depth_unit convex_hull convex_pieces enclosing_shapes mass_properties mesh mesh_edges mesh_shapes pose surface_tree)
 stonestack_files(others kinematics calibrated_inverse closed_form forward hand_eye hand_eye_methods inverse jacobian joints polish tool_workspace)
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
   camera/stream_camera camera/v4l2_camera camera/v4l2_kernel robotiq/ft_link robotiq/ft_sensor robotiq/modbus
