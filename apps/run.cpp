@@ -71,7 +71,7 @@ void run(RunCommand& command) {
 
 void add_run(CLI::App& app) {
   const auto [sub, command] = add_subcommand<RunCommand>(
-      app, "run", "Build a tower: observe, search, plan, place, observe again", run);
+      app, "run", "Build a tower or a wall: observe, search, plan, place, observe again", run);
   BuildOptions& build = command.order.run.build;
   sub.add_option(
          "--robot", command.robot,
@@ -93,6 +93,11 @@ void add_run(CLI::App& app) {
           ->check(CLI::IsMember({"default", "paper"}))
           ->capture_default_str(),
       "search.method");
+  command.common.settings.bind(
+      sub.add_option(
+          "--wall", build.wall,
+          "Build a wall: stones a course (3+2+1), metres x courses (0.8x3), or a target file (.yaml)"),
+      "run.wall");
   sub.add_option("--out", command.order.out,
                  "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
   add_view(sub, command.order.view);
@@ -104,6 +109,7 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10\n"
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
       "  stonestack run --robot ur10 --cell loopback-ur10\n"
+      "  stonestack run --robot ur10 --per-run 6 --wall 3+2+1\n"
       "  stonestack run --robot ur10 --view\n"
       "  stonestack run --catalogue rocks --set search.friction=0.3 --set simulation.friction=0.4");
 }

@@ -37,7 +37,11 @@ TruthReport judge_run(const SimulatedCell& cell, const RunResult& result) {
   StandOptions in_ode = options;
   in_ode.seconds = kSecondsInOde;
   in_ode.step = kStepInOde;
-  const TowerVerdict verdict = judge_tower(cell, options), other = judge_tower(cell, in_ode, "ode");
+  const std::vector<PlacedStone> claimed = stacking::at_rest(result.world).stack;
+  const auto judged = [&](const StandOptions& how, const std::string& engine) {
+    return result.wall ? judge_wall(cell, claimed, how, engine) : judge_tower(cell, how, engine);
+  };
+  const TowerVerdict verdict = judged(options, "bullet"), other = judged(in_ode, "ode");
   TruthReport truth;
   truth.engines = {verdict_of("bullet", verdict, options.seconds), verdict_of("ode", other, in_ode.seconds)};
   truth.height = std::min(verdict.stand.standing, other.stand.standing);

@@ -95,6 +95,24 @@ TruthReport truth_of(const json& map, const std::string& path) {
   return truth;
 }
 
+WallMetrics wall_of(const json& map, const std::string& path) {
+  WallMetrics wall;
+  for (const auto& [key, count] : {std::pair<const char*, int*>{"placed", &wall.placed},
+                                   {"asked", &wall.asked},
+                                   {"joints", &wall.joints},
+                                   {"open_joints", &wall.open_joints}})
+    *count = count_of(map, key, path);
+  for (const auto& [key, number] : {std::pair<const char*, double*>{"length_m", &wall.length},
+                                    {"height_m", &wall.height},
+                                    {"width_m", &wall.width},
+                                    {"fill", &wall.fill},
+                                    {"face", &wall.face},
+                                    {"flatness_m", &wall.flatness},
+                                    {"margin_g", &wall.margin}})
+    *number = number_of(map, key, 0.0, 1e9, path);
+  return wall;
+}
+
 RunReport report_of(const json& map, const std::string& path) {
   RunReport report;
   RunResult& result = report.result;
@@ -123,6 +141,7 @@ RunReport report_of(const json& map, const std::string& path) {
   result.seconds.planning = seconds_of(seconds, "planning", path);
   result.seconds.motion = seconds_of(seconds, "motion", path);
   result.seconds.beside_motion = seconds_of(seconds, "beside_motion", path);
+  if (map.contains("wall")) result.wall = wall_of(entry(map, "wall", &json::is_object, path), path);
   if (map.contains("truth")) report.truth = truth_of(map.at("truth"), path);
   if (map.contains("version")) report.version = text_of(map, "version", path);
   if (map.contains("picture")) report.picture = text_of(map, "picture", path);

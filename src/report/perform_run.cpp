@@ -175,7 +175,10 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
     log_info("judging the tower in the true world");
     try {
       report.truth = judge_run(world, report.result);
-      if (survival != nullptr) done.survival = try_tower(world, *survival);
+      if (survival != nullptr)
+        done.survival = try_tower(
+            world, *survival, tower_bounds(),
+            report.result.wall ? stacking::at_rest(report.result.world).stack : std::vector<PlacedStone>());
     } catch (const Interrupted&) {  // what was built is reported, without a verdict
       log_info("interrupted before the tower was judged");
     }

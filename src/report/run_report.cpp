@@ -25,15 +25,17 @@ using nlohmann::json;
 constexpr double kReportDegrees = 57.295779513082321;
 
 json placement_entry(const PlacementRecord& record) {
-  return {{"stone", record.stone},
-          {"T_W_O_planned", pose_json(record.planned.T_W_O)},
-          {"T_W_O_measured", record.T_W_O_measured ? pose_json(*record.T_W_O_measured) : json(nullptr)},
-          {"cost", record.planned.cost},
-          {"terms", record.planned.terms},
-          {"predicted_success", record.planned.predicted_success},
-          {"outcome", to_text(record.outcome)},
-          {"level", record.level},
-          {"note", record.note}};
+  json entry{{"stone", record.stone},
+             {"T_W_O_planned", pose_json(record.planned.T_W_O)},
+             {"T_W_O_measured", record.T_W_O_measured ? pose_json(*record.T_W_O_measured) : json(nullptr)},
+             {"cost", record.planned.cost},
+             {"terms", record.planned.terms},
+             {"predicted_success", record.planned.predicted_success},
+             {"outcome", to_text(record.outcome)},
+             {"level", record.level},
+             {"note", record.note}};
+  if (record.course > 0) entry["course"] = record.course;
+  return entry;
 }
 
 json truth_entry(const TruthReport& truth) {
@@ -87,9 +89,10 @@ std::string within_script(std::string text) {
 }
 
 std::string summary(const RunReport& report) {
-  std::string text = format("tower of %d of %d stones; ended: ", report.result.height,
-                            static_cast<int>(report.present.size())) +
+  std::string text = format("%s of %d of %d stones; ended: ", report.result.wall ? "wall" : "tower",
+                            report.result.height, static_cast<int>(report.present.size())) +
                      report.result.ended + "\n";
+  if (report.result.wall) text += wall_figures_text(*report.result.wall) + "\n";
   if (!report.cell.empty()) text += "simulated cell " + cell_text(report) + "\n";
   if (report.truth)
     text += format("true world: %d stones stacked, %s after %.0f s (largest shift %.2f mm)\n",
@@ -99,8 +102,8 @@ std::string summary(const RunReport& report) {
     for (const EngineVerdict& verdict : report.truth->engines)
       text += format("  in %s %d stones stand %.0f s%s\n", verdict.engine.c_str(), verdict.height,
                      verdict.seconds, verdict.note.empty() ? "" : (": " + verdict.note).c_str());
-  text += format("height by the paper's protocol (before the first placement that failed): %d\n",
-                 paper_height(report));
+  text += format("%s by the paper's protocol (before the first placement that failed): %d\n",
+                 report.result.wall ? "stones" : "height", paper_height(report));
   const auto& s = report.result.seconds;
   text += format(
       "seconds: detection %.1f, search %.1f, planning %.1f (host; %.1f more while the arm moved); "
@@ -132,6 +135,7 @@ std::string run_json(const RunReport& report) {
         {"planning", result.seconds.planning},
         {"motion", result.seconds.motion},
         {"beside_motion", result.seconds.beside_motion}}}};
+  if (result.wall) out["wall"] = wall_figures(*result.wall);
   if (report.truth) out["truth"] = truth_entry(*report.truth);
   if (!report.version.empty()) out["version"] = report.version;
   if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();
@@ -191,8 +195,8 @@ std::string experiment_page(const std::string& data, const std::string& text) {
 }
 
 std::string run_html(const RunReport& report, const Catalogue& catalogue, const RobotModel& robot) {
-  return page_html(format("Tower of %d", report.result.height), run_table(report),
-                   page_data(report, catalogue, robot, picture_uri(report)));
+  return page_html(format("%s of %d", report.result.wall ? "Wall" : "Tower", report.result.height),
+                   run_table(report), page_data(report, catalogue, robot, picture_uri(report)));
 }
 
 std::vector<DrawnMesh> drawn_stones(const Catalogue& catalogue, const std::vector<PlacedStone>& stones) {

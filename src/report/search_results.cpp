@@ -33,24 +33,14 @@ json list_of(const Catalogue& catalogue, const std::vector<PlacedStone>& stones)
 
 /// Figures of a wall, and of each stone its course and what it rests on (indices into "placements").
 json wall_json(const WallPlan& plan) {
-  const WallMetrics& m = plan.metrics;
   json stones = json::array();
   for (const WallPlacement& next : plan.placements)
     stones.push_back({{"course", next.course}, {"supports", next.supports}});
-  return {{"stones", stones},
-          {"placed", m.placed},
-          {"asked", m.asked},
-          {"length_m", m.length},
-          {"height_m", m.height},
-          {"width_m", m.width},
-          {"fill", m.fill},
-          {"face", m.face},
-          {"joints", m.joints},
-          {"open_joints", m.open_joints},
-          {"flatness_m", m.flatness},
-          {"margin_g", m.margin},
-          {"candidates", plan.candidates},
-          {"seconds", plan.seconds}};
+  json figures = wall_figures(plan.metrics);
+  figures["stones"] = stones;
+  figures["candidates"] = plan.candidates;
+  figures["seconds"] = plan.seconds;
+  return figures;
 }
 
 /// The stones in the order in which they are built, with what each rests on.
@@ -71,17 +61,8 @@ std::string wall_table(const Catalogue& catalogue, const WallPlan& plan) {
 }
 
 std::string wall_text(const WallPlan& plan) {
-  const WallMetrics& m = plan.metrics;
-  std::string text = format("wall   %d", m.placed);
-  if (m.asked > 0) text += format(" of %d", m.asked);
-  return text +
-         format(
-             " stones, %.2f m long, %.2f m high, %.2f m wide; bears %.3f g sideways\n"
-             "       %.0f %% of its volume and %.0f %% of its face are stone; tops of a course %.0f mm "
-             "about their mean\n"
-             "       %d of %d joints run through two courses; planned in %.1f s a stone\n",
-             m.length, m.height, m.width, m.margin, 1e2 * m.fill, 1e2 * m.face, 1e3 * m.flatness,
-             m.open_joints, m.joints, plan.seconds / std::max(1, m.placed));
+  return wall_figures_text(plan.metrics) +
+         format("; planned in %.1f s a stone\n", plan.seconds / std::max(1, plan.metrics.placed));
 }
 
 json frame_json(const SearchStart& start) {

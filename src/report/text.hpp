@@ -37,6 +37,11 @@ template <class... Values>
   return {{"stone", name_of(catalogue, stone)}, {"T_W_O", pose_json(T_W_O)}};
 }
 
+/// Figures of a wall as JSON.
+[[nodiscard]] nlohmann::json wall_figures(const WallMetrics& metrics);
+/// The same for a person, in lines; the last has no end.
+[[nodiscard]] std::string wall_figures_text(const WallMetrics& metrics);
+
 /// The document as a command prints it.
 [[nodiscard]] inline std::string document(const nlohmann::json& json, int indent = 2) {
   return json.dump(indent) + "\n";

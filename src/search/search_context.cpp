@@ -112,7 +112,8 @@ void check_problem(const SearchProblem& problem, const SearchOptions& options) {
     }
 }
 
-StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const SearchOptions& options) {
+StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const SearchOptions& options,
+                            bool tower) {
   if (stack.stones.empty()) return {stack, ""};
   if (const std::string overlap = overlap_of(shapes, stack); !overlap.empty()) return {{}, overlap};
   StandOptions stand;
@@ -120,7 +121,8 @@ StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const S
   stand.seconds = kStandSeconds;
   stand.still = kStill;
   stand.step = kVerdictStep;
-  if (const StandVerdict verdict = judge_stack(shapes, stack, stand); verdict.stands && verdict.clean) {
+  if (const StandVerdict verdict = judge_stack(shapes, stack, stand);
+      verdict.stands && (verdict.clean || !tower)) {
     Stack at_rest = stack;
     if (verdict.shift > kAtRestShift || verdict.turn > kAtRestTurn)
       for (std::size_t i = 0; i < at_rest.stones.size(); ++i) at_rest.stones[i].T_W_O = verdict.T_W_O[i];
@@ -130,6 +132,7 @@ StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const S
   for (const PlacedStone& placed : stack.stones) {
     SettleOptions settling;
     settling.world.friction = options.friction;
+    settling.any_support = !tower;
     const SettleResult at_rest =
         settle(shapes, lowered, placed.stone, lifted_clear(shapes, lowered, placed), settling);
     PoseDifference moved = difference(at_rest.T_W_O, placed.T_W_O);
@@ -147,7 +150,7 @@ StandingStack settled_stack(const ShapeList& shapes, const Stack& stack, const S
     lowered.stones.push_back({placed.stone, at_rest.T_W_O});
   }
   const StandVerdict verdict = judge_stack(shapes, lowered, stand);
-  if (verdict.stands && verdict.clean) return {std::move(lowered), ""};
+  if (verdict.stands && (verdict.clean || !tower)) return {std::move(lowered), ""};
   return {{}, concat("the given stack does not stand: ", verdict.reason)};
 }
 

@@ -55,7 +55,8 @@ struct StandingStack {
 /// 2 mrad); else the stack that results when each stone in turn is let down from just above its given pose,
 /// provided that it ends near there (5 mm, 5 deg) and stands; else empty with the reason. Measured poses are
 /// off by a millimetre: a tower measured so may not stand exactly, or hover above its contacts.
+/// @param tower each stone touches those next to it alone; false: a wall, the lower stones first
 [[nodiscard]] StandingStack settled_stack(const ShapeList& shapes, const Stack& stack,
-                                          const SearchOptions& options);
+                                          const SearchOptions& options, bool tower = true);
 
 }  // namespace stonestack::search

@@ -98,21 +98,51 @@ std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector
   return stack;
 }
 
+/// The stones of a wall, in the order in which they were built; what belongs to it is taken out of `left`. A
+/// stone belongs to it where it was expected, nearly, or on one that does; one that is not seen, where
+/// something still stands on it.
+std::vector<MeasuredStone> wall_in(const ShapeList& shapes, const std::vector<StoneEstimate>& expected,
+                                   std::vector<Sighting>& left, const BuildOptions& options) {
+  std::vector<MeasuredStone> wall;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const StoneEstimate& before = expected[i];
+    const auto found = find(left, before.stone);
+    if (found == left.end()) {
+      if (something_stands_on(shapes, left, expected, i)) wall.push_back({before, false});
+      continue;
+    }
+    const PlacedStone measured{found->stone, found->T_W_O};
+    const bool stays = same_place(shapes, measured, {before.stone, before.T_W_O_at_rest},
+                                  options.placed_shift, options.placed_turn);
+    const bool rests = std::any_of(wall.begin(), wall.end(), [&](const MeasuredStone& lower) {
+      return rests_over(shapes, measured, {lower.estimate.stone, lower.estimate.T_W_O_at_rest});
+    });
+    if (!stays && !rests) continue;
+    if (i + 1 < expected.size() && in_place(*found, before))
+      wall.push_back({before, false});
+    else
+      wall.push_back({{measured.stone, measured.T_W_O, measured.T_W_O}, true});
+    left.erase(found);
+  }
+  return wall;
+}
+
 }  // namespace
 
 StoneEstimates estimate_stones(const ShapeList& shapes, const CellLayout& layout,
                                const std::vector<StoneEstimate>& expected,
                                const std::vector<Sighting>& sightings, const BuildOptions& options) {
   std::vector<Sighting> left = sightings;
-  std::vector<MeasuredStone> measured = stack_in(shapes, layout.site, expected, left);
+  const bool tower = options.wall.empty();
+  std::vector<MeasuredStone> measured =
+      tower ? stack_in(shapes, layout.site, expected, left) : wall_in(shapes, expected, left, options);
   if (!options.measure_placed)
-    for (std::size_t i = 0; i < measured.size(); ++i)
-      if (same_place(shapes, {measured[i].estimate.stone, measured[i].estimate.T_W_O_at_rest},
-                     {expected[i].stone, expected[i].T_W_O_at_rest}, options.placed_shift,
-                     options.placed_turn))
-        measured[i] = {{expected[i].stone, measured[i].estimate.T_W_O_seen, expected[i].T_W_O_at_rest},
-                       false};
-  StoneEstimates estimates{settle_stack(shapes, measured, options.max_friction), {}};
+    for (MeasuredStone& stone : measured)
+      for (const StoneEstimate& meant : expected)
+        if (same_place(shapes, {stone.estimate.stone, stone.estimate.T_W_O_at_rest},
+                       {meant.stone, meant.T_W_O_at_rest}, options.placed_shift, options.placed_turn))
+          stone = {{meant.stone, stone.estimate.T_W_O_seen, meant.T_W_O_at_rest}, false};
+  StoneEstimates estimates{settle_stack(shapes, measured, options.max_friction, tower), {}};
   std::vector<PlacedStone> stack;
   for (const StoneEstimate& stone : estimates.stack) stack.push_back({stone.stone, stone.T_W_O_at_rest});
   for (const auto& sighting : left)

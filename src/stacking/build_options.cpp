@@ -34,6 +34,9 @@ FieldList fields(BuildOptions& o) {
                         "stones that may be unstacked to try another tower; the paper: 0")),
              user(field("pick_attempts", o.pick_attempts, {1, 10}, "",
                         "tries to pick a stone that the gripper misses or drops")),
+             user(field("wall", o.wall,
+                        "wall that is built: stones a course (4+3+2+1), metres x courses (0.8x3) or a target "
+                        "file; empty: a tower")),
              field("save_states", o.save_states,
                    "true: the state before each decision is written into the run's folder, for `decide`")})});
 }

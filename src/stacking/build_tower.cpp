@@ -134,7 +134,10 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
                       const BuildOptions& options, const BuildHooks& hooks) {
   Cell planned = cell;
   planned.layout.linkage = options.linkage;
-  const Models models = make_models(catalogue, robot, planned.layout);
+  require(options.wall.empty() || options.search.method == "default", "a wall needs the default search, not ",
+          options.search.method);
+  const Models models = make_models(catalogue, robot, planned.layout, options.wall);
+  if (models.wall && models.wall->centre_W) planned.layout.site = *models.wall->centre_W;
   const DetectionModels detection(catalogue.stones, options.detection);
   Recorder recorder(models, hooks, cell.clock);
   RecordedDevices devices(planned, recorder.result().timeline);

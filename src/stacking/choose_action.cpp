@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stacking/choose_in_wall.hpp"
 #include "stacking/choose_placement.hpp"
 #include "stacking/free_places.hpp"
 #include "stacking/next_view.hpp"
@@ -32,6 +33,8 @@ std::string fault_of_site(const WorldEstimate& world, const Models& models) {
   if (world.site == SiteStatus::kUnseen)
     return "no view shows whether something stands at the site: check the camera, and that the site is on "
            "the table";
+  if (models.wall)
+    return "something stands at the site, and a wall is begun on the empty table: clear the site";
   if (world.stack.empty())
     return "something stands at the site that is none of the known stones: clear the site, or name another";
   const StoneEstimate& base = world.stack.front();
@@ -93,6 +96,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
                      out_of_the_lean(com_of(s.models.shapes, stray->stone),
                                      com_of(s.models.shapes, s.arrangement.stack[stray->level]))};
   }
+  if (s.models.wall) return std::nullopt;  // nothing is taken off a wall
   const std::size_t count = s.arrangement.stack.size() - stray->level;
   const int allowed = s.options.max_unstacked - memory.unstacked;
   if (memory.stack_stays || static_cast<int>(count) > allowed) return std::nullopt;
@@ -102,6 +106,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
 }
 
 std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) {
+  if (wall_has_its_stones(s)) return wall_stands(s);
   if (s.arrangement.loose.empty()) {
     Stop stop{RunEnd::kAllPlaced, "all stones that are seen are placed"};
     for (const StoneIndex stone : memory.out_of_sight)
@@ -118,7 +123,7 @@ std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) 
 /// then finds a higher tower.
 std::optional<Action> unstack(const Situation& s, RunMemory& memory) {
   throw_if_interrupted();
-  if (memory.stack_stays) return std::nullopt;
+  if (memory.stack_stays || s.models.wall) return std::nullopt;
   if (!s.arrangement.stack.empty()) memory.given_up.push_back(s.arrangement.stack.back());
   auto& expected = memory.search->expected_unstacked;
   if (!expected) expected = expected_unstacked(s, memory);
@@ -165,8 +170,10 @@ const Stone& Models::stone(StoneIndex stone) const {
   return (*catalogue)[stone];
 }
 
-Models make_models(const Catalogue& catalogue, const RobotModel& robot, const CellLayout& layout) {
-  Models models{&catalogue, &robot, make_contact_shapes(catalogue.stones), {}};
+Models make_models(const Catalogue& catalogue, const RobotModel& robot, const CellLayout& layout,
+                   const std::string& wall) {
+  Models models{&catalogue, &robot, make_contact_shapes(catalogue.stones), {}, std::nullopt};
+  if (!wall.empty()) models.wall = read_wall_target(wall);
   const GripperModel gripper = gripper_of(layout);
   for (const Stone& stone : catalogue.stones)
     models.unfit.push_back(unfit_for_gripper(stone, gripper, robot));
@@ -175,8 +182,8 @@ Models make_models(const Catalogue& catalogue, const RobotModel& robot, const Ce
 
 void add_resting_stacks(const Models& models, const BuildOptions& options, const FrictionEstimate& friction,
                         WorldEstimate& world) {
-  world.resting =
-      resting_stacks(models.shapes, Stack{at_rest(world).stack}, options.search, friction.frictions);
+  world.resting = resting_stacks(models.shapes, Stack{at_rest(world).stack}, options.search,
+                                 friction.frictions, options.wall.empty());
 }
 
 RunMemory make_memory(const BuildOptions& options) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,15 @@ struct Models {
   const RobotModel* robot = nullptr;
   ShapeList shapes;
   std::vector<std::string> unfit;  ///< why the gripper can hold a stone in no pose; empty: it can
+  std::optional<WallTarget> wall;  ///< wall that is built; empty: a tower
 
   [[nodiscard]] const std::string& name(StoneIndex stone) const;
   [[nodiscard]] const Stone& stone(StoneIndex stone) const;
 };
+/// @param wall BuildOptions::wall
+/// @throws InvalidArgument and FileError for a wall that cannot be read
 [[nodiscard]] Models make_models(const Catalogue& catalogue, const RobotModel& robot,
-                                 const CellLayout& layout);
+                                 const CellLayout& layout, const std::string& wall = "");
 
 /// Adds the stack as it rests at each friction: needed by `choose_action`, for a world that was read from a
 /// file.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "search/parallel.hpp"
+#include "stacking/choose_in_wall.hpp"
 #include "stacking/free_places.hpp"
 #include "stacking/unstack_depth.hpp"
 #include "stonestack/core/error.hpp"
@@ -33,15 +34,6 @@ std::array<std::vector<Placement>, 2> by_plan_length(const std::vector<Placement
   for (const Placement& placement : found)
     parts[placement.then.size() < longest ? 1 : 0].push_back(placement);
   return parts;
-}
-
-/// Frictions at which the stack can stand; all, if there is none.
-std::vector<bool> possible_frictions(const WorldEstimate& world) {
-  std::vector<bool> possible;
-  for (const RestingStack& at : world.resting) possible.push_back(at.stack.has_value());
-  if (std::none_of(possible.begin(), possible.end(), [](bool yes) { return yes; }))
-    possible.assign(possible.size(), true);
-  return possible;
 }
 
 /// Of the possible frictions the one that a search begins with.
@@ -92,65 +84,6 @@ bool fits_gripper(const Models& models, StoneIndex stone) {
   return at(models.unfit, stone).empty();
 }
 
-/// The stack, the stones that the gripper can hold, and as out of reach what the arm does not reach and what
-/// was given up. `memory` must outlive it.
-SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Arrangement& arrangement,
-                           const std::shared_ptr<Reach>& reach, Route route) {
-  SearchProblem problem;
-  problem.shapes = &s.models.shapes;
-  problem.stack.stones = arrangement.stack;
-  problem.site = s.world.layout.site;
-  for (const PlacedStone& loose : arrangement.loose)
-    if (fits_gripper(s.models, loose.stone) && reach->at_pick(loose.stone).can_be_held())
-      problem.available.push_back(loose);
-  problem.reachable = [&shapes = s.models.shapes, &memory, reach, route, loose = arrangement.loose](
-                          StoneIndex stone, const Pose& T_W_O, const Stack& below) {
-    if (was_given_up(shapes, memory, {stone, T_W_O}) ||
-        leans_on_loose(shapes, loose, {stone, T_W_O}, below.stones))
-      return false;
-    const std::vector<Pose> avoid = useless_grasps(memory, stone);
-    return reach->in_one_go(stone, T_W_O, below, avoid) ||
-           (route == Route::kReorienting &&
-            reach->by_reorienting(stone, T_W_O, below, avoid, regrasp_options(memory, stone)));
-  };
-  return problem;
-}
-
-/// The problem with its stack as it rests at that friction; nothing if it does not stand there.
-std::optional<SearchProblem> at_friction(const SearchProblem& problem, const RestingStack& resting) {
-  if (!resting.stack) return std::nullopt;
-  SearchProblem there = problem;
-  there.stack = *resting.stack;
-  there.stack_is_at_rest = true;
-  return there;
-}
-
-SearchOptions options_at(const BuildOptions& options, const FrictionEstimate& friction, std::size_t level,
-                         Route route) {
-  SearchOptions search = options.search;
-  search.friction = friction.frictions[level];
-  if (route == Route::kReorienting) search.max_tilt = M_PI;
-  if (level + 1 < friction.frictions.size()) search.rounds = std::min(search.rounds, options.first_rounds);
-  return search;
-}
-
-/// How the tower was meant to go on, moved with where its top really came to lie; the same as before if the
-/// stone was not picked; empty if something else happened.
-std::vector<PlacedStone> rest_of_plan(const Arrangement& arrangement,
-                                      const std::optional<FollowedPlan>& plan) {
-  if (!plan) return {};
-  const Placement& last = plan->placement;
-  const auto is_last = [&](const PlacedStone& stone) { return stone.stone == last.stone; };
-  const auto& [stack, loose] = arrangement;
-  if (stack.size() == plan->stack_before && std::any_of(loose.begin(), loose.end(), is_last))
-    return plan_of(last);  // it was not picked: another grasp may do
-  if (stack.empty() || !is_last(stack.back())) return {};
-  const Pose moved = stack.back().T_W_O * last.T_W_O.inverse();
-  std::vector<PlacedStone> rest = last.then;
-  for (PlacedStone& next : rest) next.T_W_O = moved * next.T_W_O;
-  return rest;
-}
-
 /// One search over the assumed frictions.
 struct FrictionSearch {
   const Situation& s;
@@ -177,7 +110,7 @@ struct FrictionSearch {
   /// where the whole of it is still expected to stand.
   [[nodiscard]] std::optional<SearchOutcome> rest_that_holds(const SearchProblem& problem, Route route,
                                                              double levels) const {
-    const std::vector<PlacedStone> plan = rest_of_plan(s.arrangement, memory.plan);
+    const std::vector<PlacedStone> plan = rest_of_plan(s, memory.plan);
     if (plan.empty()) return std::nullopt;
     const std::size_t first = memory.plan->friction_level;
     for (std::size_t level = first; level < possible.size(); ++level) {
@@ -302,9 +235,9 @@ void search_now(const Situation& s, RunMemory& memory) {
                                "no feasible pose: the gripper cannot pick up what is left: " + stones};
     return;
   }
-  SearchOutcome outcome = FrictionSearch{s, memory}.run();
+  SearchOutcome outcome = s.models.wall ? search_wall(s, memory) : FrictionSearch{s, memory}.run();
   outcome.graspable = std::move(graspable);
-  if (outcome.found.best.empty())
+  if (outcome.found.best.empty() && !outcome.dead_end)
     outcome.dead_end = {RunEnd::kNoPose, "no feasible pose: " + outcome.found.reason};
   memory.search = std::move(outcome);
 }
@@ -366,6 +299,68 @@ double expected_from(const Situation& s, const RunMemory& memory, const Arrangem
 
 }  // namespace
 
+std::vector<bool> possible_frictions(const WorldEstimate& world) {
+  std::vector<bool> possible;
+  for (const RestingStack& at : world.resting) possible.push_back(at.stack.has_value());
+  if (std::none_of(possible.begin(), possible.end(), [](bool yes) { return yes; }))
+    possible.assign(possible.size(), true);
+  return possible;
+}
+
+SearchProblem make_problem(const Situation& s, const RunMemory& memory, const Arrangement& arrangement,
+                           const std::shared_ptr<Reach>& reach, Route route) {
+  SearchProblem problem;
+  problem.shapes = &s.models.shapes;
+  problem.stack.stones = arrangement.stack;
+  problem.site = s.world.layout.site;
+  for (const PlacedStone& loose : arrangement.loose)
+    if (fits_gripper(s.models, loose.stone) && reach->at_pick(loose.stone).can_be_held())
+      problem.available.push_back(loose);
+  problem.reachable = [&shapes = s.models.shapes, &memory, reach, route, loose = arrangement.loose](
+                          StoneIndex stone, const Pose& T_W_O, const Stack& below) {
+    if (was_given_up(shapes, memory, {stone, T_W_O}) ||
+        leans_on_loose(shapes, loose, {stone, T_W_O}, below.stones))
+      return false;
+    const std::vector<Pose> avoid = useless_grasps(memory, stone);
+    return reach->in_one_go(stone, T_W_O, below, avoid) ||
+           (route == Route::kReorienting &&
+            reach->by_reorienting(stone, T_W_O, below, avoid, regrasp_options(memory, stone)));
+  };
+  return problem;
+}
+
+std::optional<SearchProblem> at_friction(const SearchProblem& problem, const RestingStack& resting) {
+  if (!resting.stack) return std::nullopt;
+  SearchProblem there = problem;
+  there.stack = *resting.stack;
+  there.stack_is_at_rest = true;
+  return there;
+}
+
+SearchOptions options_at(const BuildOptions& options, const FrictionEstimate& friction, std::size_t level,
+                         Route route) {
+  SearchOptions search = options.search;
+  search.friction = friction.frictions[level];
+  if (route == Route::kReorienting) search.max_tilt = M_PI;
+  if (level + 1 < friction.frictions.size()) search.rounds = std::min(search.rounds, options.first_rounds);
+  return search;
+}
+
+std::vector<PlacedStone> rest_of_plan(const Situation& s, const std::optional<FollowedPlan>& plan) {
+  if (!plan) return {};
+  const Placement& last = plan->placement;
+  const auto is_last = [&](const PlacedStone& stone) { return stone.stone == last.stone; };
+  const auto& [stack, loose] = s.arrangement;
+  if (stack.size() == plan->stack_before && std::any_of(loose.begin(), loose.end(), is_last))
+    return plan_of(last);  // it was not picked: another grasp may do
+  if (stack.empty() || !is_last(stack.back())) return {};
+  if (s.models.wall) return last.then;
+  const Pose moved = stack.back().T_W_O * last.T_W_O.inverse();
+  std::vector<PlacedStone> rest = last.then;
+  for (PlacedStone& next : rest) next.T_W_O = moved * next.T_W_O;
+  return rest;
+}
+
 Situation make_situation(const WorldEstimate& world, const Models& models, const BuildOptions& options,
                          const Listener& listener) {
   Arrangement arrangement = at_rest(world);
@@ -425,7 +420,7 @@ std::optional<Action> choose_placement(const Situation& s, RunMemory& memory) {
     const std::vector<Action> stages = stages_of(outcome);
     if (outcome.refused < static_cast<int>(stages.size()))
       return stages[static_cast<std::size_t>(outcome.refused)];
-    if (!rest_of_plan(s.arrangement, memory.plan).empty()) {
+    if (!rest_of_plan(s, memory.plan).empty()) {
       s.emit(PlanAbandoned{outcome.refusals});
       memory.plan.reset();
     } else if (memory.refused.size() < kMaxRefused) {  // other poses then, of other stones perhaps

@@ -25,6 +25,24 @@ struct Situation {
 [[nodiscard]] Situation make_situation(const WorldEstimate& world, const Models& models,
                                        const BuildOptions& options, const Listener& listener);
 
+/// The stack, the stones that the gripper can hold, and as out of reach what the arm does not reach and what
+/// was given up. `memory` must outlive it.
+[[nodiscard]] SearchProblem make_problem(const Situation& situation, const RunMemory& memory,
+                                         const Arrangement& arrangement, const std::shared_ptr<Reach>& reach,
+                                         Route route);
+/// The problem with its stack as it rests at that friction; nothing if it does not stand there.
+[[nodiscard]] std::optional<SearchProblem> at_friction(const SearchProblem& problem,
+                                                       const RestingStack& resting);
+/// Frictions at which the stack can stand; all, if there is none.
+[[nodiscard]] std::vector<bool> possible_frictions(const WorldEstimate& world);
+/// Options of a search at the `level`-th of the assumed frictions.
+[[nodiscard]] SearchOptions options_at(const BuildOptions& options, const FrictionEstimate& friction,
+                                       std::size_t level, Route route);
+/// How the structure was meant to go on, for a tower moved with where its top really came to lie; the same as
+/// before if the stone was not picked; empty if something else happened.
+[[nodiscard]] std::vector<PlacedStone> rest_of_plan(const Situation& situation,
+                                                    const std::optional<FollowedPlan>& plan);
+
 /// Place or Reorient: what `memory.search` found, or a search now, by stages: the placements whose plans
 /// reach highest in one go, then with a stone set down on the route, then the others likewise. Nothing if no
 /// pose is left; `memory.search->dead_end` then gives the reason.

@@ -61,7 +61,7 @@ DecisionReport decide(const DecisionTask& task) {
   const RobotModel robot = read_robot(task.robot.empty() ? header.robot : task.robot);
   State state = read_state(task.state, catalogue);
   for (const std::string& assignment : task.assignments) set_field(fields(state.options), assignment);
-  const Models models = make_models(catalogue, robot, state.world.layout);
+  const Models models = make_models(catalogue, robot, state.world.layout, state.options.wall);
   add_resting_stacks(models, state.options, state.memory.friction, state.world);
   const Decision decision = choose_action(state.world, state.memory, models, state.options);
   return {decision_json(decision, catalogue), decision_text(decision, catalogue)};

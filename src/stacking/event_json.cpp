@@ -33,6 +33,13 @@ struct Records {
   Record operator()(const Observed& e) const {
     return {"observed", {{"stack", list(e.world.stack)}, {"loose", list(e.world.loose)}}};
   }
+  Record operator()(const WallMeasured& e) const {
+    return {"wall",
+            {{"placed", e.wall.placed},
+             {"length_m", e.wall.length},
+             {"height_m", e.wall.height},
+             {"margin_g", e.wall.margin}}};
+  }
   Record operator()(const StoneMoved& e) const {
     return {"moved", {{"stone", name(e.stone)}, {"shift_m", e.shift}}};
   }

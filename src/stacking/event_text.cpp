@@ -25,6 +25,12 @@ struct Words {
   std::string operator()(const Observed& e) const {
     return concat("stack: ", names(e.world.stack), "; loose: ", names(e.world.loose));
   }
+  std::string operator()(const WallMeasured& e) const {
+    if (e.wall.placed == 0) return "";
+    return concat("wall: ", e.wall.placed, " stones, ", std::round(100 * e.wall.length) / 100, " m long, ",
+                  std::round(100 * e.wall.height) / 100, " m high, bears ",
+                  std::round(1000 * e.wall.margin) / 1000, " g sideways");
+  }
   std::string operator()(const StoneMoved& e) const {
     return concat(name(e.stone), " of the stack is ", std::lround(1000 * e.shift), " mm from where it was");
   }

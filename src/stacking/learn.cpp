@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "stacking/arrangement.hpp"
-#include "stacking/choose_placement.hpp"
+#include "stacking/choose_in_wall.hpp"
 #include "stacking/next_view.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -106,7 +106,8 @@ void learn_from_placing(RunMemory& memory, const Attempt& attempt, const Placeme
                         const Listener& emit) {
   const bool gone = record.outcome == Outcome::kFallen || record.outcome == Outcome::kLost;
   if (gone) memory.plan.reset();  // a plan that failed is not followed again
-  if (gone && attempt.done.status == Status::kReleased) {
+  // What of a wall falls says little about one pair of stones.
+  if (gone && attempt.done.status == Status::kReleased && !models.wall) {
     memory.friction = learn_from_fall(memory.friction, attempt, seen, models, options);
     emit(FrictionUpdated{memory.friction});
   }
@@ -137,6 +138,7 @@ PlacementRecord judge_placing(const Attempt& attempt, const WorldEstimate& seen,
   const StoneEstimate* in_stack = find(seen.stack, attempt.placement.stone);
   const StoneEstimate* on_table = find(seen.loose, attempt.placement.stone);
   record.level = static_cast<int>(attempt.below.size()) + 1;
+  record.course = attempt.course;
   if (attempt.done.status == Status::kLost) {
     record.outcome = Outcome::kDropped;
     record.note += in_stack != nullptr   ? "; it lies on the tower"
@@ -244,9 +246,12 @@ RunMemory remember(RunMemory memory, const WorldEstimate& world, const Action& a
   }
   if (!std::holds_alternative<Place>(action) && done.status != Status::kReleased)
     memory.failed_grasps[plan.placement.stone].push_back(plan.pick_and_place.T_O_T);
+  if (memory.search && memory.search->wall) memory.wall = memory.search->wall;
   forget_world(memory);
-  Attempt attempt{action, done, plan.placement, plan.pick_and_place.T_O_T, plan.p_W_aim, {}, {}, {}};
+  Attempt attempt{action, done, plan.placement, plan.pick_and_place.T_O_T, plan.p_W_aim, {}, 0, {}, {}};
   attempt.below = at_rest(world).stack;
+  if (memory.wall && std::holds_alternative<Place>(action))
+    attempt.course = memory.wall->course.at(plan.placement.stone) + 1;
   expect(attempt, world);
   memory.attempt = std::move(attempt);
   return memory;
@@ -308,6 +313,7 @@ RunMemory learn(RunMemory memory, const WorldEstimate& seen, const Models& model
   WorldEstimate without_views = seen;
   without_views.views.reset();
   emit(Observed{std::move(without_views)});
+  if (memory.wall) emit(WallMeasured{measure_wall(models, arrangement, memory, options.search)});
   if (!memory.attempt) return memory;
   const Attempt attempt = *std::move(memory.attempt);
   memory.attempt.reset();
@@ -332,6 +338,7 @@ RunMemory learn_of_stop(RunMemory memory, const Models& models, const Listener& 
   record.outcome = Outcome::kLost;
   record.note = attempt.done.reason;
   record.level = static_cast<int>(attempt.below.size()) + 1;
+  record.course = attempt.course;
   memory.records.push_back(record);
   if (listener) listener(PlacementJudged{record});
   return memory;

@@ -20,7 +20,11 @@ void Recorder::hear(const Event& event) {
   if (!is_news(event)) return;
   if (const auto* seen = std::get_if<Observed>(&event)) {
     result_.world = seen->world;
-    result_.height = clean_height(models_.shapes, at_rest(seen->world));
+    // A wall's stones touch others: all that stand count.
+    result_.height = models_.wall ? static_cast<int>(seen->world.stack.size())
+                                  : clean_height(models_.shapes, at_rest(seen->world));
+  } else if (const auto* measured = std::get_if<WallMeasured>(&event)) {
+    result_.wall = measured->wall;
   } else if (const auto* judged = std::get_if<PlacementJudged>(&event)) {
     result_.placements.push_back(judged->record);
   } else if (const auto* ended = std::get_if<RunEnded>(&event)) {

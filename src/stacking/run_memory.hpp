@@ -37,11 +37,18 @@ struct FollowedPlan {
   Route route = Route::kDirect;    ///< that the search counted on
 };
 
+/// The wall as it was planned last.
+struct WallPlanned {
+  Pose T_W_V = Pose::Identity();     ///< frame of the wall (`WallBegun`)
+  std::map<StoneIndex, int> course;  ///< course of each stone that stands or was planned, from 0
+};
+
 /// Result of the search for one world, and how far the motions to it were refused.
 struct SearchOutcome {
   SearchResult found;
   std::size_t friction_level = 0;
   Route route = Route::kDirect;
+  std::optional<WallPlanned> wall;    ///< of the plan that was found; empty for a tower
   std::vector<StoneIndex> graspable;  ///< stones that the gripper could hold where they lay
   int refused = 0;       ///< stages (Place, Reorient; of the highest plans, then of the others) refused
   std::string refusals;  ///< in words
@@ -66,6 +73,7 @@ struct Attempt {
   Pose T_O_T = Pose::Identity();
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();
   std::vector<PlacedStone> below;                             ///< the stack before
+  int course = 0;                                             ///< of a wall, from 1; 0: of none
   std::vector<StoneEstimate> expected_stack, expected_loose;  ///< if everything up to `done` succeeded
 };
 
@@ -81,8 +89,9 @@ struct RunMemory {
   bool friction_measured = false;  ///< since the run began, by dragging a stone over the table
   std::vector<PlacementRecord> records;
   std::optional<FollowedPlan> plan;
-  int actions = 0;   ///< carried out
-  int failures = 0;  ///< placements that did not hold
+  std::optional<WallPlanned> wall;  ///< as of the plan that was followed last; empty before the first
+  int actions = 0;                  ///< carried out
+  int failures = 0;                 ///< placements that did not hold
   int unstacked = 0, reoriented = 0, cleared = 0;
   std::optional<Failure> failure;
   std::map<StoneIndex, std::vector<Pose>> failed_grasps;       ///< T_O_T by stone

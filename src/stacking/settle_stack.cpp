@@ -28,9 +28,10 @@ Pose displaced(const Pose& T_W_O, Random& random) {
 /// The measured pose, let down on the stack below. The stone was seen to rest, so when it slides off from the
 /// measured pose, poses as near as the camera may err are tried; the resting pose nearest to the measurement
 /// is taken, if it is near at all.
-Pose lowered(const ShapeList& shapes, const Stack& below, const PlacedStone& measured) {
+Pose lowered(const ShapeList& shapes, const Stack& below, const PlacedStone& measured, bool tower) {
   SettleOptions options;
   options.world.friction = kLetDownFriction;
+  options.any_support = !tower;
   Random random = Random::stream(static_cast<std::uint64_t>(measured.stone.value()), "seated");
   Pose tried = measured.T_W_O, best = measured.T_W_O;
   double nearest = kMaxMeasured;
@@ -48,7 +49,7 @@ Pose lowered(const ShapeList& shapes, const Stack& below, const PlacedStone& mea
 }
 
 /// The stack near the given one that stands.
-Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double friction) {
+Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double friction, bool tower) {
   Random random = Random::stream(
       given.stones.empty() ? 0 : static_cast<std::uint64_t>(given.stones.back().stone.value()), "steadied");
   SearchOptions options;
@@ -56,7 +57,7 @@ Stack nearest_that_stands(const ShapeList& shapes, const Stack& given, double fr
   Stack best = given, tried = given;
   double nearest = kMaxMeasured;
   for (int k = 0; k < kStackTries && nearest > kConsistent / 2; ++k) {
-    const std::optional<Stack> standing = settled_stack(shapes, tried, options).stack;
+    const std::optional<Stack> standing = settled_stack(shapes, tried, options, tower).stack;
     double off = 0.0;
     for (std::size_t i = 0; standing && i < given.stones.size(); ++i)
       off = std::max(off, off_measured(standing->stones[i].T_W_O, given.stones[i].T_W_O));
@@ -78,27 +79,28 @@ double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured) {
 }
 
 std::vector<StoneEstimate> settle_stack(const ShapeList& shapes, const std::vector<MeasuredStone>& stack,
-                                        double friction) {
+                                        double friction, bool tower) {
   Stack standing;
   std::vector<StoneEstimate> estimates;
   for (const auto& [estimate, moved] : stack) {
     estimates.push_back(estimate);
     const StoneIndex stone = estimate.stone;
-    standing.stones.push_back(
-        {stone, moved ? lowered(shapes, standing, {stone, estimate.T_W_O_seen}) : estimate.T_W_O_at_rest});
+    standing.stones.push_back({stone, moved ? lowered(shapes, standing, {stone, estimate.T_W_O_seen}, tower)
+                                            : estimate.T_W_O_at_rest});
   }
-  standing = nearest_that_stands(shapes, standing, friction);
+  standing = nearest_that_stands(shapes, standing, friction, tower);
   for (std::size_t i = 0; i < estimates.size(); ++i) estimates[i].T_W_O_at_rest = standing.stones[i].T_W_O;
   return estimates;
 }
 
 std::vector<RestingStack> resting_stacks(const ShapeList& shapes, const Stack& stack,
-                                         const SearchOptions& options, const std::vector<double>& frictions) {
+                                         const SearchOptions& options, const std::vector<double>& frictions,
+                                         bool tower) {
   std::vector<RestingStack> resting;
   for (const double friction : frictions) {
     SearchOptions judged = options;
     judged.friction = friction;
-    StandingStack at_rest = settled_stack(shapes, stack, judged);
+    StandingStack at_rest = settled_stack(shapes, stack, judged, tower);
     resting.push_back({friction, std::move(at_rest.stack), std::move(at_rest.reason)});
   }
   return resting;

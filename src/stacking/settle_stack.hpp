@@ -20,14 +20,16 @@ struct MeasuredStone {
 /// else `settled_stack` (search/) is asked for one near the given poses, then near poses displaced by what
 /// the camera may err. Of those that stand the nearest to the measured one is taken, at most 12 mm off at any
 /// stone; the measured one if none stands. `T_W_O_seen` is kept. Deterministic.
+/// @param tower each stone rests on the one before it alone; false: a wall
 [[nodiscard]] std::vector<StoneEstimate> settle_stack(const ShapeList& shapes,
                                                       const std::vector<MeasuredStone>& stack,
-                                                      double friction);
+                                                      double friction, bool tower = true);
 
 /// A settled stack at each of some frictions. `options` set how stacks are judged.
 [[nodiscard]] std::vector<RestingStack> resting_stacks(const ShapeList& shapes, const Stack& stack,
                                                        const SearchOptions& options,
-                                                       const std::vector<double>& frictions);
+                                                       const std::vector<double>& frictions,
+                                                       bool tower = true);
 
 /// Distance of a pose from the measured one, m; 0.09 rad count as 6 mm.
 [[nodiscard]] double off_measured(const Pose& T_W_O, const Pose& T_W_O_measured);

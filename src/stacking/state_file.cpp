@@ -104,7 +104,12 @@ struct Writer {
             {"outcome", to_text(r.outcome)},
             {"note", r.note},
             {"level", r.level},
+            {"course", r.course},
             {"p_W_aim", vector_json(r.p_W_aim)}};
+  }
+  [[nodiscard]] json wall(const WallPlanned& wall) const {
+    return {{"T_W_V", pose_json(wall.T_W_V)},
+            {"course", by_stone(wall.course, [](int course) { return course; })}};
   }
   [[nodiscard]] json search(const SearchOutcome& s) const {
     json j{{"found", placements(s.found.best)},
@@ -114,6 +119,7 @@ struct Writer {
            {"graspable", stones({s.graspable.begin(), s.graspable.end()})},
            {"refused", s.refused},
            {"refusals", s.refusals}};
+    if (s.wall) j["wall"] = wall(*s.wall);
     if (s.dead_end)
       j["dead_end"] = {{"end", static_cast<int>(s.dead_end->end)}, {"reason", s.dead_end->reason}};
     if (s.expected_unstacked) j["expected_unstacked"] = *s.expected_unstacked;
@@ -176,8 +182,13 @@ struct Reader {
     require(known, "no outcome is called '", outcome, "'");
     r.note = j.at("note").get<std::string>();
     r.level = j.at("level").get<int>();
+    r.course = j.value("course", 0);
     r.p_W_aim = vector3_of(j.at("p_W_aim"));
     return r;
+  }
+  [[nodiscard]] WallPlanned wall(const json& j) const {
+    return {pose_of(j.at("T_W_V")),
+            by_stone(j.at("course"), [](const json& course) { return course.get<int>(); })};
   }
   [[nodiscard]] SearchOutcome search(const json& j) const {
     SearchOutcome s;
@@ -189,6 +200,7 @@ struct Reader {
     s.graspable.assign(graspable.begin(), graspable.end());
     s.refused = j.at("refused").get<int>();
     s.refusals = j.at("refusals").get<std::string>();
+    if (j.contains("wall")) s.wall = wall(j.at("wall"));
     if (j.contains("dead_end"))
       s.dead_end = Stop{static_cast<RunEnd>(j.at("dead_end").at("end").get<int>()),
                         j.at("dead_end").at("reason").get<std::string>()};
@@ -296,6 +308,7 @@ json memory_json(const RunMemory& m, const Writer& w) {
                  {"stack_before", m.plan->stack_before},
                  {"friction_level", m.plan->friction_level},
                  {"route", text(m.plan->route)}};
+  if (m.wall) j["wall"] = w.wall(*m.wall);
   if (m.failure) j["failure"] = {{"end", static_cast<int>(m.failure->end)}, {"reason", m.failure->reason}};
   if (m.unstacking) {
     j["unstacking"] = {{"remaining", m.unstacking->remaining},
@@ -337,6 +350,7 @@ RunMemory memory_of(const json& j, const Reader& r) {
     m.plan = FollowedPlan{
         r.placement(j.at("plan").at("placement")), j.at("plan").at("stack_before").get<std::size_t>(),
         j.at("plan").at("friction_level").get<std::size_t>(), route_of(j.at("plan").at("route"))};
+  if (j.contains("wall")) m.wall = r.wall(j.at("wall"));
   if (j.contains("failure"))
     m.failure = Failure{static_cast<RunEnd>(j.at("failure").at("end").get<int>()),
                         j.at("failure").at("reason").get<std::string>()};

@@ -111,5 +111,36 @@ TEST(JudgeTower, TriesATowerByWaitingAndShaking) {
   EXPECT_EQ(left.standing, (std::vector<int>{2, 2, 2})) << "a box over the edge falls";
 }
 
+TEST(JudgeWall, CountsTheStonesThatAreWhereItIsSaidAndStay) {
+  Bench bench;
+  const auto site = bench.layout.site;
+  std::vector<PlacedStone> wall;
+  const auto put = [&](StoneIndex stone, double dx, double z) {
+    const Pose T_W_O = make_pose(Eigen::Vector3d(site.x() + dx, site.y(), z));
+    bench.simulated.place(stone, T_W_O);
+    wall.push_back({stone, T_W_O});
+  };
+  put(0_stone, -0.07, 0.025);
+  put(1_stone, 0.07, 0.025);
+  put(2_stone, 0.0, 0.0751);
+  TowerVerdict verdict = judge_wall(bench.simulated, wall);
+  EXPECT_TRUE(verdict.stand.stands) << verdict.stand.reason;
+  EXPECT_EQ(verdict.stand.standing, 3);
+  SurvivalOptions options{.seconds = {0.5}};
+  EXPECT_EQ(try_tower(bench.simulated, options, tower_bounds(), wall).standing, std::vector<int>{3});
+  EXPECT_EQ(try_tower(bench.simulated, options, tower_bounds(), wall).shaken, 3);
+  RunResult result;
+  result.height = 3;
+  result.world.stack = stacking::as_estimates(wall);
+  EXPECT_LT(judge_run(bench.simulated, result).height, 3) << "it is no tower";
+  result.wall = WallMetrics{};
+  EXPECT_EQ(judge_run(bench.simulated, result).height, 3);
+
+  bench.simulated.place(2_stone, make_pose(Eigen::Vector3d(site.x() + 0.30, site.y(), 0.025)));
+  verdict = judge_wall(bench.simulated, wall);  // the program still believes that it is up there
+  EXPECT_FALSE(verdict.stand.stands);
+  EXPECT_EQ(verdict.stand.standing, 2) << verdict.stand.reason;
+}
+
 }  // namespace
 }  // namespace stonestack::experiment

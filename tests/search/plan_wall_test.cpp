@@ -115,6 +115,94 @@ TEST(PlanWall, AStraightWallIsAsLongAsAskedAndNoJointRunsThrough) {
   EXPECT_EQ(plan.placements.back().course, 1);
 }
 
+/// The problem and the plan when the first `count` stones of three_bricks() stand, moved by 3 mm along the
+/// wall.
+struct HalfBuilt {
+  SearchProblem problem = bricks_on_the_floor(3);
+  WallBegun begun;
+  explicit HalfBuilt(std::size_t count) {
+    begun.T_W_V = three_bricks().T_W_V;
+    const auto& planned = three_bricks().placements;
+    for (std::size_t k = 0; k < planned.size(); ++k) {
+      if (k >= count) {
+        begun.rest.push_back(planned[k]);
+        continue;
+      }
+      const Placement& placed = planned[k].placement;
+      problem.stack.stones.push_back({placed.stone, Eigen::Translation3d(0.003, 0.0, 0.0) * placed.T_W_O});
+      begun.courses.push_back(planned[k].course);
+      std::erase_if(problem.available, [&](const auto& loose) { return loose.stone == placed.stone; });
+    }
+  }
+  [[nodiscard]] WallPlan plan() const { return plan_wall(problem, courses({2, 1}), quick(), {}, begun); }
+};
+
+TEST(PlanWall, GoesOnFromWhatStandsAsItWasPlanned) {
+  const WallPlan plan = HalfBuilt(1).plan();
+  ASSERT_EQ(plan.placements.size(), 2U) << plan.reason;
+  EXPECT_EQ(plan.reason, "");
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(plan.placements[k].placement.stone, three_bricks().placements[k + 1].placement.stone);
+    EXPECT_NEAR((place(plan, k) - place(three_bricks(), k + 1)).norm(), 0.0, 0.002);
+    EXPECT_EQ(plan.placements[k].course, three_bricks().placements[k + 1].course);
+  }
+  EXPECT_THAT(plan.placements[1].supports, UnorderedElementsAre(0, 1));
+  EXPECT_EQ(plan.metrics.placed, 3);
+  EXPECT_EQ(plan.T_W_V.matrix(), three_bricks().T_W_V.matrix());
+}
+
+TEST(PlanWall, PlansAnewWhereTheRestOfThePlanDoesNotHold) {
+  HalfBuilt half(1);
+  half.begun.rest.front().placement.T_W_O = half.problem.stack.stones.front().T_W_O;  // within the first
+  const WallPlan plan = half.plan();
+  ASSERT_EQ(plan.placements.size(), 2U) << plan.reason;
+  EXPECT_GT((place(plan, 0) - half.problem.stack.stones.front().T_W_O.translation()).norm(), 0.10);
+}
+
+TEST(PlanWall, AWallThatIsWholeAsksForNothing) {
+  const WallPlan plan = HalfBuilt(3).plan();
+  EXPECT_TRUE(plan.placements.empty());
+  EXPECT_EQ(plan.reason, "");
+  EXPECT_EQ(plan.metrics.placed, 3);
+}
+
+TEST(PlanWall, AsksTheArmForEachStoneAmongThoseThatStand) {
+  SearchProblem problem = bricks_on_the_floor(4);
+  std::size_t most_below = 0;
+  double furthest = 0.0;
+  problem.reachable = [&](StoneIndex stone, const Pose& T_W_O, const Stack& below) {
+    most_below = std::max(most_below, below.stones.size());
+    furthest = std::max(furthest, (T_W_O.translation().head<2>() - problem.site).norm());
+    for (const PlacedStone& lower : below.stones)
+      furthest = std::max(furthest, (lower.T_W_O.translation().head<2>() - problem.site).norm());
+    return stone != 1_stone;
+  };
+  const WallPlan plan = plan_wall(problem, courses({2, 1}), quick());
+  ASSERT_EQ(plan.placements.size(), 3U) << plan.reason;
+  for (const WallPlacement& next : plan.placements) EXPECT_NE(next.placement.stone, 1_stone);
+  EXPECT_EQ(most_below, 2U);
+  EXPECT_LT(furthest, 0.25) << "poses are given in W, near the site";
+  EXPECT_GT(plan.unreachable, 0);
+  problem.reachable = [](StoneIndex, const Pose&, const Stack&) { return false; };
+  const WallPlan none = plan_wall(problem, courses({2, 1}), quick());
+  EXPECT_TRUE(none.placements.empty());
+  EXPECT_THAT(none.reason, HasSubstr("the arm brings none"));
+}
+
+TEST(PlanWall, NeighboursKeepTheGapThatIsAskedFor) {
+  WallTarget target = courses({2, 2});
+  target.joint_gap = 0.02;
+  const WallPlan plan = plan_wall(bricks_on_the_floor(4), target, quick());
+  ASSERT_EQ(plan.placements.size(), 4U) << plan.reason;
+  for (const std::size_t k : {std::size_t{0}, std::size_t{2}}) {
+    Stack pair;
+    for (const std::size_t i : {k, k + 1})
+      pair.stones.push_back({plan.placements[i].placement.stone, plan.placements[i].placement.T_W_O});
+    const auto contacts = geometric_contacts(bricks(), pair, 0.016);
+    for (const Contact& contact : contacts) EXPECT_EQ(contact.below, kTable) << "nearer than 16 mm";
+  }
+}
+
 TEST(PlanWall, RefusesWhatCannotBe) {
   const SearchProblem problem = bricks_on_the_floor(3);
   const auto refusal = [&](const WallTarget& target) -> std::string {

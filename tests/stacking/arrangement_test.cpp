@@ -75,6 +75,31 @@ TEST(EstimateStones, AStoneOnTheTableHasFallen) {
   EXPECT_EQ(stones.loose[0].stone, 1_stone);
 }
 
+TEST(EstimateStones, StonesOfAWallStandBesideAndOnEachOther) {
+  BuildOptions wall;
+  wall.wall = "2+1";
+  const std::vector<PlacedStone> expected{
+      {1_stone, on_site(0.025, -0.055)}, {2_stone, on_site(0.025, 0.055)}, {3_stone, on_site(0.075)}};
+  const auto estimated = [&](const std::vector<Sighting>& sightings) {
+    return estimate_stones(slabs(), {}, as_estimates(expected), sightings, wall);
+  };
+  std::vector<Sighting> all{seen(1_stone, on_site(0.025, -0.055)), seen(2_stone, on_site(0.025, 0.056)),
+                            seen(3_stone, on_site(0.076, 0.004))};
+  ASSERT_EQ(estimated(all).stack.size(), 3U);
+  EXPECT_NEAR(estimated(all).stack[2].T_W_O_at_rest.translation().x(), CellLayout{}.site.x() + 0.004, 0.002);
+  EXPECT_EQ(estimate(expected, all).stack.size(), 1U) << "no tower";
+
+  all[2] = seen(3_stone, on_site(0.025, 0.30));  // the upper one has fallen
+  EXPECT_EQ(estimated(all).stack.size(), 2U);
+  ASSERT_EQ(estimated(all).loose.size(), 1U);
+  EXPECT_EQ(estimated(all).loose[0].stone, 3_stone);
+
+  all = {seen(2_stone, on_site(0.025, 0.055)), seen(3_stone, on_site(0.075))};  // the first is hidden
+  EXPECT_EQ(estimated(all).stack.size(), 3U) << "it carries what is seen";
+  all = {seen(2_stone, on_site(0.025, 0.055))};
+  EXPECT_EQ(estimated(all).stack.size(), 1U) << "nothing shows that the others are there";
+}
+
 TEST(StrayAtStack, NamesTheLowestLevelThatALooseStoneTouches) {
   Arrangement arrangement{{{0_stone, on_site(0.025)}, {1_stone, on_site(0.075)}},
                           {{2_stone, on_site(0.025, 0.112)}}};

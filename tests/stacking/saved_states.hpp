@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,13 @@ inline std::vector<std::string> decisions(const std::string& folder, const Catal
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     files.push_back(entry.path().string());
   std::sort(files.begin(), files.end());
-  const Models models = make_models(catalogue, robot, CellLayout{});
+  std::optional<Models> models;
   std::vector<std::string> names;
   for (const std::string& file : files) {
     State state = read_state(file, catalogue);
-    add_resting_stacks(models, state.options, state.memory.friction, state.world);
-    names.push_back(name_of(choose_action(state.world, state.memory, models, state.options).action));
+    if (!models) models = make_models(catalogue, robot, CellLayout{}, state.options.wall);
+    add_resting_stacks(*models, state.options, state.memory.friction, state.world);
+    names.push_back(name_of(choose_action(state.world, state.memory, *models, state.options).action));
   }
   return names;
 }

@@ -46,10 +46,17 @@ struct Survival {
 [[nodiscard]] TowerVerdict judge_tower(const SimulatedCell& cell,
                                        const StandOptions& options = tower_bounds(),
                                        const std::string& engine = "bullet");
+/// Judges a wall likewise: of the stones `claimed` those that are there, within 30 mm and 20 deg, are
+/// `stones`; `standing` counts those of them that stay. It stands if all that are claimed are there and stay.
+[[nodiscard]] TowerVerdict judge_wall(const SimulatedCell& cell, const std::vector<PlacedStone>& claimed,
+                                      const StandOptions& options = tower_bounds(),
+                                      const std::string& engine = "bullet");
 /// Simulates the tower at the assumed site at rest, and separately shakes it; `bounds` says how
-/// far a stone may move to count as standing.
+/// far a stone may move to count as standing. Where a `wall` is given, the stones of it that are there are
+/// tried instead; of a wall all stones that stay count, in `shaken` those that end within 10 mm.
 [[nodiscard]] Survival try_tower(const SimulatedCell& cell, const SurvivalOptions& options = {},
-                                 const StandOptions& bounds = tower_bounds());
+                                 const StandOptions& bounds = tower_bounds(),
+                                 const std::vector<PlacedStone>& wall = {});
 
 /// Verdict of one physics engine on the finished tower.
 struct EngineVerdict {

@@ -18,6 +18,7 @@ struct WallTarget {
   int levels = 0;       ///< number of courses, where `courses` is empty
   std::optional<Eigen::Vector2d> centre_W;  ///< middle of the wall on the table, W [m]; empty: the site
   double yaw = 0.0;                         ///< angle of the wall's axis from the x axis of W, about z [rad]
+  double joint_gap = 0.004;                 ///< [m] between neighbours of a course, at least
 };
 
 /// "4+3+2+1": stones of each course; "0.8x3": a wall of 0.8 m in three courses; or the path of a target file,
@@ -27,14 +28,26 @@ struct WallTarget {
 ///   wall: {courses: [4, 3, 2, 1]}      # or {length: 0.8, levels: 3}, metres
 ///   centre: {x: 0.7, y: 0.28}          # middle of the wall on the table, W, metres; may be missing
 ///   yaw_deg: 0                         # of the wall's axis from x; may be missing
+///   joint_gap: 0.004                   # between neighbours of a course, metres; may be missing
 /// @throws InvalidArgument; FileError for a file that cannot be read or asks for what is impossible.
 [[nodiscard]] WallTarget read_wall_target(const std::string& text);
 
 /// A stone of a wall.
 struct WallPlacement {
-  Placement placement;        ///< stone, pose, and what was predicted
-  int course = 0;             ///< from 0, the one on the table
-  std::vector<int> supports;  ///< placements that it rests on, in the order of the plan; empty: the table
+  Placement placement;  ///< stone, pose, and what was predicted
+  int course = 0;       ///< from 0, the one on the table
+  /// Stones that it rests on, counted in the order in which they are built, those that stand already first;
+  /// empty: the table.
+  std::vector<int> supports;
+};
+
+/// A wall that stands in part: the stack of the search problem.
+struct WallBegun {
+  Pose T_W_V = Pose::Identity();  ///< frame of the wall: x along it, y across, z = 0 the table
+  std::vector<int> courses;       ///< course of each stone of the stack, from 0
+  /// Stones as an earlier plan meant to go on with, in order: tried first, as long as they hold.
+  std::vector<WallPlacement> rest;
+  bool rest_only = false;  ///< no other stones are searched for
 };
 
 /// Figures of a wall, as planned or as built.
@@ -57,23 +70,34 @@ struct WallMetrics {
 
 /// A wall on paper.
 struct WallPlan {
-  std::vector<WallPlacement> placements;  ///< in the order in which they are built
-  WallMetrics metrics;                    ///< of the whole
+  std::vector<WallPlacement> placements;  ///< what is yet to be built, in order
+  WallMetrics metrics;                    ///< of the whole, with the stones that stand already
+  Pose T_W_V = Pose::Identity();          ///< frame of the wall, as in `WallBegun`
   std::string reason;                     ///< what stood in the way of more; empty: nothing
   long candidates = 0;                    ///< poses evaluated
+  int unreachable = 0;                    ///< proposals that the arm could not bring about
   double seconds = 0.0;                   ///< duration [s]
 };
 
-/// Plans a wall, stone by stone from the table up, on the empty table: each stone rests on what stands, clear
+/// Plans a wall, stone by stone from the table up: each stone rests on what stands, clear
 /// of its neighbours, where it covers the joint below; it is let down in simulation, and what stands is
 /// judged with each stone dynamic. Depth-first with backtracking where the number of stones is given, and in
-/// passes that begin anew with what was left over. The stack of the problem must be empty, and `reachable` is
-/// not asked. The plan with most stones is returned, for a length the one whose courses are longest.
-/// @throws InvalidArgument for a target without courses, or with counts that are not positive, and as
-/// find_next_pose does. Ctrl-C and the budget end it with the best so far.
+/// passes that begin anew with what was left over. The plan with most stones is returned, for a length the
+/// one whose courses are longest. Where `reachable` is given, it is asked for every stone among those that
+/// stand before it, and the wall's middle is where stones of the usual length put it, to some centimetres.
+/// @param begun required where the stack of the problem is not empty
+/// @throws InvalidArgument for a target without courses, or with counts that are not positive, for a stack
+/// and courses that do not go together, and as find_next_pose does. Ctrl-C and the budget end it with the
+/// best so far.
 [[nodiscard]] WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target,
                                  const SearchOptions& options = {},
-                                 const std::function<void(const std::string&)>& report = {});
+                                 const std::function<void(const std::string&)>& report = {},
+                                 const std::optional<WallBegun>& begun = std::nullopt);
+
+/// Figures of a wall that stands: the stack of the problem, with the courses of `begun`; `asked` is 0.
+/// @throws InvalidArgument as plan_wall does.
+[[nodiscard]] WallMetrics measure_wall(const SearchProblem& problem, const WallBegun& begun,
+                                       const SearchOptions& options = {});
 
 }  // namespace stonestack::search
 

@@ -80,7 +80,10 @@ struct PlacementRecord {
   std::optional<Pose> T_W_O_measured;  ///< where it was seen afterwards
   Outcome outcome = Outcome::kPlaced;  ///< outcome by the observation after it
   std::string note;                    ///< remark for a person
-  int level = 0;  ///< that it was meant for, from 1 on the table; 0: for none (unstacked, reoriented)
+  /// Place that it was meant for in the order of the structure, from 1, the first on the table; 0: for none
+  /// (unstacked, reoriented)
+  int level = 0;
+  int course = 0;                                     ///< of a wall, from 1 on the table; 0: of none
   std::optional<Pose> T_W_O_at_rest = std::nullopt;   ///< where it rests by physics, near `T_W_O_measured`
   Eigen::Vector3d p_W_aim = Eigen::Vector3d::Zero();  ///< shift of the aim against the bias, m
 };

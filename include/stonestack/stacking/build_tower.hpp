@@ -7,6 +7,7 @@
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/pick_and_place.hpp"
 #include "stonestack/search/find_next_pose.hpp"
+#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/stacking/action.hpp"
 #include "stonestack/stacking/event.hpp"
 #include "stonestack/stacking/world_estimate.hpp"
@@ -53,6 +54,9 @@ struct BuildOptions {
   int pick_attempts = 3;    ///< of one stone that the gripper misses or drops
   /// Path of the finger tips that plans count on: parallel or three_finger (motion::Linkage).
   std::string linkage = "parallel";
+  /// Wall that is built: stones a course ("4+3+2+1"), metres and courses ("0.8x3") or a target file
+  /// (`read_wall_target`); empty: a tower. Needs the default search.
+  std::string wall;
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };
 /// Names the options of the loop.
@@ -98,6 +102,7 @@ struct RunResult {
   End end = End::kAllPlaced;                ///< reason why the run ended
   StageSeconds seconds;                     ///< durations of the stages
   WorldEstimate world;                      ///< as last observed
+  std::optional<WallMetrics> wall;          ///< figures of the wall as last observed; empty for a tower
   std::vector<Event> events;                ///< events in order
   Timeline timeline;                        ///< motion of arm and stones over time
 };
@@ -111,10 +116,10 @@ struct BuildHooks {
   std::string states_folder;   ///< where `run.save_states` writes; empty: nowhere
 };
 
-/// The paper's loop (figure 1): observe, choose, plan, execute, observe again, judge, learn, until no pose is
-/// feasible, a placement failed, or all stones are placed. Stops the arm and returns what was done when
-/// interrupted or when a device fails. The journal's last line, of kind "end", records how the run ended and
-/// why.
+/// The paper's loop (figure 1), for a tower or, with `options.wall`, for a wall: observe, choose, plan,
+/// execute, observe again, judge, learn, until no pose is feasible, a placement failed, or all stones are
+/// placed. Stops the arm and returns what was done when interrupted or when a device fails. The journal's
+/// last line, of kind "end", records how the run ended and why.
 [[nodiscard]] RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                                     const BuildOptions& options, const BuildHooks& hooks = {});
 

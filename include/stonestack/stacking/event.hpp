@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "stonestack/search/plan_wall.hpp"
 #include "stonestack/stacking/action.hpp"
 #include "stonestack/stacking/world_estimate.hpp"
 #include "stonestack/stone/catalogue.hpp"
@@ -24,6 +25,10 @@ struct StoneNote {
 /// A new estimate of the world, without its views.
 struct Observed {
   WorldEstimate world;  ///< estimate after the observation
+};
+/// The wall that is built was measured.
+struct WallMeasured {
+  WallMetrics wall;  ///< figures of what stands
 };
 /// A stone of the stack was found beside where it was or was aimed.
 struct StoneMoved {
@@ -208,13 +213,13 @@ struct ReleaseMeasured {
 
 /// Anything that happens in a run.
 using Event =
-    std::variant<Observed, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain, UnknownObjectSeen,
-                 CameraRefined, CameraNotTurned, SiteOccupied, SiteSeenFromOneSide, BackedAway, StonesUnfit,
-                 StonesNotHeld, SearchProgress, SearchedAtFriction, PlanHolds, PlanBroken, PlanAbandoned,
-                 PosesRefused, GraspsRetried, StoneLeans, UnstackChosen, UnstackToFree, ActionChosen,
-                 PlaceBegun, SetDownBegun, FingertipGrasp, MotionRefused, PlacementJudged, FrictionMeasured,
-                 FrictionUpdated, StoneToppled, RunEnded, StepBegun, HoldMeasured, CarriedMeasured,
-                 TouchMeasured, ReleaseMeasured>;
+    std::variant<Observed, WallMeasured, StoneMoved, StoneLeftStack, StoneSought, StoneUncertain,
+                 UnknownObjectSeen, CameraRefined, CameraNotTurned, SiteOccupied, SiteSeenFromOneSide,
+                 BackedAway, StonesUnfit, StonesNotHeld, SearchProgress, SearchedAtFriction, PlanHolds,
+                 PlanBroken, PlanAbandoned, PosesRefused, GraspsRetried, StoneLeans, UnstackChosen,
+                 UnstackToFree, ActionChosen, PlaceBegun, SetDownBegun, FingertipGrasp, MotionRefused,
+                 PlacementJudged, FrictionMeasured, FrictionUpdated, StoneToppled, RunEnded, StepBegun,
+                 HoldMeasured, CarriedMeasured, TouchMeasured, ReleaseMeasured>;
 /// Receiver of events.
 using Listener = std::function<void(const Event&)>;
 

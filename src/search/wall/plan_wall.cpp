@@ -39,28 +39,69 @@ Pose frame_of(const WallTarget& target, const Eigen::Vector2d& site, double midd
   return T_W_V * Eigen::Translation3d(-middle, 0.0, 0.0);
 }
 
+/// x of the middle of a wall whose stones have the usual length, where the first begins at 0.
+double usual_middle(const WallTarget& target, const std::vector<WallStone>& stones) {
+  if (target.courses.empty()) return 0.5 * target.length;
+  double length = 0.0;
+  for (const WallStone& stone : stones)
+    length += (stone.sides.front().extents.max - stone.sides.front().extents.min).x() /
+              static_cast<double>(stones.size());
+  const int count = target.courses.front();
+  return 0.5 * (count * length + (count - 1) * target.joint_gap);
+}
+
+/// A stone at a pose in the wall's frame, as one of a course.
+WallStonePlaced standing(const SearchContext& context, const PlacedStone& stone, int course) {
+  const StoneGeometry& geometry = at(context.geometry, stone.stone);
+  const BodyPose body = body_pose(geometry, stone.T_W_O);
+  return placed_in_wall({stone.stone, &geometry, {}}, standing_side(context, geometry, body.R_W_O),
+                        body.R_W_O, body.p_W_M, course);
+}
+
+/// The state of a wall that stands in part.
+WallState state_of(const SearchContext& context, const std::optional<WallBegun>& begun) {
+  WallState state;
+  if (!begun) return state;
+  const Pose T_V_W = begun->T_W_V.inverse();
+  for (std::size_t k = 0; k < context.stack.stones.size(); ++k) {
+    const PlacedStone& stone = context.stack.stones[k];
+    state.stones.push_back(standing(context, {stone.stone, T_V_W * stone.T_W_O}, begun->courses[k]));
+    state.trials.emplace_back();
+  }
+  return state;
+}
+
 class WallSearch {
  public:
-  WallSearch(const SearchContext& context, const WallTarget& target)
+  WallSearch(const SearchContext& context, const WallTarget& target, const std::optional<WallBegun>& begun)
       : context_(context),
         target_(target),
-        stones_(wall_stones(context, 2 * raster_half(context, context.options->grid) + 1)) {
+        stones_(wall_stones(context, 2 * raster_half(context, context.options->grid) + 1)),
+        start_(state_of(context, begun)) {
     asked_ = stones_asked(target);
     budget_ = kJudgedPerStone * (asked_ > 0 ? asked_ : static_cast<int>(context.available.size()));
+    if (begun)
+      T_W_V_ = begun->T_W_V;
+    else if (context.problem->reachable && !stones_.empty())
+      T_W_V_ = frame_of(target, context.problem->site, usual_middle(target, stones_));
+    if (begun) {
+      rest_ = begun->rest;
+      rest_only_ = begun->rest_only;
+    }
   }
 
   void run() {
     try {
-      bool done = false;
+      bool done = go_on_as_planned() || rest_only_;
       for (int pass = 0; pass < kPasses && !done && !context_.out_of_time(); ++pass) {
         variation_ = pass == 0 ? 0.0 : kVariation;
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
         judged_ = 0;
         longest_ = {};
         if (asked_ == 0)
-          grow({});
+          grow(start_);
         else
-          done = complete({});
+          done = complete(start_);
         done = done || (asked_ == 0 && pass + 1 == kPassesOfLength);
         for (const WallStone& stone : stones_)
           if (!longest_.holds(stone.stone)) urgency_[stone.stone] += kUrgency;
@@ -76,17 +117,76 @@ class WallSearch {
     return !best_.stones.empty() && best_.stones.back().course + 1 >= target_.levels;
   }
   [[nodiscard]] const WallState& best() const { return best_; }
+  /// Frame of the wall in W, where it was fixed before the search.
+  [[nodiscard]] const std::optional<Pose>& frame() const { return T_W_V_; }
   [[nodiscard]] int asked() const { return asked_; }
   [[nodiscard]] long candidates() const { return candidates_; }
+  [[nodiscard]] int unreachable() const { return unreachable_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
 
  private:
+  /// Puts the stones of an earlier plan where it meant them to go, as far as they hold.
+  /// @return true if the wall is whole then
+  bool go_on_as_planned() {
+    WallState state = start_;
+    keep(state);
+    for (const WallPlacement& planned : rest_) {
+      if (context_.out_of_time()) return false;
+      const Stack below = state.stack();
+      const Placement& placement = planned.placement;
+      if (state.stones.size() == start_.stones.size() && !is_reachable(placement, below)) return false;
+      Settled next;
+      next.trial.stone = placement.stone;
+      next.trial.T_W_O = T_W_V_->inverse() * placement.T_W_O;
+      next.trial = settled_trial(context_, below, std::move(next.trial));
+      if (!next.trial.alive || !holds(state, next)) {
+        reason_ = next.trial.outcome;
+        return false;
+      }
+      next.placed = standing(context_, {placement.stone, next.trial.placement.T_W_O}, planned.course);
+      state = with(state, next);
+      keep(state);
+    }
+    return !rest_.empty() && !slot_after(state);
+  }
+
+  /// Can the arm bring the stone to that pose, in W, among those stones of the wall?
+  [[nodiscard]] bool is_reachable(const Placement& placement, const Stack& below_V) const {
+    if (!context_.problem->reachable) return true;
+    Stack below = context_.stack;  // in W; what the search has put there follows
+    for (std::size_t k = below.stones.size(); k < below_V.stones.size(); ++k)
+      below.stones.push_back({below_V.stones[k].stone, *T_W_V_ * below_V.stones[k].T_W_O});
+    return context_.problem->reachable(placement.stone, placement.T_W_O, below);
+  }
+
+  /// Best first, the proposals that the arm can carry out, at most `kSettledInSlot`.
+  void keep_reachable(std::vector<WallProposal>& list, const Stack& below) {
+    if (!context_.problem->reachable) {
+      list.resize(std::min(list.size(), kSettledInSlot));
+      return;
+    }
+    std::vector<WallProposal> kept;
+    for (WallProposal& made : list) {
+      if (kept.size() == kSettledInSlot) break;
+      throw_if_interrupted();
+      Placement placement;
+      placement.stone = made.proposal.stone;
+      placement.T_W_O = *T_W_V_ * stone_pose(made.proposal.body);
+      if (is_reachable(placement, below))
+        kept.push_back(std::move(made));
+      else
+        ++unreachable_;
+    }
+    list = std::move(kept);
+  }
+
   /// The stones that come to rest in a slot in balance, best first.
   std::vector<Settled> settled(const WallState& state, const WallSlot& slot) {
     WallProposals proposals = wall_proposals(context_, state, slot, stones_);
     candidates_ += proposals.evaluated;
-    proposals.list.resize(std::min(proposals.list.size(), kSettledInSlot));
     const Stack below = state.stack();
+    const bool fits = !proposals.list.empty();
+    keep_reachable(proposals.list, below);
     std::vector<Settled> list(proposals.list.size());
     run_tasks(context_.options->threads, list.size(), [&](std::size_t k) {
       const WallProposal& made = proposals.list[k];
@@ -103,7 +203,9 @@ class WallSearch {
     });
     for (const Settled& one : list)
       if (!one.trial.alive) reason_ = one.trial.outcome;
-    if (list.empty()) reason_ = "no stone that is left fits";
+    if (list.empty())
+      reason_ =
+          fits ? "the arm brings none of the stones that fit to its place" : "no stone that is left fits";
     std::erase_if(list, [](const Settled& one) { return !one.trial.alive; });
     for (Settled& one : list) one.worth += urgency_[one.placed.stone] + random_.normal(0.0, variation_);
     std::stable_sort(list.begin(), list.end(),
@@ -198,6 +300,11 @@ class WallSearch {
   const SearchContext& context_;
   const WallTarget& target_;
   std::vector<WallStone> stones_;
+  WallState start_;                  // what stands before the search
+  std::optional<Pose> T_W_V_;        // see frame()
+  std::vector<WallPlacement> rest_;  // of an earlier plan, in W
+  bool rest_only_ = false;
+  int unreachable_ = 0;
   WallState best_, longest_;              // of all passes, of this pass
   std::map<StoneIndex, double> urgency_;  // a stone that is hard to place is placed early
   int asked_ = 0, judged_ = 0, budget_ = 0;
@@ -226,6 +333,25 @@ void check_target(const WallTarget& target, std::size_t stones) {
           " are there");
 }
 
+void check_begun(const SearchProblem& problem, const std::optional<WallBegun>& begun) {
+  const std::size_t stones = problem.stack.stones.size(), courses = begun ? begun->courses.size() : 0;
+  require(courses == stones, stones, " stones of the wall stand, and the course of ", courses, " is given");
+  if (!begun) return;
+  require(is_valid(begun->T_W_V), "the wall's frame is no pose");
+  for (const int course : begun->courses) require(course >= 0, "a stone is in course ", course);
+  for (const WallPlacement& planned : begun->rest)
+    require(planned.course >= 0 && is_valid(planned.placement.T_W_O) &&
+                static_cast<std::size_t>(planned.placement.stone.value()) < problem.shapes->size(),
+            "the rest of the plan names no stone or no pose");
+}
+
+SearchContext wall_context(const SearchProblem& problem, const SearchOptions& options,
+                           const std::function<void(const std::string&)>& report) {
+  SearchContext context = make_context(problem, options, report);
+  context.tower = false;
+  return context;
+}
+
 /// Placements that each stone rests on.
 std::vector<std::vector<int>> supports_of(const SearchContext& context, const WallState& state) {
   std::vector<std::vector<int>> supports(state.stones.size());
@@ -240,17 +366,17 @@ std::vector<std::vector<int>> supports_of(const SearchContext& context, const Wa
 }  // namespace
 
 WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const SearchOptions& options,
-                   const std::function<void(const std::string&)>& report) {
+                   const std::function<void(const std::string&)>& report,
+                   const std::optional<WallBegun>& begun) {
   check_problem(problem, options);
-  require(problem.stack.stones.empty(), "a wall is planned on the empty table, and ",
-          problem.stack.stones.size(), " stones stand");
-  check_target(target, problem.available.size());
-  SearchContext context = make_context(problem, options, report);
-  context.tower = false;
-  WallSearch search(context, target);
+  check_begun(problem, begun);
+  check_target(target, problem.available.size() + problem.stack.stones.size());
+  SearchContext context = wall_context(problem, options, report);
+  WallSearch search(context, target, begun);
   search.run();
   const WallState& best = search.best();
   WallPlan plan;
+  plan.unreachable = search.unreachable();
   plan.candidates = search.candidates();
   plan.metrics = wall_metrics(context, best);
   plan.metrics.asked = search.asked();
@@ -259,17 +385,24 @@ WallPlan plan_wall(const SearchProblem& problem, const WallTarget& target, const
     left = std::min(left, best.stones[static_cast<std::size_t>(k)].reach.min.x());
     right = std::max(right, best.stones[static_cast<std::size_t>(k)].reach.max.x());
   }
-  const Pose T_W_V = frame_of(target, problem.site, 0.5 * (left + right));
+  plan.T_W_V = search.frame().value_or(frame_of(target, problem.site, 0.5 * (left + right)));
   const std::vector<std::vector<int>> supports = supports_of(context, best);
-  for (std::size_t k = 0; k < best.stones.size(); ++k) {
+  for (std::size_t k = problem.stack.stones.size(); k < best.stones.size(); ++k) {
     WallPlacement placement{best.trials[k].placement, best.stones[k].course, supports[k]};
-    placement.placement.T_W_O = T_W_V * placement.placement.T_W_O;
+    placement.placement.T_W_O = plan.T_W_V * placement.placement.T_W_O;
     placement.placement.support = {};
     plan.placements.push_back(std::move(placement));
   }
   if (!search.is_whole()) plan.reason = search.reason();
   plan.seconds = context.watch.seconds();
   return plan;
+}
+
+WallMetrics measure_wall(const SearchProblem& problem, const WallBegun& begun, const SearchOptions& options) {
+  check_problem(problem, options);
+  check_begun(problem, begun);
+  const SearchContext context = wall_context(problem, options, {});
+  return wall_metrics(context, state_of(context, begun));
 }
 
 }  // namespace stonestack::search

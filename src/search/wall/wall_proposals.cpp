@@ -9,7 +9,7 @@
 namespace stonestack::search {
 namespace {
 
-constexpr double kJointGap = 0.004;         // m between neighbours of a course
+constexpr double kRasterGap = 0.004;        // m between neighbours that a raster keeps by itself
 constexpr int kSlotOffsets = 4;             // OffsetGrid::n
 constexpr double kSlotPitch = 0.008;        // m
 constexpr int kLevellings = 4;              // rounds of turning a stone level and landing it anew
@@ -26,14 +26,26 @@ StackField wall_field(const SearchContext& context, const WallState& state, cons
     const StoneGeometry& geometry = at(context.geometry, placed.stone);
     const BodyPose body = body_pose(geometry, placed.T_W_O);
     if ((body.p_W_M.head<2>() - grid.centre).lpNorm<Eigen::Infinity>() > reach + geometry.radius) continue;
-    (placed.course == slot.course ? beside : below).push_back(body);
+    if (placed.course != slot.course) {
+      below.push_back(body);
+      continue;
+    }
+    beside.push_back(body);
+    const double wider = slot.joint_gap - kRasterGap;
+    if (wider <= 0.0) continue;
+    for (const Eigen::Vector3d& n : {Eigen::Vector3d::UnitX().eval(), Eigen::Vector3d::UnitY().eval()})
+      for (const double aside : {-wider, wider}) {
+        beside.push_back(body);
+        beside.back().p_W_M += aside * n;
+      }
   }
   return {top_surface(below, beside, grid, kCleanHeight), {}, context.options->friction};
 }
 
 /// Where the centre of mass of a side goes before it is moved about.
 Eigen::Vector2d wanted_place(const WallSlot& slot, const WallSide& side) {
-  const double left = std::isfinite(slot.from) ? slot.from + (slot.course > 0 ? 0.0 : kJointGap) : 0.0;
+  const double gap = slot.course > 0 ? std::max(0.0, slot.joint_gap - kRasterGap) : slot.joint_gap;
+  const double left = std::isfinite(slot.from) ? slot.from + gap : 0.0;
   const double x = slot.centre ? *slot.centre - 0.5 * (side.extents.min + side.extents.max).x()
                                : left - side.extents.min.x();
   return {x, -0.5 * (side.extents.min + side.extents.max).y()};

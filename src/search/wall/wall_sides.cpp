@@ -100,6 +100,22 @@ Extents extents_of(const StoneGeometry& stone, const Eigen::Matrix3d& R_W_O) {
   return extents;
 }
 
+WallSide standing_side(const SearchContext& context, const StoneGeometry& stone,
+                       const Eigen::Matrix3d& R_W_O) {
+  const SearchOptions& o = *context.options;
+  const LooseStone alone{kNoStone, &stone, {}, stone.radius, nullptr};
+  const StackField table = stack_field({}, {&alone, 1}, {0, 0}, o.grid, o);
+  WallSide side{R_W_O, {}, {}, extents_of(stone, R_W_O), area(outline_of(stone, R_W_O)), {}};
+  if (const auto top = top_of(table, stone, R_W_O)) {
+    side.top = *top;
+    return side;
+  }
+  for (const Eigen::Vector3d& v : stone.vertices_M)
+    side.top.height = std::max(side.top.height, (R_W_O * v).z());
+  side.top.normal_O = R_W_O.transpose() * Eigen::Vector3d::UnitZ();
+  return side;
+}
+
 int raster_half(const SearchContext& context, double cell) {
   double radius = 0.0;
   for (const PlacedStone& placed : context.available)

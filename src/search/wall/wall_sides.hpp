@@ -37,6 +37,11 @@ struct WallStone {
 /// @param stride of the rasters that undersides are laid over; `options.grid` is their cell.
 [[nodiscard]] std::vector<WallStone> wall_stones(const SearchContext& context, int stride);
 
+/// A side of a stone that stands already: `on_table` and `underside` are empty. A top that carries no plate
+/// is as high as its highest point and carries nothing.
+[[nodiscard]] WallSide standing_side(const SearchContext& context, const StoneGeometry& stone,
+                                     const Eigen::Matrix3d& R_W_O);
+
 /// Half width, in nodes, of the raster about a place in the wall for any of the stones.
 [[nodiscard]] int raster_half(const SearchContext& context, double cell);
 

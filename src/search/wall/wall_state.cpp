@@ -105,6 +105,7 @@ double common_thickness(const std::vector<WallStone>& stones, const WallState& s
 std::optional<WallSlot> next_slot(const WallTarget& target, const WallState& state,
                                   const std::function<double()>& thickness) {
   WallSlot slot;
+  slot.joint_gap = target.joint_gap;
   const auto at = [&](int i) -> const WallStonePlaced& { return state.stones[static_cast<std::size_t>(i)]; };
   const int reached = state.stones.empty() ? 0 : state.stones.back().course;
   const std::vector<int> last = state.course(reached);

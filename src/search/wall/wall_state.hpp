@@ -36,9 +36,10 @@ struct WallSlot {
   int course = 0;
   double from = -std::numeric_limits<double>::infinity();  ///< x where the last stone of the course ends [m]
   std::optional<double>
-      centre;           ///< x that the stone's middle is wanted at; empty: as near to `from` as it goes
-  double top = 0.0;     ///< height at which its top is wanted [m]
-  bool carries = true;  ///< another course comes on top
+      centre;                ///< x that the stone's middle is wanted at; empty: as near to `from` as it goes
+  double top = 0.0;          ///< height at which its top is wanted [m]
+  bool carries = true;       ///< another course comes on top
+  double joint_gap = 0.004;  ///< [m] to neighbours of the course, at least
   std::vector<double> joints;  ///< x of the joints of the course below [m]
 };
 

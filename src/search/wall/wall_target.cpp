@@ -11,6 +11,7 @@ namespace {
 constexpr const char* kTargetSchema = "stonestack.target/1";
 constexpr double kMaxCourses = 50, kMaxInCourse = 1000;
 constexpr double kMinLength = 0.05, kMaxLength = 100.0;  // m
+constexpr double kMaxJointGap = 0.1;                     // m
 constexpr const char* kTargetForm = "4+3+2+1 (stones a course), 0.8x3 (metres and courses), or a target file";
 
 std::vector<int> counts_of(const std::string& text) {
@@ -57,6 +58,7 @@ WallTarget target_of_file(const std::string& path) {
     target.centre_W = Eigen::Vector2d(x, centre.number("y", -kMaxLength, kMaxLength));
     centre.finish();
   }
+  if (map.has("joint_gap")) target.joint_gap = map.number("joint_gap", 0.0, kMaxJointGap);
   if (map.has("yaw_deg")) target.yaw = map.number("yaw_deg", -360, 360) * M_PI / 180.0;
   map.finish();
   return target;

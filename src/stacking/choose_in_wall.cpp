@@ -1,0 +1,205 @@
+#include "stacking/choose_in_wall.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+constexpr double kJointForArm = 0.010;  // m between neighbours: the arm places a stone to some millimetres
+constexpr double kMaxDoubt = 0.2;       // probability that the stones have less than the assumed friction
+constexpr double kSureStone = 0.85;  // predicted success of every stone of a plan that is searched for first
+
+int stones_of_target(const WallTarget& target) {
+  return std::accumulate(target.courses.begin(), target.courses.end(), 0);
+}
+
+/// Of the frictions at which the wall can stand the highest that the stones have with enough probability; the
+/// lowest, if there is none.
+std::size_t first_friction(const std::vector<bool>& possible, const FrictionEstimate& friction) {
+  std::size_t level = 0;
+  while (level + 1 < possible.size() && !possible[level]) ++level;
+  double less = std::accumulate(friction.weights.begin(),
+                                friction.weights.begin() + static_cast<std::ptrdiff_t>(level), 0.0);
+  for (std::size_t next = level; next + 1 < possible.size(); ++next) {
+    less += friction.weights[next];
+    if (less > kMaxDoubt) break;
+    if (possible[next + 1]) level = next + 1;
+  }
+  return level;
+}
+
+std::size_t stones_at_hand(const SearchProblem& problem) {
+  return problem.stack.stones.size() + problem.available.size();
+}
+
+/// As much of a target as `stones` are enough for: from the table up.
+WallTarget with_stones(WallTarget target, std::size_t stones) {
+  int left = static_cast<int>(stones);
+  for (int& count : target.courses) {
+    count = std::min(count, left);
+    left -= count;
+  }
+  std::erase(target.courses, 0);
+  return target;
+}
+
+/// What stands, and how the last plan meant to go on.
+std::optional<WallBegun> begun_of(const Situation& s, const RunMemory& memory) {
+  if (!memory.wall) return std::nullopt;
+  const auto course = [&](StoneIndex stone) {
+    const auto known = memory.wall->course.find(stone);
+    return known == memory.wall->course.end() ? 0 : known->second;
+  };
+  WallBegun begun{memory.wall->T_W_V, {}, {}};
+  for (const PlacedStone& stone : s.arrangement.stack) begun.courses.push_back(course(stone.stone));
+  for (const PlacedStone& next : rest_of_plan(s, memory.plan)) {
+    WallPlacement planned;
+    planned.placement.stone = next.stone;
+    planned.placement.T_W_O = next.T_W_O;
+    planned.course = course(next.stone);
+    begun.rest.push_back(planned);
+  }
+  return begun;
+}
+
+/// Stones of a plan that are expected to stay, each by itself.
+double expected_stones(const WallPlan& plan) {
+  double sum = 0.0;
+  for (const WallPlacement& next : plan.placements) sum += next.placement.predicted_success;
+  return sum;
+}
+
+/// The first stone of a plan, with those that follow it.
+Placement first_of(const WallPlan& plan) {
+  Placement first = plan.placements.front().placement;
+  for (std::size_t k = 1; k < plan.placements.size(); ++k)
+    first.then.push_back({plan.placements[k].placement.stone, plan.placements[k].placement.T_W_O});
+  first.expected_height = expected_stones(plan);
+  return first;
+}
+
+}  // namespace
+
+/// The plan with what it leads to, as the result of a search.
+SearchOutcome outcome_of(const WallPlan& plan, const RunMemory& memory, std::size_t level, Route route) {
+  SearchOutcome outcome;
+  outcome.friction_level = level;
+  outcome.route = route;
+  outcome.found.reason = plan.reason;
+  outcome.found.candidates = plan.candidates;
+  outcome.found.unreachable = plan.unreachable;
+  outcome.found.seconds = plan.seconds;
+  if (plan.placements.empty()) return outcome;
+  outcome.wall = memory.wall.value_or(WallPlanned{});
+  outcome.wall->T_W_V = plan.T_W_V;
+  for (const WallPlacement& next : plan.placements) outcome.wall->course[next.placement.stone] = next.course;
+  outcome.found.best = {first_of(plan)};
+  return outcome;
+}
+
+/// The earlier plan, if all that is left of it still holds.
+std::optional<SearchOutcome> rest_that_holds(const Situation& s, const RunMemory& memory,
+                                             const WallTarget& target, std::optional<WallBegun> begun) {
+  if (!begun || begun->rest.empty()) return std::nullopt;
+  begun->rest_only = true;
+  const std::size_t level = memory.plan->friction_level;
+  const Route route = memory.plan->route;
+  if (route == Route::kReorienting && !may_reorient(memory, s.options)) return std::nullopt;
+  const auto here =
+      at_friction(make_problem(s, memory, s.arrangement, s.reach, route), s.world.resting[level]);
+  if (!here) return std::nullopt;
+  const SearchOptions options = options_at(s.options, memory.friction, level, route);
+  const WallPlan plan = plan_wall(*here, with_stones(target, stones_at_hand(*here)), options, {}, begun);
+  if (plan.placements.size() < begun->rest.size()) {
+    s.emit(PlanBroken{options.friction, plan.reason});
+    return std::nullopt;
+  }
+  s.emit(PlanHolds{options.friction});
+  return outcome_of(plan, memory, level, route);
+}
+
+bool wall_has_its_stones(const Situation& s) {
+  if (!s.models.wall) return false;
+  const int asked = stones_of_target(*s.models.wall);
+  return asked > 0 && static_cast<int>(s.arrangement.stack.size()) >= asked;
+}
+
+Stop wall_stands(const Situation& s) {
+  return {RunEnd::kHeightReached, concat("the wall stands with ", s.arrangement.stack.size(), " stones")};
+}
+
+SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
+  WallTarget target = *s.models.wall;
+  target.joint_gap = std::max(target.joint_gap, kJointForArm);
+  const std::optional<WallBegun> begun = begun_of(s, memory);
+  if (auto rest = rest_that_holds(s, memory, target, begun)) return *std::move(rest);
+  const std::vector<bool> possible = possible_frictions(s.world);
+  const std::size_t first = first_friction(possible, memory.friction);
+  const int asked = stones_of_target(target);
+  const auto missing = static_cast<double>(asked > 0 ? asked - static_cast<int>(s.arrangement.stack.size())
+                                                     : static_cast<int>(s.arrangement.loose.size()));
+  struct Found {
+    WallPlan plan;
+    std::size_t level = 0;
+    Route route = Route::kDirect;
+    double expected = 0.0;
+  };
+  std::optional<Found> best;
+  SearchOutcome nothing;
+  const auto search = [&](std::size_t level, Route route, double min_success) {
+    const SearchProblem problem = make_problem(s, memory, s.arrangement, s.reach, route);
+    const auto here = at_friction(problem, s.world.resting[level]);
+    if (!here) {
+      nothing.found.reason = s.world.resting[level].reason;
+      return;
+    }
+    SearchOptions options = options_at(s.options, memory.friction, level, route);
+    options.min_success = std::max(options.min_success, min_success);
+    WallPlan plan = plan_wall(
+        *here, with_stones(target, stones_at_hand(*here)), options,
+        [&](const std::string& line) { s.emit(SearchProgress{line}); }, begun);
+    const double expected = expected_stones(plan);
+    s.emit(SearchedAtFriction{options.friction, route, !plan.placements.empty(), expected, missing,
+                              plan.reason});
+    const bool whole = plan.reason.empty(), best_whole = best && best->plan.reason.empty();
+    if (best && (best_whole > whole || (best_whole == whole && expected <= best->expected))) return;
+    best = Found{std::move(plan), level, route, expected};
+  };
+  const auto is_whole = [&] { return best && best->plan.reason.empty(); };
+  // Firm stones first; then whatever makes the wall whole: more friction, a stone that is turned on the way,
+  // stones that are less sure to stay.
+  for (const double min_success : {kSureStone, 0.0})
+    for (const Route route : {Route::kDirect, Route::kReorienting}) {
+      if (is_whole() || (route == Route::kReorienting && !may_reorient(memory, s.options))) continue;
+      for (std::size_t level = first; level < possible.size() && !is_whole(); ++level)
+        if (possible[level]) search(level, route, min_success);
+    }
+  if (!best) return nothing;
+  SearchOutcome outcome = outcome_of(best->plan, memory, best->level, best->route);
+  if (best->plan.placements.empty() && is_whole()) outcome.dead_end = wall_stands(s);
+  return outcome;
+}
+
+WallMetrics measure_wall(const Models& models, const Arrangement& arrangement, const RunMemory& memory,
+                         SearchOptions options) {
+  const WallPlanned& planned = *memory.wall;
+  const FrictionEstimate& friction = memory.friction;
+  options.friction =
+      std::inner_product(friction.frictions.begin(), friction.frictions.end(), friction.weights.begin(), 0.0);
+  SearchProblem problem;
+  problem.shapes = &models.shapes;
+  problem.stack.stones = arrangement.stack;
+  WallBegun begun{planned.T_W_V, {}, {}};
+  for (const PlacedStone& stone : arrangement.stack) {
+    const auto known = planned.course.find(stone.stone);
+    begun.courses.push_back(known == planned.course.end() ? 0 : known->second);
+  }
+  WallMetrics metrics = search::measure_wall(problem, begun, options);
+  if (models.wall) metrics.asked = stones_of_target(*models.wall);
+  return metrics;
+}
+
+}  // namespace stonestack::stacking

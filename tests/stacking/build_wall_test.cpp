@@ -1,0 +1,93 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stacking/saved_states.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+#include "stonestack/stacking/build_tower.hpp"
+#include "temporary_folder.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using namespace simulation;  // the cell that the loop works in here
+
+/// A run that builds 2 + 1 of the stones that come with stonestack, with the states before its decisions.
+struct WallRun {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  std::string states = test::states_folder(test::temporary_folder(), "wall");
+  std::unique_ptr<SimulatedCell> world;
+  RunResult result;
+
+  WallRun() {
+    SimulationOptions truth;
+    truth.seed = 3;
+    world = std::make_unique<SimulatedCell>(catalogue.stones,
+                                            std::vector<StoneIndex>{0_stone, 1_stone, 4_stone, 5_stone},
+                                            robot, CellLayout{}, truth);
+    BuildOptions options;
+    options.wall = "2+1";
+    options.save_states = true;
+    Cell cell = world->cell();
+    result = build_tower(cell, catalogue, robot, options, {{}, nullptr, states});
+  }
+};
+
+const WallRun& wall_run() {
+  static const WallRun run;
+  return run;
+}
+
+TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
+  const RunResult& result = wall_run().result;
+  ASSERT_EQ(result.end, RunEnd::kHeightReached) << result.ended;
+  EXPECT_EQ(result.height, 3);
+  ASSERT_TRUE(result.wall.has_value());
+  EXPECT_EQ(result.wall->placed, 3);
+  EXPECT_EQ(result.wall->asked, 3);
+  EXPECT_EQ(result.wall->joints, 1);
+  EXPECT_EQ(result.wall->open_joints, 0);
+  const std::vector<StoneEstimate>& stack = result.world.stack;
+  ASSERT_EQ(stack.size(), 3U);
+  const Truth truth = wall_run().world->truth();
+  const auto place = [&](std::size_t k) { return at(truth.T_W_O, stack[k].stone).translation(); };
+  EXPECT_GT((place(0) - place(1)).head<2>().norm(), 0.06) << "beside each other";
+  EXPECT_GT(place(2).z(), std::max(place(0).z(), place(1).z()) + 0.03) << "the third lies on them";
+  EXPECT_GT(place(2).x(), std::min(place(0).x(), place(1).x()));
+  EXPECT_LT(place(2).x(), std::max(place(0).x(), place(1).x()));
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_LT(difference(at(truth.T_W_O, stack[k].stone), stack[k].T_W_O_at_rest).translation, 0.006);
+}
+
+TEST(BuildWall, RecordsNameTheCourse) {
+  std::vector<int> courses;
+  for (const PlacementRecord& record : wall_run().result.placements)
+    if (record.outcome == PlacementRecord::Outcome::kPlaced) courses.push_back(record.course);
+  EXPECT_THAT(courses, testing::ElementsAre(1, 1, 2));
+}
+
+TEST(BuildWall, SavedStatesAreDecidedAsInTheRun) {
+  std::vector<std::string> in_run;
+  for (const ActionChosen& chosen : all_of<ActionChosen>(wall_run().result.events))
+    in_run.push_back(name_of(chosen.action));
+  EXPECT_EQ(test::decisions(wall_run().states, wall_run().catalogue, wall_run().robot), in_run);
+}
+
+TEST(BuildWall, RefusesAWallThatItCannotRead) {
+  const Catalogue catalogue = read_catalogue(data_path("stones"));
+  const RobotModel robot = read_robot("ur10");
+  SimulatedCell world(catalogue.stones, {0_stone}, robot, CellLayout{}, {});
+  Cell cell = world.cell();
+  BuildOptions options;
+  options.wall = "3+x";
+  EXPECT_THROW((void)build_tower(cell, catalogue, robot, options), InvalidArgument);
+  options.wall = "1";
+  options.search.method = "paper";
+  EXPECT_THROW((void)build_tower(cell, catalogue, robot, options), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace stonestack::stacking
