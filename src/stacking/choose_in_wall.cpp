@@ -46,6 +46,12 @@ WallTarget with_stones(WallTarget target, std::size_t stones) {
   return target;
 }
 
+/// The highest friction at which the wall can stand.
+std::size_t last_possible(const std::vector<bool>& possible) {
+  const auto last = std::find(possible.rbegin(), possible.rend(), true);
+  return static_cast<std::size_t>(possible.rend() - last) - 1;
+}
+
 /// What stands, and how the last plan meant to go on.
 std::optional<WallBegun> begun_of(const Situation& s, const RunMemory& memory) {
   if (!memory.wall) return std::nullopt;
@@ -169,13 +175,12 @@ SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
     best = Found{std::move(plan), level, route, expected};
   };
   const auto is_whole = [&] { return best && best->plan.reason.empty(); };
-  // Firm stones first; then whatever makes the wall whole: more friction, a stone that is turned on the way,
-  // stones that are less sure to stay.
-  for (const double min_success : {kSureStone, 0.0})
-    for (const Route route : {Route::kDirect, Route::kReorienting}) {
+  // Firm stones first; then what may make the wall whole: more friction and stones that are less sure to
+  // stay, or a stone that is turned on the way.
+  for (const Route route : {Route::kDirect, Route::kReorienting})
+    for (const bool firm : {true, false}) {
       if (is_whole() || (route == Route::kReorienting && !may_reorient(memory, s.options))) continue;
-      for (std::size_t level = first; level < possible.size() && !is_whole(); ++level)
-        if (possible[level]) search(level, route, min_success);
+      search(firm ? first : last_possible(possible), route, firm ? kSureStone : 0.0);
     }
   if (!best) return nothing;
   SearchOutcome outcome = outcome_of(best->plan, memory, best->level, best->route);

@@ -18,11 +18,13 @@ constexpr std::size_t kSettledInSlot = 12;  // proposals of a slot that are let 
 constexpr std::size_t kTriedInSlot = 4;     // of these, that are judged before the search goes back
 constexpr int kPasses = 16;                 // from the table up, at most
 constexpr int kPassesOfLength = 3;          // of these, where a length is given
-constexpr int kJudgedPerStone = 3;          // judgements of a pass, for each stone that is asked for
-constexpr double kUrgency = 0.5;            // worth that a stone gains with each pass that left it over
-constexpr double kVariation = 0.3;          // of the worth of stones, one sigma, from the second pass on
-constexpr double kCloseGap = 0.001;         // m between stones that counts as resting on each other
-constexpr double kBaseStep = 0.02;          // m that a slot moves on where no stone fits
+constexpr int kPassesWithArm = 4;     // likewise where the arm is asked: it makes most of the difference
+constexpr int kJudgedPerStone = 3;    // judgements of a pass, for each stone that is asked for
+constexpr double kUrgency = 0.5;      // worth that a stone gains with each pass that left it over
+constexpr double kVariation = 0.3;    // of the worth of stones, one sigma, from the second pass on
+constexpr double kCloseGap = 0.001;   // m between stones that counts as resting on each other
+constexpr double kAsPlanned = 0.015;  // m that a stone may come to rest beside where it was planned
+constexpr double kBaseStep = 0.02;    // m that a slot moves on where no stone fits
 
 /// A stone that came to rest in a slot.
 struct Settled {
@@ -91,9 +93,10 @@ class WallSearch {
   }
 
   void run() {
+    const int passes = context_.problem->reachable ? kPassesWithArm : kPasses;
     try {
       bool done = go_on_as_planned() || rest_only_;
-      for (int pass = 0; pass < kPasses && !done && !context_.out_of_time(); ++pass) {
+      for (int pass = 0; pass < passes && !done && !context_.out_of_time(); ++pass) {
         variation_ = pass == 0 ? 0.0 : kVariation;
         random_ = Random::stream(static_cast<std::uint64_t>(context_.options->seed), concat("wall ", pass));
         judged_ = 0;
@@ -139,6 +142,11 @@ class WallSearch {
       next.trial.stone = placement.stone;
       next.trial.T_W_O = T_W_V_->inverse() * placement.T_W_O;
       next.trial = settled_trial(context_, below, std::move(next.trial));
+      if (next.trial.alive &&
+          (next.trial.placement.T_W_O.translation() - next.trial.T_W_O.translation()).norm() > kAsPlanned) {
+        next.trial.alive = false;
+        next.trial.outcome = "a stone comes to rest beside where it was planned";
+      }
       if (!next.trial.alive || !holds(state, next)) {
         reason_ = next.trial.outcome;
         return false;
