@@ -33,7 +33,7 @@ using ToolSpeed = std::function<double(const Joints& q)>;
 /// not positive. `limits.tool_speed` must be 0.
 [[nodiscard]] JointTrajectory time_path(const JointPath& path, const TimingLimits& limits);
 /// Times the path so that the tool (T_F_T on the flange), too, is never faster than `limits.tool_speed`, nor
-/// than `tool_speed` if it is given; that is asked at points on the path at most 0.05 rad apart.
+/// than the robot's own, nor than `tool_speed` if it is given; that is asked at points on the path at most 0.05 rad apart.
 [[nodiscard]] JointTrajectory time_path(const JointPath& path, const TimingLimits& limits,
                                         const RobotModel& robot, const Pose& T_F_T,
                                         const ToolSpeed& tool_speed = {});
