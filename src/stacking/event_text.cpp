@@ -174,6 +174,8 @@ std::string to_text(RunEnd end) {
       return "interrupted";
     case RunEnd::kFailed:
       return "failed";
+    case RunEnd::kPlanned:
+      return "planned";
   }
   return "unknown";
 }
