@@ -106,7 +106,7 @@ FieldList fields(CellLimits& l) {
       user(field("joints", l.joints,
                  "six of [least, most], degrees, base to wrist 3; within the robot's own")),
       user(field("joint_speed", l.joint_speed, kShare, "", "share of the robot's own limits")),
-      user(field("joint_acceleration", l.joint_acceleration, kShare, "", "share of the robot's own limits")),
+      field("joint_acceleration", l.joint_acceleration, kShare, "", "share of the robot's own limits"),
       user(field("tool_speed", l.tool_speed, {0.02, 5.0}, "m/s", "of the tool tip at most")),
   };
   for (std::size_t i = 0; i < 3; ++i)
