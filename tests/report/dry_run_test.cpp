@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,7 @@
 #include "hardware/ur/joint_reader.hpp"
 #include "hardware/ur/rtde_client.hpp"
 #include "hardware/ur/ur_status.hpp"
+#include "report/known_cells.hpp"
 #include "rooms.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -118,6 +120,41 @@ TEST_F(DryRun, ConnectsArmAndCameraAlone) {
   cell.gripper.modbus.port = cell.force_torque.port = 1;
   order_.cell = file;
   expect_plan(record_run(order_, catalogue_));
+}
+
+/// Largest speed of the tool in what a dry run planned.
+double fastest(const RecordedRun& done) {
+  double speed = 0.0;
+  for (const PlannedStep& step : done.report.result.planned) speed = std::max(speed, step.tool_speed);
+  return speed;
+}
+
+TEST_F(DryRun, ARealCellIsSlowUntilItHasCompletedARun) {
+  CellFile file = read_cell(data_path("cells/loopback-ur10.yaml"));
+  SimulatedCell world(catalogue_.stones, draw_stones(catalogue_, 2, 3, make_robotiq_3f(), order_.robot),
+                      order_.robot, true_layout(to_layout(file.cell()), file.servers()),
+                      order_.run.simulation);
+  const SimulatedServers servers(world, order_.robot, file.servers());
+  connect_to(servers, file.cell());
+  file.simulate = false;
+  order_.cell = file;
+  const std::string out = order_.out, state = out + "_state";
+  ::setenv("XDG_STATE_HOME", state.c_str(), 1);
+  const auto run = [&](const char* name) {
+    order_.out = out + name;
+    const RecordedRun done = record_run(order_, catalogue_);
+    std::filesystem::remove_all(order_.out);
+    return fastest(done);
+  };
+  EXPECT_LE(run("_new"), 1.001 * kSlowToolSpeed);
+  EXPECT_FALSE(is_known_cell(file.path)) << "a dry run completes nothing";
+  order_.speed = RunSpeed::kFull;
+  EXPECT_GT(run("_asked"), 1.1 * kSlowToolSpeed);
+  order_.speed = RunSpeed::kByDefault;
+  note_known_cell(file.path);
+  EXPECT_GT(run("_known"), 1.1 * kSlowToolSpeed);
+  ::unsetenv("XDG_STATE_HOME");
+  std::filesystem::remove_all(state);
 }
 
 TEST_F(DryRun, ReportsThatTheCameraSeesNoStone) {
