@@ -15,7 +15,7 @@ struct RunCommand {
   CommonOptions common;
   std::string robot = "ur10";
   std::string cell;
-  bool execute = false;
+  bool execute = false, slow = false, full_speed = false, step = false;
   PerRun per_run;
   RunOrder order;
 };
@@ -26,9 +26,15 @@ void check_cell(const RunCommand& command, const CellFile& file) {
           ", ", file.robot());
   if (file.simulate) return;
   require_arm_address(file.cell());
-  require(command.execute, "--cell ", command.cell, " moves the robot at ", file.arm_address(),
-          ": check the cell with `stonestack doctor --cell ", command.cell,
-          "`, clear it of people, and add --execute");
+  require(command.execute || command.order.dry, "--cell ", command.cell, " moves the robot at ",
+          file.arm_address(), ": check the cell with `stonestack doctor --cell ", command.cell,
+          "`, clear it of people, and add --execute; --dry-run plans without moving anything");
+}
+
+/// Enter goes on; q or the end of the input stops the run.
+bool ask_before(const StepNotice& step) {
+  const auto answer = ask_person("next: " + to_text(step) + " [Enter: go, q: stop] ");
+  return answer && *answer != "q";
 }
 
 void set_options(RunCommand& command) {
@@ -41,6 +47,8 @@ void set_options(RunCommand& command) {
     list = join({list, nest("simulators", fields(order.cell->servers()))});
   command.common.settings.apply(list);
   order.per_run = command.per_run.count;
+  order.speed = command.slow ? RunSpeed::kSlow : command.full_speed ? RunSpeed::kFull : RunSpeed::kByDefault;
+  if (command.step) order.before_motion = ask_before;
   order.version = program_version();
 }
 
@@ -82,7 +90,18 @@ void add_run(CLI::App& app) {
            "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
            "simulated devices on sockets and uses the real backends; without: simulated in process. Its "
            "layout names what is mounted on the arm, and obstacles");
-  sub.add_flag("--execute", command.execute, "Yes, move the real robot that --cell names");
+  const auto flag = [&sub = sub](const char* name, bool& value, const char* description) {
+    return sub.add_flag(name, value, description);
+  };
+  CLI::Option* execute = flag("--execute", command.execute, "Yes, move the real robot that --cell names");
+  CLI::Option* dry =
+      flag("--dry-run", command.order.dry,
+           "One view from where the arm stands, then the plan of the first step; moves nothing");
+  CLI::Option* slow = flag("--slow", command.slow,
+                           "Tool at 0.25 m/s at most: the default until a real cell has completed a run");
+  flag("--full-speed", command.full_speed, "Not slow, also in a cell's first run")->excludes(slow);
+  flag("--step", command.step, "Before each motion, show it and wait for Enter; q stops")->excludes(dry);
+  dry->excludes(execute);
   command.per_run.register_on(sub);
   command.common.settings.bind(
       sub.add_option("--height", build.max_stones, "Stop at this height (0: all stones)")
@@ -110,6 +129,8 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
       "  stonestack run --robot ur10 --cell loopback-ur10\n"
       "  stonestack run --robot ur10 --per-run 6 --wall 3+2+1\n"
+      "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
+      "  stonestack run --robot ur10 --cell my_lab.yaml --execute --slow --step\n"
       "  stonestack run --robot ur10 --view\n"
       "  stonestack run --catalogue rocks --set search.friction=0.3 --set simulation.friction=0.4");
 }

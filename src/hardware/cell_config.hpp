@@ -23,13 +23,16 @@ struct CellLimits {
   double joint_speed = 1.0;  ///< share of the robot's own
   double joint_acceleration = 1.0;
   std::array<std::string, 3>
-      workspace;  ///< [least, most] of the tool's tip along x, y, z of W, m; empty: no end
+      workspace;                     ///< [least, most] of the tool's tip along x, y, z of W, m; empty: no end
+  std::array<std::string, 3> fence;  ///< the same of the whole arm and gripper
+  double tool_speed = 1.0;           ///< of the tool's tip [m/s]; motion.tool_speed, the fastest of all steps
 };
 [[nodiscard]] FieldList fields(CellLimits& limits);
 
-/// The robot as the limits leave it: joint ranges, speeds, accelerations, the room of the tool. Whoever plans
-/// with it keeps them, and so does the gate of the arm that it is given to. `path` is named in errors. Throws
-/// FileError for numbers that are not finite, ranges that are empty or wider than the robot's.
+/// The robot as the limits leave it: joint ranges, speeds, accelerations, tool speed, workspace of the tool,
+/// fence of the arm. Whoever plans with it keeps them, and so does the gate of the arm that it is given to.
+/// `path` is named in errors. Throws FileError for numbers that are not finite, ranges that are empty or
+/// wider than the robot's.
 [[nodiscard]] RobotModel limit_robot(RobotModel robot, const CellLimits& limits, const Pose& T_W_R,
                                      const Pose& T_F_T, const std::string& path);
 

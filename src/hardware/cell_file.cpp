@@ -255,8 +255,12 @@ Cell HardwareCell::cell() {
   return {d.arm, d.gripper, d.force_torque, *d.camera, *d.clock, d.layout};
 }
 
+bool HardwareCell::activates_gripper() {
+  return !devices_->gripper.is_active();
+}
+
 void HardwareCell::activate_gripper() {
-  if (!devices_->gripper.is_active()) devices_->gripper.activate();
+  if (activates_gripper()) devices_->gripper.activate();
 }
 
 }  // namespace stonestack::hardware

@@ -40,6 +40,12 @@ inline constexpr double kStartTolerance = 0.01;
 /// Allowed share of the joint speed limits. Design choice.
 inline constexpr double kSpeedMargin = 1.01;
 
+// What a fence counts on at the flange: inside what plans count on (motion::make_robotiq_3f)
+/// Half the width of palm, sensor and coupling, m. Robotiq's meshes.
+inline constexpr double kMountedHalfWidth = 0.060;
+/// Distance from the tool's tip back to the palm, m. Robotiq's meshes.
+inline constexpr double kMountedFront = 0.112;
+
 // Three-finger gripper
 /// Spacing of the pads of fingers B and C at kWideCount, m. Robotiq's model of the gripper.
 inline constexpr double kWideSpacing = 0.073;

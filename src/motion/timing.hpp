@@ -32,8 +32,8 @@ using ToolSpeed = std::function<double(const Joints& q)>;
 /// is continuous. Throws InvalidArgument for an empty path, numbers that are not finite or limits that are
 /// not positive. `limits.tool_speed` must be 0.
 [[nodiscard]] JointTrajectory time_path(const JointPath& path, const TimingLimits& limits);
-/// Times the path so that the tool (T_F_T on the flange), too, is never faster than `limits.tool_speed`, nor
-/// than `tool_speed` if it is given; that is asked at points on the path at most 0.05 rad apart.
+/// Times the path so that the tool (T_F_T on the flange), too, is never faster than `limits.tool_speed`, the
+/// robot's own limit and `tool_speed`, if given: asked at points on the path at most 0.05 rad apart.
 [[nodiscard]] JointTrajectory time_path(const JointPath& path, const TimingLimits& limits,
                                         const RobotModel& robot, const Pose& T_F_T,
                                         const ToolSpeed& tool_speed = {});

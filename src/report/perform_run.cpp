@@ -1,12 +1,15 @@
 #include "report/perform_run.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <functional>
 
 #include "hardware/cell_config.hpp"
+#include "hardware/read_only_devices.hpp"
 #include "report/drawn_arm.hpp"
 #include "report/live_run.hpp"
 #include "report/picture.hpp"
+#include "report/plan_preview.hpp"
 #include "report/text.hpp"
 #include "stacking/journal.hpp"
 #include "stonestack/core/clock.hpp"
@@ -20,6 +23,8 @@
 
 namespace stonestack::report {
 namespace {
+
+constexpr double kPreviewPeriod = 0.1;  // s between clearances of a dry run
 
 /// Opens the report with what is known before anything is done.
 RunReport open_report(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
@@ -62,34 +67,65 @@ class RunProgress {
   Stopwatch watch_;
 };
 
+/// Adds the clearance of each step, where it is known what each may touch.
+void measure_clearance(FirstStep& first) {
+  if (!first.task || first.plan.steps.size() != first.result.planned.size()) return;
+  for (const PlanMoment& moment : preview(first.scene, *first.task, first.plan, kPreviewPeriod)) {
+    auto& least = first.result.planned[moment.step].clearance;
+    least = std::min(least.value_or(moment.clearance), moment.clearance);
+  }
+}
+
+RunResult perform_in(Cell& cell, const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
+                     const BuildHooks& hooks, bool dry) {
+  if (!dry) return build_tower(cell, catalogue, robot, run.build, hooks);
+  FirstStep first = plan_first_step(cell, catalogue, robot, run.build, hooks);
+  measure_clearance(first);
+  return std::move(first.result);
+}
+
 void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
-           const RobotModel& robot, const std::string& folder, LiveRun& live) {
+           const RobotModel& robot, const std::string& folder, LiveRun& live, const RunMode& mode) {
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
   log_info("record in " + folder);
   RunProgress progress(report.present.size());
   Cell watched = live.watched(cell);
-  report.result = build_tower(watched, catalogue, robot, run.build,
-                              {[&](const Event& event) {
-                                 log_event(event, catalogue);
-                                 live.hear(event);
-                                 progress.hear(event);
-                               },
-                               &journal, folder});
+  const BuildHooks hooks{[&](const Event& event) {
+                           log_event(event, catalogue);
+                           live.hear(event);
+                           progress.hear(event);
+                         },
+                         &journal, folder, mode.before_motion};
+  report.result = perform_in(watched, run, catalogue, robot, hooks, mode.dry);
   clear_progress();
+}
+
+/// Connects the devices of a cell. A dry run only reads arm and camera.
+void build_on_devices(RunReport& report, const CellConfig& config, const SimulatedRun& run,
+                      const Catalogue& catalogue, const RobotModel& robot, const std::string& folder,
+                      LiveRun& live, const RunMode& mode) {
+  if (mode.dry) {
+    ReadOnlyHardware hardware(config);
+    return build(report, hardware.cell(), run, catalogue, robot, folder, live, mode);
+  }
+  HardwareCell hardware(config);
+  if (mode.before_motion && hardware.activates_gripper() &&
+      !mode.before_motion({"activate the gripper, whose fingers open and close fully"}))
+    throw Interrupted();
+  hardware.activate_gripper();
+  build(report, hardware.cell(), run, catalogue, robot, folder, live, mode);
 }
 
 void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
                         const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                        const std::string& folder, LiveRun& live) {
+                        const std::string& folder, LiveRun& live, const RunMode& mode) {
   // The controller knows nothing of the limits of the cell: it is the host that keeps them.
   const SimulatedServers servers(world, read_robot(file.cell().robot), file.servers());
   CellConfig config = file.cell();
   connect_to(servers, config);
   log_info("simulated devices:\n" + servers.text());
-  HardwareCell hardware(config);
-  hardware.activate_gripper();
-  build(report, hardware.cell(), run, catalogue, robot, folder, live);
+  build_on_devices(report, config, run, catalogue, robot, folder, live, mode);
 }
 
 /// Draws the cell as the run left it: the stones and the arm.
@@ -151,7 +187,7 @@ void close_report(RecordedRun& done, const Shown& shown, const std::string& fold
 RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                     const std::vector<StoneIndex>& present, const RecordFolder& folder,
                     const std::string& version, const SurvivalOptions* survival, const CellFile* file,
-                    const LiveView& view) {
+                    const LiveView& view, const RunMode& mode) {
   RecordedRun done;
   done.folder = folder.path();
   RunReport& report = done.report;
@@ -165,11 +201,12 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
   LiveRun live(view, report, catalogue, robot, layout);
   if (file == nullptr) {
-    build(report, world.cell(), run, catalogue, robot, folder.path(), live);
+    build(report, world.cell(), run, catalogue, robot, folder.path(), live, mode);
   } else {
-    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path(), live);
+    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path(), live, mode);
   }
-  if (report.result.end != RunResult::End::kInterrupted) {  // who interrupts does not wait for the judge
+  if (report.result.end != RunResult::End::kInterrupted &&
+      !mode.dry) {      // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
     write_result(later, report, folder.path());
     log_info("judging the tower in the true world");
@@ -194,17 +231,18 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
 }
 
 RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, const CellFile& file,
-                         const RecordFolder& folder, const std::string& version, const LiveView& view) {
+                         const RecordFolder& folder, const std::string& version, const LiveView& view,
+                         const RunMode& mode) {
   const RobotModel robot = read_cell_robot(file.cell());
   RecordedRun done;
   done.folder = folder.path();
   done.report = open_report(run, catalogue, robot, {}, version);
   log_info(concat("cell ", file.path, ": arm at ", file.cell().arm.address));
-  HardwareCell hardware(file.cell());
-  hardware.activate_gripper();
   LiveRun live(view, done.report, catalogue, robot, to_layout(file.cell()));
-  build(done.report, hardware.cell(), run, catalogue, robot, folder.path(), live);
-  const auto stack = at_rest(done.report.result.world).stack;
+  build_on_devices(done.report, file.cell(), run, catalogue, robot, folder.path(), live, mode);
+  const Arrangement seen = at_rest(done.report.result.world);
+  auto stack = seen.stack;
+  if (mode.dry) stack.insert(stack.end(), seen.loose.begin(), seen.loose.end());
   const auto draw_stack = [&](const std::string& path) {
     CellLayout layout = to_layout(file.cell());
     layout.linkage = run.build.linkage;

@@ -9,16 +9,22 @@
 /// `record_experiment`.
 namespace stonestack::report {
 
+/// How a run is performed, beside its options.
+struct RunMode {
+  bool dry = false;            ///< plans the first step only and commands nothing
+  BeforeMotion before_motion;  ///< empty: nobody is asked
+};
+
 /// Builds a tower of the stones `present` (indices into the catalogue). With `file` the simulated devices are
 /// served on sockets, and the loop uses the real backends.
 [[nodiscard]] RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue,
                                   const RobotModel& robot, const std::vector<StoneIndex>& present,
                                   const RecordFolder& folder, const std::string& version,
                                   const SurvivalOptions* survival = nullptr, const CellFile* file = nullptr,
-                                  const LiveView& view = {});
+                                  const LiveView& view = {}, const RunMode& mode = {});
 /// Performs a run with the devices of a real cell.
 [[nodiscard]] RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue,
                                        const CellFile& file, const RecordFolder& folder,
-                                       const std::string& version, const LiveView& view);
+                                       const std::string& version, const LiveView& view, const RunMode& mode);
 
 }  // namespace stonestack::report

@@ -1,21 +1,73 @@
 #include "stonestack/report/record_run.hpp"
 
+#include <algorithm>
+
+#include "hardware/cell_config.hpp"
+#include "report/known_cells.hpp"
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::report {
+namespace {
 
-RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
-  const RecordFolder folder = take_run_folder(order.out, order.run.seed);
+bool is_real(const RunOrder& order) {
+  return order.cell && !order.cell->simulate;
+}
+
+/// Decides, and says on the log why.
+bool is_slow(const RunOrder& order) {
+  const std::string slow = concat("the tool moves at ", kSlowToolSpeed, " m/s at most");
+  if (order.speed == RunSpeed::kSlow) {
+    log_info(slow + ", as --slow asks");
+    return true;
+  }
+  if (order.speed == RunSpeed::kFull || !is_real(order) || is_known_cell(order.cell->path)) return false;
+  log_info(concat(slow, ": no run on hardware was completed yet with ", order.cell->path,
+                  " as it stands; --full-speed lifts this"));
+  return true;
+}
+
+/// A run that moved a stone to where it should be and was not broken off.
+bool is_completed(const RunResult& result) {
+  if (result.end == RunEnd::kStopped || result.end == RunEnd::kInterrupted || result.end == RunEnd::kFailed)
+    return false;
+  return std::any_of(result.placements.begin(), result.placements.end(), [](const PlacementRecord& placed) {
+    return placed.outcome == PlacementRecord::Outcome::kPlaced;
+  });
+}
+
+/// Planner and gate take the limit from the cell, or from the robot where there is none.
+RunOrder at_slow_speed(RunOrder order) {
+  order.robot.tool_speed = std::min(order.robot.tool_speed, kSlowToolSpeed);
+  if (!order.cell) return order;
+  double& limit = order.cell->cell().limits.tool_speed;
+  limit = std::min(limit, kSlowToolSpeed);
+  return order;
+}
+
+RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
   const CellFile* const file = order.cell ? &*order.cell : nullptr;
-  if (file != nullptr && !file->simulate)
-    return perform_real(order.run, catalogue, *file, folder, order.version, order.view);
+  const RunMode mode{order.dry, order.before_motion};
+  if (is_real(order))
+    return perform_real(order.run, catalogue, *file, folder, order.version, order.view, mode);
   const RobotModel robot = file == nullptr ? order.robot : read_cell_robot(file->cell());
   const CellLayout layout = file == nullptr ? CellLayout{} : to_layout(file->cell());
   const auto present = draw_stones(catalogue, order.per_run, order.run.seed, gripper_of(layout), robot);
-  return perform(order.run, catalogue, robot, present, folder, order.version, nullptr, file, order.view);
+  return perform(order.run, catalogue, robot, present, folder, order.version, nullptr, file, order.view,
+                 mode);
+}
+
+}  // namespace
+
+RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
+  const RecordFolder folder = take_run_folder(order.out, order.run.seed);
+  RecordedRun done = record_at_speed(is_slow(order) ? at_slow_speed(order) : order, catalogue, folder);
+  if (is_real(order) && is_completed(done.report.result)) note_known_cell(order.cell->path);
+  return done;
 }
 
 }  // namespace stonestack::report

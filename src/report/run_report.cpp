@@ -112,6 +112,17 @@ std::string summary(const RunReport& report) {
   return text;
 }
 
+/// Steps of a dry run.
+std::string planned_table(const std::vector<PlannedStep>& steps) {
+  std::string text = "\n   s  tool m/s  clearance mm  step that would be done\n";
+  for (const PlannedStep& step : steps) {
+    text += step.seconds > 0 ? format("%4.1f  %8.3f  ", step.seconds, step.tool_speed) : "   -         -  ";
+    text += (step.clearance ? format("%12.0f", 1e3 * *step.clearance) : std::string("           -")) + "  " +
+            step.name + "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string run_json(const RunReport& report) {
@@ -136,6 +147,11 @@ std::string run_json(const RunReport& report) {
         {"motion", result.seconds.motion},
         {"beside_motion", result.seconds.beside_motion}}}};
   if (result.wall) out["wall"] = wall_figures(*result.wall);
+  for (const PlannedStep& step : result.planned) {
+    out["planned"].push_back(
+        {{"step", step.name}, {"seconds", step.seconds}, {"tool_speed", step.tool_speed}});
+    if (step.clearance) out["planned"].back()["clearance_m"] = *step.clearance;
+  }
   if (report.truth) out["truth"] = truth_entry(*report.truth);
   if (!report.version.empty()) out["version"] = report.version;
   if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();
@@ -154,7 +170,7 @@ std::string run_table(const RunReport& report) {
     text += pose_text(p.T_W_O) + " | " +
             (r.T_W_O_measured ? pose_text(*r.T_W_O_measured) : std::string("not seen")) + "\n";
   }
-  return text + summary(report);
+  return (report.result.planned.empty() ? text : planned_table(report.result.planned)) + summary(report);
 }
 
 std::string picture_uri(const RunReport& report) {

@@ -107,6 +107,7 @@ ExitCode exit_code(const RunResult& result) {
   switch (result.end) {
     case RunResult::End::kAllPlaced:
     case RunResult::End::kHeightReached:
+    case RunResult::End::kPlanned:
       return ExitCode::kDone;
     case RunResult::End::kNothingSeen:
       return ExitCode::kNothingDetected;

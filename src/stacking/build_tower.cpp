@@ -1,14 +1,19 @@
 #include "stonestack/stacking/build_tower.hpp"
 
+#include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <utility>
 
+#include "hardware/read_only_devices.hpp"
+#include "kinematics/fastest_tool.hpp"
 #include "stacking/choose_action.hpp"
 #include "stacking/learn.hpp"
 #include "stacking/plan_motion.hpp"
 #include "stacking/record.hpp"
 #include "stacking/recorded_devices.hpp"
 #include "stacking/state_file.hpp"
+#include "stacking/stepped_devices.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -128,10 +133,58 @@ Stop stop_arm(Arm& arm, RunEnd end, std::string reason) {
   return {end, reason};
 }
 
-}  // namespace
+/// One view without a motion, and the first action that a motion is found for.
+Stop look_and_plan(Workcell& w, StateWriter& states, FirstStep& first, std::vector<PlannedStep>& steps) {
+  Expectation from_here;
+  from_here.first = true;
+  from_here.views = std::make_shared<const Views>();
+  const RunMemory empty = make_memory(w.options);
+  from_here.friction = empty.friction;
+  Known known = observe_and_learn(w, from_here, empty);
+  if (known.world.site == SiteStatus::kUnseen) {
+    log_info("the site is not in view; it is taken to be free");
+    known.world.site = SiteStatus::kFree;
+  }
+  for (;;) {
+    states.write(known);
+    const auto [action, memory, why] = decide(w, known, w.emit);
+    w.emit(ActionChosen{action, memory.search ? memory.search->found.best : std::vector<Placement>{}});
+    if (const auto* stop = std::get_if<Stop>(&action)) {
+      if (stop->end != RunEnd::kNothingSeen) return *stop;
+      return {stop->end, stop->reason + " from where the arm stands; jog it so that the camera looks there"};
+    }
+    MotionPlan plan = plan_motion(w, known.world, action, memory);
+    if (!plan.found) {
+      known.memory = remember_refusal(memory, action, plan);
+      continue;
+    }
+    const Pose& T_F_T = w.cell.layout.T_F_T;
+    if (std::holds_alternative<LookAgain>(action))
+      steps.push_back({"move to a view", plan.route.duration(),
+                       fastest_tool(plan.route, *w.models.robot, T_F_T), std::nullopt});
+    for (const PlanStep& step : plan.pick_and_place.steps)
+      steps.push_back({step.name, step.trajectory.duration(),
+                       fastest_tool(step.trajectory, *w.models.robot, T_F_T), std::nullopt});
+    const Arrangement lying = at_rest(known.world);
+    const StoneIndex stone = plan.placement.stone;
+    if (std::any_of(lying.loose.begin(), lying.loose.end(),
+                    [&](const PlacedStone& placed) { return placed.stone == stone; }))
+      first.task = make_task(*w.models.catalogue, lying, stone, plan.placement.T_W_O, w.cell.arm.state().q);
+    std::string what = name_of(action);
+    if (!std::holds_alternative<LookAgain>(action)) {
+      const Eigen::Vector3d p_W = plan.placement.T_W_O.translation();
+      what += concat(' ', w.models.name(stone), " at (", p_W.x(), ", ", p_W.y(), ", ", p_W.z(), ") m");
+    }
+    first.scene = std::move(plan.scene);
+    first.plan = std::move(plan.pick_and_place);
+    return {RunEnd::kPlanned, "dry run, nothing moved; the first step would be: " + what};
+  }
+}
 
-RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
-                      const BuildOptions& options, const BuildHooks& hooks) {
+/// Everything around the loop: what it does, with which devices, and how it ended.
+RunResult run_with(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                   const BuildOptions& options, const BuildHooks& hooks,
+                   const std::function<Stop(Workcell&, StateWriter&)>& work) {
   Cell planned = cell;
   planned.layout.linkage = options.linkage;
   require(options.wall.empty() || options.search.method == "default", "a wall needs the default search, not ",
@@ -140,7 +193,9 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   if (models.wall && models.wall->centre_W) planned.layout.site = *models.wall->centre_W;
   const DetectionModels detection(catalogue.stones, options.detection);
   Recorder recorder(models, hooks, cell.clock);
-  RecordedDevices devices(planned, recorder.result().timeline);
+  std::optional<SteppedDevices> stepped;
+  if (hooks.before_motion) stepped.emplace(planned, robot, hooks.before_motion, hooks.journal);
+  RecordedDevices devices(stepped ? stepped->cell() : planned, recorder.result().timeline);
   Workcell workcell{
       devices.cell(), models, detection, options, recorder.result().seconds, [&](const Event& event) {
         recorder.hear(event);
@@ -148,7 +203,7 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   StateWriter states(workcell, hooks.states_folder);
   Stop ended;
   try {
-    ended = build(workcell, states, hooks.journal);
+    ended = work(workcell, states);
   } catch (const Interrupted&) {
     ended = stop_arm(cell.arm, RunEnd::kInterrupted, "interrupted by the user");
   } catch (const DeviceError& error) {
@@ -161,6 +216,29 @@ RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& 
   }
   report_end(workcell, ended);
   return std::move(recorder.result());
+}
+
+}  // namespace
+
+RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                      const BuildOptions& options, const BuildHooks& hooks) {
+  return run_with(cell, catalogue, robot, options, hooks, [&](Workcell& workcell, StateWriter& states) {
+    return build(workcell, states, hooks.journal);
+  });
+}
+
+FirstStep plan_first_step(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                          const BuildOptions& options, const BuildHooks& hooks) {
+  const auto read = [&cell] { return cell.arm.state(); };
+  ReadOnlyDevices devices(read, cell.camera, cell.clock, cell.layout);
+  Cell watched = devices.cell();
+  FirstStep first;
+  std::vector<PlannedStep> steps;
+  first.result = run_with(
+      watched, catalogue, robot, options, hooks,
+      [&](Workcell& workcell, StateWriter& states) { return look_and_plan(workcell, states, first, steps); });
+  first.result.planned = std::move(steps);
+  return first;
 }
 
 }  // namespace stonestack::stacking

@@ -180,6 +180,8 @@ std::string to_text(RunEnd end) {
       return "interrupted";
     case RunEnd::kFailed:
       return "failed";
+    case RunEnd::kPlanned:
+      return "planned";
   }
   return "unknown";
 }

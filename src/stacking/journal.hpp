@@ -21,11 +21,16 @@ class Journal {
   /// value.
   /// @throws FileError when the disk refuses.
   void record(const std::string& kind, const std::string& data_json);
+  /// Keeps the name of the step that begins, for who asks before it.
+  void begin_step(const std::string& name) { step_ = name; }
+  /// Name of the step that began last; empty before the first.
+  [[nodiscard]] const std::string& step() const { return step_; }
 
  private:
   std::string path_;
   int descriptor_ = -1;
   long next_ = 0;
+  std::string step_;
 };
 
 }  // namespace stonestack::stacking

@@ -141,6 +141,7 @@ Seen take_views(Workcell& w, const Expectation& expected, const WhileMoving& whi
     seen.views = *expected.views;
     const DepthFrame frame = w.cell.camera.capture();
     seen.views.push_back({frame.image, camera_pose(w.cell.layout, *w.models.robot, w.cell.arm.state().q)});
+    if (expected.first) seen.site = site_in(seen.views, w.cell.layout.site);
     return seen;
   }
   const ViewScene scene{seen.before, expected.first};

@@ -162,6 +162,7 @@ ExecutionResult execute(Workcell& w, const Action& action, const MotionPlan& pla
   const double start = w.cell.clock.now();
   ExecutionResult done;
   if (std::holds_alternative<LookAgain>(action)) {
+    w.emit(StepBegun{"move to a view"});
     const MotionResult moved = w.cell.arm.follow(plan.route);
     if (moved.status != MotionResult::Status::kDone)
       done = {ExecutionResult::Status::kStopped, moved.force, "on the route to a view: " + moved.reason};

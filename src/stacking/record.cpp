@@ -39,6 +39,7 @@ void Recorder::hear(const Event& event) {
 
 void record(Journal* journal, const Event& event, const Catalogue& catalogue) {
   if (journal == nullptr) return;
+  if (const auto* step = std::get_if<StepBegun>(&event)) journal->begin_step(step->name);
   const auto [kind, data] = to_record(event, catalogue);
   if (!kind.empty()) journal->record(kind, data);
 }

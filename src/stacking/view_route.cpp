@@ -75,6 +75,7 @@ JointTrajectory route_to(Workcell& w, const ViewScene& known, const std::vector<
 }
 
 CameraView view_along(Workcell& w, const JointTrajectory& route, const std::function<void()>& meanwhile) {
+  w.emit(StepBegun{"move to a view"});
   double moved = 0.0;
   const auto go = [&] {
     const double start = w.cell.clock.now();

@@ -29,8 +29,8 @@ struct Expectation {
   std::vector<StoneIndex> known;  ///< stones that were seen in this run
   bool first = false;             ///< nothing was observed yet
   bool as_planned = false;        ///< a stone has just been released where it should be
-  std::shared_ptr<const Views>
-      views;  ///< to which one more view is added from where the camera is; else null
+  /// To which one more view is added from where the camera is, so that nothing moves; else null.
+  std::shared_ptr<const Views> views;
 };
 
 /// The world as seen, and whether it is what was predicted while the arm moved.

@@ -61,6 +61,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"simulate --only lamp", "--only"},
       {"doctor --frames 1", "--frames"},
       {"record", "--out"},
+      {"rearm", "CELL"},
       {"completion tcsh", "SHELL"},
       {"config", "A subcommand is required"},
       {"search --levels 0", "--levels"},

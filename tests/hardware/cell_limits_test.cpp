@@ -9,6 +9,7 @@
 #include "hardware/cell_config.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
 #include "temporary_folder.hpp"
 
 namespace stonestack::hardware {
@@ -45,7 +46,9 @@ TEST_F(CellLimitsFile, NarrowWhatTheRobotCan) {
       "  joints: [[-90, 90], [-180, 0], [-150, 150], [-360, 360], [-180, 180], [-270, 270.5]]   # degrees\n"
       "  joint_speed: 0.5\n"
       "  joint_acceleration: 0.25\n"
-      "  workspace: {x: [0.2, 1.0], z: [0, 1.1]}\n");
+      "  tool_speed: 0.4   # m/s\n"
+      "  workspace: {x: [0.2, 1.0], z: [0, 1.1]}\n"
+      "  fence: {x: [-0.3, 1.2]}\n");
   EXPECT_NEAR(robot.lower[0], -90 * kDegree, 1e-9);
   EXPECT_NEAR(robot.upper[1], 0.0, 1e-9);
   EXPECT_NEAR(robot.upper[5], 270.5 * kDegree, 1e-9);
@@ -57,6 +60,13 @@ TEST_F(CellLimitsFile, NarrowWhatTheRobotCan) {
   EXPECT_EQ(robot.workspace->box.max().z(), 1.1);
   EXPECT_LT(robot.workspace->box.min().y(), -5.0) << "unbounded in that direction";
   EXPECT_EQ(robot.workspace->T_W_R.translation().x(), 0.1);
+  EXPECT_EQ(robot.tool_speed, 0.4);
+  ASSERT_TRUE(robot.fence);
+  EXPECT_EQ(robot.fence->box.min().x(), -0.3);
+  EXPECT_EQ(robot.fence->box.max().x(), 1.2);
+  EXPECT_GT(robot.fence->box.max().z(), 5.0);
+  EXPECT_EQ(robot.fence->T_W_R.translation().x(), 0.1);
+  EXPECT_FALSE(robot.fence->p_F_mounted.empty());
 }
 
 TEST_F(CellLimitsFile, LeaveTheRobotWhereNothingIsWritten) {
@@ -64,6 +74,8 @@ TEST_F(CellLimitsFile, LeaveTheRobotWhereNothingIsWritten) {
   EXPECT_EQ(robot.lower, whole.lower);
   EXPECT_EQ(robot.velocity, whole.velocity);
   EXPECT_FALSE(robot.workspace);
+  EXPECT_FALSE(robot.fence);
+  EXPECT_EQ(robot.tool_speed, motion::MotionOptions().tool_speed) << "or plans would be slower than asked";
 }
 
 TEST_F(CellLimitsFile, AreRefusedWhereTheyMakeNoSense) {
@@ -85,6 +97,12 @@ TEST_F(CellLimitsFile, AreRefusedWhereTheyMakeNoSense) {
   EXPECT_THAT(problem_of("limits: {workspace: {z: [0, 1100]}}\n"), HasSubstr("metres"));
   EXPECT_THAT(problem_of("limits: {workspace: {y: 1}}\n"), HasSubstr("not a pair"));
   EXPECT_THAT(problem_of("limits: {workspace: {w: [0, 1]}}\n"), HasSubstr("limits.workspace.w"));
+  EXPECT_THAT(problem_of("limits: {fence: {x: [0.2, 1.1]}}\n"),
+              AllOf(HasSubstr(path_), HasSubstr("limits.fence.x is [0.2, 1.1] m"),
+                    HasSubstr("base stands outside, at 0.1 m"), HasSubstr("limits.workspace")));
+  EXPECT_THAT(problem_of("limits: {fence: {y: [1, -1]}}\n"), HasSubstr("limits.fence.y is [1, -1]"));
+  EXPECT_THAT(problem_of("limits: {tool_speed: 0}\n"), HasSubstr("limits.tool_speed"));
+  EXPECT_THAT(problem_of("limits: {tool_speed: .nan}\n"), HasSubstr("limits.tool_speed"));
   EXPECT_THAT(problem_of("limits: {joint_speed: 1.5}\n"), HasSubstr("joint_speed"));
   EXPECT_THAT(problem_of("limits: {joint_speed: 0}\n"), HasSubstr("joint_speed"));
   EXPECT_THAT(problem_of("limits: {joint_acceleration: .nan}\n"), HasSubstr("joint_acceleration"));

@@ -177,6 +177,60 @@ TEST(ScriptGate, KeepsTheLimitsOfTheCell) {
   EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context), HasSubstr("limits"));
 }
 
+// All joints at up to 0.3 rad/s: the tip is faster the further it is from their axes.
+TEST(ScriptGate, KeepsTheSpeedOfTheToolsTip) {
+  ScriptContext context = context_of(kCb3);
+  const JointTrajectory move = small_move();
+  RobotModel robot = ur10();
+  const auto fastest = [&] {
+    double max = 0.0;
+    const auto tip = [&](double t) {
+      return (forward(robot, sample(move, t).q) * context.T_F_T).translation().eval();
+    };
+    for (double t = 0.0; t < move.duration(); t += 1e-4)
+      max = std::max(max, (tip(t + 1e-4) - tip(t)).norm() / 1e-4);
+    return max;
+  };
+  robot.tool_speed = fastest();
+  EXPECT_EQ(find_fault(move, Joints::Zero(), robot, context), "");
+  robot.tool_speed *= 0.97;
+  context.T_W_R.translation().z() = 5.0;
+  EXPECT_THAT(find_fault(move, Joints::Zero(), robot, context),
+              AllOf(testing::ContainsRegex(
+                        "the tool at \\(-?[0-9.]+, -?[0-9.]+, [45]\\.[0-9]+\\) m moves at 0\\.[0-9]+ "
+                        "m/s, limit 0\\.[0-9]+ m/s, at 0\\.[0-9]+ s"),
+                    HasSubstr("limits.tool_speed")));
+  const double before = fastest();
+  context.T_F_T.translation().x() = -0.5;
+  robot.tool_speed = before;
+  ASSERT_GT(fastest(), 1.02 * before);
+  EXPECT_NE(find_fault(move, Joints::Zero(), robot, context), "") << "it is the tip that counts";
+}
+
+TEST(ScriptGate, KeepsTheWholeArmWithinTheFence) {
+  const ScriptContext context = context_of(kCb3);
+  RobotModel robot = ur10();
+  JointTrajectory move = small_move();  // the elbow high, the tool low
+  Joints start;
+  start << 0.0, -1.8, 1.9, -1.67, -1.57, 0.0;
+  for (Joints& q : move.q) q += start;
+  const Eigen::Vector3d far = Eigen::Vector3d::Constant(5.0);
+  robot.fence = ArmFence{{-far, far}, Pose::Identity(), {}};
+  EXPECT_EQ(find_fault(move, start, robot, context), "");
+  const Eigen::Vector3d elbow = link_poses(robot, start)[3].translation();
+  ASSERT_GT(elbow.z(), forward(robot, start).translation().z() + 0.1);
+  robot.fence->box.max().z() = elbow.z() - 0.02;
+  EXPECT_THAT(find_fault(move, start, robot, context),
+              testing::ContainsRegex("the (forearm|upper arm) at .* leaves the fence"));
+  robot.fence->box.max().z() = 5.0;
+  robot.fence->p_F_mounted = {{0.0, 0.0, 1.0}};  // a long tool
+  const double low = (forward(robot, start) * Eigen::Vector3d(0.0, 0.0, 1.0)).z();
+  robot.fence->box.min().z() = low - 0.5;
+  EXPECT_EQ(find_fault(move, start, robot, context), "");
+  robot.fence->box.min().z() = low + 0.02;
+  EXPECT_THAT(find_fault(move, start, robot, context), HasSubstr("the gripper at"));
+}
+
 // small_move begins with 1.2 rad/s^2; a cell may allow less. Nor may it begin or end in between.
 TEST(ScriptGate, KeepsTheAccelerations) {
   const ScriptContext context = context_of(kCb3);

@@ -41,7 +41,7 @@ def entries(cell):
     found = set()
     for name in cell:
         group, last = name.rsplit(".", 1) if "." in name else ("", name)
-        if re.search(r"\.T_\w+$|\.site$|\.field$|\.workspace$", group):
+        if re.search(r"\.T_\w+$|\.site$|\.field$|\.workspace$|\.fence$", group):
             found.add(group)
         elif group.startswith("camera.") and last in LENS:
             found.add("camera: lens")

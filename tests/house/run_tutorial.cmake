@@ -1,6 +1,6 @@
-# cmake -DTUTORIAL=docs/tutorial.md -DROOT=... -DPROGRAM=.../stonestack -DFOLDER=... -P run_tutorial.cmake
-# Runs every sh block of the tutorial as it stands, in a fresh folder. Only `./dev` is replaced: by a script that
-# calls the program that is already built.
+# cmake -DTUTORIAL=docs/tutorial.md -DROOT=... -DPROGRAM=.../stonestack -DFOLDER=... -DFILES=tower.yaml,... -P run_tutorial.cmake
+# Runs every sh block of a tutorial as it stands, in a fresh folder, and asks for the FILES that it writes. Only `./dev`
+# is replaced: by a script that calls the program that is already built. What the blocks leave running ends with them.
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 file(CREATE_LINK "${ROOT}/data" "${FOLDER}/data" SYMBOLIC)
@@ -8,7 +8,8 @@ file(WRITE "${FOLDER}/dev" "#!/bin/sh\nexec '${PROGRAM}' \"$@\"\n")
 file(CHMOD "${FOLDER}/dev" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
 file(STRINGS "${TUTORIAL}" lines)
-set(script "set -eux\n")
+set(script "set -eux\ntrap 'kill \"\${simulators:-0}\" 2>/dev/null' EXIT\n")
+set(ENV{XDG_STATE_HOME} "${FOLDER}/state")
 set(inside FALSE)
 set(commands 0)
 foreach(line IN LISTS lines)
@@ -28,12 +29,12 @@ file(WRITE "${FOLDER}/tutorial.sh" "${script}")
 execute_process(COMMAND sh "${FOLDER}/tutorial.sh" WORKING_DIRECTORY "${FOLDER}" RESULT_VARIABLE result
   OUTPUT_VARIABLE output ERROR_VARIABLE log)
 if(NOT result EQUAL 0)
-  message(FATAL_ERROR "the tutorial ended with exit code ${result}:\n${log}\n${output}")
+  message(FATAL_ERROR "${TUTORIAL} ended with exit code ${result}:\n${log}\n${output}")
 endif()
-foreach(file tower/tower.png tower/report.html tower/result.json tower/journal.jsonl next.json motion.csv motion.svg
-        rocks/rock_1/stone.yaml tower.yaml plan.png)
-  if(NOT EXISTS "${FOLDER}/tutorial/${file}")
-    message(FATAL_ERROR "the tutorial did not write ${file}")
+string(REPLACE "," ";" FILES "${FILES}")
+foreach(file IN LISTS FILES)
+  if(NOT EXISTS "${FOLDER}/${file}")
+    message(FATAL_ERROR "${TUTORIAL} did not write ${file}")
   endif()
 endforeach()
-message(STATUS "${commands} commands of the tutorial ran")
+message(STATUS "${commands} commands of ${TUTORIAL} ran")

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "hardware/cell_config.hpp"
 #include "kinematics/inverse.hpp"
 #include "motion/collision/segment.hpp"
 #include "stonestack/core/error.hpp"
@@ -436,6 +437,47 @@ TEST(Collision, TheToolStaysInItsWorkspaceDuringAMotion) {
       EXPECT_LE(outside_workspace(scene.robot, a + (b - a) * k / 50.0), -kWorkspaceMargin);
   }
   EXPECT_GT(free, 20);
+}
+
+// What the planner lets pass, the gate before the arm lets pass, too.
+TEST(Collision, ArmAndGripperStayWithinTheFenceDuringAMotion) {
+  PlanningScene scene = empty_scene();
+  const Joints start = tool_down();
+  hardware::CellLimits limits;
+  const RobotModel whole = scene.robot;
+  const auto fenced = [&](const std::string& z) {
+    limits.fence = {"[-0.35, 0.85]", "[-0.5, 0.5]", z};
+    return hardware::limit_robot(whole, limits, scene.T_W_R, scene.T_F_T, "test");
+  };
+  scene.robot = fenced("[-0.1, 1.0]");
+  ASSERT_LT(outside_fence(scene.robot, start), -kWorkspaceMargin);
+  EXPECT_FALSE(CollisionChecker(scene).collides(start));
+  scene.robot = fenced("[-0.1, 0.6]");
+  EXPECT_GT(outside_fence(scene.robot, start), 0.0) << "the elbow";
+  EXPECT_TRUE(CollisionChecker(scene).collides(start));
+  scene.robot = fenced("[-0.1, 1.0]");
+  const CollisionChecker checker(scene);
+  Random random = Random::stream(4, "fence");
+  int free = 0, outside = 0;
+  for (int i = 0; i < 400; ++i) {
+    Joints a = start, b = start;
+    for (int j = 0; j < 6; ++j) {
+      a[j] += random.uniform(-0.5, 0.5);
+      b[j] += random.uniform(-0.5, 0.5);
+    }
+    if (!checker.motion_is_free(a, b)) {
+      if (outside_fence(scene.robot, a) > 0.0) {
+        ++outside;
+        EXPECT_TRUE(checker.collides(a));
+      }
+      continue;
+    }
+    ++free;
+    for (int k = 0; k <= 50; ++k)
+      EXPECT_LE(outside_fence(scene.robot, a + (b - a) * k / 50.0), -kWorkspaceMargin);
+  }
+  EXPECT_GT(free, 20);
+  EXPECT_GT(outside, 20);
 }
 
 }  // namespace

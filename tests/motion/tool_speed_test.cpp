@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "motion/timing.hpp"
 #include "motion/transit.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -66,6 +67,32 @@ TEST(ToolSpeed, TransitsAreSlowNearObjectsAndBoundedElsewhere) {
     EXPECT_LE(near, 0.1502);
     EXPECT_LE(open, 0.5005);
     EXPECT_GT(open, 0.3);
+  }
+}
+
+// The cell's limit holds for every motion, whatever the options ask for.
+TEST(ToolSpeed, NoMotionIsFasterThanTheRobotMay) {
+  Passing passing;
+  passing.scene.objects.clear();
+  passing.scene.robot.tool_speed = 0.25;
+  for (const double jerk : {0.0, 10.0}) {
+    MotionOptions options;
+    options.jerk = jerk;
+    options.speed_scale = 1.0;
+    const auto motion = plan_transit(passing.scene, turned(-0.9), turned(0.9), options);
+    ASSERT_TRUE(motion.has_value());
+    const auto expect_used = [&](const JointTrajectory& timed, double max) {
+      const double fastest = passing.speeds(timed, 0.0).second;
+      EXPECT_LE(fastest, 1.001 * max);
+      EXPECT_GT(fastest, 0.8 * max) << "slower than it need be";
+    };
+    expect_used(*motion, 0.25);
+    TimingLimits limits = timing_limits(passing.scene.robot, options);
+    for (const double asked : {0.0, 0.1, 0.5}) {
+      limits.tool_speed = asked;
+      expect_used(time_path({turned(-0.2), turned(0.2)}, limits, passing.scene.robot, passing.scene.T_F_T),
+                  asked == 0.1 ? 0.1 : 0.25);
+    }
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/geometry/pose.hpp"
@@ -38,6 +40,8 @@ class HardwareCell {
   ~HardwareCell();
   /// Devices of the cell and its layout, for the loop.
   [[nodiscard]] Cell cell();
+  /// True if `activate_gripper` will move the fingers.
+  [[nodiscard]] bool activates_gripper();
   /// Activates the gripper if it is not active: it opens and closes fully, so only with an empty gripper.
   void activate_gripper();
 
@@ -45,6 +49,33 @@ class HardwareCell {
   struct Devices;
   std::unique_ptr<Devices> devices_;
 };
+
+/// State of an arm's controller, as its Dashboard server reports it.
+struct ControllerState {
+  std::string robot_mode;        ///< "RUNNING", "POWER_OFF", ...
+  std::string safety;            ///< "NORMAL", "PROTECTIVE_STOP", ...
+  bool program_running = false;  ///< true while a program moves or may move the arm
+};
+/// Result of `rearm_arm`.
+struct Rearming {
+  ControllerState before;          ///< as it was found
+  std::vector<std::string> steps;  ///< commands that were given, in order; empty: none was needed
+  ControllerState after;           ///< as it was left
+};
+/// Asked before anything is done: the state, its meaning for a person, and the commands that will be given.
+using ConfirmRearming = std::function<bool(const ControllerState& state, const std::string& meaning,
+                                           const std::vector<std::string>& steps)>;
+/// Makes an arm ready for motions after a stop, for a person who has looked: unlocks a protective stop (the
+/// controller allows it 5 s after the stop), switches the arm on, releases its brakes, and checks that
+/// motions are allowed. A program that still runs is stopped first. Moves nothing itself; brakes that are
+/// released let the arm settle by a little.
+/// @throws Error (safety stop) where a person must act at the robot (emergency stop, safeguard, fault), with
+/// the remedy, and where `confirm` returns false; DeviceError; Interrupted
+[[nodiscard]] Rearming rearm_arm(const CellConfig& config, const ConfirmRearming& confirm);
+/// "robot RUNNING, safety NORMAL, no program runs"
+[[nodiscard]] std::string to_text(const ControllerState& state);
+/// JSON text of schema stonestack.rearm/1.
+[[nodiscard]] std::string rearming_json(const Rearming& rearming);
 
 /// Writes a hand-eye calibration, camera in the flange, into a cell file and leaves every other character of
 /// it as it is, comments included. `calibration` is the file that holds T_F_C, or empty.

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,6 +61,22 @@ inline constexpr double kWorkspaceMargin = 0.002;
 /// empty.
 [[nodiscard]] std::string describe_outside_workspace(const RobotModel& robot, const Joints& q, double slack);
 
+/// Allowed positions of the whole arm and gripper: a box along the axes of W. Base and shoulder, which stay
+/// where they are, count for nothing.
+struct ArmFence {
+  Eigen::AlignedBox3d box;                   ///< in W [m]
+  Pose T_W_R = Pose::Identity();             ///< as calibrated
+  std::vector<Eigen::Vector3d> p_F_mounted;  ///< corners of what is mounted on the flange
+};
+/// The first link that a fence holds for; 0 and 1 are base and shoulder.
+inline constexpr int kFirstFencedLink = 2;
+/// Distance [m] by which a link at `q` reaches out of the robot's fence, where it is largest; negative
+/// inside, and where the robot has no fence.
+[[nodiscard]] double outside_fence(const RobotModel& robot, const Joints& q);
+/// "the forearm at (0.9, 0, 0.3) m leaves the fence, ..." where it is further outside than `slack` m, else
+/// empty.
+[[nodiscard]] std::string describe_outside_fence(const RobotModel& robot, const Joints& q, double slack);
+
 /// A capsule on a link: all points within `radius` of a segment, in the link's frame.
 struct LinkCapsule {
   int link =
@@ -95,6 +112,9 @@ struct RobotModel {
   std::vector<LinkCapsule> capsules;       ///< collision shape
   double payload = 10.0;                   ///< [kg]
   std::optional<ToolWorkspace> workspace;  ///< where a cell lets the tool go; empty: anywhere
+  std::optional<ArmFence> fence;           ///< where a cell lets arm and gripper go; empty: anywhere
+  /// Speed [m/s] of the tool's tip that a cell allows. Whatever is timed for the robot keeps it.
+  double tool_speed = std::numeric_limits<double>::infinity();
 };
 
 /// By name ("ur10", "ur5e", ...: data/robots/NAME.urdf) or by path of a URDF. A file NAME.yaml beside it may

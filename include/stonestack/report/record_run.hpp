@@ -24,16 +24,24 @@ struct LiveView {
   std::function<void(const std::string& address, const std::string& stop_token)> announce;
 };
 
+/// Speed of the tool in a run: kByDefault is slow where a real cell has not completed a run yet.
+enum class RunSpeed { kByDefault, kSlow, kFull };
+/// Speed [m/s] of the tool's tip at most in a slow run; of reduced speed in ISO 10218-1.
+inline constexpr double kSlowToolSpeed = 0.25;
+
 /// A run to perform.
 struct RunOrder {
   SimulatedRun run;  ///< options; those of the simulation are for simulated cells
   RobotModel robot;  ///< of a cell that is simulated in this process
   /// In place of that: real devices, which then move, or simulated ones that are served on sockets.
   std::optional<CellFile> cell;
-  int per_run = 4;      ///< stones of the catalogue that are drawn into a simulated field
-  std::string out;      ///< folder; empty: runs/TIME-SEED
-  std::string version;  ///< of the program
-  LiveView view;        ///< live view of the run
+  int per_run = 4;                        ///< stones of the catalogue that are drawn into a simulated field
+  std::string out;                        ///< folder; empty: runs/TIME-SEED
+  std::string version;                    ///< of the program
+  LiveView view;                          ///< live view of the run
+  RunSpeed speed = RunSpeed::kByDefault;  ///< speed of the tool
+  bool dry = false;            ///< one view and the first plan; commands no device (`plan_first_step`)
+  BeforeMotion before_motion;  ///< asked before each motion; empty: nobody is
 };
 /// A run and its record.
 struct RecordedRun {
@@ -45,9 +53,16 @@ struct RecordedRun {
 /// Builds a tower and writes options, journal, result.json, report.html and picture into the folder, in this
 /// order. A run that was killed leaves a folder without a result: what is in it is put aside, so that the
 /// same command can be started again. In a real cell there is no truth to judge by, and the picture shows the
-/// stones where they were seen last. The caller has asked for the permission to move.
+/// stones where they were seen last. The caller has asked for the permission to move. A run that is not
+/// stopped and places a stone in a real cell is remembered with the cell file's path and checksum, in
+/// $XDG_STATE_HOME/stonestack/cells.json (~/.local/state): only the next ones are at full speed by default.
 /// @throws InvalidArgument where a run that ended is in the folder; FileError; DeviceError.
 [[nodiscard]] RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue);
+
+/// Shows a question on stderr and waits for a line on stdin.
+/// @return the line; empty at the end of the input
+/// @throws Interrupted
+[[nodiscard]] std::optional<std::string> ask_person(const std::string& question);
 
 /// A recording of what the camera of a cell sees while the arm stands.
 struct ViewsOrder {

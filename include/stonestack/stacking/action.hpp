@@ -23,10 +23,11 @@ enum class RunEnd {
   kNothingSeen,
   kStopped,
   kInterrupted,
-  kFailed  ///< by an error that no caller expects
+  kFailed,  ///< by an error that no caller expects
+  kPlanned  ///< a dry run: the first step was planned, nothing moved
 };
 /// "all_placed", "height_reached", "no_feasible_pose", "no_plan", "placement_failed", "nothing_seen",
-/// "stopped", "interrupted", "failed".
+/// "stopped", "interrupted", "failed", "planned".
 [[nodiscard]] std::string to_text(RunEnd end);
 
 /// Put a stone on the stack: the first of these that a motion is found for.

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,6 +93,14 @@ struct Timeline {
   std::vector<double> event_time;     ///< of each event of the result [s]
 };
 
+/// A step of a plan that was not carried out.
+struct PlannedStep {
+  std::string name;                 ///< name of the step
+  double seconds = 0.0;             ///< duration of its motion [s]; 0: of the fingers alone
+  double tool_speed = 0.0;          ///< largest speed of the tool's tip [m/s]
+  std::optional<double> clearance;  ///< smallest distance between things that must not touch [m]
+};
+
 /// Result of a run, as the program knows it: made from its events.
 struct RunResult {
   /// End of a run, by the name that it has in results.
@@ -105,15 +114,29 @@ struct RunResult {
   std::optional<WallMetrics> wall;          ///< figures of the wall as last observed; empty for a tower
   std::vector<Event> events;                ///< events in order
   Timeline timeline;                        ///< motion of arm and stones over time
+  std::vector<PlannedStep> planned;         ///< of a dry run: what it would do first
 };
 
 class Journal;  // private: the append-only record that a run's folder holds
+
+/// Motion that comes next.
+struct StepNotice {
+  std::string name;         ///< name of the step
+  double seconds = 0.0;     ///< duration of the arm's motion [s]; 0: of the fingers alone
+  double tool_speed = 0.0;  ///< largest speed of the tool's tip [m/s]
+};
+/// "move above limestone_3: 2.4 s, tool up to 0.250 m/s"
+[[nodiscard]] std::string to_text(const StepNotice& notice);
+/// Asked before each motion of arm and fingers, which waits meanwhile; false ends the run as interrupted. May
+/// come from another thread than the run's.
+using BeforeMotion = std::function<bool(const StepNotice&)>;
 
 /// Listeners of a run.
 struct BuildHooks {
   Listener listener;           ///< every event, from one thread
   Journal* journal = nullptr;  ///< intents and outcomes; none: not kept
   std::string states_folder;   ///< where `run.save_states` writes; empty: nowhere
+  BeforeMotion before_motion;  ///< empty: nobody is asked
 };
 
 /// The paper's loop (figure 1), for a tower or, with `options.wall`, for a wall: observe, choose, plan,
@@ -122,6 +145,19 @@ struct BuildHooks {
 /// last line, of kind "end", records how the run ended and why.
 [[nodiscard]] RunResult build_tower(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
                                     const BuildOptions& options, const BuildHooks& hooks = {});
+
+/// The first step of a run, planned and not carried out.
+struct FirstStep {
+  RunResult result;       ///< ended as `RunEnd::kPlanned`, or why no step was found
+  PlanningScene scene;    ///< as it was seen
+  PickAndPlacePlan plan;  ///< of the stone that is brought; no steps where the arm would only look again
+  std::optional<PickAndPlaceTask> task;  ///< the plan's, which points into the catalogue; of loose stones
+};
+/// Takes one view from where the arm stands and plans the first action that a motion is found for. Commands
+/// no device. Camera mount and table are taken to be as the cell states them, and a site out of view to be
+/// free. Listens and records as `build_tower`.
+[[nodiscard]] FirstStep plan_first_step(Cell& cell, const Catalogue& catalogue, const RobotModel& robot,
+                                        const BuildOptions& options, const BuildHooks& hooks = {});
 
 }  // namespace stonestack::stacking
 

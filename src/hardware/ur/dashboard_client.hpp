@@ -40,7 +40,7 @@ class DashboardClient {
   /// Shows a text on the pendant (one line).
   void show_popup(const std::string& text);
   /// Lifts a protective stop. Only for a person who has looked and asked for it: the vendor forbids automatic
-  /// acknowledgement, and nothing in this library calls it. The controller refuses for 5 s after the stop.
+  /// acknowledgement, and nothing but `rearm_arm` calls it. The controller refuses for 5 s after the stop.
   void unlock_protective_stop();
 
  private:

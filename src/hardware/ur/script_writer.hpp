@@ -47,6 +47,7 @@ struct ScriptContext {
   UrVersion version;
   int run = 1;  ///< positive, another one for each program
   Pose T_F_T = Pose::Identity();
+  Pose T_W_R = Pose::Identity();                      ///< for the gate: where a program breaks a limit
   std::optional<double> payload;                      ///< empty [kg]: the controller keeps its own
   Eigen::Vector3d p_F_com = Eigen::Vector3d::Zero();  ///< [m]
   ScriptOptions options;
@@ -66,7 +67,7 @@ struct ScriptGuard {
 
 /// The last gate before the wire. Empty if the trajectory may be sent, else what is wrong with it: sizes,
 /// numbers that are not finite, times that do not rise from 0, a start far from `q`, and, at every control
-/// step, joint limits, speeds, accelerations and the tool's workspace.
+/// step, joint limits, speeds, accelerations, the tool's speed and workspace and the arm's fence.
 [[nodiscard]] std::string find_fault(const JointTrajectory& trajectory, const Joints& q,
                                      const RobotModel& robot, const ScriptContext& context);
 

@@ -30,6 +30,7 @@ struct UrArm::Device {
     c.version = link.version;
     c.run = link.next_run();
     c.T_F_T = T_F_T;
+    c.T_W_R = T_W_R;
     c.payload = payload;
     c.p_F_com = p_F_com;
     c.options = link.options.script;

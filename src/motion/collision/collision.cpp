@@ -38,11 +38,21 @@ struct Placed {
 };
 
 double height(const CollisionShapes& shapes, const Mover& mover, const Placed& placed) {
-  const Pose& T = placed.pose[mover.link];
-  const Eigen::Vector3d n = T.linear().transpose() * shapes.n_R_table;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const auto& p : mover.core.points) lowest = std::min(lowest, n.dot(p));
-  return lowest + shapes.n_R_table.dot(T.translation()) + shapes.table_offset - mover.core.radius;
+  return height_above(shapes.n_R_table, shapes.table_offset, mover, placed.pose[mover.link]);
+}
+
+bool leaves_fence(const CollisionShapes& shapes, const Placed& placed, double extra) {
+  const double away = kWorkspaceMargin + extra;
+  for (const FenceWall& wall : shapes.walls)
+    for (std::size_t i = 0; i < shapes.movers.size(); ++i) {
+      const Mover& mover = shapes.movers[i];
+      if (mover.link < kFirstFencedLink) continue;
+      const double axis = std::min(wall.n_R.dot(placed.axes[i].a), wall.n_R.dot(placed.axes[i].b));
+      if (axis + wall.offset - mover.core.reach < away &&
+          height_above(wall.n_R, wall.offset, mover, placed.pose[mover.link]) <= away)
+        return true;
+    }
+  return false;
 }
 
 bool hits_table(const CollisionShapes& shapes, const Placed& placed, double extra) {
@@ -148,8 +158,8 @@ bool hits_itself(const CollisionShapes& shapes, const Placed& placed, double ext
 bool collides_within(const CollisionShapes& shapes, const Joints& q, double extra) {
   const Placed placed(shapes, q);
   return workspace_left(shapes, placed.pose) <= kWorkspaceMargin + extra ||
-         hits_table(shapes, placed, extra) || hits_objects(shapes, placed, extra) ||
-         hits_itself(shapes, placed, extra);
+         leaves_fence(shapes, placed, extra) || hits_table(shapes, placed, extra) ||
+         hits_objects(shapes, placed, extra) || hits_itself(shapes, placed, extra);
 }
 
 /// Tests the middle of ever shorter pieces, the middle of the whole first: most motions that are not free

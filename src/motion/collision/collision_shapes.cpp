@@ -162,6 +162,18 @@ void bound_gripper(CollisionShapes& shapes) {
   if (!points.empty()) shapes.gripper = make_core(std::move(points), 0.0);
 }
 
+void add_walls(CollisionShapes& shapes) {
+  if (!shapes.robot.fence) return;
+  const ArmFence& fence = *shapes.robot.fence;
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (const double sign : {1.0, -1.0}) {
+      const Eigen::Vector3d n_W = sign * Eigen::Vector3d::Unit(i);
+      const double wall = sign > 0 ? fence.box.min()[i] : -fence.box.max()[i];
+      shapes.walls.push_back(
+          {fence.T_W_R.linear().transpose() * n_W, n_W.dot(fence.T_W_R.translation()) - wall});
+    }
+}
+
 }  // namespace
 
 CollisionShapes make_collision_shapes(const PlanningScene& scene, const CollisionRules& rules,
@@ -186,6 +198,7 @@ CollisionShapes make_collision_shapes(const PlanningScene& scene, const Collisio
       add_object(scene, static_cast<int>(i), T_R_W, shapes);
   bound_gripper(shapes);
   add_pairs(shapes);
+  add_walls(shapes);
   shapes.n_R_table = T_R_W.linear().col(2);
   shapes.table_offset = -shapes.n_R_table.dot(T_R_W * Eigen::Vector3d(0.0, 0.0, scene.table_z));
   return shapes;

@@ -47,6 +47,12 @@ struct MoverPair {
   std::size_t first, second;
 };
 
+/// The half space that a wall of a fence leaves: n.p + offset > 0, in R.
+struct FenceWall {
+  Eigen::Vector3d n_R;
+  double offset = 0.0;  ///< [m]
+};
+
 struct CollisionShapes {
   static constexpr std::size_t kMaxMovers = 64;
 
@@ -66,6 +72,7 @@ struct CollisionShapes {
   Pose T_6_T = Pose::Identity();
   Eigen::Vector3d n_R_table;  ///< up
   double table_offset = 0.0;  ///< height of p above the table: n.p + offset
+  std::vector<FenceWall> walls;
 };
 [[nodiscard]] CollisionShapes make_collision_shapes(const PlanningScene& scene, const CollisionRules& rules,
                                                     const HeldObject* held);

@@ -17,7 +17,7 @@ enum class Answer { kClear, kUndecided, kHit };
 
 /// A mover and what it could touch.
 struct Couple {
-  enum class With { kTable, kPiece, kMover, kWorkspace };
+  enum class With { kTable, kPiece, kMover, kWorkspace, kWall };
   With with = With::kTable;
   std::size_t mover = 0, other = 0;
   double padding = 0.0;  ///< [m]
@@ -107,6 +107,12 @@ class Proof {
       const Couple couple{Couple::With::kTable, i, 0, shapes_.movers[i].table_padding};
       if (shapes_.movers[i].sees_table && !note(ask(middle, placed_[i], couple), couple)) return false;
     }
+    for (std::size_t k = 0; k < shapes_.walls.size(); ++k)
+      for (std::size_t i = 0; i < shapes_.movers.size(); ++i) {
+        const Couple couple{Couple::With::kWall, i, k, kWorkspaceMargin};
+        if (shapes_.movers[i].link >= kFirstFencedLink && !note(ask(middle, placed_[i], couple), couple))
+          return false;
+      }
     for (const auto& group : shapes_.groups) {
       const bool gripper_is_far =
           has_gripper &&
@@ -139,7 +145,11 @@ class Proof {
   [[nodiscard]] Answer ask(const Middle& middle, const ProofPlaced& placed, const Couple& couple) const {
     switch (couple.with) {
       case Couple::With::kTable:
-        return ask_table(middle, placed, couple);
+        return ask_plane(shapes_.n_R_table, shapes_.table_offset, middle, placed, couple);
+      case Couple::With::kWall: {
+        const FenceWall& wall = shapes_.walls[couple.other];
+        return ask_plane(wall.n_R, wall.offset, middle, placed, couple);
+      }
       case Couple::With::kPiece:
         return ask_piece(middle, placed, couple);
       case Couple::With::kWorkspace:
@@ -155,18 +165,13 @@ class Proof {
     return answer(workspace_left(shapes_, middle.pose), kWorkspaceMargin, shift);
   }
 
-  [[nodiscard]] Answer ask_table(const Middle& middle, const ProofPlaced& placed,
-                                 const Couple& couple) const {
+  /// The plane n.p + offset = 0 in R.
+  [[nodiscard]] Answer ask_plane(const Eigen::Vector3d& n_R, double offset, const Middle& middle,
+                                 const ProofPlaced& placed, const Couple& couple) const {
     const Mover& mover = shapes_.movers[couple.mover];
-    const double axis = std::min(shapes_.n_R_table.dot(placed.axis.a), shapes_.n_R_table.dot(placed.axis.b));
-    if (axis + shapes_.table_offset - mover.core.reach > couple.padding + placed.shift) return Answer::kClear;
-    const Pose& T = middle.pose[mover.link];
-    const Eigen::Vector3d n = T.linear().transpose() * shapes_.n_R_table;
-    double lowest = std::numeric_limits<double>::infinity();
-    for (const auto& p : mover.core.points) lowest = std::min(lowest, n.dot(p));
-    const double height =
-        lowest + shapes_.n_R_table.dot(T.translation()) + shapes_.table_offset - mover.core.radius;
-    return answer(height, couple.padding, placed.shift);
+    const double axis = std::min(n_R.dot(placed.axis.a), n_R.dot(placed.axis.b));
+    if (axis + offset - mover.core.reach > couple.padding + placed.shift) return Answer::kClear;
+    return answer(height_above(n_R, offset, mover, middle.pose[mover.link]), couple.padding, placed.shift);
   }
 
   [[nodiscard]] Answer ask_piece(const Middle& middle, const ProofPlaced& placed,
@@ -225,6 +230,13 @@ double workspace_left(const CollisionShapes& shapes, const std::array<Pose, 7>& 
   const ToolWorkspace& workspace = *shapes.robot.workspace;
   const Eigen::Vector3d p_W = workspace.T_W_R * (pose[6] * tip_of_link(shapes));
   return std::min((p_W - workspace.box.min()).minCoeff(), (workspace.box.max() - p_W).minCoeff());
+}
+
+double height_above(const Eigen::Vector3d& n_R, double offset, const Mover& mover, const Pose& T_R_link) {
+  const Eigen::Vector3d n = T_R_link.linear().transpose() * n_R;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const auto& p : mover.core.points) lowest = std::min(lowest, n.dot(p));
+  return lowest + n_R.dot(T_R_link.translation()) + offset - mover.core.radius;
 }
 
 double max_shift(const std::array<Pose, 7>& pose, const Joints& turn, const Segment& axis, double reach,

@@ -9,6 +9,7 @@
 namespace stonestack::motion {
 
 struct CollisionShapes;
+struct Mover;
 
 /// How far (m) a point of the capsule around `axis` can get, seen from link `base`, while joint k turns by at
 /// most `turn[k]` in either direction from where `pose` was taken; the capsule moves with `link`. A turn of
@@ -20,6 +21,10 @@ struct CollisionShapes;
 /// Distance from the tool's tip to the nearest wall of the cell's workspace, negative outside [m]; infinite
 /// where a cell leaves it any.
 [[nodiscard]] double workspace_left(const CollisionShapes& shapes, const std::array<Pose, 7>& pose);
+
+/// Height [m] of a mover, whose link is at T_R_link, above the plane n.p + offset = 0.
+[[nodiscard]] double height_above(const Eigen::Vector3d& n_R, double offset, const Mover& mover,
+                                  const Pose& T_R_link);
 
 /// True if nothing can touch while the joints go straight from `a` to `b`. Pieces of the motion are halved,
 /// each half testing only those pairs that its whole left undecided; a pair that is undecided in a piece

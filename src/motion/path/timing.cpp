@@ -233,8 +233,8 @@ JointTrajectory time_path(const JointPath& path, const TimingLimits& limits) {
 
 JointTrajectory time_path(const JointPath& path, const TimingLimits& limits, const RobotModel& robot,
                           const Pose& T_F_T, const ToolSpeed& tool_speed) {
-  if (limits.tool_speed == 0 && !tool_speed) return timed(path, limits, nullptr);
-  const double max = limits.tool_speed > 0 ? limits.tool_speed : std::numeric_limits<double>::infinity();
+  const double max = limits.tool_speed > 0 ? std::min(limits.tool_speed, robot.tool_speed) : robot.tool_speed;
+  if (std::isinf(max) && !tool_speed) return timed(path, limits, nullptr);
   const ToolLimit tool{robot, T_F_T,
                        [&](const Joints& q) { return tool_speed ? std::min(max, tool_speed(q)) : max; }};
   return timed(path, limits, &tool);

@@ -138,7 +138,8 @@ std::string outside_limits(const RobotModel& robot, const Joints& q) {
     if (q[i] < robot.lower[i] - kSlack || q[i] > robot.upper[i] + kSlack)
       return concat("the arm starts outside its limits: joint ", kJoints[i], " at ", q[i], " rad, limits ",
                     robot.lower[i], " to ", robot.upper[i], " rad");
-  const std::string outside = describe_outside_workspace(robot, q, -kWorkspaceMargin);
+  std::string outside = describe_outside_workspace(robot, q, -kWorkspaceMargin);
+  if (outside.empty()) outside = describe_outside_fence(robot, q, -kWorkspaceMargin);
   return outside.empty() ? "" : "the arm starts where it must not be: " + outside;
 }
 
