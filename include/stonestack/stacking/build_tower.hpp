@@ -53,6 +53,8 @@ struct BuildOptions {
   int pick_attempts = 3;    ///< of one stone that the gripper misses or drops
   /// Path of the finger tips that plans count on: parallel or three_finger (motion::Linkage).
   std::string linkage = "parallel";
+  /// Gripper of the simulated cell, by its name or a YAML; empty: of the cell file, or robotiq-3f.
+  std::string gripper;
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };
 /// Names the options of the loop.
