@@ -161,10 +161,9 @@ FieldList fields(CellConfig& c) {
         user(field("hand", c.gripper_name,
                    "gripper: robotiq-3f, robotiq-2f-85, robotiq-2f-140, robotiq-hand-e, or a YAML"))},
        nest("arm", fields(c.arm)),
-       nest(
-           "gripper",
-           {user(field("driver", c.gripper_driver, "robotiq_3f, or robotiq_2f for 2F-85, 2F-140 and Hand-E")),
-            user(field("link", c.gripper_link, "of robotiq_2f: urcap (port 63352) or rtu (serial line)"))}),
+       nest("gripper",
+            {field("driver", c.gripper_driver, "robotiq_3f, or robotiq_2f for 2F-85, 2F-140 and Hand-E"),
+             field("link", c.gripper_link, "of robotiq_2f: urcap (port 63352) or rtu (serial line)")}),
        nest("gripper", fields(c.gripper)),
        nest("force_torque", fields(c.force_torque)),
        {user(field("camera.driver", c.camera, "stream, v4l2, realsense or recorded"))},

@@ -101,7 +101,7 @@ TEST_F(CellFile, RefusesADriverThatDoesNotFitTheGripper) {
   EXPECT_THAT(
       problem_of("gripper: {driver: robotiq_2f}\n"),
       AllOf(HasSubstr("gripper.driver is robotiq_2f, the gripper is robotiq-3f"), HasSubstr("robotiq_3f")));
-  EXPECT_THAT(problem_of("hand: robotiq-hand-e\ngripper: {driver: robotiq_3f}\n"), HasSubstr("robotiq_2f"));
+  EXPECT_THAT(problem_of("hand: robotiq-2f-140\ngripper: {driver: robotiq_3f}\n"), HasSubstr("robotiq_2f"));
   EXPECT_THAT(problem_of("gripper: {driver: robotiq}\n"), HasSubstr("write one of robotiq_3f, robotiq_2f"));
   EXPECT_THAT(problem_of("gripper: {link: tcp}\n"), HasSubstr("write one of urcap, rtu"));
   EXPECT_THAT(problem_of("hand: robotiq-2f\n"), AllOf(HasSubstr("robotiq-2f"), HasSubstr("robotiq-2f-85")));

@@ -83,17 +83,18 @@ TEST_P(TwoFingers, OpenAndCloseToTheMillimetre) {
 }
 
 TEST_P(TwoFingers, ReportWhatTheyClosedOn) {
-  TwoFingerGripper gripper(options());
-  gripper.activate();
-  put_between(0.040);
-  const GripperState held = gripper.move(0.0, 0.1, 100.0);
-  EXPECT_TRUE(held.object);
-  EXPECT_NEAR(held.opening, 0.040, 0.0005);
+  {
+    TwoFingerGripper gripper(options());
+    gripper.activate();
+    put_between(0.040);
+    const GripperState held = gripper.move(0.0, 0.1, 100.0);
+    EXPECT_TRUE(held.object);
+    EXPECT_NEAR(held.opening, 0.040, 0.0005);
+  }
   TwoFingerGripper again(options());  // a program that was started anew
   EXPECT_TRUE(again.state().object) << "the stone is still there";
   put_between(-1.0);
-  const GripperState empty = gripper.move(0.0, 0.05, 100.0);
-  EXPECT_FALSE(empty.object);
+  EXPECT_FALSE(again.move(0.0, 0.05, 100.0).object);
 }
 
 TEST_P(TwoFingers, ARequestThatGetsLostIsRepeated) {
@@ -127,24 +128,26 @@ TEST_P(TwoFingers, NameTheirFaults) {
   EXPECT_TRUE(gripper.is_active());
 }
 
-TEST_P(TwoFingers, EveryWaitEnds) {
+TEST_P(TwoFingers, AnActivationThatHangsEnds) {
   TwoFingerOptions o = options();
   o.activation_timeout = 0.2;
-  o.move_margin = 0.05;
   TwoFingerGripper gripper(o);
   GripperFaults faults;
   faults.activation_hangs = true;
   simulator_.set_faults(faults);
   EXPECT_THAT([&] { gripper.activate(); },
               ThrowsMessage<DeviceError>(HasSubstr("the activation did not finish within")));
-  simulator_.set_faults(GripperFaults{});
-  TwoFingerGripper ready(options());
-  ready.activate();
-  faults = {};
+}
+
+TEST_P(TwoFingers, AMotionThatHangsEnds) {
+  TwoFingerOptions o = options();
+  o.move_margin = 0.05;
+  TwoFingerGripper gripper(o);
+  gripper.activate();
+  GripperFaults faults;
   faults.stuck_moving = true;
   simulator_.set_faults(faults);
-  TwoFingerGripper stuck(o);
-  EXPECT_THAT([&] { (void)stuck.move(0.03, 0.15, 50.0); },
+  EXPECT_THAT([&] { (void)gripper.move(0.03, 0.15, 50.0); },
               ThrowsMessage<DeviceError>(HasSubstr("a motion of the fingers did not finish")));
 }
 
