@@ -16,7 +16,7 @@ namespace {
 struct PlanCommand {
   CommonOptions common;
   std::string robot;  ///< empty: the cell's, or a UR10
-  std::string cell, start, scene, stone, target, search, csv, plot, frames;
+  std::string cell, gripper, start, scene, stone, target, search, csv, plot, frames;
   int frame_width = 640;  // pixels
   MotionOptions options;
 };
@@ -53,12 +53,14 @@ void set_cell(const PlanCommand& command, ScenePlanTask& task) {
     task.layout = to_layout(file.cell());
     task.robot = read_cell_robot(file.cell());
   }
+  task.layout = with_option_gripper(task.layout, command.gripper, !command.cell.empty());
   task.q_start = command.start.empty() ? home_joints() : parse_start(command.start, task.robot);
 }
 
 void plan(PlanCommand& command) {
   command.options.seed = command.common.seed;
-  command.common.settings.apply(nest("motion", fields(command.options)));
+  command.common.settings.apply(
+      join({nest("motion", fields(command.options)), nest("gripper", {gripper_field(command.gripper)})}));
   ScenePlanTask task;
   task.scene = command.scene;
   task.options = command.options;

@@ -10,6 +10,7 @@
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/report/results.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -75,7 +76,7 @@ void search(SearchCommand& command) {
   if (task.robot.empty()) task.search.max_tilt = kAnyTilt;
   command.common.settings.apply(
       join({nest("search", fields(task.search)), nest("detection", fields(task.detection)),
-            nest("motion", fields(task.motion))}));
+            nest("motion", fields(task.motion)), nest("gripper", {gripper_field(task.gripper)})}));
   task.search.trace = task.search.trace || !command.trace.empty();
   check(command);
   const SceneSearch found = search_in_time(task);

@@ -11,6 +11,7 @@
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
 #include "stonestack/motion/planning_scene.hpp"
+#include "stonestack/stacking/observe.hpp"
 
 namespace stonestack::apps {
 namespace {
@@ -46,9 +47,10 @@ void simulate(SimulateCommand& command) {
   command.per_run.check(catalogue);
   RobotModel any = robot;  // served to any client, which has a gripper of its own
   any.payload = std::numeric_limits<double>::infinity();
-  SimulatedCell world(catalogue.stones,
-                      draw_stones(catalogue, command.per_run.count, seed, make_robotiq_3f(), any), robot,
-                      true_layout(to_layout(file.cell()), file.servers()), command.simulation);
+  SimulatedCell world(
+      catalogue.stones,
+      draw_stones(catalogue, command.per_run.count, seed, gripper_of(to_layout(file.cell())), any), robot,
+      true_layout(to_layout(file.cell()), file.servers()), command.simulation);
   const SimulatedServers servers(world, robot, file.servers());
   std::cout << servers.text() << std::flush;
   log_info("serving until Ctrl-C");

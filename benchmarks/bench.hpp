@@ -20,6 +20,7 @@ void add_cartesian(CLI::App& app);
 void add_timing(CLI::App& app);
 void add_descent(CLI::App& app);
 void add_grasp(CLI::App& app);
+void add_grippers(CLI::App& app);
 void add_hold(CLI::App& app);
 void add_rest(CLI::App& app);
 void add_search(CLI::App& app);

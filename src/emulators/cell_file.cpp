@@ -39,6 +39,20 @@ void connect_arm(const SimulatedServers& servers, CellConfig& cell) {
   set(cell.arm.dashboard_port, ports.dashboard);
 }
 
+void connect_two_fingers(const SimulatedServers& servers, CellConfig& cell) {
+  const auto tcp = servers.gripper();
+  const std::string line = servers.gripper_line();
+  if (!line.empty() && (cell.gripper_link == "rtu" || !tcp)) {
+    cell.gripper_link = "rtu";
+    cell.gripper.modbus.device = line;
+    cell.gripper.unit = servers.options().gripper.unit;
+  } else if (tcp) {
+    cell.gripper_link = "urcap";
+    cell.gripper.modbus.address = tcp->address;
+    cell.gripper.modbus.port = tcp->port;
+  }
+}
+
 // The link that the cell file asks for where it is served, else the other one.
 void connect_gripper(const SimulatedServers& servers, ThreeFingerOptions& gripper) {
   const auto tcp = servers.gripper();
@@ -119,7 +133,11 @@ FieldList cell_fields(CellFile& file) {
 void set_cell(CellFile& file, const std::function<void(const FieldList&)>& set) {
   CellConfig& cell = file.cell();
   const PoseNumbers given = cell.T_T_C;
+  const std::string gripper = cell.gripper_name;
   set(join({fields(cell), cell_fields(file)}));
+  require(cell.gripper_name == gripper,
+          "the gripper of a cell stands in its file, as tip, driver and stroke depend on it; write `hand: ",
+          cell.gripper_name, "` there");
   require(cell.hand_eye.empty() || cell.T_T_C == given,
           "layout.T_T_C and layout.hand_eye are the same thing: set one of them, with --set layout.hand_eye= "
           "where the file names one");
@@ -149,7 +167,10 @@ bool is_served_elsewhere(const CellFile& file) {
 
 void connect_to(const SimulatedServers& servers, CellConfig& cell) {
   connect_arm(servers, cell);
-  connect_gripper(servers, cell.gripper);
+  if (cell.gripper_driver == "robotiq_2f")
+    connect_two_fingers(servers, cell);
+  else
+    connect_gripper(servers, cell.gripper);
   connect_force_torque(servers, cell.force_torque);
   const auto camera = servers.camera();
   if (!camera || cell.camera == "recorded") return;  // a recording needs nobody who serves it

@@ -1,6 +1,8 @@
 #include "stonestack/emulators/simulated_servers.hpp"
 
+#include "emulators/robotiq/two_finger_simulator.hpp"
 #include "emulators/servers_options.hpp"
+#include "kinematics/gripper_file.hpp"
 #include "simulation/shared_world.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell_file.hpp"
@@ -15,7 +17,10 @@ SimulatedServersOptions::SimulatedServersOptions() {
 }
 
 CellLayout true_layout(CellLayout layout, const SimulatedServersOptions& options) {
-  layout.T_T_C = to_pose(options.T_T_C, "simulators.camera.T_T_C");
+  // Where no mount is given the camera sits at the same place on the flange, whatever the gripper.
+  const bool usual = options.T_T_C == CellConfig{}.T_T_C && layout.gripper != CellLayout{}.gripper;
+  layout.T_T_C =
+      usual ? with_gripper({}, layout.gripper).T_T_C : to_pose(options.T_T_C, "simulators.camera.T_T_C");
   return layout;
 }
 
@@ -38,13 +43,14 @@ struct SimulatedServers::Parts {
   std::unique_ptr<WrenchPlant> wrench_plant;
   std::unique_ptr<DepthPlant> depth_plant;
   std::unique_ptr<UrControllerServer> arm;
-  std::unique_ptr<GripperSimulator> gripper;
+  std::unique_ptr<GripperServer> gripper;
   std::unique_ptr<FtSimulator> force_torque;
   std::unique_ptr<CameraSimulator> camera;
+  bool two_fingers = false;
 
   Parts(SimulatedCell& cell, const RobotModel& robot, const SimulatedServersOptions& o)
       : options(o), world(&cell.shared()) {
-    if (o.devices.gripper) serve_gripper();
+    if (o.devices.gripper) serve_gripper(read_gripper_file(cell.cell().layout.gripper));
     if (o.devices.force_torque) serve_force_torque();
     if (o.devices.camera) serve_camera();
     if (o.devices.arm) {
@@ -67,14 +73,21 @@ struct SimulatedServers::Parts {
   // A gripper that is missing in the installation would appear as a force in the controller's data.
   [[nodiscard]] UrServerOptions installed() const {
     UrServerOptions o = options.arm;
-    o.payload = carried_mass(world->lock().world.gripper_body().gripper);
-    o.payload_cog = world->mounting().T_F_T * gripper_centre();
+    const GripperModel model = world->lock().world.gripper_body().gripper;
+    o.payload = carried_mass(model);
+    o.payload_cog = world->mounting().T_F_T * gripper_centre(model);
     return o;
   }
 
-  void serve_gripper() {
-    gripper_plant = make_world_gripper(*world);
-    gripper = std::make_unique<GripperSimulator>(*gripper_plant, options.gripper);
+  void serve_gripper(const GripperFile& file) {
+    if (file.against == 1) {
+      two_fingers = true;
+      gripper_plant = make_world_gripper(*world, {file.open_count, file.closed_count, file.open_count});
+      gripper = std::make_unique<TwoFingerSimulator>(*gripper_plant, file, options.gripper);
+    } else {
+      gripper_plant = make_world_gripper(*world);
+      gripper = std::make_unique<GripperSimulator>(*gripper_plant, options.gripper);
+    }
     gripper->set_faults(options.gripper_faults);
     gripper->set_faults(options.modbus_faults);
   }
@@ -133,7 +146,9 @@ std::string SimulatedServers::text() const {
         concat("UR controller  ", arm_address(), "  RTDE ", p.rtde, ", primary ", p.primary, ", secondary ",
                p.secondary, ", realtime ", p.realtime, ", read-only ", p.primary_read_only, " ",
                p.secondary_read_only, " ", p.realtime_read_only, ", Dashboard ", p.dashboard, "\n");
-  if (const auto at = gripper()) text += concat("gripper        ", to_text(*at), "  Modbus/TCP\n");
+  if (const auto at = gripper())
+    text += concat("gripper        ", to_text(*at),
+                   parts_->two_fingers ? "  text of the URCap\n" : "  Modbus/TCP\n");
   const auto line = [](const std::string& link, const std::string& path) {
     return link.empty() ? path : concat(link, " (", path, ")");
   };

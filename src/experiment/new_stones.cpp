@@ -12,8 +12,8 @@
 namespace stonestack::experiment {
 namespace {
 
-bool is_fit(const Stone& stone, const RobotModel& robot) {
-  return unfit_for_gripper(stone, gripper_of(CellLayout{}), robot).empty();
+bool is_fit(const Stone& stone, const GripperModel& gripper, const RobotModel& robot) {
+  return unfit_for_gripper(stone, gripper, robot).empty();
 }
 
 void sort_by_name(std::vector<Stone>& stones) {
@@ -22,12 +22,13 @@ void sort_by_name(std::vector<Stone>& stones) {
 
 }  // namespace
 
-NewStones::NewStones(int count, const std::string& folder, int seed, const RobotModel& robot)
-    : count_(count), seed_(seed), robot_(robot) {
+NewStones::NewStones(int count, const std::string& folder, int seed, const RobotModel& robot,
+                     const std::string& gripper)
+    : count_(count), seed_(seed), robot_(robot), gripper_(gripper_of(with_gripper({}, gripper))) {
   require(count > 0, "a run needs at least one stone, got --new-stones ", count);
   if (folder.empty()) return;
   pool_ = read_catalogue(folder);
-  std::erase_if(pool_.stones, [&](const Stone& stone) { return !is_fit(stone, robot); });
+  std::erase_if(pool_.stones, [&](const Stone& stone) { return !is_fit(stone, gripper_, robot); });
   require(pool_.stones.size() >= static_cast<std::size_t>(count), "--new-stones ", count, ": ", folder,
           " has ", pool_.stones.size(), " stones that gripper and arm can carry");
 }
@@ -54,7 +55,7 @@ Catalogue NewStones::generated(int run_seed) const {
   for (int number = 1; set.stones.size() < static_cast<std::size_t>(count_); ++number) {
     Stone stone = model_limestone(static_cast<std::uint64_t>(run_seed), number).stone;
     stone.name = concat("limestone_", run_seed, "_", number);
-    if (is_fit(stone, robot_)) set.stones.push_back(std::move(stone));
+    if (is_fit(stone, gripper_, robot_)) set.stones.push_back(std::move(stone));
   }
   sort_by_name(set.stones);
   return set;

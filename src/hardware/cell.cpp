@@ -1,5 +1,7 @@
 #include "stonestack/hardware/cell.hpp"
 
+#include "kinematics/gripper_file.hpp"
+
 namespace stonestack::hardware {
 
 Pose CellLayout::make_default_T_T_C() {
@@ -10,6 +12,15 @@ Pose CellLayout::make_default_T_T_C() {
   T_T_C.translation() = Eigen::Vector3d(0.0, 0.110, -0.170);
   T_T_C.linear() = Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitX()).toRotationMatrix();
   return T_T_C;
+}
+
+CellLayout with_gripper(CellLayout layout, const std::string& name) {
+  if (name.empty() || name == layout.gripper) return layout;
+  const double longer = read_gripper_file(name).tip - read_gripper_file(layout.gripper).tip;
+  layout.T_F_T = layout.T_F_T * Eigen::Translation3d(0, 0, longer);
+  layout.T_T_C = Eigen::Translation3d(0, 0, -longer) * layout.T_T_C;
+  layout.gripper = name;
+  return layout;
 }
 
 }  // namespace stonestack::hardware

@@ -11,6 +11,7 @@
 #include "hardware/camera/v4l2_camera.hpp"
 #include "hardware/robotiq/ft_sensor.hpp"
 #include "hardware/robotiq/three_finger_gripper.hpp"
+#include "hardware/robotiq/two_finger_gripper.hpp"
 #include "hardware/ur/ur_arm.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
@@ -41,10 +42,13 @@ using PoseNumbers = std::array<double, 7>;
 
 /// One file (data/cells/*.yaml) says which devices a cell has, where they are, and how things are mounted.
 struct CellConfig {
-  std::string file;            ///< where it was read, for errors; empty: nowhere
-  std::string robot = "ur10";  ///< ur3 to ur16e or the path of a URDF
+  std::string file;                         ///< where it was read, for errors; empty: nowhere
+  std::string robot = "ur10";               ///< ur3 to ur16e or the path of a URDF
+  std::string gripper_name = "robotiq-3f";  ///< gripper by its name, or a YAML beside the cell file
   UrArmOptions arm;
-  ThreeFingerOptions gripper;
+  std::string gripper_driver = "robotiq_3f";  ///< or robotiq_2f: 2F-85, 2F-140 and Hand-E
+  std::string gripper_link = "urcap";         ///< of robotiq_2f: urcap or rtu
+  ThreeFingerOptions gripper;                 ///< of either driver, as far as both have them
   FtSensorOptions force_torque;
   std::string camera = "stream";  ///< driver: stream, v4l2, realsense or recorded
   StreamCameraOptions stream;
@@ -53,7 +57,7 @@ struct CellConfig {
   RecordedCameraOptions recorded;
   PoseNumbers T_W_R{0, 0, 0, 0, 0, 0, 1};
   PoseNumbers T_F_T;                ///< tool tip in the flange
-  PoseNumbers T_T_C;                ///< hand-eye calibration: camera in the tool
+  PoseNumbers T_T_C;                ///< name-eye calibration: camera in the tool
   std::string hand_eye;             ///< file of the calibration in place of T_T_C, beside the cell file
   std::optional<Pose> T_F_C;        ///< what `read_hand_eye` read there
   double sensor_mass, camera_mass;  ///< in the gripper beside the gripper [kg]
@@ -65,6 +69,8 @@ struct CellConfig {
   std::vector<PairPadding> paddings;  ///< what `read_cell_file` read there
 
   CellConfig();  ///< the layout of CellLayout, no addresses
+  /// With the tip, the driver and the stroke of another gripper; throws FileError.
+  explicit CellConfig(const std::string& name);
 };
 /// `name`.x to `name`.qw
 [[nodiscard]] FieldList pose_fields(const std::string& name, PoseNumbers& numbers, const std::string& source);
@@ -74,6 +80,11 @@ struct CellConfig {
 /// also for a word that is none of those that a setting knows, and when both layout.T_T_C and layout.hand_eye
 /// are given.
 [[nodiscard]] CellConfig read_cell_file(const std::string& path, const FieldList& others = {});
+
+/// The options of driver robotiq_2f.
+[[nodiscard]] TwoFingerOptions two_finger_options(const CellConfig& config);
+/// The gripper of `gripper.driver`, connected; moves nothing.
+[[nodiscard]] std::unique_ptr<RobotiqGripper> make_gripper(const CellConfig& config);
 
 /// The camera of `camera.driver`, connected. Throws FileError that names the file for settings that do not
 /// do.

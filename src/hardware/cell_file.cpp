@@ -6,6 +6,8 @@
 
 #include "core/yaml.hpp"
 #include "hardware/cell_config.hpp"
+#include "hardware/constants.hpp"
+#include "kinematics/gripper_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/kinematics/hand_eye.hpp"
@@ -50,6 +52,8 @@ void require_word(const std::string& path, const std::string& name, const std::s
 }
 
 void require_known_words(const CellConfig& c, const std::string& path) {
+  require_word(path, "gripper.driver", c.gripper_driver, {"robotiq_3f", "robotiq_2f"});
+  require_word(path, "gripper.link", c.gripper_link, {"urcap", "rtu"});
   require_word(path, "gripper.preset", c.gripper.preset, {"tcp2018", "tcp2014", "rtu"});
   require_word(path, "gripper.mode", c.gripper.mode, {"basic", "pinch", "wide", "scissor"});
   require_word(path, "force_torque.link", c.force_torque.link, {"serial", "ur_cap"});
@@ -84,11 +88,20 @@ void require_one_mount(const CellConfig& config) {
 }
 
 /// Beside the cell file, unless the path is a whole one.
-std::string hand_eye_path(const CellConfig& config) {
-  const std::string& name = config.hand_eye;
+std::string path_beside(const std::string& cell_file, const std::string& name) {
   const char* home = std::getenv("HOME");
   if (name.rfind("~/", 0) == 0 && home != nullptr) return home + name.substr(1);
-  return std::filesystem::path(config.file).parent_path() / name;
+  return std::filesystem::path(cell_file).parent_path() / name;
+}
+
+/// The driver speaks to one kind of gripper: the wrong one would misread every register.
+void require_driver_of_gripper(const CellConfig& config, const std::string& path) {
+  const GripperFile figures = read_gripper_file(config.gripper_name);
+  const std::string fits = figures.against == 1 ? "robotiq_2f" : "robotiq_3f";
+  if (config.gripper_driver != fits)
+    throw FileError(path,
+                    concat("gripper.driver is ", config.gripper_driver, ", the gripper is ", figures.name),
+                    "write gripper.driver: " + fits + ", or leave it out");
 }
 
 /// ROS has frames at flange and camera that are turned against F and C.
@@ -127,18 +140,39 @@ CellConfig::CellConfig() {
   field_depth = layout.field_size.y();
 }
 
+CellConfig::CellConfig(const std::string& name) : CellConfig() {
+  if (name == gripper_name) return;
+  const GripperFile figures = read_gripper_file(name);
+  const CellLayout layout = with_gripper({}, name);
+  gripper_name = name;
+  T_F_T = to_numbers(layout.T_F_T);
+  T_T_C = to_numbers(layout.T_T_C);
+  gripper.max_opening = figures.max_opening;
+  gripper.open_count = figures.open_count;
+  gripper.closed_count = figures.closed_count;
+  if (figures.against != 1) return;
+  gripper_driver = "robotiq_2f";
+  gripper.modbus.port = kUrCapPort;
+}
+
 FieldList fields(CellConfig& c) {
-  return join({{user(field("robot", c.robot, "ur3 to ur16e, or a URDF file"))},
-               nest("arm", fields(c.arm)),
-               nest("gripper", fields(c.gripper)),
-               nest("force_torque", fields(c.force_torque)),
-               {user(field("camera.driver", c.camera, "stream, v4l2, realsense or recorded"))},
-               nest("camera.stream", fields(c.stream)),
-               nest("camera.v4l2", fields(c.v4l2)),
-               nest("camera.realsense", fields(c.realsense)),
-               nest("camera.recorded", fields(c.recorded)),
-               nest("layout", user(layout_fields(c))),
-               nest("limits", fields(c.limits))});
+  return join(
+      {{user(field("robot", c.robot, "ur3 to ur16e, or a URDF file")),
+        user(field("hand", c.gripper_name,
+                   "gripper: robotiq-3f, robotiq-2f-85, robotiq-2f-140, robotiq-hand-e, or a YAML"))},
+       nest("arm", fields(c.arm)),
+       nest("gripper",
+            {field("driver", c.gripper_driver, "robotiq_3f, or robotiq_2f for 2F-85, 2F-140 and Hand-E"),
+             field("link", c.gripper_link, "of robotiq_2f: urcap (port 63352) or rtu (serial line)")}),
+       nest("gripper", fields(c.gripper)),
+       nest("force_torque", fields(c.force_torque)),
+       {user(field("camera.driver", c.camera, "stream, v4l2, realsense or recorded"))},
+       nest("camera.stream", fields(c.stream)),
+       nest("camera.v4l2", fields(c.v4l2)),
+       nest("camera.realsense", fields(c.realsense)),
+       nest("camera.recorded", fields(c.recorded)),
+       nest("layout", user(layout_fields(c))),
+       nest("limits", fields(c.limits))});
 }
 
 FieldList pose_fields(const std::string& name, PoseNumbers& n, const std::string& source) {
@@ -160,7 +194,7 @@ Pose to_pose(const PoseNumbers& n, const std::string& name) {
 void read_hand_eye(CellConfig& config) {
   config.T_F_C.reset();
   if (config.hand_eye.empty()) return;
-  const std::string path = hand_eye_path(config);
+  const std::string path = path_beside(config.file, config.hand_eye);
   const EasyHandEye calibration = read_easy_handeye(path);
   if (calibration.mount != CameraMount::kOnHand)
     throw FileError(path,
@@ -175,6 +209,7 @@ CellLayout to_layout(const CellConfig& c) {
   layout.T_W_R = to_pose(c.T_W_R, "layout.T_W_R");
   layout.T_F_T = to_pose(c.T_F_T, "layout.T_F_T");
   layout.T_T_C = c.T_F_C ? layout.T_F_T.inverse() * *c.T_F_C : to_pose(c.T_T_C, "layout.T_T_C");
+  layout.gripper = c.gripper_name;
   layout.sensor_mass = c.sensor_mass;
   layout.camera_mass = c.camera_mass;
   layout.obstacles = c.obstacles;
@@ -194,12 +229,21 @@ RobotModel read_cell_robot(const CellConfig& config) {
 CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   CellConfig config;
   read_fields(fields(config), path, others);
+  if (config.gripper_name !=
+      CellConfig{}.gripper_name) {  // what the file does not give is as this gripper has it
+    const std::string name =
+        is_gripper_path(config.gripper_name) ? path_beside(path, config.gripper_name) : config.gripper_name;
+    config = CellConfig(name);
+    read_fields(fields(config), path, others);
+    config.gripper_name = name;
+  }
   config.file = path;
   config.obstacles = parse_obstacles(config.obstacles_text, path, "layout.obstacles");
   std::vector<std::string> names;
   for (const Obstacle& obstacle : config.obstacles) names.push_back(obstacle.name);
   config.paddings = parse_pair_paddings(config.padding_text, path, "layout.padding", names);
   require_known_words(config, path);
+  require_driver_of_gripper(config, path);
   require_one_mount(config);
   read_hand_eye(config);
   require_usable_settings(config);
@@ -211,6 +255,33 @@ void require_arm_address(const CellConfig& config) {
   if (config.arm.address.empty())
     throw FileError(config.file.empty() ? "the cell" : config.file, "arm.address is missing",
                     "write the address of the robot's controller, as `arm: {address: 192.168.1.10}`");
+}
+
+TwoFingerOptions two_finger_options(const CellConfig& config) {
+  const GripperFile figures = read_gripper_file(config.gripper_name);
+  const ThreeFingerOptions& own = config.gripper;
+  TwoFingerOptions o;
+  o.link = config.gripper_link;
+  o.modbus = own.modbus;
+  o.modbus.unit = own.unit;
+  o.max_opening = own.max_opening;
+  o.open_count = own.open_count;
+  o.closed_count = own.closed_count;
+  o.min_force = figures.min_force;
+  o.max_force = figures.max_force;
+  o.min_speed = figures.min_speed;
+  o.max_speed = figures.max_speed;
+  o.activation_timeout = own.activation_timeout;
+  o.echo_timeout = own.echo_timeout;
+  o.move_margin = own.move_margin;
+  o.poll = own.poll;
+  return o;
+}
+
+std::unique_ptr<RobotiqGripper> make_gripper(const CellConfig& config) {
+  if (config.gripper_driver == "robotiq_2f")
+    return std::make_unique<TwoFingerGripper>(two_finger_options(config));
+  return std::make_unique<ThreeFingerGripper>(config.gripper);
 }
 
 std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
@@ -229,7 +300,7 @@ struct HardwareCell::Devices {
   RobotModel robot;
   RobotiqFtSensor force_torque;
   UrArm arm;
-  ThreeFingerGripper gripper;
+  std::unique_ptr<RobotiqGripper> gripper;
   std::unique_ptr<DepthCamera> camera;
 
   explicit Devices(const CellConfig& config)
@@ -237,7 +308,7 @@ struct HardwareCell::Devices {
         robot(read_cell_robot(config)),
         force_torque(config.force_torque),
         arm(robot, config.arm, layout.T_W_R, layout.T_F_T, &force_torque),
-        gripper(config.gripper),
+        gripper(make_gripper(config)),
         camera(make_camera(config)) {}
 };
 
@@ -252,15 +323,15 @@ HardwareCell::~HardwareCell() = default;
 
 Cell HardwareCell::cell() {
   auto& d = *devices_;
-  return {d.arm, d.gripper, d.force_torque, *d.camera, *d.clock, d.layout};
+  return {d.arm, *d.gripper, d.force_torque, *d.camera, *d.clock, d.layout};
 }
 
 bool HardwareCell::activates_gripper() {
-  return !devices_->gripper.is_active();
+  return !devices_->gripper->is_active();
 }
 
 void HardwareCell::activate_gripper() {
-  if (activates_gripper()) devices_->gripper.activate();
+  if (activates_gripper()) devices_->gripper->activate();
 }
 
 }  // namespace stonestack::hardware

@@ -59,6 +59,8 @@ inline constexpr double kObjectMargin = 6.0;
 inline constexpr double kModeTimeout = 25.0;
 /// Bit rate of the serial line. Robotiq manual.
 inline constexpr int kGripperBaud = 115200;
+/// Port of the text socket of Robotiq's URCap. ur_rtde, RobotiqGripper.
+inline constexpr int kUrCapPort = 63352;
 
 // Force sensor
 /// Bit rate of the serial line. Robotiq manual.

@@ -32,18 +32,22 @@ struct GraspOptions {
 };
 [[nodiscard]] FieldList fields(GraspOptions& options);
 
-/// A pinch between finger A and fingers B and C. Frame T: origin midway between the pads at the height of the
-/// finger tips when fully open, x the closing direction towards A, z out of the gripper. At other openings
-/// the tips stand at z = `tip_advance`.
+/// A pinch between finger A and fingers B and C, or B alone. Frame T: origin midway between the pads at the
+/// height of the finger tips when fully open, x the closing direction towards A, z out of the gripper. At
+/// other openings the tips stand at z = `tip_advance`.
 struct Grasp {
   Pose T_O_T = Pose::Identity();
   double opening = 0.0;      ///< between the pads when closed [m]
   double pre_opening = 0.0;  ///< on approach and after release [m]
-  double spacing = 0.0;      ///< of fingers B and C [m]
-  /// A, B, C: middle of the touched surface, and its mean outward unit normal.
-  std::array<Eigen::Vector3d, 3> p_O_contact{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
-                                             Eigen::Vector3d::Zero()};
-  std::array<Eigen::Vector3d, 3> n_O_contact = p_O_contact;
+  double spacing = 0.0;      ///< of fingers B and C [m]; 0: there is no C
+  /// Contacts with A first: middles of the touched surface, and their mean outward unit normals. Three
+  /// fingers have one each. A pad against a pad has one for each half that touches, so that it resists
+  /// turning.
+  std::array<Eigen::Vector3d, 4> p_O_contact{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                             Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::array<Eigen::Vector3d, 4> n_O_contact = p_O_contact;
+  int contacts = 3;  ///< of these four
+  int on_a = 1;      ///< of these, on finger A
   /// Force [N] at finger A per N of weight that pulls along +x, -x, +y, -y, +z, -z of T: least that friction
   /// needs.
   std::array<double, 6> force_per_weight{};
@@ -69,8 +73,8 @@ struct GraspSet {
 ///
 /// Fingers B and C are `finger_spacing` apart, or drawn together to `narrow_spacing`: that gripper is 62 mm
 /// smaller across and comes nearer to the table at a tilt. Both fingers must touch, so a stone has to be
-/// about 50 mm long across the closing direction, or 30 mm; there is no two-point pinch. Throws
-/// InvalidArgument for a stone without scan or mass.
+/// about 50 mm long across the closing direction, or 30 mm. One finger against one holds what is as long as a
+/// pad is wide. Throws InvalidArgument for a stone without scan or mass.
 [[nodiscard]] GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper,
                                         const GraspOptions& options = {});
 /// The grasps of both, best first, and their counts together.

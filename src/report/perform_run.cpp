@@ -196,7 +196,9 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
   report.cell_changes = changed_in_cell(run.simulation);
   log_info(concat("simulated cell ", run.simulation.cell, ", seed ", run.seed, ": ", present.size(), " of ",
                   catalogue.stones.size(), " stones"));
-  CellLayout layout = file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers());
+  CellLayout layout = with_option_gripper(
+      file == nullptr ? CellLayout{} : true_layout(to_layout(file->cell()), file->servers()),
+      run.build.gripper, file != nullptr);
   layout.linkage = run.build.linkage;
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
   LiveRun live(view, report, catalogue, robot, layout);

@@ -27,8 +27,9 @@ namespace {
 
 constexpr const char* kRepeat = "repeat the command that began it";
 
-std::vector<StoneIndex> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot) {
-  return draw_stones(catalogue, count, seed, gripper_of(CellLayout{}), robot);
+std::vector<StoneIndex> draw(const Catalogue& catalogue, int count, int seed, const RobotModel& robot,
+                             const std::string& gripper) {
+  return draw_stones(catalogue, count, seed, gripper_of(with_gripper({}, gripper)), robot);
 }
 
 /// The stones of the experiment, drawn by its seed, in the order of the catalogue; none where each run has
@@ -36,7 +37,7 @@ std::vector<StoneIndex> draw(const Catalogue& catalogue, int count, int seed, co
 Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
   Catalogue chosen{all.path, {}};
   if (order.new_stones > 0) return chosen;
-  for (const StoneIndex stone : draw(all, order.stones, order.seed, order.robot))
+  for (const StoneIndex stone : draw(all, order.stones, order.seed, order.robot, order.run.build.gripper))
     chosen.stones.push_back(all[stone]);
   return chosen;
 }
@@ -98,7 +99,8 @@ class Runs {
       : order_(order), settings_(settings), catalogue_(catalogue), folder_(std::move(folder)), live_(live) {
     apply_protocol(settings_, order.protocol);
     if (order.new_stones > 0)
-      new_stones_.emplace(order.new_stones, order.new_stones_from, order.seed, order.robot);
+      new_stones_.emplace(order.new_stones, order.new_stones_from, order.seed, order.robot,
+                          order.run.build.gripper);
   }
 
   /// Performs those that are not done; the reports of a run that the user interrupts, or whose record is not
@@ -154,7 +156,7 @@ class Runs {
   }
   [[nodiscard]] std::vector<StoneIndex> present_in(const Catalogue& catalogue,
                                                    const SimulatedRun& run) const {
-    return draw(catalogue, order_.per_run, run.seed, order_.robot);
+    return draw(catalogue, order_.per_run, run.seed, order_.robot, run.build.gripper);
   }
 
   /// Adds run `k`; false where the experiment ends with it.
@@ -303,7 +305,8 @@ RecordedExperiment record_experiment(const ExperimentOrder& order, const Catalog
   const Catalogue chosen = choose_stones(order, catalogue);
   check_order(order, chosen);
   if (order.new_stones > 0)  // before a folder is made
-    (void)NewStones(order.new_stones, order.new_stones_from, order.seed, order.robot);
+    (void)NewStones(order.new_stones, order.new_stones_from, order.seed, order.robot,
+                    order.run.build.gripper);
   const RecordFolder folder = out_folder(order);
   const auto live = make_live_server(order.view, live_experiment_page({}, order.runs));
   RecordedExperiment done = order.variants.empty()

@@ -51,11 +51,13 @@ RunOrder at_slow_speed(RunOrder order) {
 
 RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
   const CellFile* const file = order.cell ? &*order.cell : nullptr;
+  if (file != nullptr) (void)with_option_gripper(to_layout(file->cell()), order.run.build.gripper, true);
   const RunMode mode{order.dry, order.before_motion};
   if (is_real(order))
     return perform_real(order.run, catalogue, *file, folder, order.version, order.view, mode);
   const RobotModel robot = file == nullptr ? order.robot : read_cell_robot(file->cell());
-  const CellLayout layout = file == nullptr ? CellLayout{} : to_layout(file->cell());
+  const CellLayout layout = with_option_gripper(file == nullptr ? CellLayout{} : to_layout(file->cell()),
+                                                order.run.build.gripper, file != nullptr);
   const auto present = draw_stones(catalogue, order.per_run, order.run.seed, gripper_of(layout), robot);
   return perform(order.run, catalogue, robot, present, folder, order.version, nullptr, file, order.view,
                  mode);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "motion/grasp/finger_reach.hpp"
 #include "simulation/finger_linkage.hpp"
 
 namespace stonestack::simulation {
@@ -26,7 +27,7 @@ double finger_y(const GripperModel& gripper, int finger, double narrowed) {
 
 /// z of T where the tip of a finger stands.
 double tip_z(const GripperBody& model, double place) {
-  return model.phalanges ? finger_linkage(place).tip - kOpenTip : 0.0;
+  return model.phalanges ? finger_linkage(place).tip - kOpenTip : tip_advance(model.gripper, 2.0 * place);
 }
 
 /// Returns the first two phalanges and the last one of a finger.
@@ -65,14 +66,16 @@ double opening(const GripperPose& gripper_pose) {
 
 GripperBody make_gripper_body(const GripperModel& gripper, const std::string& linkage) {
   GripperBody model{gripper, {}, {}};
-  model.phalanges = linkage_named(linkage) == Linkage::kThreeFinger;
+  const bool arc = linkage_named(linkage) == Linkage::kThreeFinger;
+  model.phalanges = arc && gripper.against == 2 && gripper.tips.empty();
+  model.gripper.linkage = arc && !gripper.tips.empty() ? Linkage::kArc : Linkage::kParallel;
   model.pad.width = gripper.finger_width;
   model.pad.length = gripper.pad_length;
   for (const auto& box : gripper.boxes) {
     if (model.phalanges && box.finger_side != 0.0) continue;
     GripperPart part{box.size, box.p_T_centre, -1, box.spread, box.finger_side, box.camera};
     if (box.finger_side != 0.0) {
-      part.finger = box.finger_side > 0 ? 0 : box.p_T_centre.y() > 0 ? 1 : 2;
+      part.finger = box.finger_side > 0 ? 0 : gripper.against == 1 || box.p_T_centre.y() > 0 ? 1 : 2;
       part.size.x() -= model.pad.thickness;
       part.p_T_centre.x() += 0.5 * box.finger_side * model.pad.thickness;
     }
@@ -81,6 +84,21 @@ GripperBody make_gripper_body(const GripperModel& gripper, const std::string& li
   for (int finger = 0; model.phalanges && finger < kFingers; ++finger)
     for (const GripperPart& part : make_phalanges(model, finger)) model.boxes.push_back(part);
   return model;
+}
+
+std::array<double, kFingers> next_finger_places(const GripperBody& model,
+                                                std::array<FingerDriveState, kFingers>& drives,
+                                                const std::array<double, kFingers>& places,
+                                                const std::array<double, kFingers>& force, double seconds) {
+  std::array<double, kFingers> next{};
+  if (model.gripper.against == 1) {
+    next.fill(next_finger_place(drives[0], places[0], 0.5 * (force[0] + force[1]), seconds));
+    drives[1].holding = drives[2].holding = drives[0].holding;
+    return next;
+  }
+  for (std::size_t f = 0; f < next.size(); ++f)
+    next[f] = next_finger_place(drives[f], places[f], force[f], seconds);
+  return next;
 }
 
 Pose box_pose(const GripperBody& model, const GripperPart& box, const GripperPose& gripper_pose) {

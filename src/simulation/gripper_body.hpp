@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "simulation/finger_drive.hpp"
 #include "simulation/finger_pad.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 
 namespace stonestack::simulation {
 
-/// The fingers, in the order of every array: A at +x of T, B at -x and +y, C at -x and -y.
+/// The fingers, in the order of every array: A at +x of T, B at -x and +y, C at -x and -y. A gripper with one
+/// finger against one has B at y = 0; the third place of an array repeats that of B.
 inline constexpr int kFingers = 3;
 
 /// Where the gripper is: tool frame, and how far each finger's pad stands from the plane x = 0 of T.
@@ -43,9 +45,20 @@ struct GripperBody {
   PadOptions pad;
   std::vector<GripperPart> boxes;
   bool phalanges = false;  ///< fingers turn as `finger_linkage`; false: flat jaws, the boxes of `gripper`
+  [[nodiscard]] int fingers() const { return 1 + gripper.against; }
 };
+/// Next places of the fingers after `seconds`, each with a drive of its own; the two of a gripper with one
+/// finger against one share a motor, so they move alike and push with the mean of their forces. `force` (N)
+/// presses each outwards now.
+[[nodiscard]] std::array<double, kFingers> next_finger_places(const GripperBody& model,
+                                                              std::array<FingerDriveState, kFingers>& drives,
+                                                              const std::array<double, kFingers>& places,
+                                                              const std::array<double, kFingers>& force,
+                                                              double seconds);
+
 /// The rubber is not the one that plans count on (GripperModel): its own values are in `pad`. Nor is the
-/// linkage: `linkage` is "parallel" or "three_finger", whatever the model's.
+/// linkage: `linkage` is "parallel" or "three_finger", whatever the model's; the latter is the arc of its
+/// file for another than the 3-finger gripper.
 /// @throws InvalidArgument for another name.
 [[nodiscard]] GripperBody make_gripper_body(const GripperModel& gripper,
                                             const std::string& linkage = "parallel");

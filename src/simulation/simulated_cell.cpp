@@ -64,7 +64,7 @@ struct SimulatedCell::Parts {
         assumed(layout),
         mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
         world(stones, with_foreign(present, all.size(), options),
-              with_camera_at(make_robotiq_3f(), layout.T_T_C), options,
+              with_camera_at(read_gripper(layout.gripper), layout.T_T_C), options,
               {TrueTable(options, 0.5 * (layout.site + layout.field_centre)), options.foreign_objects}),
         clock(world),
         force_torque(world, mounting, options),

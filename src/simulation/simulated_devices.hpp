@@ -124,13 +124,14 @@ class SimulatedArm final : public Arm {
   std::string stop_reason_;
 };
 
-/// Three fingers, each with a drive of its own that pushes until its force is reached and then holds its
-/// place (worm gear). A gives the commanded force, B and C half of it each.
+/// Fingers with a drive that pushes until its force is reached and then holds its place (worm gear). Three
+/// have one each: A gives the commanded force, B and C half of it each. Two share one.
 class SimulatedGripper final : public Gripper {
  public:
   explicit SimulatedGripper(TrueWorld& world) : world_(&world) {}
   [[nodiscard]] GripperState state() override;
-  /// Force and speed are clamped to what the device can (15 to 60 N, 22 to 110 mm/s), as it does itself.
+  /// Force and speed are clamped to what the device can (3-finger: 15 to 60 N, 22 to 110 mm/s), as it does
+  /// itself.
   GripperState move(double opening, double speed, double force) override;
   void spread(double spacing) override;
 

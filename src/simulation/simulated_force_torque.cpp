@@ -25,8 +25,9 @@ Eigen::Vector3d counted(const Eigen::Vector3d& value, double count) {
 
 }  // namespace
 
-Eigen::Vector3d gripper_centre() {
-  return {0, 0, -0.12};
+Eigen::Vector3d gripper_centre(const GripperModel& gripper) {
+  constexpr double kBesidePlans = -0.12 - -0.14;  // m
+  return {0, 0, gripper.centre_of_mass + kBesidePlans};
 }
 
 SimulatedForceTorque::SimulatedForceTorque(TrueWorld& world, const TrueMounting& mounting,
@@ -64,8 +65,9 @@ Wrench SimulatedForceTorque::measure() {
   const GripperMoment then = world_->moment_before(options.force_delay);
   const Pose T_W_F = then.T_W_T * mounting_.T_F_T.inverse();
   GripperLoad load = then.load;
-  load.add(then.T_W_T * gripper_centre(), {0, 0, -kGravity * sensed_mass(gripper)});
-  if (options.gripper_inertia) load.add(then.T_W_T * gripper_centre(), -sensed_mass(gripper) * then.a_W);
+  load.add(then.T_W_T * gripper_centre(gripper), {0, 0, -kGravity * sensed_mass(gripper)});
+  if (options.gripper_inertia)
+    load.add(then.T_W_T * gripper_centre(gripper), -sensed_mass(gripper) * then.a_W);
   const Eigen::Matrix3d R_F_W = T_W_F.rotation().transpose();
   Wrench wrench;
   wrench.force = R_F_W * load.force + offset_.force;

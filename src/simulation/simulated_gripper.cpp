@@ -8,13 +8,11 @@
 namespace stonestack::simulation {
 namespace {
 
-constexpr double kMinForce = 15.0, kMaxForce = 60.0;    // N a finger (data sheet)
-constexpr double kMinSpeed = 0.022, kMaxSpeed = 0.110;  // m/s, of the opening
-constexpr double kGripperTick = 0.002;                  // s
-constexpr double kStalled = 0.15;                       // s without motion until the drives report rest
-constexpr double kDeadline = 20.0;                      // s
-constexpr double kSpread = 1.0;       // s, for fingers B and C to draw together or apart; design choice
-constexpr double kPositioned = 5e-7;  // m a tick: slower is rest; the creep towards the force is faster
+constexpr double kGripperTick = 0.002;  // s
+constexpr double kStalled = 0.15;       // s without motion until the drives report rest
+constexpr double kDeadline = 20.0;      // s
+constexpr double kSpread = 1.0;         // s, for fingers B and C to draw together or apart; design choice
+constexpr double kPositioned = 5e-7;    // m a tick: slower is rest; the creep towards the force is faster
 
 }  // namespace
 
@@ -30,15 +28,17 @@ GripperState SimulatedGripper::state() {
 }
 
 GripperState SimulatedGripper::move(double target, double speed, double force) {
-  const double max = world_->gripper_body().gripper.max_opening;
+  const GripperModel& gripper = world_->gripper_body().gripper;
+  const double max = gripper.max_opening;
   require(std::isfinite(target) && std::isfinite(speed) && std::isfinite(force) && target >= 0 &&
               target <= max + 1e-9,
           "the gripper opens from 0 to ", max, " m, asked for ", target, " m");
-  force = std::clamp(force, kMinForce, kMaxForce);
-  speed = std::clamp(speed, kMinSpeed, kMaxSpeed);
+  force = std::clamp(force, gripper.min_force, gripper.max_force);
+  speed = std::clamp(speed, gripper.min_speed, gripper.max_speed);
   std::array<FingerDriveState, kFingers> drives;
   for (std::size_t f = 0; f < drives.size(); ++f)
-    drives[f] = {0.5 * target, 0.5 * speed, f == 0 ? force : 0.5 * force, world_->options().regrip};
+    drives[f] = {0.5 * target, 0.5 * speed, f == 0 ? force : force / gripper.against,
+                 world_->options().regrip};
   world_->drive_fingers(drives);
   object_ = false;
   double still = 0.0;

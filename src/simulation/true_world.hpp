@@ -51,8 +51,8 @@ struct TrueScene {
   int foreign = 0;  ///< the last so many stones of the list are objects that no catalogue has
 };
 
-/// Centre of mass of the gripper, m in T.
-[[nodiscard]] Eigen::Vector3d gripper_centre();
+/// True centre of mass of a gripper, m in T: beside the place where plans have it.
+[[nodiscard]] Eigen::Vector3d gripper_centre(const GripperModel& gripper);
 
 /// The one truth: stones of full resolution with their own mass, centre of mass and friction, the table, the
 /// gripper that pushes and grips, in the engine of `options`. Only the simulated devices and the judge see

@@ -81,7 +81,7 @@ std::vector<bool> TrueWorld::stones_in_play(const GripperPose& next) const {
 bool TrueWorld::pads_near() {
   bool any = false;
   for (const StoneIndex i : present_)
-    for (int f = 0; f < kFingers; ++f)
+    for (int f = 0; f < model_.fingers(); ++f)
       if (state(i).pads[static_cast<std::size_t>(f)].near(pad_pose(model_, f, gripper_pose_), state(i).T_W_O))
         any = true;
   return any;
@@ -94,7 +94,7 @@ void TrueWorld::press_pads(const GripperPose& next, double step) {
     if (!engine_->in_play[k]) continue;
     auto& it = state(present_[k]);
     const Eigen::Vector3d p_W_M = centre_of_mass(present_[k]);
-    for (int f = 0; f < kFingers; ++f) {
+    for (int f = 0; f < model_.fingers(); ++f) {
       const Pose T_W_P = pad_pose(model_, f, gripper_pose_);
       if (!it.pads[static_cast<std::size_t>(f)].near(T_W_P, it.T_W_O)) continue;
       const MovingFrame pad{T_W_P, T_W_P.translation(),
@@ -150,8 +150,8 @@ GripperLoad TrueWorld::table_load() const {
 
 // The gripper's next pose with the fingers where their drives bring them.
 GripperPose TrueWorld::driven(GripperPose next, double seconds) {
-  for (std::size_t f = 0; drives_ && f < drives_->size(); ++f)
-    next.finger[f] = next_finger_place((*drives_)[f], gripper_pose_.finger[f], finger_force_[f], seconds);
+  if (drives_)
+    next.finger = next_finger_places(model_, *drives_, gripper_pose_.finger, finger_force_, seconds);
   return next;
 }
 
@@ -180,7 +180,9 @@ void TrueWorld::yield_to(const GripperLoad& load, double seconds) {
 
 void TrueWorld::remember(double seconds) {
   if (options_.force_delay <= 0.0 && !options_.gripper_inertia) return;
-  const auto centre = [](const Pose& T_W_T) -> Eigen::Vector3d { return T_W_T * gripper_centre(); };
+  const auto centre = [&](const Pose& T_W_T) -> Eigen::Vector3d {
+    return T_W_T * gripper_centre(model_.gripper);
+  };
   GripperMoment now{time_, load_, gripper_pose_.T_W_T, Eigen::Vector3d::Zero()};
   if (!moments_.empty() && seconds > 0) {
     const GripperMoment& last = moments_.back();

@@ -4,13 +4,20 @@
 
 namespace stonestack::stacking {
 
+Field gripper_field(std::string& name) {
+  return user(field("hand", name,
+                    "gripper of the simulated cell: robotiq-3f, robotiq-2f-85, robotiq-2f-140, "
+                    "robotiq-hand-e or a YAML; a cell file names its own"));
+}
+
 FieldList fields(BuildOptions& o) {
   return join(
       {nest("detection", fields(o.detection)), nest("search", fields(o.search)),
        nest("motion", fields(o.motion)),
        nest("gripper", {field("linkage", o.linkage,
                               "path of the finger tips that plans count on: parallel (flat jaws) or "
-                              "three_finger (on an arc)")}),
+                              "three_finger (on the arc of its fingers)"),
+                        gripper_field(o.gripper)}),
        nest("run",
             {user(field("max_stones", o.max_stones, {0, 100}, "",
                         "height at which the run ends; 0: all stones that are seen")),

@@ -14,6 +14,9 @@
 namespace stonestack::stacking {
 namespace {
 
+constexpr const char* kNotActivated =
+    "not activated; `run` activates it: it opens and closes fully, so empty the gripper first";
+
 constexpr std::uint32_t kPolyScopeX = 10;
 constexpr double kListen = 1.0;  // s to RTDE
 constexpr double kHello = 2.0;   // s until a controller has said who it is; it sends a state every 0.1 s
@@ -73,15 +76,25 @@ Found listen_rtde(const CellConfig& cell, UrVersion& version, CellView& view) {
           true};
 }
 
+Found ask_two_fingers(const CellConfig& cell) {
+  TwoFingerGripper gripper(two_finger_options(cell));
+  const TwoFingerStatus status = gripper.status();
+  if (is_major_two_finger_fault(status.fault))
+    throw DeviceError(gripper.name(), two_finger_fault_text(status.fault),
+                      "empty the gripper and activate the gripper");
+  std::string text = status.active ? "active" : kNotActivated;
+  if (status.fault != 0) text += "; " + two_finger_fault_text(status.fault);
+  return {text, !status.active};
+}
+
 Found ask_gripper(const CellConfig& cell) {
+  if (cell.gripper_driver == "robotiq_2f") return ask_two_fingers(cell);
   ThreeFingerGripper gripper(cell.gripper);
   const ThreeFingerStatus status = gripper.status();
   if (gripper_fault_kind(status.fault) == GripperFaultKind::kMajor)
     throw DeviceError(gripper.name(), gripper_fault_text(status.fault),
                       "empty the gripper and activate the gripper");
-  std::string text = status.active ? "active"
-                                   : "not activated; `run` activates it: it opens and closes fully, so empty "
-                                     "the gripper first";
+  std::string text = status.active ? "active" : kNotActivated;
   if (status.fault != 0) text += "; " + gripper_fault_text(status.fault);
   return {text, !status.active};
 }

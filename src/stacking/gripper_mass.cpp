@@ -5,7 +5,6 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kPalm = -0.14;           // m, along z of T: middle of palm and fingers
 constexpr double kSensorMiddle = 0.0205;  // m, along z of F (half of 41 mm, the height of an FT150)
 
 }  // namespace
@@ -17,7 +16,7 @@ GripperMass together(const GripperMass& a, const GripperMass& b) {
 }
 
 GripperMass sensed_gripper_mass(const GripperModel& gripper, const CellLayout& layout) {
-  return together({gripper.mass, layout.T_F_T * Eigen::Vector3d(0, 0, kPalm)},
+  return together({gripper.mass, layout.T_F_T * Eigen::Vector3d(0, 0, gripper.centre_of_mass)},
                   {gripper.camera_mass, (layout.T_F_T * layout.T_T_C).translation()});
 }
 

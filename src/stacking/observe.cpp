@@ -77,10 +77,17 @@ Joints home_joints() {
 }
 
 GripperModel gripper_of(const CellLayout& layout) {
-  GripperModel gripper = with_camera_at(make_robotiq_3f(linkage_named(layout.linkage)), layout.T_T_C);
+  GripperModel gripper =
+      with_camera_at(read_gripper(layout.gripper, linkage_named(layout.linkage)), layout.T_T_C);
   gripper.sensor_mass = layout.sensor_mass;
   gripper.camera_mass = layout.camera_mass;
   return gripper;
+}
+
+CellLayout with_option_gripper(CellLayout layout, const std::string& name, bool from_cell_file) {
+  require(!from_cell_file || name.empty() || name == layout.gripper, "gripper.hand is ", name,
+          ", the cell file has ", layout.gripper, "; write `hand: ", name, "` there");
+  return with_gripper(std::move(layout), name);
 }
 
 PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& robot,
@@ -88,6 +95,7 @@ PlanningScene make_planning_scene(const CellLayout& layout, const RobotModel& ro
   PlanningScene scene;
   scene.robot = robot;
   scene.gripper = gripper_of(layout);
+  scene.opening = scene.gripper.max_opening;
   scene.T_W_R = layout.T_W_R;
   scene.T_F_T = layout.T_F_T;
   for (const auto* group : {&arrangement.stack, &arrangement.loose})

@@ -48,7 +48,7 @@ void ask_the_arm(const SceneSearchTask& task, const Catalogue& catalogue, Search
   require(!task.scene.empty(), "--robot asks how stones are reached where they lie; give a SCENE");
   const RobotModel robot = read_robot(task.robot);
   const Arrangement arrangement{problem.stack.stones, problem.available};
-  CellLayout layout;
+  CellLayout layout = with_gripper({}, task.gripper);
   if (is_scene_file(task.scene)) {
     const SceneFile file = read_scene_file(task.scene);
     layout.obstacles = file.obstacles;

@@ -219,6 +219,7 @@ json layout_json(const CellLayout& layout) {
           {"sensor_mass", layout.sensor_mass},
           {"camera_mass", layout.camera_mass},
           {"linkage", layout.linkage},
+          {"hand", layout.gripper},
           {"site", vector_json(layout.site)},
           {"field_centre", vector_json(layout.field_centre)},
           {"field_size", vector_json(layout.field_size)},
@@ -250,6 +251,7 @@ CellLayout layout_of(const json& j) {
   layout.sensor_mass = j.at("sensor_mass").get<double>();
   layout.camera_mass = j.at("camera_mass").get<double>();
   layout.linkage = j.value("linkage", layout.linkage);
+  layout.gripper = j.value("hand", layout.gripper);
   layout.site = vector2_of(j.at("site"));
   layout.field_centre = vector2_of(j.at("field_centre"));
   layout.field_size = vector2_of(j.at("field_size"));

@@ -16,15 +16,15 @@ stonestack_files(parsers geometry bop_folder cloud_file depth_image depth_png de
   ply ply_header pose_yaml stl)
 stonestack_files(parsers stone scene_file scene_text stone_yaml)
 stonestack_files(parsers search wall/wall_target)
-stonestack_files(parsers kinematics calibration dh hand_eye_file mesh_uri robot_model urdf urdf_shapes xml_guard)
+stonestack_files(parsers kinematics calibration dh hand_eye_file gripper_file mesh_uri robot_model urdf urdf_shapes xml_guard)
 stonestack_files(parsers physics block_assembly)
-stonestack_files(parsers protocol dashboard_text frame_stream ft_frames modbus_frame primary_wire rtde_wire z16)
+stonestack_files(parsers protocol dashboard_text frame_stream ft_frames gripper_text modbus_frame primary_wire rtde_wire z16)
 stonestack_files(parsers hardware cell_edit cell_file cell_limits camera/camera_settings camera/recording camera/v4l2_recording
   robotiq/gripper_words)
 stonestack_files(parsers motion pick_and_place/problem_file)
 stonestack_files(parsers urscript builtins builtins_poses builtins_text compile_expressions compile_statements lexer
   machine machine_calls script_collector value)
-stonestack_files(parsers emulators robotiq/gripper_plant robotiq/gripper_registers
+stonestack_files(parsers emulators robotiq/gripper_plant robotiq/gripper_registers robotiq/two_finger_registers
   ur/builtins_flow ur/builtins_io ur/builtins_kinematics ur/builtins_motion ur/builtins_sockets ur/builtins_state
   ur/controller ur/controller_programs ur/dashboard_session ur/external_control ur/robot_library ur/rtde_access
   ur/rtde_session)
@@ -35,11 +35,11 @@ stonestack_files(others geometry capsule capsule_cover cloud depth_unit convex_h
 stonestack_files(others kinematics calibrated_inverse closed_form forward hand_eye hand_eye_methods inverse jacobian joints polish tool_workspace)
 stonestack_files(others hardware cell camera/realsense_absent camera/realsense_camera camera/recorded_camera
   camera/stream_camera camera/v4l2_camera camera/v4l2_kernel robotiq/ft_link robotiq/ft_sensor robotiq/modbus
-  robotiq/modbus_rtu robotiq/modbus_tcp robotiq/three_finger_gripper ur/dashboard_client ur/primary_client
+  robotiq/modbus_rtu robotiq/modbus_tcp robotiq/three_finger_gripper robotiq/two_finger_gripper robotiq/urcap_link ur/dashboard_client ur/primary_client
   ur/rtde_client ur/rtde_session ur/run_program ur/script_gate ur/script_guard ur/script_text
   ur/script_writer ur/ur_arm ur/ur_link ur/ur_status)
 stonestack_files(others protocol rtde_fields)
-stonestack_files(others motion collision/planning_scene)
+stonestack_files(others motion collision/planning_scene collision/read_gripper)
 stonestack_files(others emulators ur/arm_geometry ur/ideal_plant ur/motion ur/motion_step ur/profile)
 
 function(stonestack_part target)

@@ -55,6 +55,58 @@ TEST_F(CellFile, DescribesTheDevicesAndTheirMounts) {
   EXPECT_TRUE(layout.T_T_C.isApprox(CellLayout{}.T_T_C, 1e-9)) << "what the file leaves out is the default";
 }
 
+TEST_F(CellFile, ANamedGripperBringsTipDriverAndStroke) {
+  const CellConfig cell = read("hand: robotiq-2f-85\ngripper: {address: 192.168.1.10}\n");
+  const CellLayout layout = to_layout(cell);
+  EXPECT_EQ(layout.gripper, "robotiq-2f-85");
+  EXPECT_NEAR(layout.T_F_T.translation().z(), 0.041 + 0.160, 1e-12);
+  EXPECT_TRUE((layout.T_F_T * layout.T_T_C).isApprox(CellLayout{}.T_F_T * CellLayout{}.T_T_C, 1e-9))
+      << "the camera stays on the flange";
+  EXPECT_EQ(cell.gripper_driver, "robotiq_2f");
+  const TwoFingerOptions options = two_finger_options(cell);
+  EXPECT_EQ(options.link, "urcap");
+  EXPECT_EQ(options.modbus.address, "192.168.1.10");
+  EXPECT_EQ(options.modbus.port, 63352);
+  EXPECT_EQ(options.max_opening, 0.085);
+  EXPECT_EQ(options.max_force, 235.0);
+  const CellConfig plain = read("robot: ur10\n");
+  EXPECT_EQ(plain.gripper_name, "robotiq-3f");
+  EXPECT_EQ(plain.gripper_driver, "robotiq_3f");
+  EXPECT_EQ(plain.gripper.modbus.port, 502);
+}
+
+TEST_F(CellFile, ItsOwnFiguresGoBeforeTheGrippers) {
+  const CellConfig cell = read(
+      "hand: robotiq-2f-140\n"
+      "gripper: {link: rtu, device: /dev/ttyUSB0, closed_count: 226, port: 63353}\n"
+      "layout: {T_F_T: {x: 0, y: 0, z: 0.3, qx: 0, qy: 0, qz: 0, qw: 1}}\n");
+  EXPECT_EQ(to_layout(cell).T_F_T.translation().z(), 0.3);
+  EXPECT_EQ(two_finger_options(cell).closed_count, 226.0);
+  EXPECT_EQ(two_finger_options(cell).modbus.port, 63353);
+  EXPECT_EQ(two_finger_options(cell).max_opening, 0.14);
+}
+
+TEST_F(CellFile, AGrippersFileLiesBesideTheCellFile) {
+  const std::string name = "cell_file_gripper.yaml", path = test::temporary_folder() + name;
+  std::string text = read_file(data_path("grippers/robotiq-hand-e.yaml"), std::size_t{1} << 16);
+  text.replace(text.find("tip: 0.1565"), 11, "tip: 0.2000");
+  write_file(path, text);
+  const CellLayout layout = to_layout(read("hand: " + name + "\n"));
+  EXPECT_NEAR(layout.T_F_T.translation().z(), 0.241, 1e-12);
+  std::filesystem::remove(path);
+  EXPECT_THAT(problem_of("hand: " + name + "\n"), HasSubstr(name));
+}
+
+TEST_F(CellFile, RefusesADriverThatDoesNotFitTheGripper) {
+  EXPECT_THAT(
+      problem_of("gripper: {driver: robotiq_2f}\n"),
+      AllOf(HasSubstr("gripper.driver is robotiq_2f, the gripper is robotiq-3f"), HasSubstr("robotiq_3f")));
+  EXPECT_THAT(problem_of("hand: robotiq-2f-140\ngripper: {driver: robotiq_3f}\n"), HasSubstr("robotiq_2f"));
+  EXPECT_THAT(problem_of("gripper: {driver: robotiq}\n"), HasSubstr("write one of robotiq_3f, robotiq_2f"));
+  EXPECT_THAT(problem_of("gripper: {link: tcp}\n"), HasSubstr("write one of urcap, rtu"));
+  EXPECT_THAT(problem_of("hand: robotiq-2f\n"), AllOf(HasSubstr("robotiq-2f"), HasSubstr("robotiq-2f-85")));
+}
+
 TEST_F(CellFile, NamesTheObstaclesAndTheGrippersMass) {
   const CellLayout layout = to_layout(
       read("layout:\n  sensor_mass: 0.3\n  obstacles:\n    - name: wall\n      box: {x: 0.1, y: 1, z: 1}\n"
@@ -72,7 +124,7 @@ TEST_F(CellFile, NamesTheObstaclesAndTheGrippersMass) {
 TEST_F(CellFile, TakesTheCameraInTheFlangeFromACalibration) {
   EasyHandEye calibration;
   calibration.T_A_C = make_pose({0.03, -0.06, 0.08}, Eigen::Quaterniond(0.95, 0.05, -0.1, 0.25));
-  const std::string name = "cell_file_hand_eye.yaml";
+  const std::string name = "cell_file_gripper_eye.yaml";
   write_easy_handeye(test::temporary_folder() + name, calibration);
   const std::string beside = "layout:\n  hand_eye: " + name + "\n";
   const CellLayout layout = to_layout(read(beside));

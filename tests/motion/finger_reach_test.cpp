@@ -100,8 +100,9 @@ TEST(FingerReach, GraspsHaveTheirContactsOnTheAdvancedPads) {
   ASSERT_GT(set.grasps.size(), 20u);
   for (const Grasp& grasp : set.grasps) {
     const double tip = tip_advance(kThreeFingers, grasp.opening);
-    for (const Eigen::Vector3d& p_O : grasp.p_O_contact) {
-      const double z = (grasp.T_O_T.inverse() * p_O).z();
+    ASSERT_EQ(grasp.contacts, 3);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double z = (grasp.T_O_T.inverse() * grasp.p_O_contact[i]).z();
       EXPECT_LE(z, tip + 1e-9);
       EXPECT_GE(z, tip - kThreeFingers.pad_length - 1e-9);
     }

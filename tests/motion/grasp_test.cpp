@@ -37,8 +37,9 @@ TEST(Grasp, OnABoxEveryGraspIsAntipodal) {
     const Eigen::Vector3d x = grasp.T_O_T.linear().col(0);
     EXPECT_GT(grasp.n_O_contact[0].dot(x), 0.7);
     EXPECT_LT((grasp.n_O_contact[1] + grasp.n_O_contact[2]).dot(x) / 2, -0.7);
-    for (const Eigen::Vector3d& p : grasp.p_O_contact)
-      EXPECT_LT((p.cwiseAbs() - size / 2).maxCoeff(), 1e-9) << "contact off the box";
+    ASSERT_EQ(grasp.contacts, 3);
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_LT((grasp.p_O_contact[i].cwiseAbs() - size / 2).maxCoeff(), 1e-9) << "contact off the box";
     EXPECT_GT(grasp.opening, size.minCoeff() - 1e-6);
     EXPECT_LT(grasp.opening, kGripper.max_opening);
     EXPECT_GE(grasp.pre_opening, grasp.opening);

@@ -178,5 +178,51 @@ TEST(Grasp, OnSlipperyPadsAStoneStaysOnTheTable) {
   EXPECT_LT(bench.world.centre_of_mass(0_stone).z(), 0.1);
 }
 
+/// One finger against one, on flat jaws and on the arc of its own file.
+TEST(Grasp, TwoFingersHoldThroughLiftAndTurn) {
+  for (const std::string linkage : {"parallel", "three_finger"}) {
+    SimulationOptions options;
+    options.linkage = linkage;
+    const GripperModel model = read_gripper("robotiq-2f-140");
+    TrueWorld world({make_pebble("pebble", 0.8)}, {0_stone}, model, options);
+    SimulatedGripper gripper(world);
+    Pose T_W_O = Pose::Identity();
+    double lowest = 0;
+    for (const auto& p : world.shapes()[0]->scan.vertices) lowest = std::min(lowest, p.z());
+    T_W_O.translation().z() = 0.0005 - lowest;
+    GripperPose start{tool_down({0.004, 0, 0.5}), {}};
+    start.finger.fill(0.07);
+    world.set_gripper_pose(start);
+    world.place(0_stone, T_W_O);
+    (void)world.wait(6.0);
+    const auto carry = [&](const Pose& T_W_T, double seconds) {
+      const GripperPose from = world.gripper_pose();
+      return world.advance(seconds, [&](double t) {
+        const double s = t / seconds;
+        GripperPose pose = from;
+        pose.T_W_T = interpolate(from.T_W_T, T_W_T, s * s * (3 - 2 * s));
+        return pose;
+      });
+    };
+    const double arc = linkage == "parallel" ? 0.0 : 0.024;  // by which the tips come further
+    ASSERT_EQ(carry(tool_down({0.004, 0, world.centre_of_mass(0_stone).z() - 0.015 + arc}), 1.0).stopped, "");
+    const GripperState gripped = gripper.move(0.0, 0.05, 100.0);
+    EXPECT_TRUE(gripped.object) << linkage;
+    const auto& finger = world.gripper_pose().finger;
+    EXPECT_EQ(finger[0], finger[1]) << "one motor moves both";
+    EXPECT_NEAR(world.finger_force()[0], world.finger_force()[1], 10.0) << "the stone slid between the pads";
+    const auto T_T_O = [&] { return world.gripper_pose().T_W_T.inverse() * world.pose(0_stone); };
+    Pose up = tool_down({0, 0, 0.25});
+    ASSERT_EQ(carry(up, 1.5).stopped, "");
+    const Pose held = T_T_O();
+    up.rotate(Eigen::AngleAxisd(kHalfTurn, Eigen::Vector3d::UnitX()));
+    ASSERT_EQ(carry(up, 2.0).stopped, "");
+    EXPECT_LT(difference(T_T_O(), held).translation, 0.003) << linkage;
+    EXPECT_TRUE(gripper.state().object);
+    EXPECT_NO_THROW(gripper.spread(0.0));
+    EXPECT_THROW(gripper.spread(0.04), InvalidArgument);
+  }
+}
+
 }  // namespace
 }  // namespace stonestack::simulation

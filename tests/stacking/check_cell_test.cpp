@@ -56,6 +56,26 @@ TEST(CheckCell, EveryDeviceIsCheckedThoughAnotherFails) {
   EXPECT_THAT(lines.back(), testing::StartsWith("note  cell file, hand-eye: "));
 }
 
+/// The gripper of a 2-finger cell is asked over its own link.
+TEST(CheckCell, AnAbsentTwoFingerGripperIsNamed) {
+  CellConfig cell("robotiq-2f-85");
+  const int port = closed_port();
+  cell.arm.address = "127.0.0.1";
+  cell.arm.rtde_port = cell.arm.primary_port = cell.arm.dashboard_port = port;
+  cell.arm.secondary_port = cell.arm.realtime_port = 0;
+  cell.arm.rtde.attempts = 1;
+  cell.gripper.modbus.port = cell.force_torque.port = cell.stream.port = port;
+  cell.force_torque.link = "ur_cap";
+  std::string line;
+  CellCheckOptions options;
+  options.on_check = [&](const CellCheck& check) {
+    if (check.device == "gripper") line = to_text(check);
+  };
+  (void)check_cell(cell, options);
+  EXPECT_THAT(line, HasSubstr("(URCap)"));
+  EXPECT_THAT(line, HasSubstr("URCap is installed"));
+}
+
 TEST(CheckCell, TheReportIsJson) {
   CellReport report;
   report.checks = {{"arm", "RTDE", Verdict::kPassed, "protocol 2"},

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "motion/collision.hpp"
+#include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
@@ -121,6 +122,28 @@ TEST(FindInViews, AStoneHiddenBelowASeenOneIsNotSoughtElsewhere) {
   EXPECT_EQ(found[0].stone, field().seen[0].stone);
   std::swap(before.stack[0], before.stack[1]);  // nothing seen stands on it: it fell, perhaps
   EXPECT_EQ(field().find(before).size(), 2U);
+}
+
+TEST(GripperOption, ChoosesTheGripperWhereNoCellFileNamesOne) {
+  const CellLayout layout = with_option_gripper({}, "robotiq-2f-85", false);
+  EXPECT_EQ(layout.gripper, "robotiq-2f-85");
+  EXPECT_EQ(gripper_of(layout).against, 1);
+  EXPECT_EQ(gripper_of(layout).max_opening, 0.085);
+  const PlanningScene scene = make_planning_scene(layout, read_robot("ur10"), {}, {});
+  EXPECT_EQ(scene.opening, 0.085);
+  EXPECT_NEAR(scene.T_F_T.translation().z(), 0.201, 1e-12);
+  EXPECT_EQ(with_option_gripper({}, "", false).gripper, "robotiq-3f");
+  EXPECT_THROW((void)with_option_gripper({}, "robotiq-2f-85", true), InvalidArgument);
+  EXPECT_NO_THROW((void)with_option_gripper({}, "robotiq-3f", true)) << "the same as in the cell file";
+  EXPECT_THROW((void)with_option_gripper({}, "robotiq-9f", false), FileError);
+}
+
+TEST(GripperOption, LinkageIsTheArcOfTheGrippersOwnFile) {
+  CellLayout layout = with_option_gripper({}, "robotiq-2f-85", false);
+  layout.linkage = "three_finger";
+  EXPECT_EQ(gripper_of(layout).linkage, motion::Linkage::kArc);
+  layout.linkage = "scissor";
+  EXPECT_THROW((void)gripper_of(layout), InvalidArgument);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct CellLayout {
   Pose T_W_R = Pose::Identity();                         ///< robot base; z = 0 is the table
   Pose T_F_T = Pose(Eigen::Translation3d(0, 0, 0.264));  ///< tool tip: sensor 41 mm + gripper 223 mm
   Pose T_T_C = make_default_T_T_C();          ///< camera on the gripper's mount, looking along z of T
+  std::string gripper = "robotiq-3f";         ///< gripper: a name that comes with stonestack, or a YAML
   double sensor_mass = 0.65;                  ///< between flange and gripper [kg]: FT150 (an FT300: 0.30)
   double camera_mass = 0.20;                  ///< with bracket and cable [kg]; design choice
   std::string linkage = "parallel";           ///< of the fingers, as motions are planned: or three_finger
@@ -26,6 +27,11 @@ struct CellLayout {
   /// Pose of the camera at the tool tip in the standard cell.
   [[nodiscard]] static Pose make_default_T_T_C();
 };
+
+/// The layout with another gripper (docs/formats.md, Grippers) on the same flange: its tip takes the place of
+/// the one before, the camera stays where it is on the flange. An empty name changes nothing.
+/// @throws FileError
+[[nodiscard]] CellLayout with_gripper(CellLayout layout, const std::string& name);
 
 /// The four devices of a cell and its clock. Non-owning: whoever made them keeps them alive.
 struct Cell {

@@ -15,8 +15,9 @@ namespace stonestack::motion {
 
 /// Motion of the finger tips along z of T while the fingers close.
 enum class Linkage {
-  kParallel,    ///< none: jaws that slide across
-  kThreeFinger  ///< on an arc, as the phalanges of the Robotiq 3-finger gripper turn about their first joint
+  kParallel,     ///< none: jaws that slide across
+  kThreeFinger,  ///< on an arc, as the phalanges of the Robotiq 3-finger gripper turn about their first joint
+  kArc           ///< on the arc of the gripper's own file; its fingers stay upright
 };
 /// Finds a linkage by its name, "parallel" or "three_finger".
 /// @throws InvalidArgument for another name.
@@ -33,30 +34,54 @@ struct GripperBox {
   double advance = 0.0;        ///< moves along z by that times how far the tips stand before z = 0
 };
 
-/// Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and C at -x, 73 mm apart in y
-/// (measured on the meshes that Robotiq publishes). The origin of T lies 223 mm from the gripper's mount, at
-/// the height of the finger tips when they are fully open; the tips of kThreeFinger stand up to 10 mm further
-/// out when they are half closed.
+/// Where the finger tips of a gripper with Linkage::kArc stand.
+struct TipAdvance {
+  double opening = 0.0;  ///< between the pads [m]
+  double advance = 0.0;  ///< z in T of the tips [m]
+};
+
+/// A gripper. The defaults are those of the Robotiq 3-finger gripper in pinch: finger A at +x, fingers B and
+/// C at -x, 73 mm apart in y (measured on the meshes that Robotiq publishes). A gripper with one finger
+/// against one has no C: B stands at y = 0, and `finger_spacing` is 0. The origin of T lies at the height of
+/// the finger tips when they are fully open; the tips of kThreeFinger and kArc stand further out when they
+/// close.
 struct GripperModel {
-  double max_opening = 0.155;     ///< [m]
-  double min_object = 0.020;      ///< [m]
-  double finger_width = 0.031;    ///< along y [m]
-  double finger_spacing = 0.073;  ///< between B and C where their pads are [m]
-  double narrow_spacing = 0.042;  ///< the same with B and C drawn together [m]; 0: the gripper cannot
-  double pad_length = 0.040;      ///< along z, ends at the finger tip [m]
-  double force = 60.0;            ///< force a finger [N]
-  double friction = 0.5;          ///< rubber on stone
-  double pad_thickness = 0.005;   ///< thickness of rubber [m]
-  double pad_stiffness = 1.5e8;   ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
-  double pad_shear = 5e7;         ///< N/m^3, sideways: a third of it
-  double mass = 2.5;              ///< of the gripper alone [kg]
-  double sensor_mass = 0.65;      ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
-  double camera_mass = 0.20;      ///< of camera, bracket and cable [kg]; design choice
-  double payload = 2.5;           ///< mass [kg] at the finger tips
-  std::vector<GripperBox> boxes;  ///< fingers, palm, sensor, camera
+  std::string name = "robotiq-3f";  ///< as in its file
+  int against = 2;                  ///< fingers that face A: B and C, or B alone
+  double tip = 0.223;               ///< of the open fingers from the gripper's mount [m]
+  double max_opening = 0.155;       ///< [m]
+  double min_object = 0.020;        ///< [m]
+  double finger_width = 0.031;      ///< along y [m]
+  double finger_spacing = 0.073;    ///< between B and C where their pads are [m]
+  double narrow_spacing = 0.042;    ///< the same with B and C drawn together [m]; 0: the gripper cannot
+  double pad_length = 0.040;        ///< along z, ends at the finger tip [m]
+  double force = 60.0;              ///< force a finger, in plans [N]
+  double min_force = 15.0;          ///< that the gripper can be set to, a finger [N]
+  double max_force = 60.0;          ///< likewise
+  double min_speed = 0.022;         ///< of the opening [m/s]
+  double max_speed = 0.110;         ///< likewise
+  double friction = 0.5;            ///< rubber on stone
+  double pad_thickness = 0.005;     ///< thickness of rubber [m]
+  double pad_stiffness = 1.5e8;     ///< N/m^3, pressure over depth: 5 mm of soft rubber (E about 0.75 MPa)
+  double pad_shear = 5e7;           ///< N/m^3, sideways: a third of it
+  double mass = 2.5;                ///< of the gripper alone [kg]
+  double centre_of_mass = -0.14;    ///< of the gripper alone, z in T [m]
+  double sensor_mass = 0.65;        ///< of the force sensor behind it (Robotiq FT150 [kg]; FT300: 0.30)
+  double camera_mass = 0.20;        ///< of camera, bracket and cable [kg]; design choice
+  double payload = 2.5;             ///< mass [kg] at the finger tips
+  std::vector<GripperBox> boxes;    ///< fingers, palm, sensor, camera
 
   Linkage linkage = Linkage::kParallel;  ///< path of the finger tips
+  std::vector<TipAdvance> tips;          ///< that of kArc, by rising opening; empty: straight
 };
+/// Reads a gripper by the name that comes with stonestack ("robotiq-2f-85") or the path of its YAML
+/// (docs/formats.md). `linkage` kThreeFinger stands for the true path of any gripper's tips: the arc of its
+/// file where it is not the 3-finger gripper. A file is read once.
+/// @throws FileError that names file, key, value and remedy.
+[[nodiscard]] GripperModel read_gripper(const std::string& name_or_path,
+                                        Linkage linkage = Linkage::kParallel);
+/// Grippers that come with stonestack.
+[[nodiscard]] std::vector<std::string> gripper_names();
 /// With its boxes.
 [[nodiscard]] GripperModel make_robotiq_3f(Linkage linkage = Linkage::kParallel);
 /// Gripper and camera [kg]: what the force sensor carries without a stone.
@@ -64,7 +89,7 @@ struct GripperModel {
 /// Gripper, camera and sensor [kg]: what the arm carries without a stone.
 [[nodiscard]] double carried_mass(const GripperModel& gripper);
 /// The gripper with fingers B and C `spacing` (m) apart at their pads. Throws InvalidArgument for a spacing
-/// that is not between `narrow_spacing` and `finger_spacing`.
+/// that is neither `finger_spacing` nor between it and `narrow_spacing`.
 [[nodiscard]] GripperModel with_spacing(GripperModel gripper, double spacing);
 
 /// The gripper with its camera mounted at T_T_C instead of CellLayout::make_default_T_T_C(): the box around

@@ -58,6 +58,8 @@ struct BuildOptions {
   /// Wall that is built: stones a course ("4+3+2+1"), metres and courses ("0.8x3") or a target file
   /// (`read_wall_target`); empty: a tower. Needs the default search.
   std::string wall;
+  /// Gripper of the simulated cell, by its name or a YAML; empty: of the cell file, or robotiq-3f.
+  std::string gripper;
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };
 /// Names the options of the loop.

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "stonestack/core/options.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
@@ -24,9 +25,15 @@ namespace stonestack::stacking {
 [[nodiscard]] Arrangement sort_by_site(const ShapeList& shapes, const Eigen::Vector2d& site,
                                        const std::vector<PlacedStone>& stones);
 
-/// The gripper of a cell, with the linkage, the masses and the camera's mount that its layout names.
+/// The gripper of a cell, with the linkage, the masses and the camera's mount that its layout
+/// names.
 /// @throws InvalidArgument for another linkage than parallel and three_finger.
 [[nodiscard]] GripperModel gripper_of(const CellLayout& layout);
+/// Describes the option `hand` of the group `gripper`: the gripper where no cell file names one.
+[[nodiscard]] Field gripper_field(std::string& name);
+/// The layout with the gripper of that option; the file of a cell names its own. Throws InvalidArgument for
+/// both, FileError as `with_gripper`.
+[[nodiscard]] CellLayout with_option_gripper(CellLayout layout, const std::string& name, bool from_cell_file);
 
 /// The scene that motions must avoid: every stone, by name, indexed like `stack` then `loose`,
 /// then the obstacles of the layout.

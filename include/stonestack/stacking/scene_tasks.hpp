@@ -37,6 +37,7 @@ struct SceneSearchTask {
   SearchOptions search;        ///< options of the search
   DetectionOptions detection;  ///< options of detection
   MotionOptions motion;        ///< options of motion planning, with a robot
+  std::string gripper;         ///< gripper of the robot, by its name or a YAML; empty: robotiq-3f
 };
 /// A search problem with the frame that it is stated in.
 struct SearchStart {

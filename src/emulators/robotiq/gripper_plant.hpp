@@ -64,8 +64,15 @@ class IdealGripperPlant final : public GripperPlant {
   std::array<AxisReport, kGripperAxes> report_{};
 };
 
+/// Positions of a gripper in counts.
+struct GripperCounts {
+  double open = 0.0;      ///< fully open
+  double closed = 255.0;  ///< where the pads meet
+  double min = 6.0;       ///< where the software limit of a real gripper ends opening
+};
 /// The fingers of a simulated cell; the scissor moves freely. Drives them as long as it lives. The world must
 /// outlive it.
-[[nodiscard]] std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world);
+[[nodiscard]] std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world,
+                                                               const GripperCounts& counts = {});
 
 }  // namespace stonestack::emulators

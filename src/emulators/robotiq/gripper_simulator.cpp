@@ -39,7 +39,7 @@ FieldList fields(GripperFaults& o) {
 
 FieldList fields(GripperSimulatorOptions& o) {
   return {
-      field("tcp", o.tcp, "true: serves Modbus/TCP"),
+      field("tcp", o.tcp, "true: serves Modbus/TCP, of a 2-finger gripper the text of the URCap"),
       field("address", o.address, "any 127.x.y.z"),
       field("port", o.port, {0, 65535}, "", "over TCP; the standard's is 502, 0: a free one"),
       field("rtu", o.rtu, "true: serves Modbus/RTU on a pseudo terminal"),

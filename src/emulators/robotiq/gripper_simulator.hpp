@@ -21,7 +21,7 @@ struct GripperFaults {
 [[nodiscard]] FieldList fields(GripperFaults& faults);
 
 struct GripperSimulatorOptions {
-  bool tcp = true;                    ///< serve Modbus/TCP
+  bool tcp = true;                    ///< serve Modbus/TCP; of a 2-finger gripper the URCap's text socket
   std::string address = "127.0.0.1";  ///< any 127.x.y.z
   int port = 502;                     ///< 0: a free one
   bool rtu = false;                   ///< serve Modbus/RTU on a pseudo terminal
@@ -31,21 +31,31 @@ struct GripperSimulatorOptions {
 };
 [[nodiscard]] FieldList fields(GripperSimulatorOptions& options);
 
+/// A gripper that is served, of either kind.
+class GripperServer {
+ public:
+  virtual ~GripperServer() = default;
+  /// Where it listens.
+  /// @throws InvalidArgument when that link is off.
+  [[nodiscard]] virtual Endpoint endpoint() const = 0;
+  [[nodiscard]] virtual std::string serial_path() const = 0;
+  virtual void set_faults(const GripperFaults& faults) = 0;
+  virtual void set_faults(const ModbusFaults& faults) = 0;
+};
+
 /// A Robotiq 3-finger gripper for any Modbus master. Both register layouts at once: commands at 0 and 1000,
 /// status at 0 and 2000 with functions 3 and 4, commands read back with function 3 at 1000. Every TCP unit id
 /// is served. Its own threads serve and move the plant until it is destroyed.
-class GripperSimulator {
+class GripperSimulator final : public GripperServer {
  public:
   /// `plant` must outlive the simulator and is called by its thread only. Throws as TcpListener and
   /// PseudoTerminal do.
   explicit GripperSimulator(GripperPlant& plant, const GripperSimulatorOptions& options = {});
-  ~GripperSimulator();
-  /// Where it listens.
-  /// @throws InvalidArgument when that link is off.
-  [[nodiscard]] Endpoint endpoint() const;
-  [[nodiscard]] std::string serial_path() const;
-  void set_faults(const GripperFaults& faults);
-  void set_faults(const ModbusFaults& faults);
+  ~GripperSimulator() override;
+  [[nodiscard]] Endpoint endpoint() const override;
+  [[nodiscard]] std::string serial_path() const override;
+  void set_faults(const GripperFaults& faults) override;
+  void set_faults(const ModbusFaults& faults) override;
 
  private:
   struct Parts;

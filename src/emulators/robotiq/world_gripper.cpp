@@ -15,8 +15,6 @@ constexpr double kAtTarget = 1e-5;        // m
 constexpr double kMovingCurrent = 0.15;   // A
 constexpr double kScissorStart = 137.0;   // counts: basic mode
 constexpr double kScissorNarrow = 220.0;  // counts: fingers B and C side by side; design choice
-constexpr double kCounts = 255.0;
-constexpr double kMin = 6.0;  // counts: where the software limit of a real gripper ends opening
 
 bool same(const AxisCommand& a, const AxisCommand& b) {
   return a.go == b.go && a.target == b.target && a.speed == b.speed && a.force == b.force;
@@ -24,12 +22,13 @@ bool same(const AxisCommand& a, const AxisCommand& b) {
 
 class WorldGripper final : public GripperPlant {
  public:
-  explicit WorldGripper(SharedWorld& world) : world_(&world) {
+  WorldGripper(SharedWorld& world, const GripperCounts& counts) : world_(&world), counts_(counts) {
     {
       const auto access = world.lock();
       const GripperModel& gripper = access.world.gripper_body().gripper;
       max_narrowed_ = std::max(0.0, gripper.finger_spacing - gripper.narrow_spacing);
-      half_stroke_ = 0.5 * access.world.gripper_body().gripper.max_opening;
+      half_stroke_ = 0.5 * gripper.max_opening;
+      against_ = gripper.against;
       place_ = access.world.gripper_pose().finger;
     }
     world.drive_fingers([this](const TrueWorld& now, double seconds) { return drive(now, seconds); });
@@ -45,9 +44,10 @@ class WorldGripper final : public GripperPlant {
       command_[i] = axes[i];
       if (i >= drives_.size()) continue;
       still_[i] = 0.0;
-      // A stands alone against B and C, which share its force.
-      drives_[i] = {place_of(std::max(kMin, axes[i].target)), axes[i].speed / kCounts * half_stroke_,
-                    i == 0 ? axes[i].force : 0.5 * axes[i].force, world_->options().regrip};
+      // A stands alone against B and C, which share its force, or against B.
+      const double target = std::clamp(axes[i].target, counts_.min, counts_.closed);
+      drives_[i] = {place_of(target), axes[i].speed / range() * half_stroke_,
+                    i == 0 ? axes[i].force : axes[i].force / against_, world_->options().regrip};
     }
   }
 
@@ -60,16 +60,21 @@ class WorldGripper final : public GripperPlant {
   }
 
  private:
-  [[nodiscard]] double place_of(double count) const { return half_stroke_ * (1.0 - count / kCounts); }
+  [[nodiscard]] double range() const { return counts_.closed - counts_.open; }
+  [[nodiscard]] double place_of(double count) const {
+    return half_stroke_ * (1.0 - (count - counts_.open) / range());
+  }
 
   // With the world locked.
   FingerPlaces drive(const TrueWorld& now, double seconds) {
     const std::lock_guard lock(mutex_);
-    std::array<double, kFingers> next = now.gripper_pose().finger;
+    const std::array<double, kFingers> places = now.gripper_pose().finger;
+    const std::array<double, kFingers> driven =
+        next_finger_places(now.gripper_body(), drives_, places, now.finger_force(), seconds);
+    std::array<double, kFingers> next = places;
     for (std::size_t f = 0; f < next.size(); ++f) {
-      const double from = next[f];
-      if (command_[f].go) next[f] = next_finger_place(drives_[f], from, now.finger_force()[f], seconds);
-      const bool rests = std::abs(next[f] - from) < kPositioned * seconds;
+      if (command_[f].go) next[f] = driven[f];
+      const bool rests = std::abs(next[f] - places[f]) < kPositioned * seconds;
       still_[f] = rests ? still_[f] + seconds : 0.0;
     }
     place_ = next;
@@ -80,7 +85,7 @@ class WorldGripper final : public GripperPlant {
   [[nodiscard]] AxisReport finger_report(std::size_t f) const {
     using Status = AxisReport::Status;
     AxisReport report;
-    report.position = std::max(kMin, kCounts * (1.0 - place_[f] / half_stroke_));
+    report.position = std::max(counts_.min, counts_.open + range() * (1.0 - place_[f] / half_stroke_));
     const double remaining = drives_[f].target - place_[f];
     if (!command_[f].go || std::abs(remaining) < kAtTarget) return report;
     report.status = remaining < 0 ? Status::kContactClosing : Status::kContactOpening;
@@ -101,6 +106,8 @@ class WorldGripper final : public GripperPlant {
   }
 
   SharedWorld* world_;
+  GripperCounts counts_;
+  int against_ = 2;
   double half_stroke_ = 0.0;   // m
   double max_narrowed_ = 0.0;  // m
   std::mutex mutex_;           // of all below; taken after the world's, never before
@@ -113,8 +120,8 @@ class WorldGripper final : public GripperPlant {
 
 }  // namespace
 
-std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world) {
-  return std::make_unique<WorldGripper>(world);
+std::unique_ptr<GripperPlant> make_world_gripper(SharedWorld& world, const GripperCounts& counts) {
+  return std::make_unique<WorldGripper>(world, counts);
 }
 
 }  // namespace stonestack::emulators

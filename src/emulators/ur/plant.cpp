@@ -58,7 +58,7 @@ class WorldPlant final : public Plant {
   // Everything beyond the flange: contact and held stones, and the gripper's own weight.
   void read_wrench(const TrueWorld& world, const Pose& T_W_F) {
     GripperLoad load = world.load();
-    load.add(world.gripper_pose().T_W_T * gripper_centre(),
+    load.add(world.gripper_pose().T_W_T * gripper_centre(world.gripper_body().gripper),
              {0, 0, -kGravity * carried_mass(world.gripper_body().gripper)});
     const Eigen::Matrix3d R_R_W = world_->mounting().T_W_R.rotation().transpose();
     state_.force_R = R_R_W * load.force;

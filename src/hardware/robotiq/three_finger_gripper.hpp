@@ -5,7 +5,7 @@
 #include <string>
 
 #include "hardware/robotiq/modbus.hpp"
-#include "stonestack/hardware/devices.hpp"
+#include "hardware/robotiq/robotiq_gripper.hpp"
 
 namespace stonestack::hardware {
 
@@ -77,7 +77,7 @@ struct FingerRequest {
 
 /// Connects, moves nothing. `activate` opens and closes the fingers fully, so it is never called by itself: a
 /// stone in the gripper would fall. Every call is bounded by the time-outs of the options.
-class ThreeFingerGripper final : public Gripper {
+class ThreeFingerGripper final : public RobotiqGripper {
  public:
   explicit ThreeFingerGripper(const ThreeFingerOptions& options);
   ~ThreeFingerGripper() override;
@@ -95,8 +95,8 @@ class ThreeFingerGripper final : public Gripper {
 
   /// Activates (after a reset when there is a major fault) and takes up the mode of the options. With an
   /// empty gripper only.
-  void activate();
-  [[nodiscard]] bool is_active();
+  void activate() override;
+  [[nodiscard]] bool is_active() override;
   void set_mode(GripperMode mode);
   /// Individual control of fingers A, B, C; with `scissor`, of the scissor too.
   ThreeFingerStatus move_fingers(const std::array<FingerRequest, 3>& fingers,

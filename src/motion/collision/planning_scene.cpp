@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "motion/collision/gripper_linkage.hpp"
 #include "motion/grasp/finger_reach.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -71,10 +72,21 @@ void add_three_finger(std::vector<GripperBox>& boxes, double width, double y, do
   boxes.push_back(link_part(width, y, side, kLinkMiddle, kPalmFront));
 }
 
-/// The mount that the camera's box was drawn for: CellLayout::make_default_T_T_C(), in hardware/.
-Pose drawn_mount() {
+/// The mount that the camera's box was drawn for: CellLayout::make_default_T_T_C(), in hardware/, for the
+/// 3-finger gripper, and the same place on the flange for others.
+Pose drawn_mount(const GripperModel& gripper) {
   constexpr double kTilt = 10.0 * 3.14159265358979323846 / 180.0;
-  return Eigen::Translation3d(0.0, 0.110, -0.170) * Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitX());
+  const double longer = gripper.tip - GripperModel{}.tip;
+  return Eigen::Translation3d(0.0, 0.110, -0.170 - longer) *
+         Eigen::AngleAxisd(kTilt, Eigen::Vector3d::UnitX());
+}
+
+void draw_three_fingers(GripperModel& gripper) {
+  const double half_spacing = 0.5 * gripper.finger_spacing;
+  std::erase_if(gripper.boxes, [](const GripperBox& box) { return box.finger_side != 0.0; });
+  add_three_finger(gripper.boxes, gripper.finger_width, 0.0, 1.0);
+  add_three_finger(gripper.boxes, gripper.finger_width, half_spacing, -1.0);
+  add_three_finger(gripper.boxes, gripper.finger_width, -half_spacing, -1.0);
 }
 
 }  // namespace
@@ -98,14 +110,21 @@ GripperModel make_robotiq_3f(Linkage linkage) {
       {{0.110, 0.060, 0.042}, {0.0, 0.095, -0.193}, 0.0, 0.0, true},
   };
   if (linkage == Linkage::kThreeFinger) {
-    gripper.boxes.erase(gripper.boxes.begin());
-    add_three_finger(gripper.boxes, gripper.finger_width, 0.0, 1.0);
-    add_three_finger(gripper.boxes, gripper.finger_width, half_spacing, -1.0);
-    add_three_finger(gripper.boxes, gripper.finger_width, -half_spacing, -1.0);
+    draw_three_fingers(gripper);
     return gripper;
   }
   add_turning_finger(gripper.boxes, gripper.finger_width, half_spacing);
   add_turning_finger(gripper.boxes, gripper.finger_width, -half_spacing);
+  return gripper;
+}
+
+GripperModel draw_linkage(GripperModel gripper, Linkage linkage) {
+  gripper.linkage = linkage;
+  if (linkage == Linkage::kParallel) return gripper;
+  if (gripper.name == GripperModel{}.name && gripper.against == 2)
+    draw_three_fingers(gripper);
+  else
+    gripper.linkage = gripper.tips.empty() ? Linkage::kParallel : Linkage::kArc;
   return gripper;
 }
 
@@ -121,8 +140,8 @@ GripperModel with_spacing(GripperModel gripper, double spacing) {
   require(spacing == gripper.finger_spacing ||
               (gripper.narrow_spacing > 0 && spacing >= gripper.narrow_spacing - 1e-9 &&
                spacing < gripper.finger_spacing),
-          "fingers B and C can be from ", gripper.narrow_spacing, " to ", gripper.finger_spacing,
-          " m apart, not ", spacing, " m");
+          "fingers B and C of ", gripper.name, " can be from ", gripper.narrow_spacing, " to ",
+          gripper.finger_spacing, " m apart, not ", spacing, " m");
   for (GripperBox& box : gripper.boxes) box.p_T_centre.y() += box.spread * (spacing - gripper.finger_spacing);
   gripper.finger_spacing = spacing;
   return gripper;
@@ -130,9 +149,10 @@ GripperModel with_spacing(GripperModel gripper, double spacing) {
 
 GripperModel with_camera_at(GripperModel gripper, const Pose& T_T_C) {
   require(is_valid(T_T_C), "the camera's mount is not a rigid transform: ", geometry::to_text(T_T_C));
-  const PoseDifference off = difference(T_T_C, drawn_mount());
+  const Pose drawn = drawn_mount(gripper);
+  const PoseDifference off = difference(T_T_C, drawn);
   if (off.translation < kMountShift && off.angle < kMountTurn) return gripper;
-  const Pose moved = T_T_C * drawn_mount().inverse();
+  const Pose moved = T_T_C * drawn.inverse();
   for (GripperBox& box : gripper.boxes) {
     if (!box.camera) continue;
     box.p_T_centre = moved * box.p_T_centre;

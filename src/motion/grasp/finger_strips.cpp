@@ -39,10 +39,11 @@ double FingerStrip::height(double low, double high) const {
   return h;
 }
 
-std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const GripperView& view, double y) {
+FingerStrips cut_strips(const GripperModel& gripper, const GripperView& view, double y) {
   const double half_spacing = gripper.finger_spacing / 2, half_width = gripper.finger_width / 2;
-  std::array<FingerStrip, 3> strips;
-  for (std::size_t f = 0; f < 3; ++f) {
+  FingerStrips cut(1 + static_cast<std::size_t>(gripper.against));
+  const std::span<FingerStrip> strips = cut.all();
+  for (std::size_t f = 0; f < strips.size(); ++f) {
     strips[f].y = y + std::array{0.0, half_spacing, -half_spacing}[f];
     strips[f].side = f == 0 ? 1.0 : -1.0;
     strips[f].highest.fill(kNoStone);
@@ -50,7 +51,25 @@ std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const Gripper
   for (const Eigen::Vector3d& p : view.p_T)
     for (FingerStrip& strip : strips)
       if (std::abs(p.y() - strip.y) <= half_width) strip.add(strip.side * p.x(), p.z());
-  return strips;
+  return cut;
+}
+
+double turn_of_pads(const GripperModel& gripper, const GripperView& view, double tip) {
+  const double half_width = gripper.finger_width / 2;
+  const int first = FingerStrip::first_slice(tip - gripper.pad_length), last = FingerStrip::last_slice(tip);
+  std::array<double, 4> height;  // of A at -y and +y, of B likewise
+  height.fill(kNoStone);
+  for (const Eigen::Vector3d& p : view.p_T) {
+    if (std::abs(p.y()) > half_width) continue;
+    const int at = FingerStrip::slice(p.z());
+    if (at < first || at > last) continue;
+    const std::size_t half = p.y() > 0.0 ? 1 : 0;
+    height[half] = std::max(height[half], p.x());
+    height[2 + half] = std::max(height[2 + half], -p.x());
+  }
+  if (*std::min_element(height.begin(), height.end()) == kNoStone) return 0.0;
+  return 0.5 *
+         (std::atan2(height[0] - height[1], half_width) + std::atan2(height[3] - height[2], half_width));
 }
 
 std::array<double, 2> heights_of_b_and_c(const GripperModel& gripper, const GripperView& view, double tip) {
@@ -72,14 +91,15 @@ double pad_height(const GripperModel& gripper, const FingerStrip& strip, double 
 }
 
 PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> surface, double softness,
-                 const GripperView& view, const FingerStrip& strip, double tip) {
+                 const GripperView& view, const FingerStrip& strip, double tip, double low, double high) {
   PadTouch touch;
   touch.height = pad_height(gripper, strip, tip);
   double area = 0.0;
   for (std::size_t i = 0; i < view.p_T.size(); ++i) {
     const Eigen::Vector3d& p = view.p_T[i];
     if (std::abs(p.y() - strip.y) > gripper.finger_width / 2 || p.z() > tip ||
-        p.z() < tip - gripper.pad_length || strip.side * p.x() < touch.height - softness)
+        p.z() < tip - gripper.pad_length || strip.side * p.x() < touch.height - softness || p.y() < low ||
+        p.y() > high)
       continue;
     touch.p += surface[i].area * surface[i].point;
     touch.n += surface[i].area * surface[i].normal;

@@ -40,9 +40,19 @@ struct FingerStrip {
   /// Highest point with z between about `low` and `high`; kNoStone if there is none.
   [[nodiscard]] double height(double low, double high) const;
 };
-/// Cuts the profiles that fingers A, B and C can meet with the gripper shifted by `y`.
-[[nodiscard]] std::array<FingerStrip, 3> cut_strips(const GripperModel& gripper, const GripperView& view,
-                                                    double y);
+/// A profile for each finger: A, B and C, or A and B.
+class FingerStrips {
+ public:
+  explicit FingerStrips(std::size_t fingers) : fingers_(fingers) {}
+  [[nodiscard]] std::span<FingerStrip> all() { return {strips_.data(), fingers_}; }
+  [[nodiscard]] std::span<const FingerStrip> all() const { return {strips_.data(), fingers_}; }
+
+ private:
+  std::array<FingerStrip, 3> strips_;
+  std::size_t fingers_;
+};
+/// Cuts the profiles that the fingers can meet with the gripper shifted by `y`.
+[[nodiscard]] FingerStrips cut_strips(const GripperModel& gripper, const GripperView& view, double y);
 /// Where the pad of one finger stops when the finger tips are at `tip`.
 [[nodiscard]] double pad_height(const GripperModel& gripper, const FingerStrip& strip, double tip);
 /// Returns the heights of fingers B and C alone, the gripper not shifted: cheaper than to cut strips for it.
@@ -54,9 +64,14 @@ struct PadTouch {
   double height = kNoStone;
   Eigen::Vector3d p = Eigen::Vector3d::Zero(), n = Eigen::Vector3d::Zero();
 };
-/// `softness` m: how far below the highest point the pad still touches. `view` is of that surface.
+/// `softness` m: how far below the highest point the pad still touches. `view` is of that surface. `low`,
+/// `high`: only what lies between them along y of T counts.
 [[nodiscard]] PadTouch touched(const GripperModel& gripper, std::span<const SurfaceSample> surface,
-                               double softness, const GripperView& view, const FingerStrip& strip,
-                               double tip);
+                               double softness, const GripperView& view, const FingerStrip& strip, double tip,
+                               double low = -1e300, double high = 1e300);
+
+/// How far the gripper is turned about its approach from where two pads that face each other lie flat on the
+/// stone, by the halves of each pad (rad); 0 where a half meets nothing. The gripper is not shifted.
+[[nodiscard]] double turn_of_pads(const GripperModel& gripper, const GripperView& view, double tip);
 
 }  // namespace stonestack::motion

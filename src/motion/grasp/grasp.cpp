@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
 
 #include "core/constants.hpp"
 #include "motion/grasp/finger_reach.hpp"
@@ -16,6 +18,7 @@ namespace stonestack::motion {
 namespace {
 
 constexpr int kEqualiseRounds = 4;
+constexpr double kSamplesAcross = 4.0;  // of the surface, across a pad whose halves are told apart
 
 /// Directions spread evenly over the sphere (golden spiral).
 std::vector<Eigen::Vector3d> sphere_directions(int count) {
@@ -52,6 +55,7 @@ GripperView seen_from(const Sampler& s, const Eigen::Matrix3d& R_O_T) {
   return view_from(s.surface, s.stone.mass.p_O_M, R_O_T);
 }
 
+/// `touch`: of A, B and C, or of A and twice of B.
 double score(const Sampler& s, const Grasp& grasp, const std::array<PadTouch, 3>& touch) {
   const Eigen::Vector3d x = grasp.T_O_T.linear().col(0);
   const double aligned =
@@ -64,15 +68,25 @@ double score(const Sampler& s, const Grasp& grasp, const std::array<PadTouch, 3>
          0.2 / std::max(1.0, force);
 }
 
+void add_contact(Grasp& grasp, const PadTouch& touch) {
+  const auto i = static_cast<std::size_t>(grasp.contacts++);
+  grasp.p_O_contact[i] = touch.p;
+  grasp.n_O_contact[i] = touch.n;
+}
+
+/// True if the surface faces finger A where A touches, and the others where they do.
+bool faces_fingers(const GraspContacts& contacts) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
+    const double x = contacts.n_T[i].x();
+    if (i < static_cast<std::size_t>(contacts.on_a) ? x < 0.7 : x > -0.5) return false;
+  }
+  return true;
+}
+
 /// The contacts have been found: is it a grasp? Adds it, or counts what refused it.
 void judge(Sampler& s, Grasp grasp, const std::array<PadTouch, 3>& touch) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    grasp.p_O_contact[i] = touch[i].p;
-    grasp.n_O_contact[i] = touch[i].n;
-  }
   const GraspContacts contacts = contacts_in_T(grasp, s.stone.mass.p_O_M);
-  if (contacts.n_T[0].x() < 0.7 || contacts.n_T[1].x() > -0.5 || contacts.n_T[2].x() > -0.5 ||
-      !squeeze_holds(contacts, s.options.friction_share * s.gripper.friction)) {
+  if (!faces_fingers(contacts) || !squeeze_holds(contacts, s.options.friction_share * s.gripper.friction)) {
     ++s.set.slips;
     return;
   }
@@ -101,7 +115,7 @@ struct GraspHeights {
 bool upper_finger_touches(const Sampler& s, const FingerStrip& strip, const GraspHeights& at,
                           const Grasp& grasp, double height) {
   const double soft = height + s.options.pad_softness, pad_back = at.tip - s.gripper.pad_length;
-  if (s.gripper.linkage == Linkage::kParallel) return strip.height(at.back, pad_back) > soft;
+  if (s.gripper.linkage != Linkage::kThreeFinger) return strip.height(at.back, pad_back) > soft;
   for (int i = FingerStrip::first_slice(at.back); i <= FingerStrip::last_slice(pad_back); ++i) {
     const double z = FingerStrip::middle(i) - at.z;
     const double closed =
@@ -114,12 +128,36 @@ bool upper_finger_touches(const Sampler& s, const FingerStrip& strip, const Gras
   return false;
 }
 
+/// Makes contacts of the grasp of what the pads touch. Two pads that face each other hold by their halves.
+/// @return of A, B and C, or of A and twice of B
+std::array<PadTouch, 3> touch_with_pads(const Sampler& s, const GripperView& view,
+                                        std::span<const FingerStrip> strips, double tip, Grasp& grasp) {
+  const auto touch_of = [&](const FingerStrip& strip, double low, double high) {
+    return touched(s.gripper, s.surface, s.options.pad_softness, view, strip, tip, low, high);
+  };
+  std::array<PadTouch, 3> touch;
+  grasp.contacts = 0;
+  for (std::size_t i = 0; i < strips.size(); ++i) touch[i] = touch_of(strips[i], -1e300, 1e300);
+  if (strips.size() == 3) {
+    for (const PadTouch& pad : touch) add_contact(grasp, pad);
+    return touch;
+  }
+  touch[2] = touch[1];
+  for (const FingerStrip& strip : strips) {
+    for (const PadTouch& half : {touch_of(strip, -1e300, strip.y), touch_of(strip, strip.y, 1e300)})
+      if (half.height != kNoStone) add_contact(grasp, half);
+    if (strip.side > 0) grasp.on_a = grasp.contacts;
+  }
+  return touch;
+}
+
 /// One orientation, sideways shift and depth.
-void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip, 3>& strips, double y,
+void try_grasp(Sampler& s, const GripperView& view, std::span<const FingerStrip> strips, double y,
                double tip) {
   ++s.set.tried;
   std::array<double, 3> height{};
-  for (std::size_t i = 0; i < 3; ++i) height[i] = pad_height(s.gripper, strips[i], tip);
+  for (std::size_t i = 0; i < 3; ++i)
+    height[i] = pad_height(s.gripper, strips[std::min(i, strips.size() - 1)], tip);
   if (std::min({height[0], height[1], height[2]}) == kNoStone ||
       std::abs(height[1] - height[2]) > s.options.unequal) {
     ++s.set.no_contact;
@@ -138,7 +176,7 @@ void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip
   }
   const double z = tip - tip_advance(s.gripper, grasp.opening);
   bool in_stone = view.back < z + s.palm_front + s.options.palm_clearance;
-  for (std::size_t i = 0; i < 3; ++i)
+  for (std::size_t i = 0; i < strips.size(); ++i)
     in_stone |= upper_finger_touches(s, strips[i], {view.back, tip, z}, grasp, height[i]);
   if (in_stone) {
     ++s.set.gripper_in_stone;
@@ -146,9 +184,7 @@ void try_grasp(Sampler& s, const GripperView& view, const std::array<FingerStrip
   }
   grasp.T_O_T.linear() = view.R_O_T;
   grasp.T_O_T.translation() = s.stone.mass.p_O_M + view.R_O_T * Eigen::Vector3d(0.5 * (left + right), y, z);
-  std::array<PadTouch, 3> touch;
-  for (std::size_t i = 0; i < 3; ++i)
-    touch[i] = touched(s.gripper, s.surface, s.options.pad_softness, view, strips[i], tip);
+  const std::array<PadTouch, 3> touch = touch_with_pads(s, view, strips, tip, grasp);
   judge(s, grasp, touch);
 }
 
@@ -157,15 +193,25 @@ double tip_depth(const GraspOptions& o, int step) {
   return o.shallowest + share * (o.deepest - o.shallowest);
 }
 
-/// Turns the gripper about its approach until B and C meet the stone together, by at most half a yaw step.
+/// By how much the gripper is turned about its approach from where B and C meet the stone together, or where
+/// two pads lie flat on it; empty where they meet nothing.
+std::optional<double> misturn(const Sampler& s, const GripperView& view, double tip) {
+  if (s.gripper.against == 1) return turn_of_pads(s.gripper, view, tip);
+  const auto [b, c] = heights_of_b_and_c(s.gripper, view, tip);
+  if (b == kNoStone || c == kNoStone) return std::nullopt;
+  return std::atan2(b - c, s.gripper.finger_spacing);
+}
+
+/// Turns the gripper about its approach until B and C meet the stone together, or two pads lie flat on it, by
+/// at most half a yaw step.
 Eigen::Matrix3d equalised(const Sampler& s, Eigen::Matrix3d R_O_T) {
   const double max = std::numbers::pi / s.options.yaws;
   double turned = 0.0;
   const double tip = tip_depth(s.options, s.options.depths / 2);
   for (int round = 0; round < kEqualiseRounds; ++round) {
-    const auto [b, c] = heights_of_b_and_c(s.gripper, seen_from(s, R_O_T), tip);
-    if (b == kNoStone || c == kNoStone) break;
-    const double angle = std::clamp(turned + std::atan2(b - c, s.gripper.finger_spacing), -max, max) - turned;
+    const std::optional<double> off = misturn(s, seen_from(s, R_O_T), tip);
+    if (!off) break;
+    const double angle = std::clamp(turned + *off, -max, max) - turned;
     if (std::abs(angle) < 0.005) break;
     turned += angle;
     R_O_T = R_O_T * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -179,8 +225,8 @@ void try_orientation(Sampler& s, const Eigen::Matrix3d& R_O_T) {
   const std::size_t before = s.set.grasps.size();
   for (const double y : {0.0, -s.options.sideways, s.options.sideways}) {
     if (y != 0.0 && s.set.grasps.size() > before) break;
-    const std::array<FingerStrip, 3> strips = cut_strips(s.gripper, view, y);
-    for (int d = 0; d < s.options.depths; ++d) try_grasp(s, view, strips, y, tip_depth(s.options, d));
+    const FingerStrips strips = cut_strips(s.gripper, view, y);
+    for (int d = 0; d < s.options.depths; ++d) try_grasp(s, view, strips.all(), y, tip_depth(s.options, d));
   }
 }
 
@@ -255,7 +301,10 @@ GraspSet grasp_candidates(const Stone& stone, const GripperModel& gripper, const
   require(!stone.scan.faces.empty() && stone.mass.mass > 0, "stone ", stone.name,
           " cannot be grasped without a scan and a mass; it has ", stone.scan.faces.size(), " faces and ",
           stone.mass.mass, " kg");
-  const auto surface = sample_surface(stone.scan, options.spacing);
+  const double spacing = gripper.against == 1
+                             ? std::min(options.spacing, gripper.finger_width / kSamplesAcross)
+                             : options.spacing;
+  const auto surface = sample_surface(stone.scan, spacing);
   require(options.n_O_towards.isZero() || std::abs(options.n_O_towards.norm() - 1.0) < 1e-6, "approaches of ",
           stone.name, " are wanted towards a unit vector, not ", options.n_O_towards.transpose());
   GraspSet set;

@@ -39,6 +39,11 @@ std::uint64_t key_of(const Stone& stone, const GripperModel& gripper, GraspOptio
     key.add(v);
   key.add(palm_front(gripper));  // all that sampling asks of the boxes: a camera beside the palm changes none
   key.add(static_cast<std::uint64_t>(gripper.linkage));
+  key.add(static_cast<std::uint64_t>(gripper.against));
+  for (const TipAdvance& tip : gripper.tips) {
+    key.add(tip.opening);
+    key.add(tip.advance);
+  }
   key.add(options.n_O_towards);
   for (const Field& field : fields(options)) {
     if (const auto* number = std::get_if<double*>(&field.value)) key.add(**number);

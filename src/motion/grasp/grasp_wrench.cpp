@@ -16,10 +16,10 @@ constexpr double kResidual = 0.02;  ///< share of the load that may stay unbalan
 constexpr double kRegularise = 1e-5;
 constexpr double kGripWeight = 1e-4;  ///< of the grip force against the unbalanced load, squared
 
-/// Columns: forces along the edges of the three friction pyramids. Rows: force, torque / kLength.
+/// Columns: forces along the edges of the friction pyramids. Rows: force, torque / kLength.
 Eigen::MatrixXd wrench_columns(const GraspContacts& contacts, double friction) {
-  Eigen::MatrixXd G(6, 3 * kEdges);
-  for (std::size_t i = 0; i < 3; ++i) {
+  Eigen::MatrixXd G(6, contacts.count * kEdges);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(contacts.count); ++i) {
     const Eigen::Vector3d inward = -contacts.n_T[i];
     const Eigen::Vector3d t1 = inward.unitOrthogonal(), t2 = inward.cross(t1);
     for (int k = 0; k < kEdges; ++k) {
@@ -32,15 +32,17 @@ Eigen::MatrixXd wrench_columns(const GraspContacts& contacts, double friction) {
   return G;
 }
 
-/// Larger of finger A's and fingers B and C's push along x.
-double closing_force(const Eigen::MatrixXd& G, const Eigen::VectorXd& f) {
-  const double a = -G.row(0).head(kEdges).dot(f.head(kEdges));
-  const double bc = G.row(0).tail(2 * kEdges).dot(f.tail(2 * kEdges));
+/// Larger of finger A's and the others' push along x; the first `of_a` columns are A's.
+double closing_force(const Eigen::MatrixXd& G, const Eigen::VectorXd& f, Eigen::Index of_a) {
+  const Eigen::Index others = G.cols() - of_a;
+  const double a = -G.row(0).head(of_a).dot(f.head(of_a));
+  const double bc = G.row(0).tail(others).dot(f.tail(others));
   return std::max({a, bc, 0.0});
 }
 
 /// Least closing force that balances a unit pull at the centre of mass; empty if none does.
-std::optional<double> min_closing_force(const Eigen::MatrixXd& G, const Eigen::Vector3d& pull) {
+std::optional<double> min_closing_force(const Eigen::MatrixXd& G, Eigen::Index of_a,
+                                        const Eigen::Vector3d& pull) {
   // All forces push, so the square of their sum along x is a weight on the grip force itself.
   Eigen::MatrixXd A(7, G.cols());
   A.topRows(6) = G;
@@ -49,7 +51,7 @@ std::optional<double> min_closing_force(const Eigen::MatrixXd& G, const Eigen::V
   b.head(3) = -pull;
   const Eigen::VectorXd f = nonnegative_least_squares(A, b, kRegularise * kRegularise);
   if ((G * f - b.head(6)).norm() > kResidual) return std::nullopt;
-  return closing_force(G, f);
+  return closing_force(G, f, of_a);
 }
 
 }  // namespace
@@ -58,7 +60,8 @@ bool squeeze_holds(const GraspContacts& contacts, double friction) {
   const Eigen::MatrixXd G = wrench_columns(contacts, friction);
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(7, G.cols());
   A.topRows(6) = G;
-  A.row(6).head(kEdges) = -G.row(0).head(kEdges);
+  const Eigen::Index of_a = Eigen::Index{contacts.on_a} * kEdges;
+  A.row(6).head(of_a) = -G.row(0).head(of_a);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(7);
   b[6] = 1.0;
   return (A * nonnegative_least_squares(A, b, kRegularise) - b).norm() < kResidual;
@@ -70,7 +73,7 @@ std::optional<std::array<double, 6>> force_per_weight(const GraspContacts& conta
   for (std::size_t d = 0; d < 6; ++d) {
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();
     pull[static_cast<Eigen::Index>(d / 2)] = d % 2 == 0 ? 1.0 : -1.0;
-    const auto needed = min_closing_force(G, pull);
+    const auto needed = min_closing_force(G, Eigen::Index{contacts.on_a} * kEdges, pull);
     if (!needed) return std::nullopt;
     force[d] = *needed;
   }
@@ -81,7 +84,9 @@ GraspContacts contacts_in_T(const Grasp& grasp, const Eigen::Vector3d& p_O_M) {
   const Pose T_T_O = grasp.T_O_T.inverse();
   GraspContacts contacts;
   contacts.p_T_M = T_T_O * p_O_M;
-  for (std::size_t i = 0; i < 3; ++i) {
+  contacts.count = grasp.contacts;
+  contacts.on_a = grasp.on_a;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(grasp.contacts); ++i) {
     contacts.p_T[i] = T_T_O * grasp.p_O_contact[i];
     contacts.n_T[i] = T_T_O.linear() * grasp.n_O_contact[i];
   }
@@ -90,7 +95,8 @@ GraspContacts contacts_in_T(const Grasp& grasp, const Eigen::Vector3d& p_O_M) {
 
 double exact_holding_force(const Grasp& grasp, const Eigen::Vector3d& p_O_M, double friction, double weight,
                            const Eigen::Vector3d& n_T_down) {
-  const auto needed = min_closing_force(wrench_columns(contacts_in_T(grasp, p_O_M), friction), n_T_down);
+  const auto needed = min_closing_force(wrench_columns(contacts_in_T(grasp, p_O_M), friction),
+                                        Eigen::Index{grasp.on_a} * kEdges, n_T_down);
   return needed ? weight * *needed : std::numeric_limits<double>::infinity();
 }
 

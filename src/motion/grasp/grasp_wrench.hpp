@@ -6,10 +6,12 @@
 
 namespace stonestack::motion {
 
-/// Three contacts in frame T, torques about the stone's centre of mass.
+/// Contacts in frame T, torques about the stone's centre of mass.
 struct GraspContacts {
-  std::array<Eigen::Vector3d, 3> p_T;  ///< A, B, C
-  std::array<Eigen::Vector3d, 3> n_T;  ///< outward from the stone
+  std::array<Eigen::Vector3d, 4> p_T;  ///< finger A's first, as in Grasp
+  std::array<Eigen::Vector3d, 4> n_T;  ///< outward from the stone
+  int count = 3;                       ///< of these four
+  int on_a = 1;                        ///< of these, on finger A
   Eigen::Vector3d p_T_M = Eigen::Vector3d::Zero();
 };
 

@@ -51,7 +51,8 @@ PadPress::PadPress(const std::vector<SurfaceSample>& surface, const MassProperti
                    const GripperModel& gripper, const Grasp& grasp)
     : gripper_(gripper),
       weight_(kGravity * mass.mass),
-      wanted_{gripper.force, 0.5 * gripper.force, 0.5 * gripper.force} {
+      pads_(1 + gripper.against),
+      wanted_{gripper.force, gripper.force / gripper.against, gripper.force / gripper.against} {
   const Pose T_T_O = grasp.T_O_T.inverse();
   const Eigen::Vector3d p_T_M = T_T_O * mass.p_O_M;
   const double spacing = grasp.spacing > 0 ? grasp.spacing : gripper.finger_spacing;
@@ -62,7 +63,7 @@ PadPress::PadPress(const std::vector<SurfaceSample>& surface, const MassProperti
     if (p.z() > tip || p.z() < tip - gripper.pad_length || std::abs(p.x()) < half_open - kReach) continue;
     const double side = p.x() > 0 ? 1.0 : -1.0, facing = side * (T_T_O.linear() * s.normal).x();
     if (facing < kMinFacing) continue;
-    for (int f = side > 0 ? 0 : 1; f < (side > 0 ? 1 : 3); ++f) {
+    for (int f = side > 0 ? 0 : 1; f < (side > 0 ? 1 : pads_); ++f) {
       const double y = f == 0 ? 0.0 : f == 1 ? 0.5 * spacing : -0.5 * spacing;
       if (std::abs(p.y() - y) < half_width) samples_.push_back({p, p - p_T_M, s.area * facing, f});
     }
@@ -145,7 +146,7 @@ bool PadPress::settle(State& state, const Vector6& load) const {
 // The fingers close until each has its force; the stone yields meanwhile.
 void PadPress::squeeze() {
   for (int round = 0; round < kSqueezeRounds; ++round) {
-    for (int f = 0; f < 3; ++f) close(gripped_, f);
+    for (int f = 0; f < pads_; ++f) close(gripped_, f);
     const Vector6 before = gripped_.u;
     holds_ = settle(gripped_, Vector6::Zero());
     if (!holds_ || (gripped_.u - before).head<3>().norm() < 2e-5) break;

@@ -61,6 +61,7 @@ class PadPress {
   double weight_ = 0.0;
   std::vector<Sample> samples_;
   std::vector<Met> met_;            // of one pad at a time; kept for its memory
+  int pads_ = 3;                    // of A, B and C, or of A and B
   std::array<double, 3> wanted_{};  // N, of each finger
   State gripped_;
   bool holds_ = false;

@@ -52,7 +52,7 @@ PickAndPlacePlan no_grasp(const PlanningScene& scene, const Stone& stone, const 
   }
   return refused(Status::kNoGrasp,
                  concat(stone.name, " offers no grasp: of ", set.tried, " samples ", set.no_contact,
-                        " touch with less than three pads, ", set.too_wide, " are too wide, ",
+                        " touch with less than all pads, ", set.too_wide, " are too wide, ",
                         set.gripper_in_stone, " bring the gripper into the stone, ", set.slips, " slip"));
 }
 

@@ -11,7 +11,7 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr double kMinForce = 50.0;  ///< the gripper can do 15 to 60 N a finger (Robotiq) [N]
+constexpr double kMinForce = 50.0;  ///< the 3-finger gripper can do 15 to 60 N a finger, others more [N]
 
 using Kind = PlanStep::Kind;
 
