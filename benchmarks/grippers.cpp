@@ -1,5 +1,6 @@
 // Prints what each gripper can hold: of every stone in each of its stable resting poses on a free table, how
-// many of its grasps the table leaves, and how many times the stone's weight the firmest of them bears.
+// many of its grasps table and arm leave (a UR10, the stone in its field), and how many times the stone's
+// weight the firmest of them bears.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -7,8 +8,8 @@
 #include "bench.hpp"
 #include "common_options.hpp"
 #include "grasp_problems.hpp"
-#include "motion/grasp/grasp_end.hpp"
 #include "motion/grasp/pad_press.hpp"
+#include "motion/grasp_check.hpp"
 #include "motion/regrasp.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/hardware/cell.hpp"
@@ -41,19 +42,17 @@ double firmest(const Stone& stone, const PlanningScene& scene, const std::vector
 void hold_stone(const Stone& stone, const std::string& name, const PlanningScene& scene, GripperTally& tally,
                 Results& results) {
   const std::string unfit = unfit_for_gripper(stone, scene.gripper);
-  const auto set = cached_grasps(stone, scene.gripper);
-  const MotionOptions options;
-  const GraspEnd end(scene, stone, -1, options);
   const std::vector<RestPose> poses = rest_poses(stone);
   int held = 0;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     throw_if_interrupted();
-    const Pose T_W_O = standing_at(stone, poses[k].R_W_O, {0.7, 0.0}, 0.0);
+    const Pose T_W_O = standing_at(stone, poses[k].R_W_O, {0.7, -0.18}, 0.0);
+    const GraspFinder finder(scene, stone, -1, T_W_O, {});
     std::vector<const Grasp*> usable;
-    for (const Grasp& grasp : set->grasps)
-      if (!end.gripper_fault(grasp, T_W_O)) usable.push_back(&grasp);
+    for (const int i : finder.at_pick().usable)
+      usable.push_back(&finder.set().grasps[static_cast<std::size_t>(i)]);
     held += usable.empty() ? 0 : 1;
-    results.row({name, stone.name, k + 1, set->grasps.size(), usable.size(),
+    results.row({name, stone.name, k + 1, finder.set().grasps.size(), usable.size(),
                  usable.empty() ? 0.0 : firmest(stone, scene, usable, T_W_O),
                  usable.empty() && !unfit.empty() ? unfit : std::string()});
   }
@@ -66,9 +65,8 @@ void hold_stone(const Stone& stone, const std::string& name, const PlanningScene
 void measure_grippers(const std::vector<std::string>& names, const std::vector<Stone>& stones,
                       Results& results) {
   std::vector<GripperTally> tallies;
-  results.table(
-      "resting poses",
-      {{"gripper"}, {"stone"}, {"pose"}, {"grasps"}, {"over_table"}, {"bears_weights", 1}, {"unfit"}});
+  results.table("resting poses",
+                {{"gripper"}, {"stone"}, {"pose"}, {"grasps"}, {"usable"}, {"bears_weights", 1}, {"unfit"}});
   for (const std::string& name : names) {
     PlanningScene scene;
     const hardware::CellLayout layout = hardware::with_gripper({}, name);
