@@ -39,7 +39,7 @@ template <class... Values>
 
 /// Figures of a wall as JSON.
 [[nodiscard]] nlohmann::json wall_figures(const WallMetrics& metrics);
-/// The same for a person, in lines; the last has no end.
+/// Text of the figures in lines; the last has no line end.
 [[nodiscard]] std::string wall_figures_text(const WallMetrics& metrics);
 
 /// The document as a command prints it.

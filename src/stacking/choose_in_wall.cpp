@@ -31,7 +31,7 @@ std::size_t first_friction(const std::vector<bool>& possible, const FrictionEsti
   return level;
 }
 
-std::size_t stones_at_hand(const SearchProblem& problem) {
+std::size_t stones_present(const SearchProblem& problem) {
   return problem.stack.stones.size() + problem.available.size();
 }
 
@@ -52,7 +52,7 @@ std::size_t last_possible(const std::vector<bool>& possible) {
   return static_cast<std::size_t>(possible.rend() - last) - 1;
 }
 
-/// What stands, and how the last plan meant to go on.
+/// Stones that stand, and how the last plan meant to go on.
 std::optional<WallBegun> begun_of(const Situation& s, const RunMemory& memory) {
   if (!memory.wall) return std::nullopt;
   const auto course = [&](StoneIndex stone) {
@@ -118,7 +118,7 @@ std::optional<SearchOutcome> rest_that_holds(const Situation& s, const RunMemory
       at_friction(make_problem(s, memory, s.arrangement, s.reach, route), s.world.resting[level]);
   if (!here) return std::nullopt;
   const SearchOptions options = options_at(s.options, memory.friction, level, route);
-  const WallPlan plan = plan_wall(*here, with_stones(target, stones_at_hand(*here)), options, {}, begun);
+  const WallPlan plan = plan_wall(*here, with_stones(target, stones_present(*here)), options, {}, begun);
   if (plan.placements.size() < begun->rest.size()) {
     s.emit(PlanBroken{options.friction, plan.reason});
     return std::nullopt;
@@ -165,7 +165,7 @@ SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
     SearchOptions options = options_at(s.options, memory.friction, level, route);
     options.min_success = std::max(options.min_success, min_success);
     WallPlan plan = plan_wall(
-        *here, with_stones(target, stones_at_hand(*here)), options,
+        *here, with_stones(target, stones_present(*here)), options,
         [&](const std::string& line) { s.emit(SearchProgress{line}); }, begun);
     const double expected = expected_stones(plan);
     s.emit(SearchedAtFriction{options.friction, route, !plan.placements.empty(), expected, missing,

@@ -137,7 +137,7 @@ TEST(JudgeWall, CountsTheStonesThatAreWhereItIsSaidAndStay) {
   EXPECT_EQ(judge_run(bench.simulated, result).height, 3);
 
   bench.simulated.place(2_stone, make_pose(Eigen::Vector3d(site.x() + 0.30, site.y(), 0.025)));
-  verdict = judge_wall(bench.simulated, wall);  // the program still believes that it is up there
+  verdict = judge_wall(bench.simulated, wall);  // the estimate still has it up there
   EXPECT_FALSE(verdict.stand.stands);
   EXPECT_EQ(verdict.stand.standing, 2) << verdict.stand.reason;
 }

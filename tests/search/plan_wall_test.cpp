@@ -168,10 +168,10 @@ TEST(PlanWall, AWallThatIsWholeAsksForNothing) {
 
 TEST(PlanWall, AsksTheArmForEachStoneAmongThoseThatStand) {
   SearchProblem problem = bricks_on_the_floor(4);
-  std::size_t most_below = 0;
+  std::size_t max_below = 0;
   double furthest = 0.0;
   problem.reachable = [&](StoneIndex stone, const Pose& T_W_O, const Stack& below) {
-    most_below = std::max(most_below, below.stones.size());
+    max_below = std::max(max_below, below.stones.size());
     furthest = std::max(furthest, (T_W_O.translation().head<2>() - problem.site).norm());
     for (const PlacedStone& lower : below.stones)
       furthest = std::max(furthest, (lower.T_W_O.translation().head<2>() - problem.site).norm());
@@ -180,7 +180,7 @@ TEST(PlanWall, AsksTheArmForEachStoneAmongThoseThatStand) {
   const WallPlan plan = plan_wall(problem, courses({2, 1}), quick());
   ASSERT_EQ(plan.placements.size(), 3U) << plan.reason;
   for (const WallPlacement& next : plan.placements) EXPECT_NE(next.placement.stone, 1_stone);
-  EXPECT_EQ(most_below, 2U);
+  EXPECT_EQ(max_below, 2U);
   EXPECT_LT(furthest, 0.25) << "poses are given in W, near the site";
   EXPECT_GT(plan.unreachable, 0);
   problem.reachable = [](StoneIndex, const Pose&, const Stack&) { return false; };

@@ -39,7 +39,7 @@ std::string to_script(const Pose& pose) {
   const Eigen::AngleAxisd turn(pose.rotation());
   Joints values;
   values << pose.translation(), turn.angle() * turn.axis();
-  return "p" + join_numbers(values);
+  return concat("p", join_numbers(values));
 }
 
 }  // namespace stonestack::hardware
