@@ -137,7 +137,10 @@ class WallSearch {
       if (context_.out_of_time()) return false;
       const Stack below = state.stack();
       const Placement& placement = planned.placement;
-      if (state.stones.size() == start_.stones.size() && !is_reachable(placement, below)) return false;
+      if (state.stones.size() == start_.stones.size() && !is_reachable(placement, below)) {
+        reason_ = "the arm does not bring the next stone to its place";
+        return false;
+      }
       Settled next;
       next.trial.stone = placement.stone;
       next.trial.T_W_O = T_W_V_->inverse() * placement.T_W_O;
