@@ -32,7 +32,9 @@ struct WallRun {
     options.wall = "2+1";
     options.save_states = true;
     Cell cell = world->cell();
-    result = build_tower(cell, catalogue, robot, options, {{}, nullptr, states});
+    BuildHooks hooks;
+    hooks.states_folder = states;
+    result = build_tower(cell, catalogue, robot, options, hooks);
   }
 };
 
