@@ -8,7 +8,7 @@ file(WRITE "${FOLDER}/dev" "#!/bin/sh\nexec '${PROGRAM}' \"$@\"\n")
 file(CHMOD "${FOLDER}/dev" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
 file(STRINGS "${TUTORIAL}" lines)
-set(script "set -eux\ntrap 'kill \"\${simulators:-0}\" 2>/dev/null' EXIT\n")
+set(script "set -eux\nsimulators=\ntrap 'test -z \"$simulators\" || kill $simulators 2>/dev/null || true' EXIT\n")
 set(ENV{XDG_STATE_HOME} "${FOLDER}/state")
 set(inside FALSE)
 set(commands 0)
