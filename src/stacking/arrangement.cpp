@@ -66,6 +66,18 @@ bool something_stands_on(const ShapeList& shapes, const std::vector<Sighting>& s
   return false;
 }
 
+/// Does a stone of a wall, which is hidden, carry one that is seen where it was?
+bool carries_something(const ShapeList& shapes, const std::vector<Sighting>& sightings,
+                       const std::vector<StoneEstimate>& expected, std::size_t hidden) {
+  const PlacedStone below{expected[hidden].stone, expected[hidden].T_W_O_at_rest};
+  return std::any_of(expected.begin(), expected.end(), [&](const StoneEstimate& upper) {
+    return rests_over(shapes, {upper.stone, upper.T_W_O_at_rest}, below) &&
+           std::any_of(sightings.begin(), sightings.end(), [&](const Sighting& seen) {
+             return seen.stone == upper.stone && in_place(seen, upper);
+           });
+  });
+}
+
 /// The stack from the table up; what belongs to it is taken out of `left`.
 std::vector<MeasuredStone> stack_in(const ShapeList& shapes, const Eigen::Vector2d& site,
                                     const std::vector<StoneEstimate>& expected, std::vector<Sighting>& left) {
@@ -108,7 +120,7 @@ std::vector<MeasuredStone> wall_in(const ShapeList& shapes, const std::vector<St
     const StoneEstimate& before = expected[i];
     const auto found = find(left, before.stone);
     if (found == left.end()) {
-      if (something_stands_on(shapes, left, expected, i)) wall.push_back({before, false});
+      if (carries_something(shapes, left, expected, i)) wall.push_back({before, false});
       continue;
     }
     const PlacedStone measured{found->stone, found->T_W_O};

@@ -185,11 +185,13 @@ TEST(UrArm, AfterAProtectiveStopNothingMovesUntilRearmed) {
     s.set("safety_status_bits", std::uint32_t{1});
     s.set_running(false);
   });
-  ASSERT_TRUE(
-      eventually([&] { return bench.arm.state().stop_reason.find("bits 0x404") != std::string::npos; }));
-  const MotionResult refused = bench.arm.follow(small_arm_move());
+  MotionResult refused;
+  EXPECT_TRUE(eventually([&] {  // the controller's state arrives a little later
+    refused = bench.arm.follow(small_arm_move());
+    return refused.reason.find("re-armed") != std::string::npos;
+  })) << refused.reason;
   EXPECT_EQ(refused.status, Status::kRefused);
-  EXPECT_THAT(refused.reason, HasSubstr("re-armed"));
+  EXPECT_THAT(refused.reason, HasSubstr("bits 0x404"));
   EXPECT_EQ(bench.robot.count("servoj(q"), 1);
   EXPECT_NO_THROW(bench.arm.rearm());
   EXPECT_TRUE(bench.arm.state().can_move);

@@ -38,13 +38,10 @@ struct WallRun {
   }
 };
 
-const WallRun& wall_run() {
-  static const WallRun run;
-  return run;
-}
-
+// One test: the run takes a minute.
 TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
-  const RunResult& result = wall_run().result;
+  const WallRun run;
+  const RunResult& result = run.result;
   ASSERT_EQ(result.end, RunEnd::kHeightReached) << result.ended;
   EXPECT_EQ(result.height, 3);
   ASSERT_TRUE(result.wall.has_value());
@@ -54,7 +51,7 @@ TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
   EXPECT_EQ(result.wall->open_joints, 0);
   const std::vector<StoneEstimate>& stack = result.world.stack;
   ASSERT_EQ(stack.size(), 3U);
-  const Truth truth = wall_run().world->truth();
+  const Truth truth = run.world->truth();
   const auto place = [&](std::size_t k) { return at(truth.T_W_O, stack[k].stone).translation(); };
   EXPECT_GT((place(0) - place(1)).head<2>().norm(), 0.06) << "beside each other";
   EXPECT_GT(place(2).z(), std::max(place(0).z(), place(1).z()) + 0.03) << "the third lies on them";
@@ -62,20 +59,17 @@ TEST(BuildWall, PlacesTwoStonesAndAThirdOverTheirJoint) {
   EXPECT_LT(place(2).x(), std::max(place(0).x(), place(1).x()));
   for (std::size_t k = 0; k < 3; ++k)
     EXPECT_LT(difference(at(truth.T_W_O, stack[k].stone), stack[k].T_W_O_at_rest).translation, 0.006);
-}
 
-TEST(BuildWall, RecordsNameTheCourse) {
   std::vector<int> courses;
-  for (const PlacementRecord& record : wall_run().result.placements)
+  for (const PlacementRecord& record : result.placements)
     if (record.outcome == PlacementRecord::Outcome::kPlaced) courses.push_back(record.course);
   EXPECT_THAT(courses, testing::ElementsAre(1, 1, 2));
-}
 
-TEST(BuildWall, SavedStatesAreDecidedAsInTheRun) {
   std::vector<std::string> in_run;
-  for (const ActionChosen& chosen : all_of<ActionChosen>(wall_run().result.events))
+  for (const ActionChosen& chosen : all_of<ActionChosen>(result.events))
     in_run.push_back(name_of(chosen.action));
-  EXPECT_EQ(test::decisions(wall_run().states, wall_run().catalogue, wall_run().robot), in_run);
+  EXPECT_EQ(test::decisions(run.states, run.catalogue, run.robot), in_run)
+      << "saved states are decided as in the run";
 }
 
 TEST(BuildWall, RefusesAWallThatItCannotRead) {

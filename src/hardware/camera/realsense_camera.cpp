@@ -9,7 +9,7 @@ FieldList fields(RealsenseCameraOptions& o) {
       user(field("serial", o.serial, "of the camera; empty: the first one that is found")),
       field("width", o.width, {1, 4096}, "pixel", "one of the camera's formats"),
       field("height", o.height, {1, 4096}, "pixel", "one of the camera's formats"),
-      user(field("rate", o.rate, {1, 300}, "1/s", "one of the camera's rates")),
+      field("rate", o.rate, {1, 300}, "1/s", "one of the camera's rates"),
       field("frame_timeout", o.frame_timeout, {0.05, 60.0}, "s", "until the next frame"),
   };
   return join({own, fields(o.check)});
