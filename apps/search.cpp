@@ -32,7 +32,6 @@ void check(const SearchCommand& command) {
     (void)read_wall_target(task.wall);
     require(task.search.method == "default" && task.levels == 1,
             "--wall goes with neither --levels nor --method paper");
-    require(task.robot.empty(), "--wall does not ask the arm yet; leave out --robot");
   }
   if (!task.scene.empty()) require_readable(task.scene);
   if (!task.robot.empty()) (void)read_robot(task.robot);
@@ -151,6 +150,7 @@ void add_search(CLI::App& app) {
       "  stonestack search scene.yaml --site 0.7,0.28 --method paper\n"
       "  stonestack search scene.yaml --robot ur10 --json > next.json    # for stonestack plan --search\n"
       "  stonestack search --stones all --wall 3+2 --friction 0.3 --picture wall.png --out wall.yaml\n"
+      "  stonestack search scene.yaml --wall 2+1 --robot ur10    # a wall that the arm can build\n"
       "  stonestack search scene.ply                # a cloud alone: on the tower in view, or the best "
       "place\n"
       "A cloud without --camera-pose is taken as in the camera's frame, and the table that is seen becomes z "

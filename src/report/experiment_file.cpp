@@ -75,6 +75,7 @@ PlacementRecord placement_of(const json& map, const std::string& path) {
   record.outcome = outcome_of(text_of(map, "outcome", path), path);
   record.note = text_of(map, "note", path);
   if (map.contains("level")) record.level = count_of(map, "level", path);  // older records have none
+  if (map.contains("course")) record.course = count_of(map, "course", path);
   return record;
 }
 

@@ -114,8 +114,8 @@ std::optional<Stop> stop_when_done(const Situation& s, const RunMemory& memory) 
     return stop;
   }
   if (height_is_reached(s.arrangement, s.options))
-    return Stop{RunEnd::kHeightReached,
-                concat("the tower has the ", s.options.max_stones, " stones that were asked for")};
+    return Stop{RunEnd::kHeightReached, concat(s.models.wall ? "the wall" : "the tower", " has the ",
+                                               s.options.max_stones, " stones that were asked for")};
   return std::nullopt;
 }
 

@@ -8,7 +8,7 @@
 namespace stonestack::stacking {
 namespace {
 
-constexpr double kJointForArm = 0.010;  // m between neighbours: the arm places a stone to some millimetres
+constexpr double kJointForArm = 0.010;  // m between neighbours
 constexpr double kMaxDoubt = 0.2;       // probability that the stones have less than the assumed friction
 constexpr double kSureStone = 0.85;  // predicted success of every stone of a plan that is searched for first
 
@@ -52,20 +52,28 @@ std::size_t last_possible(const std::vector<bool>& possible) {
   return static_cast<std::size_t>(possible.rend() - last) - 1;
 }
 
+int course_of(const WallPlanned& planned, StoneIndex stone) {
+  const auto known = planned.course.find(stone);
+  require(known != planned.course.end(), "no course was planned for stone ", stone, " of the wall");
+  return known->second;
+}
+
+/// The wall that stands, in the courses that were planned.
+WallBegun standing_wall(const WallPlanned& planned, const std::vector<PlacedStone>& stack) {
+  WallBegun begun{planned.T_W_V, {}, {}};
+  for (const PlacedStone& stone : stack) begun.courses.push_back(course_of(planned, stone.stone));
+  return begun;
+}
+
 /// Stones that stand, and how the last plan meant to go on.
 std::optional<WallBegun> begun_of(const Situation& s, const RunMemory& memory) {
   if (!memory.wall) return std::nullopt;
-  const auto course = [&](StoneIndex stone) {
-    const auto known = memory.wall->course.find(stone);
-    return known == memory.wall->course.end() ? 0 : known->second;
-  };
-  WallBegun begun{memory.wall->T_W_V, {}, {}};
-  for (const PlacedStone& stone : s.arrangement.stack) begun.courses.push_back(course(stone.stone));
+  WallBegun begun = standing_wall(*memory.wall, s.arrangement.stack);
   for (const PlacedStone& next : rest_of_plan(s, memory.plan)) {
     WallPlacement planned;
     planned.placement.stone = next.stone;
     planned.placement.T_W_O = next.T_W_O;
-    planned.course = course(next.stone);
+    planned.course = course_of(*memory.wall, next.stone);
     begun.rest.push_back(planned);
   }
   return begun;
@@ -86,8 +94,6 @@ Placement first_of(const WallPlan& plan) {
   first.expected_height = expected_stones(plan);
   return first;
 }
-
-}  // namespace
 
 /// The plan with what it leads to, as the result of a search.
 SearchOutcome outcome_of(const WallPlan& plan, const RunMemory& memory, std::size_t level, Route route) {
@@ -127,6 +133,13 @@ std::optional<SearchOutcome> rest_that_holds(const Situation& s, const RunMemory
   return outcome_of(plan, memory, level, route);
 }
 
+}  // namespace
+
+WallTarget wall_for_arm(WallTarget target) {
+  target.joint_gap = std::max(target.joint_gap, kJointForArm);
+  return target;
+}
+
 bool wall_has_its_stones(const Situation& s) {
   if (!s.models.wall) return false;
   const int asked = stones_of_target(*s.models.wall);
@@ -138,8 +151,7 @@ Stop wall_stands(const Situation& s) {
 }
 
 SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
-  WallTarget target = *s.models.wall;
-  target.joint_gap = std::max(target.joint_gap, kJointForArm);
+  const WallTarget target = wall_for_arm(*s.models.wall);
   const std::optional<WallBegun> begun = begun_of(s, memory);
   if (auto rest = rest_that_holds(s, memory, target, begun)) return *std::move(rest);
   const std::vector<bool> possible = possible_frictions(s.world);
@@ -190,19 +202,14 @@ SearchOutcome search_wall(const Situation& s, const RunMemory& memory) {
 
 WallMetrics measure_wall(const Models& models, const Arrangement& arrangement, const RunMemory& memory,
                          SearchOptions options) {
-  const WallPlanned& planned = *memory.wall;
   const FrictionEstimate& friction = memory.friction;
   options.friction =
       std::inner_product(friction.frictions.begin(), friction.frictions.end(), friction.weights.begin(), 0.0);
   SearchProblem problem;
   problem.shapes = &models.shapes;
   problem.stack.stones = arrangement.stack;
-  WallBegun begun{planned.T_W_V, {}, {}};
-  for (const PlacedStone& stone : arrangement.stack) {
-    const auto known = planned.course.find(stone.stone);
-    begun.courses.push_back(known == planned.course.end() ? 0 : known->second);
-  }
-  WallMetrics metrics = search::measure_wall(problem, begun, options);
+  WallMetrics metrics =
+      search::measure_wall(problem, standing_wall(*memory.wall, arrangement.stack), options);
   if (models.wall) metrics.asked = stones_of_target(*models.wall);
   return metrics;
 }

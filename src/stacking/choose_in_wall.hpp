@@ -6,6 +6,9 @@
 /// Private to stacking/: the next stone of a wall.
 namespace stonestack::stacking {
 
+/// The target with joints as wide as the arm needs them, which places a stone to some millimetres.
+[[nodiscard]] WallTarget wall_for_arm(WallTarget target);
+
 /// Does a wall stand with all the stones that its target counts?
 [[nodiscard]] bool wall_has_its_stones(const Situation& situation);
 /// The end of a run whose wall is whole.

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "search/search_context.hpp"
+#include "stacking/choose_in_wall.hpp"
 #include "stacking/reach.hpp"
 #include "stacking/search_scene.hpp"
 #include "stonestack/core/clock.hpp"
@@ -65,7 +66,8 @@ void ask_the_arm(const SceneSearchTask& task, const Catalogue& catalogue, Search
 void find(const SceneSearchTask& task, const SearchProblem& problem,
           const std::function<void(const std::string&)>& report, SceneSearch& found) {
   if (!task.wall.empty()) {
-    found.wall = plan_wall(problem, read_wall_target(task.wall), task.search, report);
+    const WallTarget target = read_wall_target(task.wall);
+    found.wall = plan_wall(problem, problem.reachable ? wall_for_arm(target) : target, task.search, report);
     for (const WallPlacement& next : found.wall->placements) found.placements.push_back(next.placement);
     found.reason = found.wall->reason;
     return;

@@ -190,6 +190,8 @@ TEST(PickAndPlace, GivesTheReasonWhereThereIsNoPlan) {
   plan = plan_pick_and_place(wide.scene, wide.task);
   EXPECT_EQ(plan.status, Status::kTooWide) << plan.reason;
   EXPECT_NE(plan.reason.find("the gripper takes 0.02 to 0.143 m"), std::string::npos) << plan.reason;
+  const GraspFinder finder(wide.scene, *wide.task.stone, wide.task.object, wide.task.T_W_O_pick);
+  EXPECT_EQ(finder.at_pick().text(), "the fingers find no grasp on it, however it lies");
 }
 
 TEST(PickAndPlace, NamesAJointThatStartsOutsideItsLimits) {

@@ -81,6 +81,8 @@ TEST(ExperimentReport, WrittenFilesAreReadBack) {
   first.T_W_O_measured = first.planned.T_W_O;
   first.planned.terms = {{"area", 0.25}, {"margin", HUGE_VAL}};
   first.note = "1 mm and 0 deg from the plan";
+  first.course = 2;
+  experiment.runs[0].report.result.wall = WallMetrics{3, 6, 0.4, 0.2, 0.1, 0.5, 0.8, 2, 1, 0.003, 0.07};
   experiment.runs[1].report.result.end = RunResult::End::kPlacementFailed;
   experiment.runs[1].report.result.seconds = {1.0, 2.0, 3.0, 4.0, 5.0};
   experiment.protocol = "paper";
@@ -97,6 +99,10 @@ TEST(ExperimentReport, WrittenFilesAreReadBack) {
   EXPECT_EQ(experiment_table(same), experiment_table(experiment));
   EXPECT_EQ(runs_csv(same), runs_csv(experiment));
   EXPECT_EQ(same.runs[0].report.version, "");
+  EXPECT_EQ(same.runs[0].report.result.placements[0].course, 2);
+  ASSERT_TRUE(same.runs[0].report.result.wall.has_value());
+  EXPECT_EQ(same.runs[0].report.result.wall->asked, 6);
+  EXPECT_FALSE(same.runs[1].report.result.wall.has_value());
   EXPECT_EQ(same.runs[1].report.version, "0.1.0 (767bf62a1)");
 }
 

@@ -217,7 +217,13 @@ TEST(PlanWall, RefusesWhatCannotBe) {
   EXPECT_THAT(refusal(courses({1, 2})), HasSubstr("more stones (2) than the one below"));
   EXPECT_THAT(refusal(WallTarget{}), HasSubstr("a wall needs stones a course"));
   SearchProblem standing = base_stands();
-  EXPECT_THROW((void)plan_wall(standing, courses({1, 1}), quick()), InvalidArgument);
+  try {
+    (void)plan_wall(standing, courses({1, 1}), quick());
+    ADD_FAILURE() << "planned among stones of unknown courses";
+  } catch (const InvalidArgument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("on the empty table, and 1 stones stand"));
+  }
+  EXPECT_THROW((void)plan_wall(standing, courses({1, 1}), quick(), {}, WallBegun{}), InvalidArgument);
 }
 
 TEST(WallTargetText, CountsOrLengthAndCourses) {

@@ -47,6 +47,26 @@ TEST(SearchInScene, AnArmNeedsAScene) {
   EXPECT_THROW((void)search_in_scene(task), InvalidArgument);
 }
 
+TEST(SearchInScene, PlansAWallOfStonesThatTheArmReaches) {
+  SceneFile scene;
+  for (int k = 0; k < 4; ++k)  // stones 2 m away are out of reach
+    scene.stones.push_back(
+        {concat("limestone_", k + 1), make_pose({k < 2 ? 0.6 : 2.0, -0.2 - 0.2 * k, 0.04})});
+  SceneSearchTask task;
+  task.catalogue = data_path("stones");
+  task.scene = temporary("scene_tasks_wall.yaml");
+  write_scene_file(task.scene, scene);
+  task.wall = "2";
+  task.robot = "ur10";
+  task.search.friction = 0.35;
+  const SceneSearch found = search_in_scene(task);
+  ASSERT_EQ(found.placements.size(), 2U) << found.reason;
+  for (const Placement& next : found.placements) EXPECT_LT(next.stone, 2_stone) << "out of reach";
+  const double apart =
+      (found.placements[0].T_W_O.translation() - found.placements[1].T_W_O.translation()).norm();
+  EXPECT_GT(apart, 0.09) << "side by side";
+}
+
 TEST(PlanInScene, NamesWhatStandsInTheWayOfEachTarget) {
   const Catalogue catalogue = read_catalogue(data_path("stones"));
   SceneFile scene;

@@ -106,6 +106,7 @@ bool GraspCheck::can_be_held() const {
 }
 
 std::string GraspCheck::text() const {
+  if (total == 0) return "the fingers find no grasp on it, however it lies";
   std::string parts;
   for (std::size_t i = 0; i < kGraspFaults; ++i)
     if (refused[i] > 0)

@@ -345,9 +345,11 @@ void check_target(const WallTarget& target, std::size_t stones) {
 }
 
 void check_begun(const SearchProblem& problem, const std::optional<WallBegun>& begun) {
-  const std::size_t stones = problem.stack.stones.size(), courses = begun ? begun->courses.size() : 0;
-  require(courses == stones, stones, " stones of the wall stand, and the course of ", courses, " is given");
+  const std::size_t stones = problem.stack.stones.size();
+  require(begun || stones == 0, "a wall is planned on the empty table, and ", stones, " stones stand");
   if (!begun) return;
+  require(begun->courses.size() == stones, stones, " stones of the wall stand, and the course of ",
+          begun->courses.size(), " is given");
   require(is_valid(begun->T_W_V), "the wall's frame is no pose");
   for (const int course : begun->courses) require(course >= 0, "a stone is in course ", course);
   for (const WallPlacement& planned : begun->rest)
