@@ -32,7 +32,7 @@ void check_cell(const RunCommand& command, const CellFile& file) {
 }
 
 /// Enter goes on; q or the end of the input stops the run.
-bool ask_before(const StepNotice& step) {
+bool ask_before(const PlannedStep& step) {
   const auto answer = ask_person("next: " + to_text(step) + " [Enter: go, q: stop] ");
   return answer && *answer != "q";
 }

@@ -1,5 +1,6 @@
 #include "stonestack/kinematics/robot_model.hpp"
 
+#include <array>
 #include <limits>
 
 #include "stonestack/core/error.hpp"
@@ -11,9 +12,7 @@ Eigen::Vector3d tip(const RobotModel& robot, const Joints& q) {
   return (robot.workspace->T_W_R * forward(robot, q) * robot.workspace->T_F_T).translation();
 }
 
-constexpr const char* kLinks[] = {"base",    "shoulder", "upper arm", "forearm",
-                                  "wrist 1", "wrist 2",  "wrist 3",   "gripper"};
-constexpr int kMounted = 7;
+constexpr int kMounted = 7;  // index of what is mounted on the flange, behind the links
 
 /// The point that is furthest outside the fence.
 struct Outermost {
@@ -63,6 +62,12 @@ std::string describe_outside_workspace(const RobotModel& robot, const Joints& q,
                 text(robot.workspace->box.min()), " to ", text(robot.workspace->box.max()), " m");
 }
 
+const char* link_name(int link) {
+  constexpr std::array<const char*, 7> kNames{"base",    "shoulder", "upper arm", "forearm",
+                                              "wrist 1", "wrist 2",  "wrist 3"};
+  return kNames.at(static_cast<std::size_t>(link));
+}
+
 double outside_fence(const RobotModel& robot, const Joints& q) {
   return robot.fence ? outermost(robot, q).outside : -1.0;
 }
@@ -71,8 +76,9 @@ std::string describe_outside_fence(const RobotModel& robot, const Joints& q, dou
   if (!robot.fence) return {};
   const Outermost most = outermost(robot, q);
   if (q.allFinite() && most.outside <= slack) return {};  // what is not a number is not inside
-  return concat("the ", kLinks[most.link], " at ", text(most.p_W), " m leaves the fence, ",
-                text(robot.fence->box.min()), " to ", text(robot.fence->box.max()), " m");
+  return concat("the ", most.link == kMounted ? "gripper" : link_name(most.link), " at ", text(most.p_W),
+                " m leaves the fence, ", text(robot.fence->box.min()), " to ", text(robot.fence->box.max()),
+                " m");
 }
 
 }  // namespace stonestack::kinematics

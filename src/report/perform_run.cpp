@@ -46,10 +46,13 @@ void log_event(const Event& event, const Catalogue& catalogue) {
   if (const auto [kind, data] = to_record(event, catalogue); !kind.empty()) log_debug(kind + " " + data);
 }
 
-/// Shows how far the tower has come.
+/// Shows how far the tower or wall has come.
 class RunProgress {
  public:
-  explicit RunProgress(std::size_t stones) { progress_.total = static_cast<double>(stones); }
+  RunProgress(const BuildOptions& options, std::size_t stones) {
+    progress_.what = options.wall.empty() ? "tower" : "wall";
+    progress_.total = static_cast<double>(stones);
+  }
   void hear(const Event& event) {
     if (const auto* seen = std::get_if<Observed>(&event)) {
       progress_.done = static_cast<double>(seen->world.stack.size());
@@ -63,7 +66,7 @@ class RunProgress {
   }
 
  private:
-  Progress progress_{"tower", 0.0, 0.0, "stones", "", 0.0};
+  Progress progress_{"", 0.0, 0.0, "stones", "", 0.0};
   Stopwatch watch_;
 };
 
@@ -89,7 +92,7 @@ void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogu
   write_file(folder + "/options.yaml", report.options_text);
   Journal journal(folder + "/journal.jsonl");
   log_info("record in " + folder);
-  RunProgress progress(report.present.size());
+  RunProgress progress(run.build, report.present.size());
   Cell watched = live.watched(cell);
   const BuildHooks hooks{[&](const Event& event) {
                            log_event(event, catalogue);
@@ -211,7 +214,7 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       !mode.dry) {      // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
     write_result(later, report, folder.path());
-    log_info("judging the tower in the true world");
+    log_info("judging in the true world what stands");
     try {
       report.truth = judge_run(world, report.result);
       if (survival != nullptr)

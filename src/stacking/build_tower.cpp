@@ -1,6 +1,5 @@
 #include "stonestack/stacking/build_tower.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <utility>
@@ -87,23 +86,42 @@ class StateWriter {
   int count_ = 0;
 };
 
-/// The loop.
-Stop build(Workcell& w, StateWriter& states, Journal* journal) {
-  Expectation at_first;
-  at_first.first = true;
-  const RunMemory empty = make_memory(w.options);
-  at_first.friction = empty.friction;
-  Known known = observe_and_learn(w, at_first, empty);
+/// The next action with the motion that carries it out. A Stop has none.
+struct NextStep {
+  Action action;
+  RunMemory memory;
+  MotionPlan plan;
+};
+
+/// Chooses until a motion is found, or the run is to end; `known` remembers what was refused.
+NextStep choose_with_motion(Workcell& w, StateWriter& states, Known& known) {
   for (;;) {
     states.write(known);
-    const auto [action, memory, why] = decide(w, known, w.emit);
+    auto [action, memory, why] = decide(w, known, w.emit);
     w.emit(ActionChosen{action, memory.search ? memory.search->found.best : std::vector<Placement>{}});
+    if (std::holds_alternative<Stop>(action)) return {action, memory, {}};
+    MotionPlan plan = plan_motion(w, known.world, action, memory);
+    if (plan.found) return {std::move(action), std::move(memory), std::move(plan)};
+    known.memory = remember_refusal(memory, action, plan);
+  }
+}
+
+/// The first observation: at the site, in the field, or with `views` from where the arm stands.
+Known observe_first(Workcell& w, std::shared_ptr<const Views> views = nullptr) {
+  Expectation at_first;
+  at_first.first = true;
+  at_first.views = std::move(views);
+  const RunMemory empty = make_memory(w.options);
+  at_first.friction = empty.friction;
+  return observe_and_learn(w, at_first, empty);
+}
+
+/// The loop.
+Stop build(Workcell& w, StateWriter& states, Journal* journal) {
+  Known known = observe_first(w);
+  for (;;) {
+    const auto [action, memory, plan] = choose_with_motion(w, states, known);
     if (const auto* stop = std::get_if<Stop>(&action)) return *stop;
-    const MotionPlan plan = plan_motion(w, known.world, action, memory);
-    if (!plan.found) {
-      known.memory = remember_refusal(memory, action, plan);
-      continue;
-    }
     const ExecutionResult done = execute(w, action, plan, known.world.stack.size(), journal);
     known.memory = remember(memory, known.world, action, plan, done);
     if (known.memory.failure)
@@ -133,52 +151,43 @@ Stop stop_arm(Arm& arm, RunEnd end, std::string reason) {
   return {end, reason};
 }
 
+/// The steps of a plan, each with its speed.
+std::vector<PlannedStep> steps_of(const Workcell& w, const Action& action, const MotionPlan& plan) {
+  std::vector<PlannedStep> steps;
+  const auto add = [&](const std::string& name, const JointTrajectory& trajectory) {
+    steps.push_back(
+        {name, trajectory.duration(), fastest_tool(trajectory, *w.models.robot, w.cell.layout.T_F_T)});
+  };
+  if (std::holds_alternative<LookAgain>(action)) add("move to a view", plan.route);
+  for (const PlanStep& step : plan.pick_and_place.steps) add(step.name, step.trajectory);
+  return steps;
+}
+
 /// One view without a motion, and the first action that a motion is found for.
 Stop look_and_plan(Workcell& w, StateWriter& states, FirstStep& first, std::vector<PlannedStep>& steps) {
-  Expectation from_here;
-  from_here.first = true;
-  from_here.views = std::make_shared<const Views>();
-  const RunMemory empty = make_memory(w.options);
-  from_here.friction = empty.friction;
-  Known known = observe_and_learn(w, from_here, empty);
+  Known known = observe_first(w, std::make_shared<const Views>());
   if (known.world.site == SiteStatus::kUnseen) {
     log_info("the site is not in view; it is taken to be free");
     known.world.site = SiteStatus::kFree;
   }
-  for (;;) {
-    states.write(known);
-    const auto [action, memory, why] = decide(w, known, w.emit);
-    w.emit(ActionChosen{action, memory.search ? memory.search->found.best : std::vector<Placement>{}});
-    if (const auto* stop = std::get_if<Stop>(&action)) {
-      if (stop->end != RunEnd::kNothingSeen) return *stop;
-      return {stop->end, stop->reason + " from where the arm stands; jog it so that the camera looks there"};
-    }
-    MotionPlan plan = plan_motion(w, known.world, action, memory);
-    if (!plan.found) {
-      known.memory = remember_refusal(memory, action, plan);
-      continue;
-    }
-    const Pose& T_F_T = w.cell.layout.T_F_T;
-    if (std::holds_alternative<LookAgain>(action))
-      steps.push_back({"move to a view", plan.route.duration(),
-                       fastest_tool(plan.route, *w.models.robot, T_F_T), std::nullopt});
-    for (const PlanStep& step : plan.pick_and_place.steps)
-      steps.push_back({step.name, step.trajectory.duration(),
-                       fastest_tool(step.trajectory, *w.models.robot, T_F_T), std::nullopt});
-    const Arrangement lying = at_rest(known.world);
-    const StoneIndex stone = plan.placement.stone;
-    if (std::any_of(lying.loose.begin(), lying.loose.end(),
-                    [&](const PlacedStone& placed) { return placed.stone == stone; }))
-      first.task = make_task(*w.models.catalogue, lying, stone, plan.placement.T_W_O, w.cell.arm.state().q);
-    std::string what = name_of(action);
-    if (!std::holds_alternative<LookAgain>(action)) {
-      const Eigen::Vector3d p_W = plan.placement.T_W_O.translation();
-      what += concat(' ', w.models.name(stone), " at (", p_W.x(), ", ", p_W.y(), ", ", p_W.z(), ") m");
-    }
-    first.scene = std::move(plan.scene);
-    first.plan = std::move(plan.pick_and_place);
-    return {RunEnd::kPlanned, "dry run, nothing moved; the first step would be: " + what};
+  auto [action, memory, plan] = choose_with_motion(w, states, known);
+  if (const auto* stop = std::get_if<Stop>(&action)) {
+    if (stop->end != RunEnd::kNothingSeen) return *stop;
+    return {stop->end, stop->reason + " from where the arm stands; jog it so that the camera looks there"};
   }
+  steps = steps_of(w, action, plan);
+  const Arrangement lying = at_rest(known.world);
+  const StoneIndex stone = plan.placement.stone;
+  if (holds(known.world.loose, stone))
+    first.task = make_task(*w.models.catalogue, lying, stone, plan.placement.T_W_O, w.cell.arm.state().q);
+  std::string what = name_of(action);
+  if (!std::holds_alternative<LookAgain>(action)) {
+    const Eigen::Vector3d p_W = plan.placement.T_W_O.translation();
+    what += concat(' ', w.models.name(stone), " at (", p_W.x(), ", ", p_W.y(), ", ", p_W.z(), ") m");
+  }
+  first.scene = std::move(plan.scene);
+  first.plan = std::move(plan.pick_and_place);
+  return {RunEnd::kPlanned, "dry run, nothing moved; the first step would be: " + what};
 }
 
 /// Everything around the loop: what it does, with which devices, and how it ended.

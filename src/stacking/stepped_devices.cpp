@@ -15,11 +15,11 @@ std::string millimetres(double metres) {
 
 }  // namespace
 
-std::string to_text(const StepNotice& notice) {
-  if (notice.seconds <= 0) return notice.name;
+std::string to_text(const PlannedStep& step) {
+  if (step.seconds <= 0) return step.name;
   char text[64];
-  std::snprintf(text, sizeof text, ": %.1f s, tool up to %.3f m/s", notice.seconds, notice.tool_speed);
-  return notice.name + text;
+  std::snprintf(text, sizeof text, ": %.1f s, tool up to %.3f m/s", step.seconds, step.tool_speed);
+  return step.name + text;
 }
 
 SteppedDevices::SteppedDevices(const Cell& cell, const RobotModel& robot, const BeforeMotion& ask,

@@ -62,6 +62,18 @@ class DryRun : public testing::Test {
     EXPECT_EQ(json["planned"].size(), result.planned.size());
     EXPECT_THAT(run_table(done.report), HasSubstr(result.planned.front().name));
   }
+  /// Simulated devices behind the sockets that `file` is led to.
+  struct ServedCell {
+    SimulatedCell world;
+    SimulatedServers servers;
+    ServedCell(const DryRun& test, CellFile& file)
+        : world(test.catalogue_.stones,
+                draw_stones(test.catalogue_, 2, 3, make_robotiq_3f(), test.order_.robot), test.order_.robot,
+                true_layout(to_layout(file.cell()), file.servers()), test.order_.run.simulation),
+          servers(world, test.order_.robot, file.servers()) {
+      connect_to(servers, file.cell());
+    }
+  };
   RunOrder order_;
   Catalogue catalogue_ = read_catalogue(data_path("stones"));
 };
@@ -77,11 +89,7 @@ TEST_F(DryRun, PlansWithinTheSlowSpeed) {
 
 TEST_F(DryRun, CommandsNoDeviceOnTheWires) {
   CellFile file = read_cell(data_path("cells/loopback-ur10.yaml"));
-  SimulatedCell world(catalogue_.stones, draw_stones(catalogue_, 2, 3, make_robotiq_3f(), order_.robot),
-                      order_.robot, true_layout(to_layout(file.cell()), file.servers()),
-                      order_.run.simulation);
-  const SimulatedServers servers(world, order_.robot, file.servers());
-  connect_to(servers, file.cell());
+  const ServedCell served(*this, file);
   file.simulate = false;  // a real cell, as far as the run knows
   order_.cell = file;
   const auto& arm = file.cell().arm;
@@ -109,11 +117,7 @@ TEST_F(DryRun, CommandsNoDeviceOnTheWires) {
 TEST_F(DryRun, ConnectsArmAndCameraAlone) {
   CellFile file = read_cell(data_path("cells/loopback-ur10.yaml"));
   file.serve({true, false, false, true});
-  SimulatedCell world(catalogue_.stones, draw_stones(catalogue_, 2, 3, make_robotiq_3f(), order_.robot),
-                      order_.robot, true_layout(to_layout(file.cell()), file.servers()),
-                      order_.run.simulation);
-  const SimulatedServers servers(world, order_.robot, file.servers());
-  connect_to(servers, file.cell());
+  const ServedCell served(*this, file);
   file.simulate = false;
   auto& cell = file.cell();
   cell.arm.primary_port = cell.arm.secondary_port = cell.arm.realtime_port = cell.arm.dashboard_port = 1;
@@ -131,11 +135,7 @@ double fastest(const RecordedRun& done) {
 
 TEST_F(DryRun, ARealCellIsSlowUntilItHasCompletedARun) {
   CellFile file = read_cell(data_path("cells/loopback-ur10.yaml"));
-  SimulatedCell world(catalogue_.stones, draw_stones(catalogue_, 2, 3, make_robotiq_3f(), order_.robot),
-                      order_.robot, true_layout(to_layout(file.cell()), file.servers()),
-                      order_.run.simulation);
-  const SimulatedServers servers(world, order_.robot, file.servers());
-  connect_to(servers, file.cell());
+  const ServedCell served(*this, file);
   file.simulate = false;
   order_.cell = file;
   const std::string out = order_.out, state = out + "_state";

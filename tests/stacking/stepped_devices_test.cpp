@@ -30,7 +30,7 @@ class SteppedDevices : public testing::Test {
   Bench bench_;
   std::vector<std::string> asked_;
   std::size_t allowed_ = 100;
-  const stacking::BeforeMotion ask_ = [this](const stacking::StepNotice& notice) {
+  const stacking::BeforeMotion ask_ = [this](const stacking::PlannedStep& notice) {
     asked_.push_back(to_text(notice));
     return asked_.size() <= allowed_;
   };

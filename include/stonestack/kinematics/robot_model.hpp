@@ -68,6 +68,8 @@ struct ArmFence {
   Pose T_W_R = Pose::Identity();             ///< as calibrated
   std::vector<Eigen::Vector3d> p_F_mounted;  ///< corners of what is mounted on the flange
 };
+/// "base", "shoulder", "upper arm", ... of link 0 to 6.
+[[nodiscard]] const char* link_name(int link);
 /// The first link that a fence holds for; 0 and 1 are base and shoulder.
 inline constexpr int kFirstFencedLink = 2;
 /// Distance [m] by which a link at `q` reaches out of the robot's fence, where it is largest; negative

@@ -95,13 +95,16 @@ struct Timeline {
   std::vector<double> event_time;     ///< of each event of the result [s]
 };
 
-/// A step of a plan that was not carried out.
+/// A step that is yet to be carried out.
 struct PlannedStep {
-  std::string name;                 ///< name of the step
-  double seconds = 0.0;             ///< duration of its motion [s]; 0: of the fingers alone
-  double tool_speed = 0.0;          ///< largest speed of the tool's tip [m/s]
-  std::optional<double> clearance;  ///< smallest distance between things that must not touch [m]
+  std::string name;         ///< name of the step
+  double seconds = 0.0;     ///< duration of the arm's motion [s]; 0: of the fingers alone
+  double tool_speed = 0.0;  ///< largest speed of the tool's tip [m/s]
+  /// Smallest distance between things that must not touch [m]; empty: not measured
+  std::optional<double> clearance = std::nullopt;
 };
+/// "move above limestone_3: 2.4 s, tool up to 0.250 m/s"
+[[nodiscard]] std::string to_text(const PlannedStep& step);
 
 /// Result of a run, as the program knows it: made from its events.
 struct RunResult {
@@ -121,17 +124,9 @@ struct RunResult {
 
 class Journal;  // private: the append-only record that a run's folder holds
 
-/// Motion that comes next.
-struct StepNotice {
-  std::string name;         ///< name of the step
-  double seconds = 0.0;     ///< duration of the arm's motion [s]; 0: of the fingers alone
-  double tool_speed = 0.0;  ///< largest speed of the tool's tip [m/s]
-};
-/// "move above limestone_3: 2.4 s, tool up to 0.250 m/s"
-[[nodiscard]] std::string to_text(const StepNotice& notice);
 /// Asked before each motion of arm and fingers, which waits meanwhile; false ends the run as interrupted. May
 /// come from another thread than the run's.
-using BeforeMotion = std::function<bool(const StepNotice&)>;
+using BeforeMotion = std::function<bool(const PlannedStep&)>;
 
 /// Listeners of a run.
 struct BuildHooks {

@@ -9,9 +9,6 @@
 namespace stonestack::motion {
 namespace {
 
-constexpr const char* kLinks[] = {"base",    "shoulder", "upper arm", "forearm",
-                                  "wrist 1", "wrist 2",  "wrist 3"};
-
 void transform(std::vector<Eigen::Vector3d>& points, const Pose& T) {
   for (auto& p : points) p = T * p;
 }
@@ -81,7 +78,7 @@ void add_movers(const PlanningScene& scene, const HeldObject* held, CollisionSha
   std::stable_sort(capsules.begin(), capsules.end(),
                    [](const LinkCapsule& a, const LinkCapsule& b) { return a.link < b.link; });
   for (const auto& c : capsules)
-    add_mover(shapes, Mover::Part::kArm, c.link, make_core({c.a, c.b}, c.radius), kLinks[c.link]);
+    add_mover(shapes, Mover::Part::kArm, c.link, make_core({c.a, c.b}, c.radius), link_name(c.link));
   shapes.T_6_T = scene.robot.T_6_F * scene.T_F_T;
   for (const auto& box : scene.gripper.boxes) {
     auto points = corners(scene.gripper, box, shapes.rules.opening);
