@@ -12,6 +12,7 @@ void add_scan(CLI::App& app);
 void add_render(CLI::App& app);
 void add_detect(CLI::App& app);
 void add_segment(CLI::App& app);
+void add_model(CLI::App& app);
 void add_track(CLI::App& app);
 void add_search(CLI::App& app);
 void add_check(CLI::App& app);

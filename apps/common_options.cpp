@@ -43,6 +43,18 @@ void CommonOptions::begin() const {
   loudness.apply();
 }
 
+void register_stone_options(CLI::App& sub, ModelOptions& options) {
+  auto* density = sub.add_option("--density", options.density, "kg/m^3")
+                      ->check(CLI::Range(100.0, 25000.0))
+                      ->capture_default_str();
+  sub.add_option("--mass", options.mass, "kg, weighed; instead of a density")
+      ->check(CLI::Range(0.001, 10000.0))
+      ->excludes(density);
+  sub.add_option("--friction", options.friction, "Stone on stone, what the planner assumes")
+      ->check(CLI::Range(0.001, 2.0))
+      ->capture_default_str();
+}
+
 std::ostream& CommonOptions::text() const {
   return json ? std::cerr : std::cout;
 }

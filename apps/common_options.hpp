@@ -8,6 +8,7 @@
 #include "settings.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/stone/catalogue.hpp"
+#include "stonestack/stone/model_stone.hpp"
 
 namespace stonestack::apps {
 
@@ -39,6 +40,9 @@ struct CommonOptions {
   void begin() const;
   [[nodiscard]] Catalogue read() const;
 };
+
+/// --density or --mass, and --friction.
+void register_stone_options(CLI::App& command, ModelOptions& options);
 
 /// --view and --view-port: a page of the work under way.
 void add_view(CLI::App& command, LiveView& view);

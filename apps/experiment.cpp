@@ -88,6 +88,9 @@ void add_experiment(CLI::App& app) {
       ->check(CLI::IsMember({"cell", "design"}));
   sub.add_option("--variant", command.variants,
                  "Another row: 'NAME: OPTION=VALUE, OPTION=VALUE' (repeatable)");
+  command.common.settings.bind(sub.add_flag("--unseen", order.run.build.unseen,
+                                            "No catalogue is known: each run models its stones first"),
+                               "run.unseen");
   sub.add_flag("--continue", order.continues,
                "Go on with the runs that the folder --out holds: the same command, stopped before");
   sub.add_option("--out", order.out, "Folder for the record (default: experiments/<time>-seed<seed>)");

@@ -117,6 +117,12 @@ void add_run(CLI::App& app) {
           "--wall", build.wall,
           "Build a wall: stones a course (3+2+1), metres x courses (0.8x3), or a target file (.yaml)"),
       "run.wall");
+  command.common.settings.bind(
+      flag("--unseen", build.unseen,
+           "The stones are in no catalogue: model them with the arm's camera first, then build"),
+      "run.unseen");
+  add_path(sub, "--save-catalogue", command.order.save_catalogue,
+           "With --unseen: keep the modelled stones here (default: in the run's folder, stones)", "DIR");
   sub.add_option("--out", command.order.out,
                  "Folder for journal, options, picture and report (default: runs/<time>-<seed>)");
   add_view(sub, command.order.view);
@@ -129,6 +135,7 @@ void add_run(CLI::App& app) {
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
       "  stonestack run --robot ur10 --cell loopback-ur10\n"
       "  stonestack run --robot ur10 --per-run 6 --wall 3+2+1\n"
+      "  stonestack run --robot ur10 --unseen --save-catalogue my_stones\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --execute --slow --step\n"
       "  stonestack run --robot ur10 --view\n"

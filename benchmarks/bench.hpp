@@ -14,6 +14,7 @@ namespace stonestack::bench {
 void measure_by(CLI::App& sub, std::function<void(Results&)> measure);
 
 void add_kinematics(CLI::App& app);
+void add_modelling(CLI::App& app);
 void add_motion(CLI::App& app);
 void add_collision(CLI::App& app);
 void add_cartesian(CLI::App& app);

@@ -20,7 +20,7 @@ void set_up(CLI::App& app) {
        {add_detection, add_segmentation, add_search, add_calibration, add_equilibrium, add_kinematics,
         add_grasp,     add_hold,         add_rest,   add_motion,      add_collision,   add_cartesian,
         add_timing,    add_descent,      add_rtde,   add_results,     add_site,        add_structures,
-        add_walls,     add_problems,     add_solve,  add_score,       add_grippers})
+        add_walls,     add_problems,     add_solve,  add_score,       add_grippers,    add_modelling})
     add(app);
 }
 

@@ -12,6 +12,7 @@
 #include "report/plan_preview.hpp"
 #include "report/text.hpp"
 #include "stacking/journal.hpp"
+#include "stacking/model_field.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -79,6 +80,66 @@ void measure_clearance(FirstStep& first) {
   }
 }
 
+/// The stones that the planner knows: those of a catalogue, or once they are modelled those that nobody
+/// scanned.
+struct KnownStones {
+  const Catalogue& given;
+  std::optional<Catalogue> modelled;
+  [[nodiscard]] const Catalogue& catalogue() const { return modelled ? *modelled : given; }
+};
+
+ModellingReport report_of(const stacking::ModelledField& field, const std::string& folder) {
+  ModellingReport report{folder, field.views,   field.seconds, field.apart_before, field.apart_after,
+                         {},     field.left_out};
+  for (std::size_t k = 0; k < field.stones.size(); ++k) {
+    const stacking::ModelledStone& stone = field.stones[k];
+    report.stones.push_back({stone.name, stone.turned, stone.views, stone.seen_share, stone.sigma,
+                             field.catalogue.stones[k].mass.mass, stone.mass.has_value(), stone.note});
+  }
+  return report;
+}
+
+/// Models what lies in the field, and keeps it as a catalogue. Ends the run where that is not possible; true
+/// where it may go on.
+bool model_unseen(RunReport& report, Cell& cell, const SimulatedRun& run, const RobotModel& robot,
+                  const std::string& folder, Journal& journal, KnownStones& stones) {
+  const auto end_run = [&](RunResult::End end, const std::string& why) {
+    report.result.end = end;
+    report.result.ended = why;
+    try {
+      cell.arm.stop();
+    } catch (const Error& problem) {
+      log_warning(problem.what());
+    }
+    return false;
+  };
+  try {
+    stacking::ModelFieldOptions options;
+    options.motion = run.build.motion;
+    options.modelling.segment.seed = run.build.detection.seed;
+    options.stone.friction = run.build.search.friction;
+    stacking::ModelledField field = stacking::model_field(cell, robot, options, &journal);
+    report.modelling = report_of(field, folder);
+    for (const std::string& left : field.left_out) log_info(left);
+    for (const Stone& stone : field.catalogue.stones) write_stone(folder, stone);
+    report.catalogue = folder;
+    stones.modelled = std::move(field.catalogue);
+    stones.modelled->path = folder;
+    if (stones.modelled->stones.empty())
+      return end_run(
+          RunResult::End::kNothingSeen,
+          "no stone was modelled" + (field.left_out.empty() ? std::string(": nothing lies in the field")
+                                                            : ": " + field.left_out.front()));
+    log_info(concat(stones.modelled->stones.size(), " stones modelled in ", field.seconds,
+                    " s of the robot, kept in ", folder));
+    return true;
+  } catch (const Interrupted&) {
+    return end_run(RunResult::End::kInterrupted, "interrupted while the stones were modelled");
+  } catch (const DeviceError& problem) {
+    return end_run(RunResult::End::kStopped, problem.what());
+  }
+}
+
 RunResult perform_in(Cell& cell, const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
                      const BuildHooks& hooks, bool dry) {
   if (!dry) return build_tower(cell, catalogue, robot, run.build, hooks);
@@ -87,48 +148,66 @@ RunResult perform_in(Cell& cell, const SimulatedRun& run, const Catalogue& catal
   return std::move(first.result);
 }
 
-void build(RunReport& report, Cell cell, const SimulatedRun& run, const Catalogue& catalogue,
-           const RobotModel& robot, const std::string& folder, LiveRun& live, const RunMode& mode) {
-  write_file(folder + "/options.yaml", report.options_text);
-  Journal journal(folder + "/journal.jsonl");
-  log_info("record in " + folder);
-  RunProgress progress(run.build, report.present.size());
-  Cell watched = live.watched(cell);
+/// Everything that a run is performed with, beside its devices.
+struct Performance {
+  const SimulatedRun& run;
+  const RobotModel& robot;
+  const std::string& folder;
+  const LiveView& view;
+  const RunMode& mode;
+  CellLayout layout;  ///< as the page shows it
+  KnownStones stones;
+  std::optional<LiveRun> live = {};  ///< from where the stones are known
+};
+
+void build(RunReport& report, Cell cell, Performance& p) {
+  write_file(p.folder + "/options.yaml", report.options_text);
+  Journal journal(p.folder + "/journal.jsonl");
+  log_info("record in " + p.folder);
+  if (p.run.build.unseen) {
+    const std::string stones = p.mode.save_catalogue.empty() ? p.folder + "/stones" : p.mode.save_catalogue;
+    if (!model_unseen(report, cell, p.run, p.robot, stones, journal, p.stones)) return;
+    if (p.mode.only_model) {
+      report.result.end = RunResult::End::kAllPlaced;
+      report.result.ended = "the stones are modelled";
+      return;
+    }
+  }
+  const Catalogue& catalogue = p.stones.catalogue();
+  p.live.emplace(p.view, report, catalogue, p.robot, p.layout);
+  RunProgress progress(p.run.build, report.present.empty() ? catalogue.stones.size() : report.present.size());
+  Cell watched = p.live->watched(cell);
   const BuildHooks hooks{[&](const Event& event) {
                            log_event(event, catalogue);
-                           live.hear(event);
+                           p.live->hear(event);
                            progress.hear(event);
                          },
-                         &journal, folder, mode.before_motion};
-  report.result = perform_in(watched, run, catalogue, robot, hooks, mode.dry);
+                         &journal, p.folder, p.mode.before_motion};
+  report.result = perform_in(watched, p.run, catalogue, p.robot, hooks, p.mode.dry);
   clear_progress();
 }
 
 /// Connects the devices of a cell. A dry run only reads arm and camera.
-void build_on_devices(RunReport& report, const CellConfig& config, const SimulatedRun& run,
-                      const Catalogue& catalogue, const RobotModel& robot, const std::string& folder,
-                      LiveRun& live, const RunMode& mode) {
-  if (mode.dry) {
+void build_on_devices(RunReport& report, const CellConfig& config, Performance& p) {
+  if (p.mode.dry) {
     ReadOnlyHardware hardware(config);
-    return build(report, hardware.cell(), run, catalogue, robot, folder, live, mode);
+    return build(report, hardware.cell(), p);
   }
   HardwareCell hardware(config);
-  if (mode.before_motion && hardware.activates_gripper() &&
-      !mode.before_motion({"activate the gripper, whose fingers open and close fully"}))
+  if (p.mode.before_motion && hardware.activates_gripper() &&
+      !p.mode.before_motion({"activate the gripper, whose fingers open and close fully"}))
     throw Interrupted();
   hardware.activate_gripper();
-  build(report, hardware.cell(), run, catalogue, robot, folder, live, mode);
+  build(report, hardware.cell(), p);
 }
 
-void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file,
-                        const SimulatedRun& run, const Catalogue& catalogue, const RobotModel& robot,
-                        const std::string& folder, LiveRun& live, const RunMode& mode) {
+void build_over_sockets(RunReport& report, SimulatedCell& world, const CellFile& file, Performance& p) {
   // The controller knows nothing of the limits of the cell: it is the host that keeps them.
   const SimulatedServers servers(world, read_robot(file.cell().robot), file.servers());
   CellConfig config = file.cell();
   connect_to(servers, config);
   log_info("simulated devices:\n" + servers.text());
-  build_on_devices(report, config, run, catalogue, robot, folder, live, mode);
+  build_on_devices(report, config, p);
 }
 
 /// Draws the cell as the run left it: the stones and the arm.
@@ -204,13 +283,13 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       run.build.gripper, file != nullptr);
   layout.linkage = run.build.linkage;
   SimulatedCell world(catalogue.stones, present, robot, layout, run.simulation);
-  LiveRun live(view, report, catalogue, robot, layout);
+  Performance p{run, robot, done.folder, view, mode, layout, {catalogue, {}}};
   if (file == nullptr) {
-    build(report, world.cell(), run, catalogue, robot, folder.path(), live, mode);
+    build(report, world.cell(), p);
   } else {
-    build_over_sockets(report, world, *file, run, catalogue, robot, folder.path(), live, mode);
+    build_over_sockets(report, world, *file, p);
   }
-  if (report.result.end != RunResult::End::kInterrupted &&
+  if (!mode.only_model && report.result.end != RunResult::End::kInterrupted &&
       !mode.dry) {      // who interrupts does not wait for the judge
     std::string later;  // what cannot be written now is tried, and told of, again below
     write_result(later, report, folder.path());
@@ -225,13 +304,13 @@ RecordedRun perform(const SimulatedRun& run, const Catalogue& catalogue, const R
       log_info("interrupted before the tower was judged");
     }
   }
-  close_report(done, {catalogue, robot}, folder.path(), [&](const std::string& path) {
+  close_report(done, {p.stones.catalogue(), robot}, folder.path(), [&](const std::string& path) {
     const Truth truth = world.truth();
     std::vector<PlacedStone> stones;
     for (const StoneIndex stone : present) stones.push_back({stone, at(truth.T_W_O, stone)});
     draw_cell(path, report.result, catalogue, robot, layout, stones);
   });
-  live.finish(report);
+  if (p.live) p.live->finish(report);
   return done;
 }
 
@@ -243,18 +322,19 @@ RecordedRun perform_real(const SimulatedRun& run, const Catalogue& catalogue, co
   done.folder = folder.path();
   done.report = open_report(run, catalogue, robot, {}, version);
   log_info(concat("cell ", file.path, ": arm at ", file.cell().arm.address));
-  LiveRun live(view, done.report, catalogue, robot, to_layout(file.cell()));
-  build_on_devices(done.report, file.cell(), run, catalogue, robot, folder.path(), live, mode);
+  Performance p{run, robot, done.folder, view, mode, to_layout(file.cell()), {catalogue, {}}};
+  build_on_devices(done.report, file.cell(), p);
   const Arrangement seen = at_rest(done.report.result.world);
   auto stack = seen.stack;
   if (mode.dry) stack.insert(stack.end(), seen.loose.begin(), seen.loose.end());
   const auto draw_stack = [&](const std::string& path) {
     CellLayout layout = to_layout(file.cell());
     layout.linkage = run.build.linkage;
-    draw_cell(path, done.report.result, catalogue, robot, layout, stack);
+    draw_cell(path, done.report.result, p.stones.catalogue(), robot, layout, stack);
   };
-  close_report(done, {catalogue, robot}, folder.path(), stack.empty() ? DrawPicture() : draw_stack);
-  live.finish(done.report);
+  close_report(done, {p.stones.catalogue(), robot}, folder.path(),
+               stack.empty() ? DrawPicture() : draw_stack);
+  if (p.live) p.live->finish(done.report);
   return done;
 }
 

@@ -13,6 +13,8 @@ namespace stonestack::report {
 struct RunMode {
   bool dry = false;            ///< plans the first step only and commands nothing
   BeforeMotion before_motion;  ///< empty: nobody is asked
+  std::string save_catalogue;  ///< as in RunOrder
+  bool only_model = false;     ///< likewise
 };
 
 /// Builds a tower of the stones `present` (indices into the catalogue). With `file` the simulated devices are

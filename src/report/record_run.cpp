@@ -52,7 +52,7 @@ RunOrder at_slow_speed(RunOrder order) {
 RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, const RecordFolder& folder) {
   const CellFile* const file = order.cell ? &*order.cell : nullptr;
   if (file != nullptr) (void)with_option_gripper(to_layout(file->cell()), order.run.build.gripper, true);
-  const RunMode mode{order.dry, order.before_motion};
+  const RunMode mode{order.dry, order.before_motion, order.save_catalogue, order.only_model};
   if (is_real(order))
     return perform_real(order.run, catalogue, *file, folder, order.version, order.view, mode);
   const RobotModel robot = file == nullptr ? order.robot : read_cell_robot(file->cell());
@@ -66,6 +66,12 @@ RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, c
 }  // namespace
 
 RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
+  const bool unseen = order.run.build.unseen;
+  require(!unseen || !order.dry,
+          "a dry run moves nothing, but stones that nobody scanned are modelled by moving "
+          "the camera around them: leave out --dry-run or --unseen");
+  require(unseen || (order.save_catalogue.empty() && !order.only_model),
+          "only stones that nobody scanned are modelled and saved: add --unseen");
   const RecordFolder folder = take_run_folder(order.out, order.run.seed);
   RecordedRun done = record_at_speed(is_slow(order) ? at_slow_speed(order) : order, catalogue, folder);
   if (is_real(order) && is_completed(done.report.result)) note_known_cell(order.cell->path);

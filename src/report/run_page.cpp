@@ -10,6 +10,7 @@
 #include "core/constants.hpp"
 #include "motion/grasp/finger_reach.hpp"
 #include "report/base64.hpp"
+#include "report/modelling_results.hpp"
 #include "report/text.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
@@ -430,6 +431,7 @@ std::string page_data(const RunReport& report, const Catalogue& catalogue, const
       {"changed", changed_options(report.options_text)},
       {"options", report.options_text},
       {"picture", picture}});
+  if (report.modelling) page["modelling"] = modelling_entry(*report.modelling);
   return one_line(page);
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "report/base64.hpp"
+#include "report/modelling_results.hpp"
 #include "report/picture.hpp"
 #include "report/run_page.hpp"
 #include "report/text.hpp"
@@ -153,14 +154,15 @@ std::string run_json(const RunReport& report) {
     if (step.clearance) out["planned"].back()["clearance_m"] = *step.clearance;
   }
   if (report.truth) out["truth"] = truth_entry(*report.truth);
+  if (report.modelling) out["modelling"] = modelling_entry(*report.modelling);
   if (!report.version.empty()) out["version"] = report.version;
   if (!report.picture.empty()) out["picture"] = std::filesystem::path(report.picture).filename().string();
   return out.dump(2) + "\n";
 }
 
 std::string run_table(const RunReport& report) {
-  std::string text =
-      "\nlevel stone            cost   area  ekin  dist  norm  p(ok) outcome     planned | measured\n";
+  std::string text = report.modelling ? modelling_text(*report.modelling) : std::string();
+  text += "\nlevel stone            cost   area  ekin  dist  norm  p(ok) outcome     planned | measured\n";
   int level = 0;
   for (const auto& r : report.result.placements) {
     const auto& p = r.planned;

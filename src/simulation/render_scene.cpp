@@ -1,4 +1,4 @@
-#include "stonestack/simulation/render_scene.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
 
 #include <cmath>
 

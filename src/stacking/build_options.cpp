@@ -44,6 +44,8 @@ FieldList fields(BuildOptions& o) {
              user(field("wall", o.wall,
                         "wall that is built: stones a course (4+3+2+1), metres x courses (0.8x3) or a target "
                         "file; empty: a tower")),
+             user(field("unseen", o.unseen,
+                        "true: the arm's camera models the stones before it builds; no catalogue is known")),
              field("save_states", o.save_states,
                    "true: the state before each decision is written into the run's folder, for `decide`")})});
 }

@@ -82,6 +82,7 @@ ExecutionResult execute(const PickAndPlacePlan& plan, const Stone& stone, const 
       case PlanStep::Kind::kLift:
         now = executor.follow(step);
         if (now.status == Status::kReleased) now = executor.check_hold(step);
+        result.weight = now.weight;
         lift = &step;
         break;
       case PlanStep::Kind::kTransit:

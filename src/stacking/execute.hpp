@@ -18,6 +18,8 @@ struct ExecutionResult {
   std::string reason;          ///< when it was not released
   /// Friction between the stone and the table, where it was measured before the release.
   std::optional<double> friction = std::nullopt;
+  /// Weight of the stone once it was lifted and held, as the wrist measured it right after taring [N].
+  std::optional<double> weight = std::nullopt;
 };
 
 /// Carries out a plan step by step: every step is in the journal before it begins. Payload follows the grasp.

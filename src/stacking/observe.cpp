@@ -10,19 +10,6 @@
 namespace stonestack::stacking {
 namespace {
 
-/// Camera at `p_W_eye` looking at `p_W_target`, image "up" away from the ground, turned by `roll` about the
-/// optical axis.
-Pose look_at(const Eigen::Vector3d& p_W_eye, const Eigen::Vector3d& p_W_target, double roll) {
-  const Eigen::Vector3d z = (p_W_target - p_W_eye).normalized();
-  Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ());
-  if (x.norm() < 1e-6) x = Eigen::Vector3d::UnitX();
-  x.normalize();
-  Pose T_W_C = Pose::Identity();
-  T_W_C.linear() << x, z.cross(x), z;
-  T_W_C.translation() = p_W_eye;
-  return T_W_C * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
-}
-
 void keep_better(std::vector<Sighting>& sightings, const Sighting& seen) {
   const auto known = std::find_if(sightings.begin(), sightings.end(),
                                   [&](const Sighting& s) { return s.stone == seen.stone; });
@@ -67,6 +54,17 @@ std::vector<PlacedStone> carrying(const std::vector<PlacedStone>& stack,
 }
 
 }  // namespace
+
+Pose camera_looking_at(const Eigen::Vector3d& p_W_eye, const Eigen::Vector3d& p_W_target, double roll) {
+  const Eigen::Vector3d z = (p_W_target - p_W_eye).normalized();
+  Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ());
+  if (x.norm() < 1e-6) x = Eigen::Vector3d::UnitX();
+  x.normalize();
+  Pose T_W_C = Pose::Identity();
+  T_W_C.linear() << x, z.cross(x), z;
+  T_W_C.translation() = p_W_eye;
+  return T_W_C * Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ());
+}
 
 Pose camera_pose(const CellLayout& layout, const RobotModel& robot, const Joints& q) {
   return layout.T_W_R * forward(robot, q) * layout.T_F_T * layout.T_T_C;
@@ -125,7 +123,7 @@ std::vector<Pose> view_poses(const CellLayout& layout, const Eigen::Vector3d& p_
         const double level = std::cos(elevation * kDegree);
         const Eigen::Vector3d direction(level * std::cos(azimuth), level * std::sin(azimuth),
                                         std::sin(elevation * kDegree));
-        poses.push_back(look_at(p_W_target + distance * direction, p_W_target, roll * kDegree));
+        poses.push_back(camera_looking_at(p_W_target + distance * direction, p_W_target, roll * kDegree));
       }
   return poses;
 }

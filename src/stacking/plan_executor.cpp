@@ -78,7 +78,9 @@ ExecutionResult PlanExecutor::check_hold(const PlanStep& lift) const {
     return load.weight > kEmptyGripper * expected ? put_back(lift, why) : release(why);
   }
   if (off > kMaxSwing) return put_back(lift, turned(off));
-  return {};
+  ExecutionResult held;
+  held.weight = load.weight;
+  return held;
 }
 
 double PlanExecutor::swing(const WristLoad& load) const {

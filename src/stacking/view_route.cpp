@@ -4,6 +4,7 @@
 #include "motion/timing.hpp"
 #include "motion/transit.hpp"
 #include "stacking/arrangement.hpp"
+#include "stacking/back_away.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -24,31 +25,33 @@ Eigen::Vector3d direction_of_tool(const PlanningScene& scene, const JointPath& p
   return (p_W(path.back()) - p_W(path.front())).normalized();
 }
 
-/// Where the gripper stands too near to something to go anywhere: backs away from it, until it touches.
-/// Throws DeviceError when it does, or when the arm stops.
-void back_away(Workcell& w, const PlanningScene& scene) {
-  const auto out = escape_path(scene, w.cell.arm.state().q, w.options.motion);
-  if (!out || out->size() < 2) return;  // without a path out no route is found, which is reported
-  w.emit(BackedAway{});
-  w.emit(StepBegun{"back away"});
-  TimingLimits limits = timing_limits(*w.models.robot, w.options.motion);
+}  // namespace
+
+bool back_away(Cell& cell, const PlanningScene& scene, const MotionOptions& options,
+               const std::function<void()>& before) {
+  const auto out = escape_path(scene, cell.arm.state().q, options);
+  if (!out || out->size() < 2) return false;  // without a path out no route is found, which is reported
+  before();
+  TimingLimits limits = timing_limits(scene.robot, options);
   limits.tool_speed = kBackAwaySpeed;
   GuardedMotion away;
-  away.trajectory = time_path(*out, limits, *w.models.robot, scene.T_F_T);
+  away.trajectory = time_path(*out, limits, scene.robot, scene.T_F_T);
   away.n_W_direction = direction_of_tool(scene, *out);
-  away.threshold = w.options.motion.early_threshold;
-  const MotionResult moved = w.cell.arm.follow_guarded(away);
-  if (moved.status == MotionResult::Status::kNoContact) return;
+  away.threshold = options.early_threshold;
+  const MotionResult moved = cell.arm.follow_guarded(away);
+  if (moved.status == MotionResult::Status::kNoContact) return true;
   throw DeviceError("arm", "stopped as the gripper backed away from what it is near: " + moved.reason,
                     "check the cell and free the gripper");
 }
 
-}  // namespace
+double present_opening(const Cell& cell, const GripperModel& gripper) {
+  return std::min(gripper.max_opening, cell.gripper.state().opening + kOpeningError);
+}
 
 PlanningScene scene_of_view(const Workcell& w, const Arrangement& arrangement) {
   PlanningScene scene = make_planning_scene(w.cell.layout, *w.models.robot, *w.models.catalogue, arrangement);
   // Fingers that let a stone go beside another were opened no further than there was clearance.
-  scene.opening = std::min(scene.opening, w.cell.gripper.state().opening + kOpeningError);
+  scene.opening = present_opening(w.cell, scene.gripper);
   return scene;
 }
 
@@ -60,7 +63,10 @@ std::optional<JointTrajectory> find_route(Workcell& w, const ViewScene& known,
     scene.objects.push_back(unseen_site(w.cell.layout));
   }
   const double start = w.cell.clock.now();
-  back_away(w, scene);
+  (void)back_away(w.cell, scene, w.options.motion, [&] {
+    w.emit(BackedAway{});
+    w.emit(StepBegun{"back away"});
+  });
   w.seconds.motion += w.cell.clock.now() - start;
   const Stopwatch watch;
   auto route = plan_route_to_view(w.cell, scene, T_W_C, w.options.motion);

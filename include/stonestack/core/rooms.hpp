@@ -41,9 +41,14 @@ using namespace detection;
 using namespace motion;
 using namespace hardware;
 }  // namespace search
+namespace modelling {
+using namespace physics;
+using namespace detection;
+}  // namespace modelling
 namespace stacking {  // floor 5
 using namespace search;
-}
+using namespace modelling;
+}  // namespace stacking
 namespace simulation {
 using namespace search;
 }

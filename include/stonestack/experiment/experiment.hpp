@@ -82,6 +82,29 @@ struct TruthReport {
 /// True where a tower is higher in one engine than in another.
 [[nodiscard]] bool engines_disagree(const TruthReport& truth);
 
+/// A stone that the arm's camera modelled.
+struct StoneModelReport {
+  std::string name;         ///< name in the catalogue that was made
+  bool turned = false;      ///< seen in two resting poses
+  int views = 0;            ///< that show it
+  double seen_share = 0.0;  ///< of its surface
+  double sigma = 0.0;       ///< median standard deviation of its surface [m]
+  double mass = 0.0;        ///< [kg]
+  bool weighed = false;     ///< in the gripper; otherwise the mass is from the density
+  std::string note;         ///< why it was not turned, or not found again; empty otherwise
+};
+
+/// Stones that nobody scanned, as they were modelled before the run.
+struct ModellingReport {
+  std::string folder;                    ///< catalogue that was made
+  int views = 0;                         ///< of the field
+  double seconds = 0.0;                  ///< by the cell's clock [s]
+  double apart_before = 0.0;             ///< median distance of surfaces between views as reported [m]
+  double apart_after = 0.0;              ///< the same once the views agree [m]
+  std::vector<StoneModelReport> stones;  ///< in the order of the catalogue
+  std::vector<std::string> left_out;     ///< objects that no stone was made of, with the reason
+};
+
 /// Everything that is reported of a run.
 struct RunReport {
   RunResult result;                       ///< result of the loop
@@ -95,6 +118,7 @@ struct RunReport {
   std::optional<TruthReport> truth;       ///< simulated cell only
   std::string options_text;               ///< resolved options, YAML
   std::string picture;  ///< path of the PNG; empty: none. The JSON names it beside result.json
+  std::optional<ModellingReport> modelling;  ///< of a run whose stones nobody scanned
 };
 
 /// One run of an experiment.

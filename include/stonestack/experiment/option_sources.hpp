@@ -6,7 +6,7 @@
 #include "stonestack/core/options.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/experiment/simulated_run.hpp"
-#include "stonestack/simulation/render_scene.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
 
 #pragma GCC visibility push(default)
 

@@ -42,6 +42,10 @@ struct RunOrder {
   RunSpeed speed = RunSpeed::kByDefault;  ///< speed of the tool
   bool dry = false;            ///< one view and the first plan; commands no device (`plan_first_step`)
   BeforeMotion before_motion;  ///< asked before each motion; empty: nobody is
+  /// Where stones that nobody scanned are kept once they are modelled (`run.unseen`); empty: the folder
+  /// `stones` of the record.
+  std::string save_catalogue;
+  bool only_model = false;  ///< with `run.unseen`: ends when the stones are modelled
 };
 /// A run and its record.
 struct RecordedRun {

@@ -6,7 +6,8 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/detection/segment.hpp"
-#include "stonestack/simulation/render_scene.hpp"
+#include "stonestack/modelling/model_objects.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
 #include "stonestack/stacking/scene_tasks.hpp"
 #include "stonestack/stone/catalogue.hpp"
@@ -183,6 +184,51 @@ struct FailedScan {
   std::string file;   ///< file of the scan
   std::string error;  ///< reason why it gave no stone
 };
+/// Stones to make of scanned meshes, or to generate.
+struct ScanOrder {
+  std::vector<std::string> files;  ///< scanned meshes
+  std::string catalogue;           ///< folder that the stones are stored in; made if missing
+  std::string name;                ///< of a single stone; empty: the file's
+  int generate = 0;                ///< limestones, limestone_1 and so on
+  std::uint64_t seed = 1;          ///< of these
+  bool force = false;              ///< stones that are there already are replaced
+  ModelOptions options;            ///< how a scan becomes a stone
+};
+/// Stones that were made and stored, and what could not be made one.
+struct ScannedStones {
+  std::vector<StoneSummary> stones;  ///< stones that were stored
+  std::vector<FailedScan> failed;    ///< files that gave none
+};
+/// Makes and stores the stones, one after the other, with progress.
+/// @throws InvalidArgument, before any work is done, for names that cannot be or are there already; FileError
+/// for a single file that gives no stone
+[[nodiscard]] ScannedStones scan_stones(const ScanOrder& order);
+
+/// Stones to make of depth images of objects on a table.
+struct ModelOrder {
+  std::vector<DepthView> views;  ///< of one scene, from all around
+  std::string catalogue;         ///< folder that the stones are stored in; made if missing
+  std::string prefix = "stone";  ///< of their names: stone_1 and so on
+  bool force = false;            ///< stones that are there already are replaced
+  ModelOptions stone;            ///< density, mass, friction
+  ModellingOptions modelling;    ///< how views become models
+};
+/// Stones that were made of what the views show, and how well they are known.
+struct ModelledViews {
+  AlignedScene scene;                ///< the views as they agree, with the objects in them
+  std::vector<ObjectModel> models;   ///< an object each
+  std::vector<StoneSummary> stones;  ///< stones that were stored
+  std::vector<FailedScan> failed;    ///< objects that gave none, with the reason
+};
+/// Models every object and stores it as a stone, with `uncertainty.ply` beside its meshes: the surface in O
+/// with each vertex' standard deviation [m] and whether a view showed it, coloured from blue (known) to red.
+/// @throws InvalidArgument for no view, or names that are there already
+[[nodiscard]] ModelledViews model_views(const ModelOrder& order);
+/// "stonestack.model/1" of what was stored in the folder `catalogue`.
+[[nodiscard]] std::string modelled_json(const ModelledViews& modelled, const std::string& catalogue);
+/// A line a stone, lengths in mm, for a person.
+[[nodiscard]] std::string modelled_table(const ModelledViews& modelled);
+
 /// "stonestack.scan/1" of stones that were stored in the folder `catalogue`.
 [[nodiscard]] std::string stones_json(const std::vector<StoneSummary>& stones, const std::string& catalogue,
                                       const std::vector<FailedScan>& failed);

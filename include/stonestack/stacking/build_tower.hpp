@@ -60,6 +60,9 @@ struct BuildOptions {
   std::string wall;
   /// Gripper of the simulated cell, by its name or a YAML; empty: of the cell file, or robotiq-3f.
   std::string gripper;
+  /// The stones are in no catalogue: the arm's camera models them before anything is built (`model_field`).
+  /// For who makes the catalogue; `build_tower` itself is given one.
+  bool unseen = false;
   bool save_states = false;  ///< writes the state before each decision into the run's folder, for `decide`
 };
 /// Names the options of the loop.

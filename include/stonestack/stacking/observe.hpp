@@ -48,6 +48,11 @@ namespace stonestack::stacking {
 /// Where the arm waits and starts: folded above the middle of the cell, tool down, view free.
 [[nodiscard]] Joints home_joints();
 
+/// Camera at `p_W_eye` that looks at `p_W_target`, image "up" away from the ground, turned by `roll` (rad)
+/// about the optical axis.
+[[nodiscard]] Pose camera_looking_at(const Eigen::Vector3d& p_W_eye, const Eigen::Vector3d& p_W_target,
+                                     double roll);
+
 /// Camera poses that show `p_W_target` from `distance`, best first: high and from the robot's side before
 /// low and from aside, each with four turns about the optical axis.
 [[nodiscard]] std::vector<Pose> view_poses(const CellLayout& layout, const Eigen::Vector3d& p_W_target,

@@ -118,20 +118,46 @@ Shared shared_surface(const ViewParts& from, const ViewParts& to) {
   return shared;
 }
 
-/// Object of each part of each view: parts that share most of what both views see are one, unless that would
-/// join two parts of one view.
-std::vector<std::vector<int>> objects_of(const std::vector<ViewParts>& views) {
-  std::vector<std::vector<int>> name;
+/// Parts of two views that show mostly the same surface.
+struct Link {
+  double overlap;  ///< share of it, times its pixels
+  std::size_t view_a, view_b;
+  int a, b;
+};
+
+/// Names of the parts of each view.
+using Names = std::vector<std::vector<int>>;
+
+bool is_in(const std::vector<int>& names, int name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// True if fewer views show two objects as one part than show them apart.
+bool are_apart(const Names& names, const std::vector<Link>& links, int a, int b) {
+  const auto apart = std::count_if(names.begin(), names.end(), [&](const std::vector<int>& in_view) {
+    return is_in(in_view, a) && is_in(in_view, b);
+  });
+  if (apart == 0) return false;
+  std::vector<char> together(names.size(), 0);
+  for (const Link& link : links) {
+    const int of_a = names[link.view_a][static_cast<std::size_t>(link.a)];
+    const int of_b = names[link.view_b][static_cast<std::size_t>(link.b)];
+    if (!((of_a == a && of_b == b) || (of_a == b && of_b == a))) continue;
+    for (const std::size_t view : {link.view_a, link.view_b})
+      if (!(is_in(names[view], a) && is_in(names[view], b))) together[view] = 1;
+  }
+  return std::count(together.begin(), together.end(), 1) <= apart;
+}
+
+/// Object of each part of each view: parts that share most of what both views see are one, unless at least as
+/// many views show them apart.
+Names objects_of(const std::vector<ViewParts>& views) {
+  Names name;
   int count = 0;
   for (const ViewParts& view : views) {
     name.emplace_back(view.parts.pixels.size());
     for (int& n : name.back()) n = count++;
   }
-  struct Link {
-    double overlap;
-    std::size_t view_a, view_b;
-    int a, b;
-  };
   std::vector<Link> links;
   for (std::size_t j = 0; j < views.size(); ++j)
     for (std::size_t k = j + 1; k < views.size(); ++k) {
@@ -150,11 +176,7 @@ std::vector<std::vector<int>> objects_of(const std::vector<ViewParts>& views) {
     const int a = name[link.view_a][static_cast<std::size_t>(link.a)];
     const int b = name[link.view_b][static_cast<std::size_t>(link.b)];
     if (a == b) continue;
-    const bool apart = std::any_of(name.begin(), name.end(), [&](const std::vector<int>& in_view) {
-      return std::find(in_view.begin(), in_view.end(), a) != in_view.end() &&
-             std::find(in_view.begin(), in_view.end(), b) != in_view.end();
-    });
-    if (apart) continue;
+    if (are_apart(name, links, a, b)) continue;
     for (auto& in_view : name)
       for (int& n : in_view)
         if (n == b) n = a;

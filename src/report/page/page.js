@@ -155,7 +155,20 @@ function fillDecisions() {
   if (!run.decisions.length && !run.live) $('decisions').append(make('li', 'No decision was made.'));
 }
 
+function fillModels() {
+  const made = run.modelling;
+  $('modelling').hidden = !made;
+  if (!made) return;
+  $('modelling-note').textContent = `${made.views} views in ${fixed(made.robot_seconds, 0)} s of the robot; surfaces ` +
+    `that two views show differ by ${fixed(1e3 * made.apart_after_m, 2)} mm (median), by ` +
+    `${fixed(1e3 * made.apart_before_m, 2)} mm as the arm reported its poses.`;
+  fillTable($('models'), ['stone', 'mass (kg)', 'weighed', 'seen (%)', 'sigma (mm)', 'views', 'turned', 'note'],
+    made.stones.map((s) => ({cells: [s.name, fixed(s.mass, 2), s.weighed ? 'yes' : 'no', fixed(100 * s.seen_share, 0),
+      fixed(1e3 * s.sigma_m, 2), s.views, s.turned ? 'yes' : 'no', s.note]})));
+}
+
 function fillTables() {
+  fillModels();
   const terms = run.terms;
   fillTable($('placements'), ['level', 'stone', 'outcome', 'predicted', 'cost', ...terms, 'planned (mm)',
     'measured (mm)', 'off by', 'note'], run.placements.map((p) => ({cells: [p.level || '', p.stone, p.outcome,

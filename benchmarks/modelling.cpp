@@ -1,0 +1,185 @@
+// Measures the models that the arm's camera makes of stones that nobody scanned, in the simulated cell: how
+// far their surfaces lie from the true ones, what of them was seen, and how long the robot took.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "bench.hpp"
+#include "common_options.hpp"
+#include "core/quantile.hpp"
+#include "experiment/new_stones.hpp"
+#include "geometry/surface_tree.hpp"
+#include "simulation/true_shape.hpp"
+#include "stacking/model_field.hpp"
+#include "stonestack/core/clock.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/simulation/simulated_cell.hpp"
+
+namespace stonestack::bench {
+namespace {
+
+constexpr int kAlignSteps = 30;
+constexpr double kGate = 0.006;  // m between surfaces that are brought together to compare them
+
+/// Brings `from` to lie on `onto` (iterated closest points, point to plane), from a pose near it.
+Pose aligned(const Mesh& from, const SurfaceTree& onto, Pose T_onto_from) {
+  for (int step = 0; step < kAlignSteps; ++step) {
+    Eigen::Matrix<double, 6, 6> H = 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
+    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+    const double gate = step < kAlignSteps / 2 ? 3.0 * kGate : kGate;
+    for (const auto& vertex : from.vertices) {
+      const Eigen::Vector3d p = T_onto_from * vertex;
+      const SurfacePoint near = onto.nearest(p, gate);
+      if (near.face < 0) continue;
+      Eigen::Matrix<double, 6, 1> J;
+      J << near.normal, p.cross(near.normal);
+      H += J * J.transpose();
+      g += near.normal.dot(p - near.point) * J;
+    }
+    const Eigen::Matrix<double, 6, 1> x = -H.ldlt().solve(g);
+    const Eigen::Vector3d w = x.tail<3>();
+    Pose move = make_pose(Eigen::Vector3d(x.head<3>()));
+    if (w.norm() > 1e-15) move.rotate(Eigen::AngleAxisd(w.norm(), w.normalized()));
+    T_onto_from = orthonormal(move * T_onto_from);
+  }
+  return T_onto_from;
+}
+
+/// Distances of two surfaces from each other, in both directions [m].
+std::vector<double> distances(const Mesh& model, const Mesh& truth, const Pose& T_true_model) {
+  const SurfaceTree onto(truth), back(model);
+  std::vector<double> all;
+  for (const auto& sample : sample_surface(model, 0.003))
+    all.push_back(std::abs(onto.nearest(T_true_model * sample.point).distance));
+  const Pose T_model_true = T_true_model.inverse();
+  for (const auto& sample : sample_surface(truth, 0.003))
+    all.push_back(std::abs(back.nearest(T_model_true * sample.point).distance));
+  return all;
+}
+
+struct ModellingCommand {
+  CommonOptions common;
+  int runs = 10, stones = 4;
+  std::string rocks;
+  SimulationOptions simulation;
+  stacking::ModelFieldOptions options;
+};
+
+/// Sums over all runs.
+struct ModellingTally {
+  int wanted = 0, modelled = 0, turned = 0, within = 0;
+  std::vector<double> median, worst, seconds, host;
+};
+
+void model_run(const ModellingCommand& command, std::uint64_t seed, const std::vector<Stone>& stones,
+               const RobotModel& robot, ModellingTally& tally, Results& results) {
+  SimulationOptions simulation = command.simulation;
+  simulation.seed = static_cast<int>(seed);
+  std::vector<StoneIndex> present = first_stones(stones.size());
+  const CellLayout layout;
+  SimulatedCell world(stones, present, robot, layout, simulation);
+  Cell cell = world.cell();
+  const Stopwatch watch;
+  stacking::ModelFieldOptions options = command.options;
+  options.motion.seed = options.modelling.segment.seed = static_cast<int>(seed);
+  const stacking::ModelledField field = stacking::model_field(cell, robot, options);
+  const double host = watch.seconds();
+  const std::vector<Stone> truth = simulation::as_they_are(stones, simulation);
+  const std::vector<Pose> T_W_O = world.truth().T_W_O;
+  tally.wanted += static_cast<int>(present.size());
+  tally.seconds.push_back(field.seconds / std::max<std::size_t>(1, field.stones.size()));
+  tally.host.push_back(host);
+  for (std::size_t k = 0; k < field.stones.size(); ++k) {
+    const auto& made = field.stones[k];
+    const auto nearest = *std::min_element(present.begin(), present.end(), [&](StoneIndex a, StoneIndex b) {
+      return (at(T_W_O, a).translation() - made.T_W_O.translation()).norm() <
+             (at(T_W_O, b).translation() - made.T_W_O.translation()).norm();
+    });
+    const Stone& is = at(truth, nearest);
+    const Mesh& model = field.catalogue.stones[k].scan;
+    const SurfaceTree surface(is.scan);
+    const Pose T_true_model = aligned(model, surface, at(T_W_O, nearest).inverse() * made.T_W_O);
+    const std::vector<double> off = distances(model, is.scan, T_true_model);
+    const double median = quantile(off, 0.5), most = quantile(off, 0.95);
+    const double volume_error = volume(model) / volume(is.scan) - 1.0;
+    ++tally.modelled;
+    tally.turned += made.turned ? 1 : 0;
+    tally.within += median <= 0.0007 && most <= 0.002 ? 1 : 0;
+    tally.median.push_back(median);
+    tally.worst.push_back(most);
+    results.row({seed, is.name, made.views, made.turned ? 1 : 0, 100.0 * made.seen_share, 1e3 * median,
+                 1e3 * most, 1e3 * made.sigma, 100.0 * volume_error, 1e3 * field.apart_before,
+                 1e3 * field.apart_after, made.note});
+  }
+  for (const auto& left : field.left_out) log_info(left);
+}
+
+void measure_modelling(const ModellingCommand& command, Results& results) {
+  const RobotModel robot = read_robot("ur10");
+  const experiment::NewStones source(command.stones, command.rocks, static_cast<int>(command.common.seed),
+                                     robot);
+  ModellingTally tally;
+  results.table("models", {{"seed"},
+                           {"stone"},
+                           {"views"},
+                           {"turned"},
+                           {"seen_percent", 0},
+                           {"median_mm", 2},
+                           {"p95_mm", 2},
+                           {"sigma_mm", 2},
+                           {"volume_percent", 1},
+                           {"apart_before_mm", 2},
+                           {"apart_mm", 2},
+                           {"note"}});
+  for (int run = 0; run < command.runs; ++run) {
+    const auto seed = command.common.seed + static_cast<std::uint64_t>(run);
+    const Catalogue drawn = source.of_run(run + 1, static_cast<int>(seed));
+    model_run(command, seed, drawn.stones, robot, tally, results);
+  }
+  results.table("all", {{"stones"},
+                        {"modelled"},
+                        {"turned"},
+                        {"within_marks"},
+                        {"median_mm", 2},
+                        {"p95_mm", 2},
+                        {"robot_seconds_a_stone", 0},
+                        {"host_seconds_a_run", 0}});
+  const auto mid = [](const std::vector<double>& list) { return list.empty() ? 0.0 : quantile(list, 0.5); };
+  results.row({tally.wanted, tally.modelled, tally.turned, tally.within, 1e3 * mid(tally.median),
+               1e3 * mid(tally.worst), mid(tally.seconds), mid(tally.host)});
+}
+
+}  // namespace
+
+void add_modelling(CLI::App& app) {
+  auto command = std::make_shared<ModellingCommand>();
+  CLI::App* sub = app.add_subcommand(
+      "modelling", "Models made by the arm's camera of stones that nobody scanned, against the true stones");
+  sub->add_option("--runs", command->runs, "Cells")->check(CLI::Range(1, 10000))->capture_default_str();
+  sub->add_option("--stones", command->stones, "A cell")->check(CLI::Range(1, 12))->capture_default_str();
+  sub->add_option("--rocks", command->rocks,
+                  "Draw the stones of every cell from this folder (default: new limestones)")
+      ->type_name("DIR");
+  sub->add_option("--first-views", command->options.first_views, "Views of the stones as they lie")
+      ->check(CLI::Range(1, 20))
+      ->capture_default_str();
+  sub->add_option("--turned-views", command->options.turned_views,
+                  "Views once they are turned; 0: none is turned")
+      ->check(CLI::Range(0, 20))
+      ->capture_default_str();
+  command->common.register_draw(*sub);
+  sub->footer("Example:\n  stonestack-bench modelling --runs 20 --set simulation.cell=lab");
+  measure_by(*sub, [command](Results& results) {
+    command->common.settings.apply(join({nest("simulation", fields(command->simulation)),
+                                         nest("modelling", fields(command->options.modelling))}));
+    results.settings({{"runs", command->runs},
+                      {"stones", command->stones},
+                      {"first_views", command->options.first_views},
+                      {"turned_views", command->options.turned_views}});
+    measure_modelling(*command, results);
+  });
+}
+
+}  // namespace stonestack::bench

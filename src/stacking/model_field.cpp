@@ -1,0 +1,452 @@
+#include "stacking/model_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.hpp"
+#include "core/quantile.hpp"
+#include "geometry/convex_pieces.hpp"
+#include "geometry/surface_tree.hpp"
+#include "kinematics/camera_mount.hpp"
+#include "motion/turn_over.hpp"
+#include "stacking/arrangement.hpp"
+#include "stacking/back_away.hpp"
+#include "stacking/execute.hpp"
+#include "stacking/record.hpp"
+#include "stacking/survey.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/log.hpp"
+#include "stonestack/geometry/obstacle.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+
+namespace stonestack::stacking {
+namespace {
+
+using modelling::AlignedScene;
+using modelling::LyingObject;
+using modelling::ObjectModel;
+
+constexpr double kFieldHeight = 0.04;      // m: where the camera points at the field
+constexpr double kBesideField = 0.06;      // m beyond it: stones roll
+constexpr double kMinConfidence = 0.5;     // of an object, that it is one and whole
+constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
+constexpr double kMinGain = 0.3;           // of the unseen area, that a stone is turned for
+constexpr double kVisible = -0.25;         // z of a normal: flatter undersides are seen by no camera
+constexpr double kSameObject = 0.12;       // m between where an object is expected and seen
+
+/// One stone while it is being modelled. O of the model is W of the first survey.
+struct Candidate {
+  int object = 0;  ///< in the first scene
+  ObjectModel model;
+  Stone stone;
+  Pose T_W_O;                  ///< of `stone`: where it is, or should have come to lie
+  std::optional<Mesh> seen_W;  ///< hull of what was seen of it, down to the table, once it fell over
+  ModelledStone made;
+};
+
+Eigen::Vector3d middle_of(const AlignedScene& scene, int object) {
+  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
+  return scene.views.front().T_W_C * seen.p_C_middle;
+}
+
+/// Views in one frame, and the camera's mount that they agree on.
+struct LookedAt {
+  AlignedScene scene;
+  int views = 0;
+};
+
+/// Corrects the camera's mount and the table's height by views that agree, then moves these to where arm and
+/// mount say that they are, all told.
+void refine_mount(const std::vector<SurveyView>& reported, AlignedScene& scene, CellLayout& layout) {
+  std::vector<Eigen::Vector3d> marks;
+  for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object)
+    marks.push_back(middle_of(scene, object));
+  if (marks.empty()) return;
+  const Plane table{Eigen::Vector3d::UnitZ(), 0.0};
+  std::vector<MountView> mounts;
+  for (std::size_t k = 0; k < reported.size(); ++k) {
+    const Pose T_C_W = scene.views[k].T_W_C.inverse();
+    MountView mount;
+    mount.T_W_T = reported[k].T_W_T;
+    const Eigen::Vector3d n_C = T_C_W.linear() * table.normal;
+    mount.table_C = Plane{n_C, n_C.dot(T_C_W.translation())};
+    for (std::size_t m = 0; m < marks.size(); ++m)
+      mount.marks.push_back({static_cast<int>(m), T_C_W * marks[m]});
+    mounts.push_back(std::move(mount));
+  }
+  const MountRefinement found = refine_camera_mount(mounts, layout.T_T_C);
+  layout.T_T_C = found.T_T_C;
+  // The robot is moved against W, not the table.
+  const Eigen::Vector2d& at = layout.field_centre;
+  const double height =
+      (found.table_W.offset - found.table_W.normal.head<2>().dot(at)) / found.table_W.normal.z();
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(found.table_W.normal, Eigen::Vector3d::UnitZ());
+  const Pose T_level =
+      Eigen::Translation3d(at.x(), at.y(), 0.0) * turn * Eigen::Translation3d(-at.x(), -at.y(), -height);
+  layout.T_W_R = T_level * layout.T_W_R;
+  log_debug(concat("camera's mount moved by ", 1e3 * found.shift, " mm and ", found.turn,
+                   " rad, marks apart ", 1e3 * found.before, " mm before, ", 1e3 * found.after,
+                   " mm after; table at ", 1e3 * height, " mm"));
+  // Mean of where arm and mount put each view, against where the views agree: level already, so only a turn
+  // about the vertical and a shift along the table.
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  double yaw = 0.0;
+  const Eigen::Vector3d p_W(at.x(), at.y(), 0.0);
+  for (std::size_t k = 0; k < reported.size(); ++k) {
+    const Pose off = T_level * reported[k].T_W_T * found.T_T_C * scene.views[k].T_W_C.inverse();
+    shift += (off * p_W - p_W).head<2>() / static_cast<double>(reported.size());
+    yaw += std::atan2(off.linear()(1, 0), off.linear()(0, 0)) / static_cast<double>(reported.size());
+  }
+  const Pose move = Eigen::Translation3d(at.x() + shift.x(), at.y() + shift.y(), 0.0) *
+                    Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                    Eigen::Translation3d(-at.x(), -at.y(), 0.0);
+  for (DepthView& view : scene.views) view.T_W_C = move * view.T_W_C;
+}
+
+AlignedScene align(const std::vector<SurveyView>& survey, const ModelFieldOptions& options,
+                   CellLayout& layout) {
+  std::vector<DepthView> views;
+  for (const SurveyView& taken : survey) views.push_back({taken.view.image, taken.view.T_W_C});
+  AlignedScene scene = modelling::align_scene(views, options.modelling);
+  refine_mount(survey, scene, layout);
+  return scene;
+}
+
+/// Why an object is not made a stone of; empty if it is.
+std::string unfit(const AlignedScene& scene, int object, const CellLayout& layout) {
+  const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
+  const Eigen::Vector2d off =
+      (middle_of(scene, object).head<2>() - layout.field_centre).cwiseAbs() - 0.5 * layout.field_size;
+  if (off.maxCoeff() > kBesideField) return "lies beside the field";
+  if (seen.cut_off && seen.views < 2) return "is seen in part only";
+  if (seen.views == 1 && scene.views.size() > 2)
+    return concat("is seen in one of ", scene.views.size(), " views only");
+  if (seen.confidence < kMinConfidence)
+    return concat("may be several or a part of one: confidence ", seen.confidence);
+  return {};
+}
+
+Stone stone_of(const ObjectModel& model, const ModelledStone& made, const ModelFieldOptions& options) {
+  ModelOptions stone;
+  stone.density = options.stone.density;
+  stone.friction = options.stone.friction;
+  stone.mass = made.mass.value_or(0.0);
+  return model_stone(model.mesh, made.name, "modelled by the arm's camera", stone).stone;
+}
+
+void describe(Candidate& candidate) {
+  candidate.made.seen_share = candidate.model.seen_share;
+  candidate.made.views = candidate.model.views;
+  candidate.made.sigma = quantile(candidate.model.sigma, 0.5);
+}
+
+std::vector<Candidate> model_first(const AlignedScene& scene, const CellLayout& layout,
+                                   const GripperModel& gripper, const ModelFieldOptions& options,
+                                   std::vector<std::string>& left_out) {
+  std::vector<Candidate> candidates;
+  for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
+    throw_if_interrupted();
+    const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
+    log_debug(concat("object at (", middle_of(scene, object).transpose(), ") m, size ", seen.size.transpose(),
+                     " m, ", seen.pixels, " pixels in ", seen.views, " views, confidence ", seen.confidence));
+    std::string why = unfit(scene, object, layout);
+    if (why.empty()) {
+      Candidate candidate;
+      candidate.object = object;
+      const LyingObject lying{&scene, object};
+      candidate.model = modelling::model_object({&lying, 1}, options.modelling);
+      candidate.made.name = concat("stone_", candidates.size() + 1);
+      try {
+        candidate.stone = stone_of(candidate.model, candidate.made, options);
+        candidate.T_W_O = candidate.stone.T_O_file.inverse();
+        why = unfit_for_gripper(candidate.stone, gripper);
+      } catch (const FileError& problem) {
+        why = problem.what();
+      }
+      if (why.empty()) {
+        describe(candidate);
+        candidates.push_back(std::move(candidate));
+        continue;
+      }
+    }
+    const Eigen::Vector3d at = middle_of(scene, object);
+    left_out.push_back(concat("object at (", at.x(), ", ", at.y(), ") m: ", why));
+  }
+  return candidates;
+}
+
+/// True for a piece of a modelled stone that some view parted from it.
+bool is_part_of(const AlignedScene& scene, int object, const ObjectModel& model) {
+  constexpr double kNear = 0.01;  // m
+  constexpr std::size_t kAsked = 200;
+  const SurfaceTree surface(model.mesh);
+  const auto& points = scene.segmentation.objects[static_cast<std::size_t>(object)].cloud_C.points;
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / kAsked);
+  std::size_t asked = 0, near = 0;
+  for (std::size_t i = 0; i < points.size(); i += stride, ++asked)
+    if (surface.nearest(scene.views.front().T_W_C * points[i].cast<double>()).distance < kNear) ++near;
+  return 10 * near > 9 * asked;
+}
+
+/// Hull of points and of the table below them.
+Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
+  Mesh points;
+  for (const auto& p : cloud_C.points) {
+    const Eigen::Vector3d p_W = T_W_C * p.cast<double>();
+    points.vertices.push_back(p_W);
+    points.vertices.emplace_back(p_W.x(), p_W.y(), 0.0);
+  }
+  return convex_hull(points);
+}
+
+/// What no stone was made of stands in the way: what is seen of it, down to the table.
+std::vector<Obstacle> obstacles_of(const AlignedScene& scene, const std::vector<Candidate>& candidates) {
+  std::vector<Obstacle> others;
+  for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
+    if (std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+          return candidate.object == object || is_part_of(scene, object, candidate.model);
+        }))
+      continue;
+    Obstacle other;
+    other.name = concat("object ", object + 1);
+    other.pieces = {hull_to_table(scene.segmentation.objects[static_cast<std::size_t>(object)].cloud_C,
+                                  scene.views.front().T_W_C)};
+    others.push_back(std::move(other));
+  }
+  return others;
+}
+
+PlanningScene scene_with(const CellLayout& layout, const RobotModel& robot,
+                         const std::vector<Candidate>& candidates, const std::vector<Obstacle>& others) {
+  PlanningScene scene = make_planning_scene(layout, robot, {}, {});
+  for (const Candidate& candidate : candidates)
+    scene.objects.push_back(candidate.seen_W
+                                ? SceneObject{candidate.stone.name, {*candidate.seen_W}, Pose::Identity()}
+                                : SceneObject{candidate.stone.name, candidate.stone.pieces, candidate.T_W_O});
+  for (const Obstacle& other : others) scene.objects.push_back({other.name, other.pieces, other.T_W_O});
+  return scene;
+}
+
+/// Area of the unseen surface that a camera above the table sees with the stone turned by R_W_O.
+double area_shown(const Candidate& candidate, const Eigen::Matrix3d& R_W_O) {
+  double area = 0.0;
+  const Mesh& mesh = candidate.model.mesh;
+  for (const auto& face : mesh.faces) {
+    bool seen = false;
+    for (int k = 0; k < 3; ++k) seen |= candidate.model.seen[static_cast<std::size_t>(face[k])] != 0;
+    if (seen) continue;
+    const auto& a = mesh.vertices[static_cast<std::size_t>(face[0])];
+    const Eigen::Vector3d n = 0.5 * (mesh.vertices[static_cast<std::size_t>(face[1])] - a)
+                                        .cross(mesh.vertices[static_cast<std::size_t>(face[2])] - a);
+    if ((R_W_O * candidate.stone.T_O_file.linear() * n).z() > kVisible * n.norm()) area += n.norm();
+  }
+  return area;
+}
+
+double unseen_area(const Candidate& candidate) {
+  return (1.0 - candidate.model.seen_share) * surface_area(candidate.model.mesh);
+}
+
+/// Sets a stone down on another of its sides.
+class Turner {
+ public:
+  Turner(Cell& cell, const PlanningScene& scene, const ModelFieldOptions& options, Journal* journal)
+      : cell_(cell), scene_(scene), options_(options), journal_(journal) {}
+
+  void turn(Candidate& candidate, int object) {
+    PickAndPlaceTask task;
+    task.stone = &candidate.stone;
+    task.object = object;
+    task.T_W_O_pick = task.T_W_O_place = candidate.T_W_O;
+    task.q_start = cell_.arm.state().q;
+    const auto plan = plan_turn(scene_, task, ways_to_show(candidate), options_.motion);
+    if (!plan) {
+      candidate.made.note = "no grasp sets it down on another side";
+      log_info(candidate.stone.name + ": " + candidate.made.note);
+      return;
+    }
+    log_info("turning " + candidate.stone.name + " over");
+    const ExecutionResult done =
+        execute(plan->plan, candidate.stone, scene_, cell_, options_.motion, journal_);
+    if (done.status == ExecutionResult::Status::kStopped)
+      throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
+                        "clear the cell and start again");
+    candidate.made.turned = done.status == ExecutionResult::Status::kReleased;
+    if (done.weight) candidate.made.mass = *done.weight / kGravity;
+    if (candidate.made.turned)
+      candidate.T_W_O = plan->T_W_O;
+    else
+      candidate.made.note = done.reason;
+    if (!candidate.made.turned || plan->falls) look_where_it_lies(candidate, object);
+  }
+
+ private:
+  /// One view from above of a stone that may lie otherwise than planned: from then on it is what is seen of
+  /// it.
+  void look_where_it_lies(Candidate& candidate, int object) {
+    PlanningScene scene = scene_;
+    auto& lies = scene.objects[static_cast<std::size_t>(object)];
+    lies.T_W_object = candidate.T_W_O;
+    scene.opening = present_opening(cell_, scene.gripper);
+    (void)back_away(cell_, scene, options_.motion, [&] { record(journal_, StepBegun{"back away"}); });
+    const Eigen::Vector3d p_W = candidate.T_W_O.translation();
+    const std::vector<SurfaceElement> top{{p_W, Eigen::Vector3d::UnitZ(), 1.0}};
+    const SurveyView taken =
+        survey(cell_, scene, top, p_W, 1, options_.view_distance, options_.motion).front();
+    const Segmentation seen = detection::segment(taken.view.image, options_.modelling.segment);
+    const SegmentedObject* nearest = nullptr;
+    double distance = kSameObject;
+    for (const SegmentedObject& one : seen.objects) {
+      const double off = (taken.view.T_W_C * one.p_C_middle - p_W).head<2>().norm();
+      if (off < distance) distance = off, nearest = &one;
+    }
+    if (nearest != nullptr) candidate.seen_W = hull_to_table(nearest->cloud_C, taken.view.T_W_C);
+  }
+
+  /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
+  /// set the stone down before those that let it fall over.
+  [[nodiscard]] std::vector<TurnTo> ways_to_show(const Candidate& candidate) const {
+    const double unseen = unseen_area(candidate);
+    std::vector<std::pair<int, TurnTo>> ranked;
+    for (const TurnTo& way : ways_to_turn(candidate.stone, Eigen::Quaterniond(candidate.T_W_O.linear()))) {
+      const double gain = area_shown(candidate, way.R_W_O_rest.toRotationMatrix()) / unseen;
+      if (gain > kMinGain) ranked.emplace_back(static_cast<int>(std::floor(5.0 * gain)), way);
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<TurnTo> ways;
+    for (auto& [gain, way] : ranked) ways.push_back(way);
+    return ways;
+  }
+
+  Cell& cell_;
+  const PlanningScene& scene_;
+  const ModelFieldOptions& options_;
+  Journal* journal_;
+};
+
+/// Unseen surface of all stones where they lie now.
+std::vector<SurfaceElement> unseen_surface(const std::vector<Candidate>& candidates) {
+  std::vector<SurfaceElement> elements;
+  for (const Candidate& candidate : candidates) {
+    const Mesh& mesh = candidate.model.mesh;
+    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
+    for (const auto& face : mesh.faces) {
+      bool seen = false;
+      for (int k = 0; k < 3; ++k) seen |= candidate.model.seen[static_cast<std::size_t>(face[k])] != 0;
+      const auto& a = mesh.vertices[static_cast<std::size_t>(face[0])];
+      const Eigen::Vector3d n = 0.5 * (mesh.vertices[static_cast<std::size_t>(face[1])] - a)
+                                          .cross(mesh.vertices[static_cast<std::size_t>(face[2])] - a);
+      if (n.norm() < 1e-12) continue;
+      // What was seen ties both poses together, so it counts a little.
+      elements.push_back({T_W_model * a, T_W_model.linear() * n.normalized(), (seen ? 0.3 : 1.0) * n.norm()});
+    }
+  }
+  return elements;
+}
+
+/// Models the stones anew with what the second survey shows of them.
+void model_again(const AlignedScene& first, const AlignedScene& second, const ModelFieldOptions& options,
+                 std::vector<Candidate>& candidates) {
+  std::vector<bool> taken(second.segmentation.objects.size(), false);
+  for (Candidate& candidate : candidates) {
+    throw_if_interrupted();
+    const Pose T_W_model = candidate.T_W_O * candidate.stone.T_O_file;
+    std::optional<modelling::FoundObject> best;
+    int best_object = -1;
+    for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
+      if (taken[static_cast<std::size_t>(object)] ||
+          (middle_of(second, object) - candidate.T_W_O.translation()).head<2>().norm() > kSameObject)
+        continue;
+      const auto found = modelling::find_turned(candidate.model, {&second, object, T_W_model});
+      if (found && (!best || found->agreement > best->agreement)) best = found, best_object = object;
+    }
+    log_debug(concat(candidate.stone.name, ": ",
+                     best ? concat("found, agreement ", best->agreement, ", apart ", best->apart * 1e3, " mm")
+                          : std::string("not found")));
+    if (!best) {
+      candidate.made.note = "not recognised after it was turned: modelled from one side";
+      candidate.made.turned = false;
+      if (candidate.made.mass) {  // its shape is as before, its mass is known better
+        const Pose T_W_model_before = candidate.T_W_O * candidate.stone.T_O_file;
+        candidate.stone = stone_of(candidate.model, candidate.made, options);
+        candidate.T_W_O = T_W_model_before * candidate.stone.T_O_file.inverse();
+      }
+      continue;
+    }
+    taken[static_cast<std::size_t>(best_object)] = true;
+    const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()},
+                                 {&second, best_object, best->T_W_O}};
+    candidate.model = modelling::model_object(lying, options.modelling);
+    candidate.stone = stone_of(candidate.model, candidate.made, options);
+    candidate.T_W_O = best->T_W_O * candidate.stone.T_O_file.inverse();
+    describe(candidate);
+  }
+}
+
+/// To a view of the whole field, from where a run can begin, which does not know the field yet.
+void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_field,
+                 const ModelFieldOptions& options) {
+  scene.objects.push_back(unseen_site(cell.layout));
+  scene.opening = present_opening(cell, scene.gripper);
+  const auto route =
+      plan_route_to_view(cell, scene, view_poses(cell.layout, p_W_field, kLeavingDistance), options.motion);
+  if (!route) {
+    log_warning("no way leads from the last view to one of the whole field; the arm stays where it is");
+    return;
+  }
+  const MotionResult moved = cell.arm.follow(*route);
+  if (moved.status != MotionResult::Status::kDone)
+    throw DeviceError("arm", "stopped on its way from the field: " + moved.reason,
+                      "clear the cell and start again");
+}
+
+}  // namespace
+
+ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldOptions& options,
+                          Journal* journal) {
+  ModelledField field;
+  const double start = cell.clock.now();
+  Cell here = cell;
+  const Eigen::Vector3d p_W_field(cell.layout.field_centre.x(), cell.layout.field_centre.y(), kFieldHeight);
+  PlanningScene unknown = make_planning_scene(here.layout, robot, {}, {});
+  unknown.objects.push_back(unseen_field(here.layout));
+  unknown.objects.push_back(unseen_site(here.layout));
+  const auto first_survey = survey(here, unknown, dome_over(p_W_field), p_W_field, options.first_views,
+                                   options.view_distance, options.motion);
+  const AlignedScene first = align(first_survey, options, here.layout);
+  field.views = static_cast<int>(first_survey.size());
+  field.apart_before = first.apart_before;
+  field.apart_after = first.apart_after;
+  auto candidates = model_first(first, here.layout, unknown.gripper, options, field.left_out);
+  log_info(concat(candidates.size(), " stones modelled from ", field.views, " views"));
+  AlignedScene second;
+  if (options.turned_views > 0 && !candidates.empty()) {
+    const std::vector<Obstacle> others = obstacles_of(first, candidates);
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
+      Turner(here, scene, options, journal)
+          .turn(candidates[k], static_cast<int>(here.layout.obstacles.size() + k));
+    }
+    PlanningScene scene = scene_with(here.layout, robot, candidates, others);
+    scene.objects.push_back(unseen_site(here.layout));
+    scene.opening = present_opening(here, scene.gripper);
+    (void)back_away(here, scene, options.motion, [&] { record(journal, StepBegun{"back away"}); });
+    const auto second_survey = survey(here, scene, unseen_surface(candidates), p_W_field,
+                                      options.turned_views, options.view_distance, options.motion);
+    field.views += static_cast<int>(second_survey.size());
+    second = align(second_survey, options, here.layout);
+    model_again(first, second, options, candidates);
+  }
+  leave_field(here, scene_with(here.layout, robot, candidates, {}), p_W_field, options);
+  for (Candidate& candidate : candidates) {
+    candidate.made.T_W_O = candidate.T_W_O;
+    field.stones.push_back(std::move(candidate.made));
+    field.catalogue.stones.push_back(std::move(candidate.stone));
+  }
+  field.T_T_C = here.layout.T_T_C;
+  field.seconds = cell.clock.now() - start;
+  return field;
+}
+
+}  // namespace stonestack::stacking

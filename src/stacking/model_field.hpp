@@ -1,0 +1,58 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stacking/journal.hpp"
+#include "stonestack/hardware/cell.hpp"
+#include "stonestack/kinematics/robot_model.hpp"
+#include "stonestack/modelling/model_objects.hpp"
+#include "stonestack/motion/pick_and_place.hpp"
+#include "stonestack/stone/catalogue.hpp"
+#include "stonestack/stone/model_stone.hpp"
+
+/// Private to stacking/: models of stones that nobody scanned, made by the arm's own camera.
+namespace stonestack::stacking {
+
+/// How the stones in the field are modelled.
+struct ModelFieldOptions {
+  modelling::ModellingOptions modelling;
+  ModelOptions stone;  ///< density, friction
+  MotionOptions motion;
+  int first_views = 4;          ///< of the stones as they lie
+  int turned_views = 4;         ///< once they were turned; 0: none is turned
+  double view_distance = 0.55;  ///< [m]
+};
+
+/// A stone as it was modelled.
+struct ModelledStone {
+  std::string name;
+  bool turned = false;                        ///< seen in two poses
+  std::string note;                           ///< why it was not turned, or not found again; empty otherwise
+  double seen_share = 0.0;                    ///< of its surface
+  double sigma = 0.0;                         ///< median standard deviation of its surface [m]
+  int views = 0;                              ///< that show it
+  std::optional<double> mass = std::nullopt;  ///< weighed in the gripper [kg]; empty: from the density
+  Pose T_W_O = Pose::Identity();              ///< where it lies
+};
+
+/// Everything that was found out about the stones in the field.
+struct ModelledField {
+  Catalogue catalogue;  ///< stone_1 and so on; no path
+  std::vector<ModelledStone> stones;
+  std::vector<std::string> left_out;  ///< objects that no stone was made of, with the reason
+  int views = 0;
+  double seconds = 0.0;           ///< by the cell's clock [s]
+  double apart_before = 0.0;      ///< median distance of surfaces between views, by the arm's report [m]
+  double apart_after = 0.0;       ///< once the views agree [m]
+  Pose T_T_C = Pose::Identity();  ///< camera's mount as the views corrected it
+};
+
+/// Looks at the field from several sides, parts and models what lies there, sets each stone down on another
+/// of its sides and looks again, so that its underside is seen, too. Only what stands free, whole and within
+/// what the gripper can hold becomes a stone. Nothing is moved that was not modelled.
+/// @throws DeviceError when no view is reached or the arm stops.
+[[nodiscard]] ModelledField model_field(Cell& cell, const RobotModel& robot,
+                                        const ModelFieldOptions& options = {}, Journal* journal = nullptr);
+
+}  // namespace stonestack::stacking

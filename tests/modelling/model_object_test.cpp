@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include "core/quantile.hpp"
+#include "geometry/surface_tree.hpp"
+#include "seen_things.hpp"
+#include "stonestack/core/error.hpp"
+
+namespace stonestack::modelling {
+namespace {
+
+using namespace test;
+
+/// Distances of the model's seen and unseen vertices from the true surface.
+struct Off {
+  std::vector<double> seen, unseen;
+};
+
+Off off_truth(const ObjectModel& model, const Thing& thing) {
+  const SurfaceTree truth(thing.mesh);
+  const Pose T_O_W = thing.T_W_O.inverse();
+  Off off;
+  for (std::size_t v = 0; v < model.mesh.vertices.size(); ++v)
+    (model.seen[v] != 0 ? off.seen : off.unseen)
+        .push_back(std::abs(truth.nearest(T_O_W * model.mesh.vertices[v]).distance));
+  return off;
+}
+
+TEST(ModelObject, SeenSurfaceIsWithinHalfAMillimetre) {
+  const Thing stone = lying_stone(3, 0.0, 0.0);
+  const AlignedScene scene = align_scene(views_of({stone}, cameras_around(6)));
+  const auto models = model_objects(scene);
+  ASSERT_EQ(models.size(), 1U);
+  const ObjectModel& model = models.front();
+  EXPECT_TRUE(is_closed(model.mesh));
+  EXPECT_EQ(model.views, 6);
+  EXPECT_GT(model.seen_share, 0.4);
+  EXPECT_LT(model.seen_share, 0.9);  // no view shows the underside
+  const Off off = off_truth(model, stone);
+  EXPECT_LT(quantile(off.seen, 0.5), 0.0006);
+  EXPECT_LT(quantile(off.seen, 0.95), 0.002);
+}
+
+TEST(ModelObject, TheUnseenUndersideEndsAtTheTable) {
+  const Thing box{make_box({0.10, 0.08, 0.05}), make_pose({0, 0, 0.025})};
+  const AlignedScene scene = align_scene(views_of({box}, cameras_around(6)));
+  const auto models = model_objects(scene);
+  ASSERT_EQ(models.size(), 1U);
+  EXPECT_NEAR(volume(models.front().mesh), 0.10 * 0.08 * 0.05, 0.04 * 0.10 * 0.08 * 0.05);
+  EXPECT_NEAR(bounds(models.front().mesh).min().z(), 0.0, 0.0015);
+}
+
+TEST(ModelObject, UncertaintyGrowsAwayFromWhatWasSeen) {
+  const Thing stone = lying_stone(3, 0.0, 0.0);
+  const ObjectModel model = model_objects(align_scene(views_of({stone}, cameras_around(4)))).front();
+  double seen = 0.0, unseen = 0.0;
+  for (std::size_t v = 0; v < model.sigma.size(); ++v)
+    (model.seen[v] != 0 ? seen : unseen) = std::max(model.seen[v] != 0 ? seen : unseen, model.sigma[v]);
+  EXPECT_LT(seen, 0.002);
+  EXPECT_GT(unseen, 0.002);
+}
+
+TEST(ModelObject, TwoRestingPosesShowAllSides) {
+  const Thing first = lying_stone(3, 0.0, 0.0);
+  Thing second = first;  // upside down
+  second.T_W_O = Pose(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()));
+  double lowest = 1.0;
+  for (const auto& v : second.mesh.vertices) lowest = std::min(lowest, (second.T_W_O * v).z());
+  second.T_W_O = Eigen::Translation3d(0.02, 0.01, -lowest) * second.T_W_O;
+  const AlignedScene a = align_scene(views_of({first}, cameras_around(5)));
+  const AlignedScene b = align_scene(views_of({second}, cameras_around(5)));
+  const LyingObject lying[] = {{&a, 0, first.T_W_O}, {&b, 0, second.T_W_O}};
+  const ObjectModel model = model_object(lying);
+  EXPECT_GT(model.seen_share, 0.95);
+  const Thing in_O{first.mesh, Pose::Identity()};
+  Off off = off_truth(model, in_O);
+  off.seen.insert(off.seen.end(), off.unseen.begin(), off.unseen.end());
+  EXPECT_LT(quantile(off.seen, 0.5), 0.0007);
+  EXPECT_LT(quantile(off.seen, 0.95), 0.002);
+  EXPECT_NEAR(volume(model.mesh) / volume(first.mesh), 1.0, 0.03);
+}
+
+TEST(ModelObject, AnObjectThatIsNotThereIsRefused) {
+  const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(2)));
+  const LyingObject lying{&scene, 7};
+  EXPECT_THROW((void)model_object({&lying, 1}), InvalidArgument);
+  EXPECT_THROW((void)model_object({}), InvalidArgument);
+}
+
+TEST(ModelObject, AVolumeThatDoesNotFitIsRefused) {
+  const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(2)));
+  ModellingOptions options;
+  options.voxel = 0.0003;
+  const LyingObject lying{&scene, 0};
+  EXPECT_THROW((void)model_object({&lying, 1}, options), InvalidArgument);
+}
+
+}  // namespace
+}  // namespace stonestack::modelling
