@@ -10,6 +10,7 @@
 
 #include "hardware/constants.hpp"
 #include "hardware/robotiq/ft_link.hpp"
+#include "hardware/wrench_readings.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 
@@ -82,7 +83,6 @@ struct RobotiqFtSensor::Stream {
   void keep(const FtReading& reading);
   [[nodiscard]] Wrench next(double patience);
   [[noreturn]] void fail_silent(double age) const;
-  void require_plausible(const Wrench& wrench) const;
 };
 
 void RobotiqFtSensor::Stream::drain() {
@@ -169,17 +169,8 @@ Wrench RobotiqFtSensor::Stream::next(double patience) {
   wrench.device_time = newest_time;
   wrench.host_time = newest_host;
   lock.unlock();
-  require_plausible(wrench);
+  require_in_range(name, wrench, options.max_force, options.max_torque);
   return wrench;
-}
-
-void RobotiqFtSensor::Stream::require_plausible(const Wrench& wrench) const {
-  const double force = wrench.force.cwiseAbs().maxCoeff(), torque = wrench.torque.cwiseAbs().maxCoeff();
-  if (force >= options.max_force || torque >= options.max_torque)
-    throw DeviceError(name,
-                      concat("is beyond its range: ", force, " N of ", options.max_force, " N, ", torque,
-                             " Nm of ", options.max_torque, " Nm"),
-                      "stop; if nothing touches the tool, the sensor is damaged or the wrong model is set");
 }
 
 RobotiqFtSensor::RobotiqFtSensor(const FtSensorOptions& options)
@@ -198,29 +189,7 @@ Wrench RobotiqFtSensor::read() {
 }
 
 void RobotiqFtSensor::zero() {
-  const FtSensorOptions& o = stream_->options;
-  const Deadline deadline = Deadline::in(kZeroTimeout);
-  Wrench mean;
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
-  for (int i = 0; i < kZeroSamples; ++i) {
-    throw_if_interrupted();
-    if (deadline.over())
-      throw DeviceError(
-          stream_->name,
-          concat("gave ", i, " of ", kZeroSamples, " readings for its zero in ", kZeroTimeout, " s"),
-          "check the sensor's rate");
-    const Wrench wrench = stream_->next(o.stale);
-    mean.force += wrench.force / kZeroSamples;
-    mean.torque += wrench.torque / kZeroSamples;
-    low = low.cwiseMin(wrench.force);
-    high = high.cwiseMax(wrench.force);
-  }
-  if ((high - low).maxCoeff() > kZeroSpread)
-    throw DeviceError(stream_->name,
-                      concat("is not at rest: readings spread over ", (high - low).maxCoeff(), " N (allowed ",
-                             kZeroSpread, " N)"),
-                      "let the arm come to rest before zeroing");
-  stream_->zero = mean;
+  stream_->zero = mean_at_rest(stream_->name, [this] { return stream_->next(stream_->options.stale); });
 }
 
 FtStreamHealth RobotiqFtSensor::health() const {
