@@ -1,6 +1,7 @@
 #include "core/socket.hpp"
 
 #include <arpa/inet.h>
+#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -8,7 +9,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
 
 #include "core/system_error.hpp"
 #include "stonestack/core/error.hpp"
@@ -18,12 +24,14 @@ namespace {
 
 // Keep-alive: first probe after 15 s of silence, then every 5 s, dead after 3 without an answer.
 constexpr int kIdle = 15, kInterval = 5, kProbes = 3;
+constexpr const char* kLocalHost = "localhost";
+constexpr std::size_t kLongestName = 253;  // RFC 1035
 
 sockaddr_in parse(const Endpoint& endpoint) {
   sockaddr_in address{};
-  const std::string& text = endpoint.address == "localhost" ? "127.0.0.1" : endpoint.address;
+  const std::string& text = endpoint.address == kLocalHost ? "127.0.0.1" : endpoint.address;
   require(::inet_pton(AF_INET, text.c_str(), &address.sin_addr) == 1, "'", endpoint.address,
-          "' is not an address; give numbers such as 192.168.1.11");
+          "' is not an address; give numbers such as 192.168.1.11, or for a device its name in the network");
   require(endpoint.port >= 0 && endpoint.port <= 65535, "a port lies in 0..65535, not ", endpoint.port);
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(endpoint.port));
@@ -61,6 +69,67 @@ unsigned wait_for(pollfd first, int second, Deadline deadline) {
   }
 }
 
+/// Letters, digits and hyphens between dots (RFC 1123), and underscores, which some networks have. One whose
+/// last part is a number is an address with a mistake in it.
+bool is_host_name(const std::string& text) {
+  constexpr std::string_view kDigits = "0123456789";
+  constexpr std::string_view kOthers = "-_.ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+  const bool known = std::all_of(text.begin(), text.end(), [&](char c) {
+    return kDigits.find(c) != kDigits.npos || kOthers.find(c) != kOthers.npos;
+  });
+  const std::string last = text.substr(text.rfind('.') + 1);  // npos + 1 is the whole
+  return known && text.size() <= kLongestName && text.find("..") == text.npos && text.front() != '.' &&
+         !last.empty() && last.find_first_not_of(kDigits) != last.npos;
+}
+
+struct LookUp {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool done = false;
+  int problem = 0;  // of getaddrinfo
+  in_addr address{};
+};
+
+/// getaddrinfo has no deadline, so it runs in a thread of its own, which is left behind when it takes longer
+/// (the system's resolver ends it after some seconds).
+in_addr look_up(const Endpoint& endpoint, Deadline deadline) {
+  const auto found = std::make_shared<LookUp>();
+  std::thread([found, name = endpoint.address] {
+    addrinfo wanted{}, *list = nullptr;
+    wanted.ai_family = AF_INET;
+    wanted.ai_socktype = SOCK_STREAM;
+    const int problem = ::getaddrinfo(name.c_str(), nullptr, &wanted, &list);
+    const std::lock_guard lock(found->mutex);
+    if (problem == 0) found->address = reinterpret_cast<const sockaddr_in*>(list->ai_addr)->sin_addr;
+    if (list != nullptr) ::freeaddrinfo(list);
+    found->problem = problem;
+    found->done = true;
+    found->changed.notify_all();
+  }).detach();
+  constexpr const char* kRemedy = "check its spelling and the name server, or give the address in numbers";
+  std::unique_lock lock(found->mutex);
+  do {
+    if (deadline.over())
+      throw DeviceError(to_text(endpoint),
+                        concat("the name '", endpoint.address, "' was not looked up before the deadline"),
+                        kRemedy);
+  } while (!found->changed.wait_for(lock, std::chrono::duration<double>(deadline.turn()),
+                                    [&] { return found->done; }));
+  if (found->problem != 0)
+    throw DeviceError(
+        to_text(endpoint),
+        concat("the name '", endpoint.address, "' has no IPv4 address: ", ::gai_strerror(found->problem)),
+        kRemedy);
+  return found->address;
+}
+
+sockaddr_in resolve(const Endpoint& endpoint, Deadline deadline) {
+  if (!is_host_name(endpoint.address) || endpoint.address == kLocalHost) return parse(endpoint);
+  sockaddr_in address = parse({kLocalHost, endpoint.port});
+  address.sin_addr = look_up(endpoint, deadline);
+  return address;
+}
+
 [[noreturn]] void throw_unreachable(const std::string& name, int code) {
   if (code == ECONNREFUSED)
     throw DeviceError(name, "connection refused",
@@ -80,8 +149,8 @@ bool is_loopback(const std::string& address) {
 
 TcpStream TcpStream::connect(const Endpoint& peer, Deadline deadline) {
   const std::string name = to_text(peer);
-  const sockaddr_in address = parse(peer);
   require(peer.port > 0, "a port to connect to lies in 1..65535, not ", peer.port);
+  const sockaddr_in address = resolve(peer, deadline);
   Descriptor socket = new_socket(name);
   if (::connect(socket.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address) < 0) {
     if (errno != EINPROGRESS && errno != EINTR) throw_unreachable(name, errno);

@@ -7,15 +7,15 @@
 /// TCP over IPv4. Loopback is the rule: a server listens elsewhere only on request.
 namespace stonestack::core {
 
-/// A numeric IPv4 address ("127.0.0.1", "192.168.1.11") or "localhost", and a port. Names are not looked up,
-/// because a look-up has no deadline.
+/// An IPv4 address ("127.0.0.1", "192.168.1.11") or "localhost", and a port. To connect it may also be a name
+/// in the network ("ur10.lab.local"), which `TcpStream::connect` looks up.
 struct Endpoint {
   std::string address = "127.0.0.1";
   int port = 0;
 };
 /// "address:port".
 [[nodiscard]] std::string to_text(const Endpoint& endpoint);
-/// True for 127.x.y.z and "localhost".
+/// True for 127.x.y.z and "localhost". Looks up no name.
 /// @throws InvalidArgument for what is not an address.
 [[nodiscard]] bool is_loopback(const std::string& address);
 
@@ -24,7 +24,8 @@ class TcpStream : public ByteStream {
  public:
   using ByteStream::ByteStream;
   /// Throws DeviceError naming "address:port" when the peer refuses, does not answer before the deadline or
-  /// cannot be reached; InvalidArgument for a bad address or port.
+  /// cannot be reached, and when its name has no IPv4 address or is not looked up before the deadline;
+  /// InvalidArgument for a bad port and for what is neither address nor name.
   [[nodiscard]] static TcpStream connect(const Endpoint& peer, Deadline deadline);
 };
 

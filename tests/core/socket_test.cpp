@@ -184,10 +184,36 @@ TEST(Socket, RefusesBadAddresses) {
   const auto connect = [](const char* address, int port) {
     (void)TcpStream::connect({address, port}, Deadline::in(kSocketSoon));
   };
-  EXPECT_THROW(connect("robot.local", 502), InvalidArgument);
-  EXPECT_THROW(connect("", 502), InvalidArgument);
+  for (const char* bad : {"", "192.168.1", "192.168.1.300", "1234", "robot .local", "robot..local", ".local",
+                          "robot.local.", "192.168.1.10:502", "http://robot"})
+    EXPECT_THROW(connect(bad, 502), InvalidArgument) << bad;
   EXPECT_THROW(connect("127.0.0.1", 0), InvalidArgument);
   EXPECT_THROW(connect("127.0.0.1", 65536), InvalidArgument);
+}
+
+// `LOCALHOST` is looked up as every name is; `localhost` is known.
+TEST(Socket, AHostIsFoundByItsName) {
+  TcpListener listener{ListenOptions{}};
+  for (const char* name : {"localhost", "LOCALHOST"}) {
+    TcpStream client =
+        TcpStream::connect({name, listener.endpoint().port}, Deadline::in(kSocketLong).or_interrupt());
+    EXPECT_TRUE(listener.accept(Deadline::in(kSocketLong)).has_value()) << name;
+  }
+}
+
+// RFC 6761: no server knows a name that ends in .invalid.
+TEST(Socket, ANameThatNobodyKnowsIsNamed) {
+  EXPECT_THAT(
+      [] {
+        (void)TcpStream::connect({"ur10.invalid", 502}, Deadline::in(60.0));
+      },
+      ThrowsMessage<DeviceError>(
+          AllOf(HasSubstr("ur10.invalid:502"), HasSubstr("has no IPv4 address"), HasSubstr("spelling"))));
+  EXPECT_THAT(
+      [] {
+        (void)TcpStream::connect({"ur10.invalid", 502}, Deadline::in(0.0));
+      },
+      ThrowsMessage<DeviceError>(HasSubstr("was not looked up before the deadline")));
 }
 
 TEST(Listener, TakesAnyLoopbackAddressAndReportsThePort) {
