@@ -1,6 +1,7 @@
 #include "stonestack/simulation/simulated_cell.hpp"
 
 #include "kinematics/inverse.hpp"
+#include "motion/collision/mounted_gripper.hpp"
 #include "simulation/foreign_object.hpp"
 #include "simulation/scatter.hpp"
 #include "simulation/shared_world.hpp"
@@ -44,6 +45,13 @@ std::vector<StoneIndex> with_foreign(std::vector<StoneIndex> present, std::size_
   return present;
 }
 
+/// The gripper as it is mounted, on a force sensor of the layout's mass.
+GripperModel true_gripper(const CellLayout& layout) {
+  GripperModel gripper = mounted_at(with_camera_at(read_gripper(layout.gripper), layout.T_T_C), layout.T_F_T);
+  gripper.sensor_mass = layout.sensor_mass;
+  return gripper;
+}
+
 }  // namespace
 
 struct SimulatedCell::Parts {
@@ -63,8 +71,7 @@ struct SimulatedCell::Parts {
       : stones(real_stones(all, options)),
         assumed(layout),
         mounting(draw_mounting(layout, options, robot, start_joints(robot, layout))),
-        world(stones, with_foreign(present, all.size(), options),
-              with_camera_at(read_gripper(layout.gripper), layout.T_T_C), options,
+        world(stones, with_foreign(present, all.size(), options), true_gripper(layout), options,
               {TrueTable(options, 0.5 * (layout.site + layout.field_centre)), options.foreign_objects}),
         clock(world),
         force_torque(world, mounting, options),

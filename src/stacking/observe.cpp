@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "motion/collision/mounted_gripper.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
@@ -76,7 +77,8 @@ Joints home_joints() {
 
 GripperModel gripper_of(const CellLayout& layout) {
   GripperModel gripper =
-      with_camera_at(read_gripper(layout.gripper, linkage_named(layout.linkage)), layout.T_T_C);
+      mounted_at(with_camera_at(read_gripper(layout.gripper, linkage_named(layout.linkage)), layout.T_T_C),
+                 layout.T_F_T);
   gripper.sensor_mass = layout.sensor_mass;
   gripper.camera_mass = layout.camera_mass;
   return gripper;

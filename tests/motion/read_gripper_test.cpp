@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "motion/collision/mounted_gripper.hpp"
 #include "motion/grasp.hpp"
 #include "motion/grasp/finger_reach.hpp"
 #include "motion/grasp/grasp_wrench.hpp"
@@ -97,6 +98,32 @@ TEST(ReadGripper, TheCameraStaysOnTheFlange) {
       back = std::min(back, box.p_T_centre.z() - 0.5 * box.size.z());
     EXPECT_NEAR(-back, layout.T_F_T.translation().z(), 1e-9) << name << ": the boxes reach to the flange";
   }
+}
+
+// The file draws the gripper on a sensor of 41 mm.
+TEST(ReadGripper, NothingIsDrawnBehindTheFlange) {
+  for (const std::string& name : gripper_names()) {
+    const GripperModel gripper = read_gripper(name);
+    const auto at = [&](double height) {
+      return mounted_at(gripper, Pose(Eigen::Translation3d(0, 0, gripper.tip + height)));
+    };
+    const GripperModel on_sensor = at(0.041);
+    ASSERT_EQ(on_sensor.boxes.size(), gripper.boxes.size()) << name;
+    for (std::size_t i = 0; i < gripper.boxes.size(); ++i)
+      EXPECT_EQ(on_sensor.boxes[i].size, gripper.boxes[i].size);
+    EXPECT_EQ(at(0.0).boxes.size(), gripper.boxes.size() - 1) << name << ": without the sensor";
+    const auto thickest = [&](double height) {
+      double back = 0.0;
+      for (const GripperBox& box : at(height).boxes)
+        if (!box.camera) back = std::max(back, 0.5 * box.size.z() - box.p_T_centre.z());
+      return back;
+    };
+    EXPECT_NEAR(thickest(0.0), gripper.tip, 1e-9) << name;
+    EXPECT_NEAR(thickest(0.035), gripper.tip + 0.035, 1e-9) << name << ": an FT300";
+  }
+  Pose tilted = Pose(Eigen::Translation3d(0, 0, 0.1));
+  tilted.linear() = Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_EQ(mounted_at(make_robotiq_3f(), tilted).boxes.size(), make_robotiq_3f().boxes.size());
 }
 
 TEST(OneAgainstOne, PadsFaceEachOtherOnABox) {
