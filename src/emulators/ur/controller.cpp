@@ -20,8 +20,9 @@ constexpr double kScalingRate = 5.0;      // 1/s, how fast the speed slider take
 constexpr std::size_t kHistory = 1000;    // control steps
 constexpr int kPathDeviation = 153, kCollision = 157;  // C-codes of protective stops
 constexpr int kWarning = 2, kViolation = 3;            // report levels
-constexpr std::uint64_t kEarlyCheck = 13;   // every so many steps RTDE samples before a script is through
-constexpr double kStopAcceleration = 10.0;  // rad/s^2 when a program ends in motion
+constexpr std::uint64_t kEarlyCheck = 13;      // every so many steps RTDE samples before a script is through
+constexpr double kStopAcceleration = 10.0;     // rad/s^2 when a program ends in motion
+constexpr std::uint32_t kFirstWithSensor = 5;  // PolyScope of the e-Series
 
 }  // namespace
 
@@ -42,6 +43,10 @@ UrVersion parse_ur_version(const std::string& text) {
   return version;
 }
 
+bool has_own_sensor(const UrServerOptions& options) {
+  return parse_ur_version(options.version).major >= kFirstWithSensor;
+}
+
 UrController::UrController(const UrServerOptions& options, const RobotModel& robot, Plant& plant)
     : faults(options.faults),
       motion(robot, plant.state().q),
@@ -50,7 +55,8 @@ UrController::UrController(const UrServerOptions& options, const RobotModel& rob
       plant_(&plant),
       period_(1.0 / version_.control_rate()),
       start_(options.faults.boot_seconds >= 0 ? options.faults.boot_seconds : kLongSinceBoot),
-      measured_(plant.state()) {
+      measured_(plant.state()),
+      has_sensor_(has_own_sensor(options)) {
   power_goal_ = robot_mode;
   speed_slider = faults.speed_slider;
   set_payload(options.payload, options.payload_cog);
@@ -214,6 +220,7 @@ std::uint32_t UrController::safety_status_bits() const {
 void UrController::set_payload(double mass, const Eigen::Vector3d& p_F_cog) {
   payload = mass;
   payload_cog = p_F_cog;
+  zero_sensor();  // script manual, set_target_payload
 }
 
 void UrController::move() {
@@ -222,7 +229,7 @@ void UrController::move() {
   scaling_ += std::clamp(goal - scaling_, -change, change);
   if (!can_move()) return;
   if (!program_ && motion.moving() && motion.done()) motion.stop_joints(kStopAcceleration);
-  const std::string refused = motion.step(period_ * scaling_, wrench());
+  const std::string refused = motion.step(period_ * scaling_, wrench_at_tool());
   if (!refused.empty()) protective_stop(kPathDeviation, "Protective stop: " + refused);
 }
 
@@ -240,11 +247,53 @@ void UrController::watch_for_collisions() {
 }
 
 Eigen::Vector3d UrController::force_before(std::size_t steps) const {
-  if (raw_forces_.empty()) return wrench().head<3>();
-  return raw_forces_[std::min(steps, raw_forces_.size() - 1)] - wrench_zero_.head<3>();
+  if (estimates_.empty()) return tool_wrench().head<3>();
+  return estimates_[std::min(steps, estimates_.size() - 1)] - estimate_zero_.head<3>();
+}
+
+/// Constant part of a raw reading, as users report it (cartesian_controllers #120: "over 20,000").
+Six UrController::sensor_offset() {
+  return (Six() << 1794.0, 393.0, 25406.0, -7.9, -17.5, -76.0).finished();
+}
+
+/// Force and torque at the flange, axes of F, that the weight of the payload makes.
+Six UrController::payload_weight() const {
+  const Eigen::Matrix3d R_F_B = motion.geometry().T_B_F(measured_.q).rotation().transpose();
+  const Eigen::Vector3d weight = R_F_B * Eigen::Vector3d(0, 0, -payload * kGravity);
+  Six wrench;
+  wrench << weight, payload_cog.cross(weight);
+  return wrench;
+}
+
+void UrController::zero_wrench() {
+  estimate_zero_ = estimate_;
+  zero_sensor();
+}
+
+void UrController::zero_sensor() {
+  sensor_zero_ = sensed_ - payload_weight();
+}
+
+Six UrController::sensor_wrench() const {
+  const Eigen::Matrix3d R_B_F = motion.geometry().T_B_F(measured_.q).rotation();
+  const Six wrench_F = sensed_ - sensor_zero_ - payload_weight();
+  Six wrench;
+  wrench << R_B_F * wrench_F.head<3>(), R_B_F * wrench_F.tail<3>();
+  return wrench;
+}
+
+/// `wrench` about the tool centre point.
+Six UrController::wrench_at_tool() const {
+  if (!has_sensor_) return tool_wrench();
+  Six wrench = sensor_wrench();
+  const auto& geometry = motion.geometry();
+  const Eigen::Vector3d arm = geometry.T_B_F(measured_.q).rotation() * geometry.T_F_P.translation();
+  wrench.tail<3>() -= arm.cross(Eigen::Vector3d(wrench.head<3>()));
+  return wrench;
 }
 
 void UrController::measure() {
+  const bool first = history_.empty();
   measured_ = plant_->step(motion.q(), period_);
   watch_for_collisions();
   history_.push_front(measured_.q);
@@ -252,14 +301,24 @@ void UrController::measure() {
   const auto& geometry = motion.geometry();
   const Pose T_B_F = geometry.T_B_F(measured_.q);
   const Eigen::Matrix3d R_B_R = geometry.robot().T_R_D.rotation().transpose();
+  feel(T_B_F, R_B_R * measured_.force_R, R_B_R * measured_.torque_R);
+  estimates_.push_front(estimate_.head<3>());
+  estimates_.resize(history_.size());
+  if (first) zero_sensor();  // when it was switched on
+}
+
+void UrController::feel(const Pose& T_B_F, const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B) {
+  const Eigen::Matrix3d R_B_F = T_B_F.rotation();
   const Eigen::Vector3d weight(0, 0, -payload * kGravity);
-  const Eigen::Vector3d force = R_B_R * measured_.force_R - weight;
-  Eigen::Vector3d torque = R_B_R * measured_.torque_R;
-  torque -= Eigen::Vector3d(T_B_F.rotation() * payload_cog).cross(weight);
-  torque -= Eigen::Vector3d(T_B_F.rotation() * geometry.T_F_P.translation()).cross(force);
-  raw_wrench_ << force, torque;
-  raw_forces_.push_front(force);
-  raw_forces_.resize(history_.size());
+  const Eigen::Vector3d force = force_B - weight;
+  Eigen::Vector3d torque = torque_B;
+  torque -= Eigen::Vector3d(R_B_F * payload_cog).cross(weight);
+  torque -= Eigen::Vector3d(R_B_F * motion.geometry().T_F_P.translation()).cross(force);
+  estimate_ << force, torque;
+  if (measured_.sensed)
+    sensed_ << measured_.sensed->force, measured_.sensed->torque;
+  else
+    sensed_ << R_B_F.transpose() * force_B, R_B_F.transpose() * torque_B;
 }
 
 }  // namespace stonestack::emulators

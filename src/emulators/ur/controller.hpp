@@ -143,16 +143,21 @@ class UrController : public urscript::Host {
   void claim_motion(const urscript::Machine& machine, int thread);
   [[nodiscard]] bool is_secondary(const urscript::Machine& machine) const;
   void set_payload(double mass, const Eigen::Vector3d& p_F_cog);
-  void zero_wrench() { wrench_zero_ = raw_wrench_; }
+  /// zero_ftsensor.
+  void zero_wrench();
 
   [[nodiscard]] const UrServerOptions& options() const { return options_; }
   [[nodiscard]] const UrVersion& version() const { return version_; }
   [[nodiscard]] const PlantState& plant() const { return measured_; }
-  /// Wrench on the tool at the tool centre point, base axes, weight of the payload subtracted.
-  [[nodiscard]] Six wrench() const { return raw_wrench_ - wrench_zero_; }
-  [[nodiscard]] const Six& raw_wrench() const { return raw_wrench_; }
+  /// Wrench on the tool as RTDE's actual_TCP_force: base axes, weight of the payload subtracted. About the
+  /// tool centre point on a CB3; on an e-Series about the flange, by its sensor, and zero since the payload
+  /// was set, a program started or zero_ftsensor was called.
+  [[nodiscard]] Six wrench() const { return has_sensor_ ? sensor_wrench() : tool_wrench(); }
+  /// RTDE's ft_raw_wrench: as the sensor in the flange measures it, axes of F.
+  [[nodiscard]] Six raw_wrench() const { return sensed_ + sensor_offset(); }
   [[nodiscard]] const std::deque<Joints>& history() const { return history_; }
-  /// The force of `wrench()` that many control steps ago, base axes; of the oldest step that is known.
+  /// Force on the tool without the payload's weight that many control steps ago, base axes, without the
+  /// sensor's errors; of the oldest step that is known.
   [[nodiscard]] Eigen::Vector3d force_before(std::size_t steps) const;
   [[nodiscard]] double scaling() const { return scaling_; }
 
@@ -187,6 +192,13 @@ class UrController : public urscript::Host {
   void report(const urscript::CompileError& error, const urscript::Program* secondary);
   void move();
   void measure();
+  void feel(const Pose& T_B_F, const Eigen::Vector3d& force_B, const Eigen::Vector3d& torque_B);
+  void zero_sensor();
+  [[nodiscard]] static Six sensor_offset();
+  [[nodiscard]] Six payload_weight() const;
+  [[nodiscard]] Six tool_wrench() const { return estimate_ - estimate_zero_; }
+  [[nodiscard]] Six sensor_wrench() const;
+  [[nodiscard]] Six wrench_at_tool() const;
   void watch_for_collisions();
 
   /// Something that the arm touched when a protective stop was acknowledged.
@@ -203,9 +215,11 @@ class UrController : public urscript::Host {
   double start_;
   std::uint64_t steps_ = 0;
   PlantState measured_;
-  Six raw_wrench_ = Six::Zero(), wrench_zero_ = Six::Zero();
+  bool has_sensor_;                                           // e-Series
+  Six estimate_ = Six::Zero(), estimate_zero_ = Six::Zero();  // at the tool centre point, axes of B
+  Six sensed_ = Six::Zero(), sensor_zero_ = Six::Zero();      // at the flange, axes of F
   std::deque<Joints> history_;
-  std::deque<Eigen::Vector3d> raw_forces_;  // as long
+  std::deque<Eigen::Vector3d> estimates_;  // of the force, as long
   std::unique_ptr<urscript::Machine> program_;
   std::vector<std::unique_ptr<urscript::Machine>> secondaries_;
   int effort_ = 0;  // that programs may still take; below 0: taken beforehand from the next step

@@ -109,6 +109,7 @@ void UrController::run(CompiledScript script) {
     return;
   }
   program_ = std::make_unique<Machine>(std::move(program), robot_library(), *this);
+  zero_sensor();  // UR in Universal_Robots_ROS_Driver #512: with every start of a program
   program_started_ = uptime();
   motion_owner_ = 0;
   runtime_ = RuntimeState::kPlaying;

@@ -15,13 +15,14 @@ constexpr double kFade = 0.1;  // s of motion in which the error of the last sto
 
 class WorldPlant final : public Plant {
  public:
-  WorldPlant(SharedWorld& world, const Joints& q)
+  WorldPlant(SharedWorld& world, const Joints& q, bool has_sensor)
       : world_(&world),
         random_(Random::stream(static_cast<std::uint64_t>(world.options().seed), "arm repeatability")),
         jitter_sigma_(
             joint_sigma(world.options().arm_repeatability, world.robot(), world.mounting().T_F_T, q)),
         backlash_(world.options().arm_backlash, q) {
     state_.q = q;
+    if (has_sensor) sensor_.emplace(world.lock().world, world.mounting(), world.options());
   }
 
   [[nodiscard]] PlantState state() override { return state_; }
@@ -63,6 +64,14 @@ class WorldPlant final : public Plant {
     const Eigen::Matrix3d R_R_W = world_->mounting().T_W_R.rotation().transpose();
     state_.force_R = R_R_W * load.force;
     state_.torque_R = R_R_W * (load.moment - T_W_F.translation().cross(load.force));
+    if (sensor_) state_.sensed = sense(world.gripper_body().gripper.sensor_mass, T_W_F);
+  }
+
+  // A sensor between flange and gripper hangs on this one, too.
+  Wrench sense(double sensor_mass, const Pose& T_W_F) {
+    Wrench wrench = sensor_->measure();
+    wrench.force += T_W_F.rotation().transpose() * Eigen::Vector3d(0, 0, -kGravity * sensor_mass);
+    return wrench;
   }
 
   SharedWorld* world_;
@@ -73,12 +82,13 @@ class WorldPlant final : public Plant {
   Joints jitter_ = Joints::Zero(), next_jitter_ = Joints::Zero();  // rad
   bool moves_ = false;
   double since_check_ = 0.0;
+  std::optional<SimulatedForceTorque> sensor_;
 };
 
 }  // namespace
 
-std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start) {
-  return std::make_unique<WorldPlant>(world, q_start);
+std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start, bool has_sensor) {
+  return std::make_unique<WorldPlant>(world, q_start, has_sensor);
 }
 
 }  // namespace stonestack::emulators

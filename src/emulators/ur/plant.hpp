@@ -1,7 +1,9 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "stonestack/hardware/devices.hpp"
 #include "stonestack/kinematics/robot_model.hpp"
 
 namespace stonestack::simulation {
@@ -17,6 +19,8 @@ struct PlantState {
   Eigen::Vector3d force_R = Eigen::Vector3d::Zero();  ///< force [N] on the flange by all beyond it, axes of R
   Eigen::Vector3d torque_R = Eigen::Vector3d::Zero();  ///< torque [Nm] about the flange's origin, axes of R
   std::string hit;  ///< what the arm ran into in the last step; empty: nothing
+  /// Reading of the sensor in the flange with its errors, axes of F; empty: it has none, or no errors.
+  std::optional<Wrench> sensed;
 };
 
 /// The mechanics that a simulated controller moves: joint targets in, what became of them out.
@@ -42,7 +46,9 @@ class IdealPlant final : public Plant {
 };
 
 /// The arm of a simulated cell: true flange pose, contact, gravity on gripper and held stone. Starts where
-/// the cell's arm stands; `q_start` are its reported joints. The world must outlive it.
-[[nodiscard]] std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start);
+/// the cell's arm stands; `q_start` are its reported joints. With `has_sensor` it has a sensor in its flange,
+/// with the errors of the world's force sensor. The world must outlive it.
+[[nodiscard]] std::unique_ptr<Plant> make_world_plant(SharedWorld& world, const Joints& q_start,
+                                                      bool has_sensor = false);
 
 }  // namespace stonestack::emulators

@@ -58,6 +58,9 @@ struct UrServerOptions {
   ControllerFaults faults;
 };
 [[nodiscard]] FieldList fields(UrServerOptions& options);
+/// True for the versions of the e-Series, whose arms have a force sensor in the flange; false for a CB3.
+/// @throws InvalidArgument for a version that it cannot be.
+[[nodiscard]] bool has_own_sensor(const UrServerOptions& options);
 
 /// The program on the pendant that consists of the URCap External Control.
 inline constexpr const char* kExternalControl = "external_control.urp";
