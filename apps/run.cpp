@@ -13,7 +13,7 @@ namespace {
 
 struct RunCommand {
   CommonOptions common;
-  std::string robot = "ur10";
+  std::string robot;  ///< empty: the cell's, or a UR10
   std::string cell;
   bool execute = false, slow = false, full_speed = false, step = false;
   PerRun per_run;
@@ -22,8 +22,8 @@ struct RunCommand {
 
 /// Refuses what can be refused before a folder is made. A real arm moves only with --execute.
 void check_cell(const RunCommand& command, const CellFile& file) {
-  require(command.robot == file.robot(), "--robot ", command.robot, " is not the robot of ", command.cell,
-          ", ", file.robot());
+  require(command.robot.empty() || command.robot == file.robot(), "--robot ", command.robot,
+          " is not the robot of ", command.cell, ", ", file.robot());
   if (file.simulate) return;
   require_arm_address(file.cell());
   require(command.execute || command.order.dry, "--cell ", command.cell, " moves the robot at ",
@@ -57,7 +57,8 @@ void run(RunCommand& command) {
           "--cell FILE, or leave --execute out for the simulated cell");
   RunOrder& order = command.order;
   set_options(command);
-  if (!order.cell) order.robot = read_robot(command.robot);  // a wrong name before all else
+  if (!order.cell)
+    order.robot = read_robot(command.robot.empty() ? "ur10" : command.robot);  // a wrong name before all else
   const Catalogue catalogue = command.common.read();
   command.per_run.check(catalogue);
   if (order.cell) check_cell(command, *order.cell);
@@ -82,10 +83,9 @@ void add_run(CLI::App& app) {
       app, "run", "Build a tower or a wall: observe, search, plan, place, observe again", run);
   BuildOptions& build = command.order.run.build;
   sub.add_option(
-         "--robot", command.robot,
-         "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e, a URDF with UR kinematics, or a YAML of a calibrated "
-         "robot")
-      ->capture_default_str();
+      "--robot", command.robot,
+      "ur3, ur5, ur10, ur3e, ur5e, ur10e, ur16e, a URDF with UR kinematics, or a YAML of a calibrated "
+      "robot (default: the cell's, or ur10)");
   add_path(sub, "--cell", command.cell,
            "Cell file, or the name of one that comes with stonestack: loopback-ur10 serves the "
            "simulated devices on sockets and uses the real backends; without: simulated in process. Its "
@@ -133,7 +133,7 @@ void add_run(CLI::App& app) {
       "Examples:\n"
       "  stonestack run --robot ur10\n"
       "  stonestack run --robot ur10 --seed 7 --per-run 6 --json > result.json\n"
-      "  stonestack run --robot ur10 --cell loopback-ur10\n"
+      "  stonestack run --cell loopback-ur10\n"
       "  stonestack run --robot ur10 --per-run 6 --wall 3+2+1\n"
       "  stonestack run --robot ur10 --unseen --save-catalogue my_stones\n"
       "  stonestack run --robot ur10 --cell my_lab.yaml --dry-run\n"
