@@ -71,6 +71,7 @@ void connect_gripper(const SimulatedServers& servers, ThreeFingerOptions& grippe
 }
 
 void connect_force_torque(const SimulatedServers& servers, FtSensorOptions& sensor) {
+  if (sensor.link == kOwnSensorLink) return;  // comes with the arm
   const auto tcp = servers.force_torque();
   const std::string line = servers.force_torque_line();
   const bool serial = sensor.link == "serial";
@@ -134,10 +135,16 @@ void set_cell(CellFile& file, const std::function<void(const FieldList&)>& set) 
   CellConfig& cell = file.cell();
   const PoseNumbers given = cell.T_T_C;
   const std::string gripper = cell.gripper_name;
+  const bool own_sensor = cell.has_own_sensor();
   set(join({fields(cell), cell_fields(file)}));
   require(cell.gripper_name == gripper,
           "the gripper of a cell stands in its file, as tip, driver and stroke depend on it; write `hand: ",
           cell.gripper_name, "` there");
+  require(
+      cell.has_own_sensor() == own_sensor,
+      "whether a sensor stands between flange and gripper is in the cell's file, as the tip depends on it; "
+      "write `force_torque: {link: ",
+      cell.force_torque.link, "}` there");
   require(cell.hand_eye.empty() || cell.T_T_C == given,
           "layout.T_T_C and layout.hand_eye are the same thing: set one of them, with --set layout.hand_eye= "
           "where the file names one");
@@ -148,6 +155,7 @@ CellFile read_cell(const std::string& name) {
   CellFile file;
   const std::string& path = file.path = find_cell(name);
   file.cell() = read_cell_file(path, cell_fields(file));
+  if (file.cell().has_own_sensor()) file.servers().devices.force_torque = false;
   return file;
 }
 

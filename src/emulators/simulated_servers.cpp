@@ -54,7 +54,7 @@ struct SimulatedServers::Parts {
     if (o.devices.force_torque) serve_force_torque();
     if (o.devices.camera) serve_camera();
     if (o.devices.arm) {
-      arm_plant = make_world_plant(*world, cell.cell().arm.state().q);
+      arm_plant = make_world_plant(*world, cell.cell().arm.state().q, has_own_sensor(o.arm));
       arm = std::make_unique<UrControllerServer>(installed(), robot, *arm_plant);
       arm->start();
     } else {

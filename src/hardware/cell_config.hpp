@@ -13,6 +13,7 @@
 #include "hardware/robotiq/three_finger_gripper.hpp"
 #include "hardware/robotiq/two_finger_gripper.hpp"
 #include "hardware/ur/ur_arm.hpp"
+#include "hardware/ur/ur_force_torque.hpp"
 #include "stonestack/hardware/cell_file.hpp"
 
 namespace stonestack::hardware {
@@ -71,6 +72,8 @@ struct CellConfig {
   CellConfig();  ///< the layout of CellLayout, no addresses
   /// With the tip, the driver and the stroke of another gripper; throws FileError.
   explicit CellConfig(const std::string& name);
+  /// Whether the arm's own sensor is used.
+  [[nodiscard]] bool has_own_sensor() const { return force_torque.link == kOwnSensorLink; }
 };
 /// `name`.x to `name`.qw
 [[nodiscard]] FieldList pose_fields(const std::string& name, PoseNumbers& numbers, const std::string& source);
@@ -85,6 +88,9 @@ struct CellConfig {
 [[nodiscard]] TwoFingerOptions two_finger_options(const CellConfig& config);
 /// The gripper of `gripper.driver`, connected; moves nothing.
 [[nodiscard]] std::unique_ptr<RobotiqGripper> make_gripper(const CellConfig& config);
+
+/// The sensor of `force_torque.link`, connected.
+[[nodiscard]] std::unique_ptr<ForceTorqueSensor> make_force_torque(const CellConfig& config);
 
 /// The camera of `camera.driver`, connected. Throws FileError that names the file for settings that do not
 /// do.

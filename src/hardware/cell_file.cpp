@@ -29,7 +29,8 @@ FieldList layout_fields(CellConfig& c) {
        pose_fields("T_F_T", c.T_F_T, "tool tip in the flange"),
        pose_fields("T_T_C", c.T_T_C, "camera in the tool: stonestack calibrate --write"),
        {field("hand_eye", c.hand_eye, "camera in the flange, in place of T_T_C: easy_handeye file"),
-        field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg", "of the force sensor; FT150 0.65, FT300 0.30"),
+        field("sensor_mass", c.sensor_mass, {0.0, 10.0}, "kg",
+              "of the force sensor; FT150 0.65, FT300 0.30, the arm's own 0"),
         field("camera_mass", c.camera_mass, {0.0, 10.0}, "kg", "with bracket and cable"),
         field("obstacles", c.obstacles_text, "what the arm must not touch: a list of name, shape, T_W_O"),
         field("padding", c.padding_text, "clearance between pairs of things: a list of a, b, m")},
@@ -56,8 +57,29 @@ void require_known_words(const CellConfig& c, const std::string& path) {
   require_word(path, "gripper.link", c.gripper_link, {"urcap", "rtu"});
   require_word(path, "gripper.preset", c.gripper.preset, {"tcp2018", "tcp2014", "rtu"});
   require_word(path, "gripper.mode", c.gripper.mode, {"basic", "pinch", "wide", "scissor"});
-  require_word(path, "force_torque.link", c.force_torque.link, {"serial", "ur_cap"});
+  require_word(path, "force_torque.link", c.force_torque.link, {"serial", "ur_cap", kOwnSensorLink});
   require_word(path, "camera.driver", c.camera, {"stream", "v4l2", "realsense", "recorded"});
+}
+
+/// Force on an axis that the sensor in the flange of a robot measures, N. UR's data sheets; a robot that is
+/// not named so is taken for a UR10e.
+double own_sensor_range(const std::string& robot) {
+  return robot == "ur3e" ? 30.0 : robot == "ur5e" ? 50.0 : robot == "ur16e" ? 160.0 : 100.0;
+}
+
+/// Without a sensor between flange and gripper: what the file leaves out is as the arm's own sensor has it.
+void mount_on_flange(CellConfig& config, const std::string& robot) {
+  constexpr std::size_t kZ = 2;
+  config.T_F_T[kZ] -= kSensorHeight;
+  config.sensor_mass = 0.0;
+  config.force_torque.max_force = own_sensor_range(robot);
+  config.force_torque.max_torque = kOwnSensorTorque;
+}
+
+void require_flange_axes(const CellConfig& config) {
+  if (config.has_own_sensor() && config.force_torque.yaw != 0.0)
+    throw FileError(config.file, concat("force_torque.yaw is ", config.force_torque.yaw, " rad with link ur"),
+                    "leave it out: the arm's own sensor reports in the axes of the flange");
 }
 
 void require_usable_settings(const CellConfig& config) {
@@ -229,11 +251,14 @@ RobotModel read_cell_robot(const CellConfig& config) {
 CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   CellConfig config;
   read_fields(fields(config), path, others);
-  if (config.gripper_name !=
-      CellConfig{}.gripper_name) {  // what the file does not give is as this gripper has it
+  if (config.gripper_name != CellConfig{}.gripper_name ||
+      config.has_own_sensor()) {  // what the file does not give is as gripper and sensor have it
     const std::string name =
         is_gripper_path(config.gripper_name) ? path_beside(path, config.gripper_name) : config.gripper_name;
+    const bool on_flange = config.has_own_sensor();
+    const std::string robot = config.robot;
     config = CellConfig(name);
+    if (on_flange) mount_on_flange(config, robot);
     read_fields(fields(config), path, others);
     config.gripper_name = name;
   }
@@ -244,6 +269,7 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
   config.paddings = parse_pair_paddings(config.padding_text, path, "layout.padding", names);
   require_known_words(config, path);
   require_driver_of_gripper(config, path);
+  require_flange_axes(config);
   require_one_mount(config);
   read_hand_eye(config);
   require_usable_settings(config);
@@ -284,6 +310,11 @@ std::unique_ptr<RobotiqGripper> make_gripper(const CellConfig& config) {
   return std::make_unique<ThreeFingerGripper>(config.gripper);
 }
 
+std::unique_ptr<ForceTorqueSensor> make_force_torque(const CellConfig& config) {
+  if (config.has_own_sensor()) return std::make_unique<UrForceTorque>(config.arm, config.force_torque);
+  return std::make_unique<RobotiqFtSensor>(config.force_torque);
+}
+
 std::unique_ptr<DepthCamera> make_camera(const CellConfig& config) {
   try {
     return open_camera(config);
@@ -298,7 +329,7 @@ struct HardwareCell::Devices {
   CellLayout layout;
   std::unique_ptr<Clock> clock = make_steady_clock();
   RobotModel robot;
-  RobotiqFtSensor force_torque;
+  std::unique_ptr<ForceTorqueSensor> force_torque;
   UrArm arm;
   std::unique_ptr<RobotiqGripper> gripper;
   std::unique_ptr<DepthCamera> camera;
@@ -306,8 +337,8 @@ struct HardwareCell::Devices {
   explicit Devices(const CellConfig& config)
       : layout(to_layout(config)),
         robot(read_cell_robot(config)),
-        force_torque(config.force_torque),
-        arm(robot, config.arm, layout.T_W_R, layout.T_F_T, &force_torque),
+        force_torque(make_force_torque(config)),
+        arm(robot, config.arm, layout.T_W_R, layout.T_F_T, force_torque.get()),
         gripper(make_gripper(config)),
         camera(make_camera(config)) {}
 };
@@ -323,7 +354,7 @@ HardwareCell::~HardwareCell() = default;
 
 Cell HardwareCell::cell() {
   auto& d = *devices_;
-  return {d.arm, *d.gripper, d.force_torque, *d.camera, *d.clock, d.layout};
+  return {d.arm, *d.gripper, *d.force_torque, *d.camera, *d.clock, d.layout};
 }
 
 bool HardwareCell::activates_gripper() {

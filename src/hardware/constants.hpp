@@ -74,6 +74,15 @@ inline constexpr double kZeroTimeout = 2.0;
 /// Spread of the readings while zeroing, N; more is not at rest. Design choice.
 inline constexpr double kZeroSpread = 5.0;
 
+/// Height of the sensor that a gripper stands on, m, where the arm has none of its own. FT150, Robotiq's
+/// meshes.
+inline constexpr double kSensorHeight = 0.041;
+/// Rate at which the arm's own sensor is read, Hz: that of Robotiq's, so that a number of readings takes the
+/// same time. A divisor of the control rate.
+inline constexpr double kOwnSensorRate = 100.0;
+/// Range of the arm's own sensor about an axis, Nm. UR's data sheets of the e-Series.
+inline constexpr double kOwnSensorTorque = 10.0;
+
 // Cameras
 /// Buffers of a V4L2 driver. Design choice.
 inline constexpr int kBuffers = 4;

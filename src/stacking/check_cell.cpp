@@ -18,8 +18,10 @@ constexpr const char* kNotActivated =
     "not activated; `run` activates it: it opens and closes fully, so empty the gripper first";
 
 constexpr std::uint32_t kPolyScopeX = 10;
-constexpr double kListen = 1.0;  // s to RTDE
-constexpr double kHello = 2.0;   // s until a controller has said who it is; it sends a state every 0.1 s
+constexpr double kListen = 1.0;   // s to RTDE
+constexpr double kFeel = 3.0;     // s to the force sensor, at most
+constexpr int kBeyondStuck = 10;  // readings more than those that show a sensor that repeats one
+constexpr double kHello = 2.0;    // s until a controller has said who it is; it sends a state every 0.1 s
 
 std::string ask_dashboard(const CellConfig& cell) {
   DashboardClient dashboard({cell.arm.address, cell.arm.dashboard_port});
@@ -99,16 +101,36 @@ Found ask_gripper(const CellConfig& cell) {
   return {text, !status.active};
 }
 
-/// Takes as many readings as tell a sensor that repeats one from one at rest.
-std::string read_force(const CellConfig& cell) {
-  RobotiqFtSensor sensor(cell.force_torque);
-  Wrench wrench = sensor.read();
-  const long wanted = cell.force_torque.stuck_samples + 10;
-  for (const Deadline limit = Deadline::in(3.0); sensor.health().readings < wanted && !limit.over();) {
+std::string force_text(const Wrench& wrench) {
+  return concat("force ", wrench.force.x(), " ", wrench.force.y(), " ", wrench.force.z(), " N");
+}
+
+std::string read_own_sensor(const CellConfig& cell) {
+  UrForceTorque sensor(cell.arm, cell.force_torque);
+  const Wrench first = sensor.read();
+  Wrench wrench = first;
+  int readings = 1;
+  for (const Deadline limit = Deadline::in(kFeel);
+       readings < cell.force_torque.stuck_samples + kBeyondStuck && !limit.over(); ++readings) {
     throw_if_interrupted();
     wrench = sensor.read();
   }
-  return concat("force ", wrench.force.x(), " ", wrench.force.y(), " ", wrench.force.z(), " N, ",
+  return concat("the arm's own, ft_raw_wrench of PolyScope ", to_string(sensor.version()), ", ",
+                force_text(wrench), " beside the first reading, ",
+                (readings - 1) / std::max(1e-3, wrench.device_time - first.device_time), " readings/s");
+}
+
+/// Takes as many readings as tell a sensor that repeats one from one at rest.
+std::string read_force(const CellConfig& cell) {
+  if (cell.has_own_sensor()) return read_own_sensor(cell);
+  RobotiqFtSensor sensor(cell.force_torque);
+  Wrench wrench = sensor.read();
+  const long wanted = cell.force_torque.stuck_samples + kBeyondStuck;
+  for (const Deadline limit = Deadline::in(kFeel); sensor.health().readings < wanted && !limit.over();) {
+    throw_if_interrupted();
+    wrench = sensor.read();
+  }
+  return concat("Robotiq, ", force_text(wrench), ", ",
                 sensor.firmware().empty() ? "streaming" : sensor.firmware(), ", ", sensor.health().rate,
                 " readings/s");
 }

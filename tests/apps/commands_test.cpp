@@ -296,6 +296,16 @@ TEST_F(Commands, BuildsThroughTheRealBackends) {
   EXPECT_THAT(done.err, HasSubstr("RTDE"));
 }
 
+// A UR10e with its own force sensor: the weights and contacts of the run come over RTDE.
+TEST_F(Commands, BuildsWithTheArmsOwnForceSensor) {
+  const std::string cell = std::string(STONESTACK_SOURCE_DIR) + "/data/cells/loopback-ur10e.yaml";
+  const Outcome done = run("run --cell " + cell + " --per-run 1 --height 1 --seed 1 --json --out run");
+  ASSERT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(done.data()["height"], 1);
+  EXPECT_GE(done.data()["truth"]["height"], 1) << "the run reports a tower that does not stand";
+  EXPECT_THAT(done.err, ::testing::Not(HasSubstr("\nforce sensor "))) << "no other sensor is served";
+}
+
 TEST_F(Commands, RunMovesNoRealArmUnlessRequested) {
   write("lab.yaml", "arm: {address: 192.0.2.1}\n");
   expect_refusal("run --cell lab.yaml", 2, {"192.0.2.1", "--execute"});

@@ -22,6 +22,18 @@ constexpr const char* kFreePorts =
     "simulators:\n  arm: {standard_ports: false}\n  gripper: {port: 0}\n"
     "  force_torque: {port: 0, command_port: 0}\n  camera: {port: 0}\n";
 
+TEST_F(DoctorCommand, NamesTheForceSensor) {
+  const Outcome own = run("doctor --cell loopback-ur10e");
+  EXPECT_EQ(own.code, 0) << own.out << own.err;
+  EXPECT_THAT(own.out, ContainsRegex("ok    force sensor, reading: the arm's own, ft_raw_wrench of PolyScope "
+                                     "5.12.*readings/s"));
+  const Outcome old = run("doctor --cell loopback-ur10e --set simulators.arm.version=5.8.2.10297");
+  EXPECT_EQ(old.code, 6);
+  EXPECT_THAT(old.out, ContainsRegex("FAIL  force sensor, reading: .*127.0.0.1.*5.8.2.*PolyScope 5.9"));
+  EXPECT_THAT(run("doctor --cell loopback-ur10").out,
+              ContainsRegex("ok    force sensor, reading: Robotiq, force"));
+}
+
 TEST_F(DoctorCommand, NamesWhatIsWrong) {
   const Outcome well = run("doctor --json");
   EXPECT_EQ(well.code, 0) << well.err;

@@ -96,6 +96,22 @@ TEST(ServedCellFile, TheClientTakesTheUnitsOfWhatIsServedOnSerialLines) {
   EXPECT_EQ(sensor.unit, 11);
 }
 
+TEST(ServedCellFile, TheArmsOwnSensorIsServedByTheArm) {
+  CellFile file = read_cell("loopback-ur10e");
+  EXPECT_FALSE(file.servers().devices.force_torque);
+  EXPECT_NEAR(to_layout(file.cell()).T_F_T.translation().z(), 0.223, 1e-12);
+  const Served served(Served::options(true, true));
+  connect_to(served.servers, file.cell());
+  EXPECT_EQ(file.cell().force_torque.link, "ur") << "whatever else is served";
+  const auto set_link = [](CellFile& cell, const char* value) {
+    set_cell(cell, [&](const FieldList& list) { set_field(list, value); });
+  };
+  EXPECT_THROW(set_link(file, "force_torque.link=serial"), InvalidArgument) << "the tip depends on it";
+  CellFile other = read_cell("loopback-ur10");
+  EXPECT_NO_THROW(set_link(other, "force_torque.link=serial"));
+  EXPECT_THROW(set_link(other, "force_torque.link=ur"), InvalidArgument);
+}
+
 TEST(ServedCellFile, SimulatorsAreSetByTheirNames) {
   SimulatedServersOptions options;
   FieldList list = nest("simulators", fields(options));

@@ -97,6 +97,27 @@ TEST_F(CellFile, AGrippersFileLiesBesideTheCellFile) {
   EXPECT_THAT(problem_of("hand: " + name + "\n"), HasSubstr(name));
 }
 
+TEST_F(CellFile, TheArmsOwnSensorBringsTipMassAndRange) {
+  const CellConfig cell = read("robot: ur10e\nforce_torque: {link: ur}\n");
+  const CellLayout layout = to_layout(cell);
+  EXPECT_NEAR(layout.T_F_T.translation().z(), 0.223, 1e-12) << "the gripper alone";
+  EXPECT_EQ(layout.sensor_mass, 0.0);
+  EXPECT_TRUE(layout.T_T_C.isApprox(CellLayout{}.T_T_C)) << "the camera stays on the gripper";
+  EXPECT_EQ(cell.force_torque.max_force, 100.0);
+  EXPECT_EQ(cell.force_torque.max_torque, 10.0);
+  EXPECT_EQ(read("robot: ur5e\nforce_torque: {link: ur}\n").force_torque.max_force, 50.0);
+  const CellConfig narrow = read("robot: ur10e\nhand: robotiq-2f-85\nforce_torque: {link: ur}\n");
+  EXPECT_NEAR(to_layout(narrow).T_F_T.translation().z(), 0.160, 1e-12);
+  const CellConfig coupled = read(
+      "force_torque: {link: ur, max_force: 80}\n"
+      "layout: {sensor_mass: 0.1, T_F_T: {x: 0, y: 0, z: 0.233, qx: 0, qy: 0, qz: 0, qw: 1}}\n");
+  EXPECT_EQ(to_layout(coupled).T_F_T.translation().z(), 0.233) << "the file's own figures go before";
+  EXPECT_EQ(coupled.sensor_mass, 0.1);
+  EXPECT_EQ(coupled.force_torque.max_force, 80.0);
+  EXPECT_THAT(problem_of("force_torque: {link: ur, yaw: 0.5}\n"), HasSubstr("axes of the flange"));
+  EXPECT_THAT(problem_of("force_torque: {link: usb}\n"), HasSubstr("serial, ur_cap, ur"));
+}
+
 TEST_F(CellFile, RefusesADriverThatDoesNotFitTheGripper) {
   EXPECT_THAT(
       problem_of("gripper: {driver: robotiq_2f}\n"),

@@ -28,17 +28,19 @@ std::chrono::duration<double> seconds(double value) {
 
 FieldList fields(FtSensorOptions& o) {
   return {
-      user(field("link", o.link, "serial or ur_cap")),
+      user(field("link", o.link, "serial, ur_cap, or ur: the arm's own sensor (e-Series)")),
       user(field("device", o.device, "of link serial: path of the line")),
       field("unit", o.unit, {1, 247}, "", "Modbus unit; Robotiq manual: 9"),
-      user(field("address", o.address, "of link ur_cap: the robot's controller, numeric IPv4")),
+      user(field("address", o.address, "of link ur_cap: the robot's controller")),
       field("port", o.port, {1, 65535}, "", "of Robotiq's UR cap"),
       field("start_timeout", o.start_timeout, {0.5, 60.0}, "s", "until the first reading"),
       field("listen", o.listen, {0.02, 10.0}, "s",
             "that a serial line is listened to before it is spoken to"),
       field("stale", o.stale, {0.01, 1.0}, "s", "older readings are an error"),
-      user(field("max_force", o.max_force, {1.0, 1000.0}, "N", "on an axis; FT150 150, FT300 300")),
-      user(field("max_torque", o.max_torque, {0.1, 100.0}, "Nm", "on an axis; FT150 15, FT300 30")),
+      user(
+          field("max_force", o.max_force, {1.0, 1000.0}, "N", "on an axis; FT150 150, FT300 300, UR10e 100")),
+      user(field("max_torque", o.max_torque, {0.1, 100.0}, "Nm",
+                 "on an axis; FT150 15, FT300 30, e-Series 10")),
       field("stuck_samples", o.stuck_samples, {0, 100000}, "",
             "equal readings in a row that mean a dead sensor; 0: never"),
       user(field("yaw", o.yaw, {-3.2, 3.2}, "rad", "about z, from the flange's axes to the sensor's")),

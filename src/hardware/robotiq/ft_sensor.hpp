@@ -9,8 +9,10 @@ namespace stonestack::hardware {
 
 /// Robotiq's FT150 and FT300: a stream of 100 readings a second, either on a serial line or from the UR cap's
 /// TCP server on the robot's controller.
+///
+/// Link `ur` is the arm's own sensor (UrForceTorque); it has only `stale`, the ranges and `stuck_samples`.
 struct FtSensorOptions {
-  std::string link = "serial";        ///< serial or ur_cap
+  std::string link = "serial";        ///< serial, ur_cap or ur
   std::string device;                 ///< serial: path of the line
   int unit = 9;                       ///< serial
   std::string address = "127.0.0.1";  ///< ur_cap: the robot's controller
@@ -18,7 +20,7 @@ struct FtSensorOptions {
   double start_timeout = 3.0;         ///< time [s] until the first reading
   double listen = 0.16;               ///< time [s] that a serial line is listened to before it is spoken to
   double stale = 0.05;                ///< an older reading is an error [s]
-  double max_force = 150.0;           ///< force [N] on an axis: FT150; 300 for the FT300
+  double max_force = 150.0;           ///< force [N] on an axis: FT150; 300 for the FT300, by the arm for `ur`
   double max_torque = 15.0;           ///< torque [Nm] on an axis: FT150; 30 for the FT300
   int stuck_samples = 100;            ///< equal readings running that mean a dead sensor; 0: never
   double yaw = 0.0;                   ///< angle [rad] about z, from the flange's axes to the sensor's

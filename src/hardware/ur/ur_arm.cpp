@@ -218,7 +218,7 @@ std::vector<std::string> UrArm::missing_outputs() const {
 FieldList fields(UrArmOptions& o) {
   constexpr FieldRange kPort{0, 65535};
   return join(
-      {{user(field("address", o.address, "of the controller, in numbers")),
+      {{user(field("address", o.address, "of the controller, or its name in the network")),
         field("rtde_port", o.rtde_port, kPort, "", "RTDE"),
         field("primary_port", o.primary_port, kPort, "", "scripts"),
         field("secondary_port", o.secondary_port, kPort, "", "scripts, tried next"),

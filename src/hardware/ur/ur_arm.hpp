@@ -11,7 +11,7 @@ namespace stonestack::hardware {
 
 /// Where a UR controller is and how patient to be with it. Ports are the vendor's.
 struct UrArmOptions {
-  std::string address;  ///< numbers, "192.168.1.10"
+  std::string address;  ///< "192.168.1.10" or a name in the network
   int rtde_port = 30004;
   int primary_port = 30001;    ///< 30001 primary
   int secondary_port = 30002;  ///< tried next
