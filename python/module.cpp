@@ -12,10 +12,10 @@
 
 #include "arrays.hpp"
 #include "calls.hpp"
+#include "inputs.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
-#include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/report/record_run.hpp"
 #include "stonestack/report/results.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -38,39 +38,6 @@ using namespace stacking;
 using namespace simulation;
 using namespace experiment;
 using namespace report;
-
-using CataloguePtr = std::shared_ptr<Catalogue>;
-
-CataloguePtr read_stones(const std::string& path) {
-  return call(
-      [&] { return std::make_shared<Catalogue>(read_catalogue(path.empty() ? data_path("stones") : path)); });
-}
-
-/// A catalogue, its folder, or None for the stones that come with stonestack.
-CataloguePtr catalogue_of(const py::object& given) {
-  if (py::isinstance<Catalogue>(given)) return given.cast<CataloguePtr>();
-  return read_stones(given.is_none() ? "" : py::str(given).cast<std::string>());
-}
-
-std::string option_text(const py::handle& value) {
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
-  return py::str(value).cast<std::string>();
-}
-
-/// Sets options from where the command takes them (files, environment), then `seed` and `options`.
-void set_options(const FieldList& list, std::optional<int> seed, const py::dict& options) {
-  OptionSources sources;
-  if (seed) sources.flags.push_back({"seed", "*.seed", std::to_string(*seed)});
-  for (const auto& [name, value] : options)
-    sources.assignments.push_back(py::str(name).cast<std::string>() + "=" + option_text(value));
-  (void)apply_options(list, sources);
-}
-
-std::vector<std::string> names_of(const py::object& given) {
-  if (given.is_none()) return {};
-  if (py::isinstance<py::str>(given)) return split_list(given.cast<std::string>());
-  return given.cast<std::vector<std::string>>();
-}
 
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
@@ -117,16 +84,6 @@ struct FoundStone {
   std::optional<Pose> T_W_C;
 };
 
-SceneView view_of(const py::handle& scene, const std::string& camera_pose, bool world,
-                  const DepthInput& input) {
-  if (!py::isinstance<DepthImage>(scene))
-    return read_view(py::str(scene).cast<std::string>(), camera_pose, world, input);
-  require(!world, "world is for clouds; a DepthImage is in its camera's frame");
-  SceneView view{scene.cast<DepthImage>(), {}, false};
-  if (!camera_pose.empty()) view.T_W_C = parse_pose(camera_pose);
-  return view;
-}
-
 Found detect(const py::object& scene, const py::object& camera_pose, bool world, const py::object& stones,
              std::optional<int> seed, const py::object& given, const py::dict& options,
              const DepthInput& input) {
@@ -134,21 +91,9 @@ Found detect(const py::object& scene, const py::object& camera_pose, bool world,
   set_options(nest("detection", fields(detection)), seed, options);
   Found found{catalogue_of(given), {}, {}};
   const Catalogue& catalogue = *found.catalogue;
-  const py::list scenes = py::isinstance<py::list>(scene) ? py::list(scene) : py::list(py::make_tuple(scene));
-  const py::list poses =
-      py::isinstance<py::list>(camera_pose) ? py::list(camera_pose) : py::list(py::make_tuple(camera_pose));
-  require(!scenes.empty(), "detect needs a scene");
-  require(camera_pose.is_none() || poses.size() == scenes.size(), "give one camera_pose a scene: there are ",
-          scenes.size(), " scenes and ", poses.size(), " poses");
-  std::vector<DepthView> views;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    const std::string pose = camera_pose.is_none() ? "" : to_pose_text(py::object(poses[i]));
-    SceneView view = view_of(scenes[i], pose, world, input);
-    require(scenes.size() == 1 || view.T_W_C, "scene ", i,
-            " has no camera pose: several views need one each");
-    views.push_back({view.image, view.T_W_C.value_or(Pose::Identity())});
-    if (i == 0) found.first = std::move(view);
-  }
+  std::vector<SceneView> seen = views_of(scene, camera_pose, world, input);
+  const std::vector<DepthView> views = depth_views_of(seen);
+  found.first = std::move(seen.front());
   std::vector<StoneIndex> wanted;
   for (const auto& name : names_of(stones)) wanted.push_back(catalogue.index(name));
   found.result = call([&] {
