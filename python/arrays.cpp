@@ -40,6 +40,14 @@ py::array_t<double> to_array(const std::vector<geometry::Pose>& poses) {
   return array;
 }
 
+py::object optional_pose(const std::optional<geometry::Pose>& pose) {
+  return pose ? py::object(to_array(*pose)) : py::none();
+}
+
+py::array_t<double> to_array(const Eigen::Vector3d& vector) {
+  return py::array_t<double>(3, vector.data());
+}
+
 py::array_t<double> to_array(const std::vector<Eigen::Vector3d>& points) {
   return rows<double>(points.size(), 3, [&](std::size_t i, Eigen::Index k) { return points[i][k]; });
 }

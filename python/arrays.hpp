@@ -3,6 +3,7 @@
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace stonestack::python {
 [[nodiscard]] pybind11::array_t<double> to_array(const geometry::Pose& pose);
 /// Poses as N x 4 x 4.
 [[nodiscard]] pybind11::array_t<double> to_array(const std::vector<geometry::Pose>& poses);
+/// A pose as a 4 x 4 matrix; None if it is not known.
+[[nodiscard]] pybind11::object optional_pose(const std::optional<geometry::Pose>& pose);
+/// A point or a vector as 3.
+[[nodiscard]] pybind11::array_t<double> to_array(const Eigen::Vector3d& vector);
 /// Points as N x 3.
 [[nodiscard]] pybind11::array_t<double> to_array(const std::vector<Eigen::Vector3d>& points);
 /// Corner indices of triangles as N x 3.

@@ -13,6 +13,7 @@
 #include "arrays.hpp"
 #include "calls.hpp"
 #include "inputs.hpp"
+#include "segmentation.hpp"
 #include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/emulators/simulated_servers.hpp"
@@ -269,11 +270,6 @@ py::array_t<double> column(const RunPtr& run, const Get& get) {
 
 // What Python sees of it
 
-template <class Value>
-py::object optional_pose(const std::optional<Value>& pose) {
-  return pose ? py::object(to_array(*pose)) : py::none();
-}
-
 void add_stones(py::module_& m) {
   py::class_<Mesh>(m, "Mesh")
       .def_property_readonly("vertices", [](const Mesh& mesh) { return to_array(mesh.vertices); })
@@ -287,8 +283,7 @@ void add_stones(py::module_& m) {
       .def_readonly("density", &Stone::density)
       .def_readonly("source", &Stone::source)
       .def_property_readonly("mass", [](const Stone& s) { return s.mass.mass; })
-      .def_property_readonly(
-          "p_O_M", [](const Stone& s) { return matrix_to_array(s.mass.p_O_M.transpose()).reshape({3}); })
+      .def_property_readonly("p_O_M", [](const Stone& s) { return to_array(s.mass.p_O_M); })
       .def_property_readonly("I_M", [](const Stone& s) { return matrix_to_array(s.mass.I_M); })
       .def_property_readonly("T_O_file", [](const Stone& s) { return to_array(s.T_O_file); });
   py::class_<Catalogue, CataloguePtr>(m, "Catalogue")
@@ -570,6 +565,7 @@ PYBIND11_MODULE(stonestack, m) {
   add_stones(m);
   add_scenes(m);
   add_detection(m);
+  add_segmentation(m);
   add_search(m);
   add_check(m);
   add_plan(m);

@@ -178,6 +178,85 @@ def detect(scene: Union[SceneLike, list[SceneLike]], *, camera_pose: Union[PoseL
            options: Options = ..., depth: DepthInput = ...) -> Detections:
     """Finds stones in one depth view, or in several of one scene, of which each needs a pose."""
 
+class Plane:
+    """The points p with normal . p = offset."""
+    @property
+    def normal(self) -> Floats:
+        """Unit vector, 3."""
+    @property
+    def offset(self) -> float:
+        """Metres."""
+
+class SegmentedObject:
+    """An object that nobody knew, as far as it was seen."""
+    @property
+    def cloud_C(self) -> NDArray[np.float32]:
+        """Seen surface in C, N x 3."""
+    @property
+    def normals_C(self) -> NDArray[np.float32]:
+        """Normals of the seen surface towards the camera in C, N x 3."""
+    @property
+    def p_C_middle(self) -> Floats:
+        """Mean of the seen surface in C, 3."""
+    @property
+    def p_W_middle(self) -> Optional[Floats]:
+        """Mean of the seen surface in W, 3; None where the pose of the camera is not known."""
+    @property
+    def size(self) -> Floats:
+        """Extents of the seen surface, 3: longest and shortest along the table, and from the table up."""
+    @property
+    def pixels(self) -> int:
+        """Of all views."""
+    @property
+    def views(self) -> int:
+        """Number of views that show it."""
+    @property
+    def confidence(self) -> float:
+        """Estimated probability that it is one whole object as far as it is seen."""
+    @property
+    def cut_off(self) -> bool:
+        """True if it reaches the border of an image, so that a part of it is out of view."""
+
+class Segmentation:
+    """Objects on a table, the one with most pixels first; none: `note` says why. C is the camera of the first
+    view."""
+    @property
+    def objects(self) -> list[SegmentedObject]: ...
+    @property
+    def labels(self) -> list[NDArray[np.int32]]:
+        """Label images, height x width, a view each: 1 + index into `objects`, 0 where there is none. Empty
+        where a view shows no table or nothing on it."""
+    @property
+    def table_C(self) -> Optional[Plane]:
+        """Plane of the table in C, its normal towards the camera; None: no table was found."""
+    @property
+    def T_W_C(self) -> Optional[Floats]: ...
+    @property
+    def note(self) -> str:
+        """Reason why there is no object, or what is odd; empty otherwise."""
+    @property
+    def warnings(self) -> list[str]:
+        """Objects that may be several, or a part of one."""
+    def __len__(self) -> int: ...
+    def json(self) -> str:
+        """What `stonestack segment --json` prints."""
+    def write(self, folder: str) -> None:
+        """Writes object_1.ply and so on, and labels_1.png and so on, as `stonestack segment --out` does."""
+    def draw(self, path: str) -> None:
+        """Draws the views with the objects in colours and their numbers (PNG)."""
+
+def segment(scene: Union[SceneLike, list[SceneLike]], *,
+            camera_pose: Union[PoseLike, list[PoseLike], None] = None, world: bool = False,
+            min_width: float = 0.02, usual_size: float = 0.4, farthest: float = 2.0,
+            depth: DepthInput = ...) -> Segmentation:
+    """Parts unknown objects that stand on a table, touching and stacked ones too, in one depth view or in
+    several of one scene, of which each needs a pose.
+
+    min_width: m, square root of the seen area of the smallest object, 0.002 to 1. usual_size: m, longest extent
+    as expected, 0.02 to 5; larger objects get less confidence. farthest: m, depths beyond are ignored, 0.2 to
+    20. A view without a table or with nothing on it gives no objects and a note.
+    Raises FileError for a scene that cannot be read, InvalidArgument for a value out of its range."""
+
 class Placement:
     """A stone and the pose where it should go."""
     @property

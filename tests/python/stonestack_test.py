@@ -14,6 +14,7 @@ import time
 import unittest
 
 import numpy as np
+import PIL.Image
 import stonestack as ss
 
 COMMAND = os.environ["STONESTACK"]
@@ -128,6 +129,94 @@ class Detect(Case):
         cloud = ss.read_cloud(str(file.parent / "cloud.ply")).reshape(-1, 3)
         seen = np.isfinite(cloud[:, 2])
         np.testing.assert_allclose(cloud[seen], image.cloud().reshape(-1, 3)[seen], atol=1e-6)
+
+
+class Segment(Case):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        stones = ["limestone_1", "limestone_2", "limestone_3"]
+        cls.files = []
+        for tilt in (0.1, 0.4):
+            ss.render(str(cls.path / str(tilt)), seed=3, stones=stones, options={"scene.tilt": tilt})
+            cls.files.append(str(cls.path / str(tilt) / "scene.yaml"))
+
+    def compare(self, result, text):
+        self.assertEqual(result.json(), text)
+        listed = json.loads(text)
+        self.assertEqual(len(result), len(listed["objects"]))
+        self.assertEqual(result.note, listed["note"])
+        table = listed["table_C"]
+        self.assertEqual(result.table_C.normal.tolist(), [table["normal"][k] for k in "xyz"])
+        self.assertEqual(result.table_C.offset, table["offset_m"])
+        for found, entry in zip(result.objects, listed["objects"]):
+            self.assertEqual(found.size.tolist(), [entry[k] for k in ("length_m", "width_m", "height_m")])
+            self.assertEqual(found.p_C_middle.tolist(), [entry["p_C_middle"][k] for k in "xyz"])
+            self.assertEqual(found.p_W_middle.tolist(), [entry["p_W_middle"][k] for k in "xyz"])
+            self.assertEqual((found.pixels, found.views, found.confidence, found.cut_off),
+                             (entry["pixels"], entry["views"], entry["confidence"], entry["cut_off"]))
+        return listed["objects"]
+
+    def test_same_as_the_command(self):
+        out, picture = self.path / "out", self.path / "objects.png"
+        text = command("segment", self.files[0], "--json", "-q", "--out", out, "--picture", picture)
+        result = ss.segment(self.files[0])
+        self.assertEqual(len(self.compare(result, text)), 3)
+        self.assertEqual(len(result.labels), 1)
+        labels = result.labels[0]
+        self.assertTrue(np.issubdtype(labels.dtype, np.integer))
+        np.testing.assert_array_equal(labels, np.array(PIL.Image.open(out / "labels_1.png")))
+        for number, found in enumerate(result.objects, 1):
+            self.assertEqual((labels == number).sum(), found.pixels)
+            np.testing.assert_array_equal(found.cloud_C, ss.read_cloud(str(out / f"object_{number}.ply")))
+            self.assertEqual(found.normals_C.shape, found.cloud_C.shape)
+            np.testing.assert_allclose(np.linalg.norm(found.normals_C, axis=1), 1, atol=1e-5)
+            self.assertTrue(((found.normals_C * found.cloud_C).sum(axis=1) < 0).all())  # towards the camera
+        result.write(str(self.path / "mine"))
+        result.draw(str(self.path / "mine.png"))
+        for file in out.iterdir():
+            self.assertEqual((self.path / "mine" / file.name).read_bytes(), file.read_bytes(), file.name)
+        self.assertEqual((self.path / "mine.png").read_bytes(), picture.read_bytes())
+        self.assertEqual(result.warnings, [])
+
+    def test_several_views_and_depth_images_same_as_the_command(self):
+        text = command("segment", *self.files, "--json", "-q")
+        result = ss.segment(self.files)
+        self.assertIn(2, [entry["views"] for entry in self.compare(result, text)])
+        views = [ss.read_depth(file) for file in self.files]
+        images = ss.segment([image for image, _ in views], camera_pose=[T_W_C for _, T_W_C in views])
+        for mine, theirs, (image, _) in zip(images.labels, result.labels, views):
+            self.assertEqual(mine.shape, image.z.shape)
+            np.testing.assert_array_equal(mine, theirs)
+        self.assertEqual(len(images.labels), 2)
+        self.assertIsNone(ss.segment(views[0][0]).objects[0].p_W_middle)
+        with self.assertRaises(ss.InvalidArgument):
+            ss.segment([image for image, _ in views])
+
+    def test_arguments_are_those_of_the_command(self):
+        cloud = self.path / "0.1" / "cloud.ply"
+        text = command("segment", cloud, "--min-width", 0.06, "--usual-size", 0.1, "--farthest", 1.5, "--json", "-q",
+                       codes=(0, 4))
+        result = ss.segment(cloud, min_width=0.06, usual_size=0.1, farthest=1.5)
+        self.assertEqual(result.json(), text)
+        self.assertNotEqual(ss.segment(cloud).json(), text)
+        self.assertGreater(len(result.warnings), 0)  # larger than usual
+        for wrong in ({"min_width": 0}, {"usual_size": 9}, {"farthest": 0.1}, {"min_width": float("nan")}):
+            with self.assertRaises(ss.InvalidArgument):
+                ss.segment(cloud, **wrong)
+        with self.assertRaises(ss.FileError):
+            ss.segment("/nowhere.ply")
+        with self.assertRaises(ss.InvalidArgument):
+            ss.segment([])
+
+    def test_nothing_on_a_table_has_a_note(self):
+        flat = ss.segment(ss.DepthImage(np.full((240, 320), 0.7, np.float32), 300, 300, 160, 120))
+        self.assertEqual(len(flat), 0)
+        self.assertIn("nothing stands on the table", flat.note)
+        np.testing.assert_allclose(flat.table_C.normal, [0, 0, -1], atol=1e-3)
+        empty = ss.segment(ss.DepthImage(np.zeros((240, 320), np.float32), 300, 300, 160, 120))
+        self.assertEqual((len(empty), empty.table_C, empty.T_W_C), (0, None, None))
+        self.assertNotEqual(empty.note, "")
 
 
 class Search(Case):
