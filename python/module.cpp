@@ -155,7 +155,7 @@ Searched search(const py::object& scene, const py::object& stones, const py::obj
   task.levels = levels;
   if (robot.empty()) task.search.max_tilt = std::numbers::pi;  // no grasp limits how a stone is turned
   set_options(join({nest("search", fields(task.search)), nest("detection", fields(task.detection)),
-                    nest("motion", fields(task.motion))}),
+                    nest("motion", fields(task.motion)), nest("gripper", {gripper_field(task.gripper)})}),
               seed, options);
   done.found = call([&] { return std::make_shared<SceneSearch>(search_in_scene(task)); }, task.search.budget);
   return done;
@@ -214,7 +214,9 @@ Planned plan(const std::string& scene, const py::object& stone, const py::object
              const py::object& given, const py::dict& options) {
   ScenePlanTask task;
   task.scene = scene;
-  set_options(nest("motion", fields(task.options)), seed, options);
+  std::string gripper;
+  set_options(join({nest("motion", fields(task.options)), nest("gripper", {gripper_field(gripper)})}), seed,
+              options);
   task.targets = targets_of(stone, target, search_result);
   if (cell.empty()) {
     task.robot = read_robot(robot.empty() ? "ur10" : robot);
@@ -225,6 +227,7 @@ Planned plan(const std::string& scene, const py::object& stone, const py::object
     task.layout = to_layout(file.cell());
     task.robot = read_cell_robot(file.cell());
   }
+  task.layout = with_option_gripper(task.layout, gripper, !cell.empty());
   task.q_start = home_joints();
   if (start) {
     require(start->size() == 6, "start is six joint angles in rad, got ", start->size(), " numbers");

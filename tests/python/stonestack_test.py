@@ -268,6 +268,11 @@ class Plan(Case):
             if listed["trajectory"]:
                 self.assertEqual(step.q.tolist(), [point["q"] for point in listed["trajectory"]])
         self.assertEqual(planned.seconds, entry["seconds"])
+        gripper = {"gripper.hand": "robotiq-2f-140"}
+        text = command("plan", file, "--search", target_text, "--json", "-q", "--set",
+                       "gripper.hand=robotiq-2f-140", codes=(0, 6))
+        self.assertEqual(ss.plan(file, search=str(target_text), options=gripper).json(), text)
+        self.assertNotEqual(planned.json(), text)
         away = target.copy()
         away[0, 3] = 9.0
         refused = ss.plan(file, stone="limestone_1", target=away)
