@@ -5,7 +5,6 @@
 #include "arrays.hpp"
 #include "calls.hpp"
 #include "stonestack/core/file.hpp"
-#include "stonestack/experiment/option_sources.hpp"
 
 namespace stonestack::python {
 namespace {
@@ -46,8 +45,10 @@ CataloguePtr catalogue_of(const py::object& given) {
   return read_stones(given.is_none() ? "" : py::str(given).cast<std::string>());
 }
 
-void set_options(const core::FieldList& list, std::optional<int> seed, const py::dict& options) {
+void set_options(const core::FieldList& list, std::optional<int> seed, const py::dict& options,
+                 const std::vector<experiment::FlagValue>& flags) {
   experiment::OptionSources sources;
+  sources.flags = flags;
   if (seed) sources.flags.push_back({"seed", "*.seed", std::to_string(*seed)});
   for (const auto& [name, value] : options)
     sources.assignments.push_back(py::str(name).cast<std::string>() + "=" + option_text(value));

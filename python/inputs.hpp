@@ -8,6 +8,7 @@
 
 #include "stonestack/core/options.hpp"
 #include "stonestack/detection/detect_stones.hpp"
+#include "stonestack/experiment/option_sources.hpp"
 #include "stonestack/stone/catalogue.hpp"
 #include "stonestack/stone/scene_file.hpp"
 
@@ -20,9 +21,11 @@ using CataloguePtr = std::shared_ptr<stone::Catalogue>;
 /// @throws FileError.
 [[nodiscard]] CataloguePtr catalogue_of(const pybind11::object& given);
 
-/// Sets options from where the command takes them (files, environment), then `seed` and `options`.
+/// Sets options from where the command takes them (files, environment), then `seed`, the arguments that are
+/// `flags` of the command, and `options`.
 /// @throws FileError, InvalidArgument.
-void set_options(const core::FieldList& list, std::optional<int> seed, const pybind11::dict& options);
+void set_options(const core::FieldList& list, std::optional<int> seed, const pybind11::dict& options,
+                 const std::vector<experiment::FlagValue>& flags = {});
 
 /// A list of names, or one text with commas between; None: empty.
 [[nodiscard]] std::vector<std::string> names_of(const pybind11::object& given);

@@ -40,6 +40,11 @@ using namespace simulation;
 using namespace experiment;
 using namespace report;
 
+/// A text or a path; None: empty.
+std::string path_or_text(const py::object& given) {
+  return given.is_none() ? "" : py::str(given).cast<std::string>();
+}
+
 std::string joined(const std::vector<std::string>& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ",") + name;
@@ -112,11 +117,24 @@ using SearchPtr = std::shared_ptr<SceneSearch>;
 struct FoundPlacement {
   std::string stone;
   Placement placement;
+  std::optional<int> course;  ///< of a wall, from 0
+  std::vector<int> supports;  ///< of a wall: indices of placements
 };
 
 std::vector<FoundPlacement> named(const Catalogue& catalogue, const std::vector<Placement>& placements) {
   std::vector<FoundPlacement> list;
-  for (const Placement& p : placements) list.push_back({catalogue[p.stone].name, p});
+  for (const Placement& p : placements) list.push_back({catalogue[p.stone].name, p, {}, {}});
+  return list;
+}
+
+/// The next placement, one a level, or those of a wall in the order in which they are built.
+std::vector<FoundPlacement> placements_of(const SceneSearch& found) {
+  std::vector<FoundPlacement> list = named(found.catalogue, found.placements);
+  if (!found.wall) return list;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    list[i].course = found.wall->placements[i].course;
+    list[i].supports = found.wall->placements[i].supports;
+  }
   return list;
 }
 
@@ -126,8 +144,8 @@ struct Searched {
 };
 
 Searched search(const py::object& scene, const py::object& stones, const py::object& site,
-                const std::string& robot, int levels, const py::object& camera_pose, bool world,
-                std::optional<int> seed, const py::object& given, const py::dict& options,
+                const std::string& robot, int levels, const py::object& wall, const py::object& camera_pose,
+                bool world, std::optional<int> seed, const py::object& given, const py::dict& options,
                 const DepthInput& input) {
   Searched done;
   SceneSearchTask& task = done.task;
@@ -153,10 +171,16 @@ Searched search(const py::object& scene, const py::object& stones, const py::obj
   task.depth = input;
   task.robot = robot;
   task.levels = levels;
+  task.wall = path_or_text(wall);
   if (robot.empty()) task.search.max_tilt = std::numbers::pi;  // no grasp limits how a stone is turned
   set_options(join({nest("search", fields(task.search)), nest("detection", fields(task.detection)),
                     nest("motion", fields(task.motion)), nest("gripper", {gripper_field(task.gripper)})}),
               seed, options);
+  if (!task.wall.empty()) {
+    (void)read_wall_target(task.wall);
+    require(task.search.method == "default" && levels == 1,
+            "wall goes with neither levels nor search.method=paper");
+  }
   done.found = call([&] { return std::make_shared<SceneSearch>(search_in_scene(task)); }, task.search.budget);
   return done;
 }
@@ -247,12 +271,15 @@ Planned plan(const std::string& scene, const py::object& stone, const py::object
 
 using RunPtr = std::shared_ptr<RecordedRun>;
 
-RunPtr run(const std::string& robot, std::optional<int> seed, int per_run, const std::string& out,
-           const py::object& given, const py::dict& options) {
+RunPtr run(const std::string& robot, std::optional<int> seed, int per_run, const py::object& wall,
+           const std::string& out, const py::object& given, const py::dict& options) {
   RunOrder order;
   order.run.seed = seed.value_or(1);
   spread_seed(order.run);
-  set_options(fields(order.run), seed, options);
+  std::vector<FlagValue> flags;
+  if (!wall.is_none()) flags.push_back({"wall", "run.wall", path_or_text(wall)});
+  set_options(fields(order.run), seed, options, flags);
+  if (!order.run.build.wall.empty()) (void)read_wall_target(order.run.build.wall);  // before a folder is made
   order.robot = read_robot(robot);
   order.per_run = per_run;
   order.out = out;
@@ -393,6 +420,21 @@ void add_detection(py::module_& m) {
         py::arg("catalogue") = py::none(), py::arg("options") = py::dict(), py::arg("depth") = DepthInput{});
 }
 
+void add_walls(py::module_& m) {
+  py::class_<WallMetrics>(m, "WallMetrics")
+      .def_readonly("placed", &WallMetrics::placed)
+      .def_readonly("asked", &WallMetrics::asked)
+      .def_readonly("length", &WallMetrics::length)
+      .def_readonly("height", &WallMetrics::height)
+      .def_readonly("width", &WallMetrics::width)
+      .def_readonly("fill", &WallMetrics::fill)
+      .def_readonly("face", &WallMetrics::face)
+      .def_readonly("joints", &WallMetrics::joints)
+      .def_readonly("open_joints", &WallMetrics::open_joints)
+      .def_readonly("flatness", &WallMetrics::flatness)
+      .def_readonly("margin", &WallMetrics::margin);
+}
+
 void add_search(py::module_& m) {
   py::class_<FoundPlacement>(m, "Placement")
       .def_readonly("stone", &FoundPlacement::stone)
@@ -404,15 +446,26 @@ void add_search(py::module_& m) {
       .def_property_readonly("expected_height",
                              [](const FoundPlacement& f) { return f.placement.expected_height; })
       .def_property_readonly("support_W",
-                             [](const FoundPlacement& f) { return to_array(f.placement.support.corners_W); });
+                             [](const FoundPlacement& f) { return to_array(f.placement.support.corners_W); })
+      .def_readonly("course", &FoundPlacement::course)
+      .def_readonly("supports", &FoundPlacement::supports);
   py::class_<Searched>(m, "SearchResult")
-      .def_property_readonly("placements",
-                             [](const Searched& s) { return named(s.found->catalogue, s.found->placements); })
+      .def_property_readonly("placements", [](const Searched& s) { return placements_of(*s.found); })
       .def_property_readonly(
           "alternatives", [](const Searched& s) { return named(s.found->catalogue, s.found->alternatives); })
       .def_property_readonly("stack",
                              [](const Searched& s) {
                                return placed_in(s.found->catalogue, s.found->start.problem.stack.stones);
+                             })
+      .def_property_readonly("wall",
+                             [](const Searched& s) {
+                               const auto& wall = s.found->wall;
+                               return wall ? std::optional<WallMetrics>(wall->metrics) : std::nullopt;
+                             })
+      .def_property_readonly("T_W_V",
+                             [](const Searched& s) {
+                               const auto& wall = s.found->wall;
+                               return optional_pose(wall ? std::optional<Pose>(wall->T_W_V) : std::nullopt);
                              })
       .def_property_readonly("site",
                              [](const Searched& s) {
@@ -439,8 +492,9 @@ void add_search(py::module_& m) {
           py::arg("path"));
   m.def("search", &search, py::arg("scene") = py::none(), py::kw_only(), py::arg("stones") = py::none(),
         py::arg("site") = py::none(), py::arg("robot") = "", py::arg("levels") = 1,
-        py::arg("camera_pose") = py::none(), py::arg("world") = false, py::arg("seed") = py::none(),
-        py::arg("catalogue") = py::none(), py::arg("options") = py::dict(), py::arg("depth") = DepthInput{});
+        py::arg("wall") = py::none(), py::arg("camera_pose") = py::none(), py::arg("world") = false,
+        py::arg("seed") = py::none(), py::arg("catalogue") = py::none(), py::arg("options") = py::dict(),
+        py::arg("depth") = DepthInput{});
 }
 
 void add_check(py::module_& m) {
@@ -518,6 +572,7 @@ void add_run(py::module_& m) {
       .def_property_readonly("ended", [](const RecordedRun& r) { return to_text(r.report.result.end); })
       .def_property_readonly("reason", [](const RecordedRun& r) { return r.report.result.ended; })
       .def_property_readonly("placements", [](const RecordedRun& r) { return r.report.result.placements; })
+      .def_property_readonly("wall", [](const RecordedRun& r) { return r.report.result.wall; })
       .def_property_readonly("true_height",
                              [](const RecordedRun& r) {
                                return r.report.truth ? std::optional<int>(r.report.truth->height)
@@ -537,8 +592,8 @@ void add_run(py::module_& m) {
                              [](const RunPtr& r) { return column(r, [](const auto& s) { return s.force; }); })
       .def("json", [](const RecordedRun& r) { return run_json(r.report); });
   m.def("run", &run, py::arg("robot") = "ur10", py::kw_only(), py::arg("seed") = py::none(),
-        py::arg("per_run") = 4, py::arg("out") = "", py::arg("catalogue") = py::none(),
-        py::arg("options") = py::dict());
+        py::arg("per_run") = 4, py::arg("wall") = py::none(), py::arg("out") = "",
+        py::arg("catalogue") = py::none(), py::arg("options") = py::dict());
 }
 
 void set_level(const std::string& name) {
@@ -555,7 +610,7 @@ void set_level(const std::string& name) {
 }  // namespace
 
 PYBIND11_MODULE(stonestack, m) {
-  m.doc() = "Finds scanned stones, plans stable towers and builds them with a robot arm.";
+  m.doc() = "Finds scanned stones, plans stable towers and walls and builds them with a robot arm.";
   m.attr("__version__") = apps::program_version();
   add_errors(m);
   py::class_<DepthInput>(m, "DepthInput")
@@ -569,6 +624,7 @@ PYBIND11_MODULE(stonestack, m) {
   add_scenes(m);
   add_detection(m);
   add_segmentation(m);
+  add_walls(m);
   add_search(m);
   add_check(m);
   add_plan(m);

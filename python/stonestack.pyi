@@ -1,4 +1,4 @@
-"""Finds scanned stones, plans stable towers and builds them with a robot arm.
+"""Finds scanned stones, plans stable towers and walls and builds them with a robot arm.
 
 Poses are 4 x 4 matrices; `T_A_B` maps B-coordinates to A. Frames: W world (z up, table at z = 0), C camera
 (optical, z forward), O stone, T tool tip. Metres, radians, kilograms, seconds. Arrays are copies.
@@ -19,6 +19,7 @@ Options = Mapping[str, Union[str, int, float, bool]]
 PoseLike = Union[str, NDArray[Any]]
 CatalogueLike = Union["Catalogue", str, "PathLike[str]", None]
 Names = Union[str, Sequence[str], None]
+WallLike = Union[str, "PathLike[str]", None]
 
 __version__: str
 
@@ -274,15 +275,64 @@ class Placement:
     @property
     def support_W(self) -> Floats:
         """Corners of the support polygon, N x 3."""
+    @property
+    def course(self) -> Optional[int]:
+        """Course of a wall's stone, 0 on the table; None: of a tower."""
+    @property
+    def supports(self) -> list[int]:
+        """Indices of the placements that a wall's stone rests on; empty: the table, or of a tower."""
+
+class WallMetrics:
+    """Figures of a wall, as planned or as built."""
+    @property
+    def placed(self) -> int:
+        """Stones that stand."""
+    @property
+    def asked(self) -> int:
+        """Stones that were asked for; 0: as many as the length takes."""
+    @property
+    def length(self) -> float:
+        """Metres, of the lowest course."""
+    @property
+    def height(self) -> float:
+        """Metres, mean height of the tops of the highest course."""
+    @property
+    def width(self) -> float:
+        """Metres, mean extent of the stones across the wall."""
+    @property
+    def fill(self) -> float:
+        """Share of the wall's volume that is stone."""
+    @property
+    def face(self) -> float:
+        """Share of the wall's face that is stone."""
+    @property
+    def joints(self) -> int:
+        """Joints between neighbours of a course with a course above them."""
+    @property
+    def open_joints(self) -> int:
+        """Of these, joints that run on through the course above."""
+    @property
+    def flatness(self) -> float:
+        """Metres, root mean square of the tops of a course about their mean."""
+    @property
+    def margin(self) -> float:
+        """In g: horizontal acceleration that the whole bears in the weakest direction."""
 
 class SearchResult:
     """Placements that a search proposes; none: `reason` says why."""
     @property
-    def placements(self) -> list[Placement]: ...
+    def placements(self) -> list[Placement]:
+        """The next one, one a level, or those of a wall in the order in which they are built."""
     @property
     def alternatives(self) -> list[Placement]: ...
     @property
     def stack(self) -> list[tuple[str, Floats]]: ...
+    @property
+    def wall(self) -> Optional[WallMetrics]:
+        """Figures of the planned wall; None: of a tower."""
+    @property
+    def T_W_V(self) -> Optional[Floats]:
+        """Frame of the planned wall: x along it, y across, z = 0 the table; None: of a tower."""
     @property
     def site(self) -> Floats:
         """x, y."""
@@ -297,15 +347,21 @@ class SearchResult:
     def json(self) -> str:
         """What `stonestack search --json` prints."""
     def write_scene(self, path: str) -> None:
-        """Writes the planned tower as a scene file."""
+        """Writes the planned tower or wall as a scene file."""
     def draw(self, path: str) -> None:
-        """Draws the planned tower (PNG)."""
+        """Draws the planned tower or wall (PNG)."""
 
 def search(scene: Union[str, "PathLike[str]", None] = None, *, stones: Names = None,
            site: Union[str, Sequence[float], None] = None, robot: str = "", levels: int = 1,
-           camera_pose: Optional[PoseLike] = None, world: bool = False, seed: Optional[int] = None,
-           catalogue: CatalogueLike = None, options: Options = ..., depth: DepthInput = ...) -> SearchResult:
-    """Finds the next stable stacking pose, or a tower of `levels`."""
+           wall: WallLike = None, camera_pose: Optional[PoseLike] = None, world: bool = False,
+           seed: Optional[int] = None, catalogue: CatalogueLike = None, options: Options = ...,
+           depth: DepthInput = ...) -> SearchResult:
+    """Finds the next stable stacking pose, a tower of `levels`, or a wall.
+
+    wall: stones a course ("3+2+1"), metres and courses ("0.8x3"), or a target file. stones="all": all of the
+    catalogue.
+    Raises InvalidArgument for a wall that cannot be, and for one with `levels` or search.method=paper; FileError
+    for a target file that cannot be read; Error where nothing is detected."""
 
 class TowerCheck:
     """Whether and how firmly a stack stands."""
@@ -342,7 +398,7 @@ class TowerCheck:
 
 def check(tower: str, *, friction: float = 0.1, seconds: float = 10.0,
           catalogue: CatalogueLike = None) -> TowerCheck:
-    """Simulates the stack of a scene file and solves its equilibrium."""
+    """Simulates the stack or the wall of a scene file and solves its equilibrium."""
 
 class PlanStep:
     """One thing to do; a motion has a trajectory."""
@@ -420,6 +476,9 @@ class Run:
     @property
     def placements(self) -> list[PlacementRecord]: ...
     @property
+    def wall(self) -> Optional[WallMetrics]:
+        """Figures of the wall as last observed; None: of a tower."""
+    @property
     def true_height(self) -> Optional[int]: ...
     @property
     def time(self) -> Floats:
@@ -434,9 +493,12 @@ class Run:
     def json(self) -> str:
         """What `stonestack run --json` prints."""
 
-def run(robot: str = "ur10", *, seed: Optional[int] = None, per_run: int = 4, out: str = "",
-        catalogue: CatalogueLike = None, options: Options = ...) -> Run:
-    """Builds a tower in the simulated cell; never moves a real robot. out: folder of the record."""
+def run(robot: str = "ur10", *, seed: Optional[int] = None, per_run: int = 4, wall: WallLike = None,
+        out: str = "", catalogue: CatalogueLike = None, options: Options = ...) -> Run:
+    """Builds a tower in the simulated cell, or a wall; never moves a real robot.
+
+    wall: as for `search`. out: folder of the record; empty: runs/TIME-SEED.
+    Raises InvalidArgument for a wall that cannot be, and for a folder with the record of another run."""
 
 def set_log_level(level: str) -> None:
     """debug, info, warning (the default of the module), error or off; the log goes to stderr."""

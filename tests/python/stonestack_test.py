@@ -8,6 +8,7 @@ import os
 import pathlib
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -51,6 +52,14 @@ class Case(unittest.TestCase):
         self.assertEqual(array.shape, (4, 4))
         self.assertEqual(list(array[:3, 3]), [pose["x"], pose["y"], pose["z"]])  # bit for bit
         np.testing.assert_allclose(array, matrix(pose), atol=1e-14)
+
+    def same_run(self, run, text):
+        mine, theirs = json.loads(run.json()), json.loads(text)
+        for host in ("detection", "search", "planning", "beside_motion"):  # host seconds differ from run to run
+            mine["seconds"].pop(host), theirs["seconds"].pop(host)
+        mine.pop("version"), theirs.pop("version")  # they may have been built from different commits
+        self.assertEqual(mine, theirs)
+        return theirs
 
 
 class Stones(Case):
@@ -246,6 +255,80 @@ class Search(Case):
         self.assertEqual(checked.contacts_W.shape[1], 3)
 
 
+class Wall(Case):
+    def compare(self, metrics, entry):
+        for name, unit in (("placed", ""), ("asked", ""), ("length", "_m"), ("height", "_m"), ("width", "_m"),
+                           ("fill", ""), ("face", ""), ("joints", ""), ("open_joints", ""), ("flatness", "_m"),
+                           ("margin", "_g")):
+            self.assertEqual(getattr(metrics, name), entry[name + unit], name)
+
+    def planned_as_by_the_command(self, wall, **arguments):
+        options = [f"--set={name}={value}" for name, value in arguments.get("options", {}).items()]
+        text = command("search", "--stones", "all", "--wall", wall, "--json", "-q", "--seed", 2, *options)
+        found = ss.search(stones="all", wall=wall, seed=2, **arguments)
+        mine, theirs = json.loads(found.json()), json.loads(text)
+        mine["wall"].pop("seconds"), theirs["wall"].pop("seconds")  # of the host
+        self.assertEqual(mine, theirs)
+        self.compare(found.wall, theirs["wall"])
+        self.assertEqual(len(found.placements), found.wall.placed)
+        for placement, entry, place in zip(found.placements, theirs["placements"], theirs["wall"]["stones"]):
+            self.assertEqual((placement.stone, placement.cost), (entry["stone"], entry["cost"]))
+            self.assertEqual((placement.course, placement.supports), (place["course"], place["supports"]))
+            self.same_pose(placement.T_W_O, entry["T_W_O"])
+        return found
+
+    def test_search_and_check_same_as_the_command(self):
+        found = self.planned_as_by_the_command("2+1", options={"search.friction": 0.4})
+        self.assertEqual([p.course for p in found.placements], [0, 0, 1])
+        self.assertEqual(found.placements[0].supports, [])
+        self.assertEqual(sorted(found.placements[2].supports), [0, 1])
+        wall = str(self.path / "wall.yaml")
+        found.write_scene(wall)
+        text = command("check", wall, "--friction", 0.4, "--seconds", 2, "--json", "-q", codes=(0, 5))
+        self.assertEqual(ss.check(wall, friction=0.4, seconds=2).json(), text)
+        self.assertTrue(json.loads(text)["wall"])
+        tower = ss.search(stones="limestone_1")
+        self.assertIsNone(tower.wall)
+        self.assertIsNone(tower.T_W_V)
+        self.assertEqual((tower.placements[0].course, tower.placements[0].supports), (None, []))
+
+    def test_target_files_say_where_it_stands(self):
+        target = self.path / "target.yaml"
+        target.write_text("schema: stonestack.target/1\nwall: {courses: [2]}\ncentre: {x: 0.6, y: 0.2}\nyaw_deg: 90\n")
+        found = self.planned_as_by_the_command(target)
+        self.assertEqual(found.T_W_V.shape, (4, 4))
+        np.testing.assert_allclose(found.T_W_V[:3, :3], [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-12)
+        np.testing.assert_allclose(found.T_W_V[[0, 2], 3], [0.6, 0.0], atol=1e-12)
+
+    def test_walls_that_cannot_be_are_refused(self):
+        for wrong in ({"wall": "3+x"}, {"wall": "2+1", "levels": 2},
+                      {"wall": "2+1", "options": {"search.method": "paper"}}):
+            with self.assertRaises(ss.InvalidArgument):
+                ss.search(stones="all", **wrong)
+        with self.assertRaises(ss.FileError):
+            ss.search(stones="all", wall="/nowhere.yaml")
+        with self.assertRaises(ss.InvalidArgument):
+            ss.run(wall="3+x", out=str(self.path / "refused"))
+        self.assertFalse((self.path / "refused").exists())
+
+    def test_ctrl_c_ends_a_plan_and_the_next_is_whole(self):
+        before = ss.search(stones="all", wall="2+1").placements
+        threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            ss.search(stones="all", wall="3+2+1", options={"search.friction": 0.05})
+        after = ss.search(stones="all", wall="2+1").placements
+        self.assertEqual([(p.stone, p.T_W_O.tolist()) for p in after], [(p.stone, p.T_W_O.tolist()) for p in before])
+
+    def test_run_same_as_the_command(self):
+        text = command("run", "--per-run", 3, "--wall", "2+1", "--seed", 1, "--out", self.path / "command", "--json",
+                       "-q", codes=(0, 5))
+        run = ss.run(seed=1, per_run=3, wall="2+1", out=str(self.path / "module"))
+        self.same_run(run, text)
+        self.compare(run.wall, json.loads(text)["wall"])
+        self.assertEqual(run.wall.placed, run.height)
+        self.assertGreater(run.height, 0)
+
+
 class Plan(Case):
     def test_same_as_the_command(self):
         scene = ss.render(str(self.path / "scene"), seed=3, stones="limestone_1")
@@ -284,12 +367,9 @@ class Run(Case):
     def test_same_as_the_command(self):
         text = command("run", "--per-run", 1, "--seed", 1, "--out", self.path / "command", "--json", "-q")
         run = ss.run(seed=1, per_run=1, out=str(self.path / "module"))
-        mine, theirs = json.loads(run.json()), json.loads(text)
-        for host in ("detection", "search", "planning", "beside_motion"):  # host seconds differ from run to run
-            mine["seconds"].pop(host), theirs["seconds"].pop(host)
-        mine.pop("version"), theirs.pop("version")  # they may have been built from different commits
-        self.assertEqual(mine, theirs)
+        theirs = self.same_run(run, text)
         self.assertEqual(run.height, 1)
+        self.assertIsNone(run.wall)
         self.same_pose(run.placements[0].T_W_O_measured, theirs["placements"][0]["T_W_O_measured"])
         self.assertEqual(run.q.shape, (len(run.time), 6))
         self.assertTrue((np.diff(run.time) >= 0).all())
@@ -329,6 +409,21 @@ class Run(Case):
         done.set()
         thread.join()
         self.assertGreater(after - before, 20)  # with Python's lock held it would be none
+
+
+class Arch(Case):
+    def test_example_writes_an_arch_that_stands_and_slides(self):
+        script = pathlib.Path(__file__).parents[2] / "examples" / "python" / "make_arch.py"
+        arch = self.path / "arch.json"
+        subprocess.run([sys.executable, "-B", script, arch], check=True, capture_output=True)
+        stands = json.loads(command("check", arch, "--friction", 0.6, "--json", "-q"))
+        self.assertEqual(len(stands["blocks"]), 15)
+        self.assertEqual([b["name"] for b in stands["blocks"] if b["support"]], ["0", "14"])
+        wedge = 0.5 * (1.25**2 - 1.0) * np.sin(np.pi / 15) * 0.5
+        for block in stands["blocks"]:
+            self.assertAlmostEqual(block["volume"], wedge, places=9)
+        self.assertTrue(stands["stands"])
+        command("check", arch, "--friction", 0.15, "--json", "-q", codes=(5,))
 
 
 if __name__ == "__main__":
