@@ -4,6 +4,7 @@
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 file(CREATE_LINK "${ROOT}/data" "${FOLDER}/data" SYMBOLIC)
+file(CREATE_LINK "${ROOT}/examples" "${FOLDER}/examples" SYMBOLIC)
 file(WRITE "${FOLDER}/dev" "#!/bin/sh\nexec '${PROGRAM}' \"$@\"\n")
 file(CHMOD "${FOLDER}/dev" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
 
