@@ -21,7 +21,7 @@ constexpr float kFreeWeight = 0.25F;   // of a view that sees through a place, a
 constexpr double kFreeShare = 0.2;
 constexpr float kTrusted = 0.02F;  // weight from which on a distance is measured
 
-/// What one view says of a place.
+/// Statement of one view about a place.
 struct Say {
   float weight = 0.0F;
   float distance = 0.0F;

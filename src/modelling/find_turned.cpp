@@ -25,12 +25,12 @@ constexpr double kCoarseGate = 0.025;           // m, of the many starts: at fir
 constexpr double kCoarseEnd = 0.008;            // ... and at their end
 constexpr double kSameTurnedNormal = 0.6;       // cosine
 constexpr double kAgrees = 0.002;               // m
-constexpr double kLeastAgreement =
+constexpr double kMinAgreement =
     0.08;  // of the surface that is seen: a stone on its side shows little that was seen
-constexpr double kLeastConfirmed = 0.65;  // of the model's seen surface that faces a view
-constexpr double kFacing = 0.4;           // cosine
-constexpr double kInFront = 0.005;     // m: a view sees through what would lie so much before what it shows
-constexpr double kBelowTable = 0.004;  // m
+constexpr double kMinConfirmed = 0.65;  // of the model's seen surface that faces a view
+constexpr double kFacing = 0.4;         // cosine
+constexpr double kInFront = 0.005;      // m: a view sees through what would lie so much before what it shows
+constexpr double kBelowTable = 0.004;   // m
 constexpr double kTurns[] = {0.0, 0.2, -0.2};   // rad of the near starts, about level axes
 constexpr double kYaws[] = {0.0, 0.35, -0.35};  // about the vertical
 constexpr int kDirections = 48;                 // of the many starts: which side is up
@@ -139,7 +139,7 @@ FoundObject agreement_of(const SeenSurface& surface, const std::vector<SeenPoint
   return found;
 }
 
-/// What the views say of a pose, over the model's seen surface that faces them.
+/// Evidence of the views for a pose, over the model's seen surface that faces them.
 struct Evidence {
   std::size_t confirmed = 0;  ///< places where a view shows that surface
   std::size_t refuted = 0;    ///< where a view shows other surface near it, or sees through it
@@ -193,7 +193,7 @@ class BestPose {
     if (!follow(surface_, points_, kFineSteps, kWidestTurnedGate, kNarrowestTurnedGate, T_W_O)) return;
     const FoundObject found = agreement_of(surface_, points_, kAgrees, T_W_O);
     const Evidence evidence = evidence_for(surface_, scene_, free_to_, T_W_O, kAgrees, 1);
-    if (found.agreement < kLeastAgreement || evidence.share() < kLeastConfirmed) return;
+    if (found.agreement < kMinAgreement || evidence.share() < kMinConfirmed) return;
     if (best_ && evidence.share() * found.agreement <= quality_) return;
     quality_ = evidence.share() * found.agreement;
     best_ = found;

@@ -19,9 +19,9 @@ using Complex = CGAL::Complex_2_in_triangulation_3<Triangulation>;
 using Traits = Triangulation::Geom_traits;
 using Surface = CGAL::Implicit_surface_3<Traits, std::function<double(Traits::Point_3)>>;
 
-constexpr double kLeastAngle = 25.0;  // degrees of a triangle
-constexpr double kOffSurface = 0.1;   // of `facet`: distance of a triangle's middle from the surface
-constexpr double kPrecision = 1e-4;   // of the sphere's radius, with which the surface is met
+constexpr double kMinAngle = 25.0;   // degrees of a triangle
+constexpr double kOffSurface = 0.1;  // of `facet`: distance of a triangle's middle from the surface
+constexpr double kPrecision = 1e-4;  // of the sphere's radius, with which the surface is met
 
 }  // namespace
 
@@ -38,8 +38,7 @@ Mesh surface_of(const DistanceVolume& volume, double facet) {
   Triangulation triangulation;
   Complex complex(triangulation);
   const Surface surface(distance, Traits::Sphere_3(centre, radius * radius), kPrecision);
-  const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(kLeastAngle, facet,
-                                                                      kOffSurface * facet);
+  const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(kMinAngle, facet, kOffSurface * facet);
   CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag());
   CGAL::Surface_mesh<Traits::Point_3> found;
   CGAL::facets_in_complex_2_to_triangle_mesh(complex, found);

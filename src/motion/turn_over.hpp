@@ -27,7 +27,6 @@ struct TurnTo {
 struct TurnPlan {
   PickAndPlacePlan plan;
   Pose T_W_O = Pose::Identity();  ///< where it should come to lie
-  bool falls = false;             ///< over an edge: it may come to lie otherwise
 };
 
 /// Plans the first of some ways to turn a loose stone over for which a grasp serves both ends, at the free

@@ -39,8 +39,8 @@ struct Candidate {
   int object = 0;  ///< in the first scene
   ObjectModel model;
   Stone stone;
-  Pose T_W_O;                  ///< of `stone`: where it is, or should have come to lie
-  std::optional<Mesh> seen_W;  ///< hull of what was seen of it, down to the table, once it fell over
+  Pose T_W_O;                ///< of `stone`: where it is, or should have come to lie
+  std::vector<Mesh> seen_W;  ///< hulls of what was seen of it, down to the table, once it was moved
   ModelledStone made;
 };
 
@@ -199,7 +199,7 @@ Mesh hull_to_table(const Cloud& cloud_C, const Pose& T_W_C) {
   return convex_hull(points);
 }
 
-/// What no stone was made of stands in the way: what is seen of it, down to the table.
+/// Obstacles for objects that no stone was made of: as far as they are seen, down to the table.
 std::vector<Obstacle> obstacles_of(const AlignedScene& scene, const std::vector<Candidate>& candidates) {
   std::vector<Obstacle> others;
   for (int object = 0; object < static_cast<int>(scene.segmentation.objects.size()); ++object) {
@@ -220,9 +220,9 @@ PlanningScene scene_with(const CellLayout& layout, const RobotModel& robot,
                          const std::vector<Candidate>& candidates, const std::vector<Obstacle>& others) {
   PlanningScene scene = make_planning_scene(layout, robot, {}, {});
   for (const Candidate& candidate : candidates)
-    scene.objects.push_back(candidate.seen_W
-                                ? SceneObject{candidate.stone.name, {*candidate.seen_W}, Pose::Identity()}
-                                : SceneObject{candidate.stone.name, candidate.stone.pieces, candidate.T_W_O});
+    scene.objects.push_back(candidate.seen_W.empty()
+                                ? SceneObject{candidate.stone.name, candidate.stone.pieces, candidate.T_W_O}
+                                : SceneObject{candidate.stone.name, candidate.seen_W, Pose::Identity()});
   for (const Obstacle& other : others) scene.objects.push_back({other.name, other.pieces, other.T_W_O});
   return scene;
 }
@@ -250,8 +250,9 @@ double unseen_area(const Candidate& candidate) {
 /// Sets a stone down on another of its sides.
 class Turner {
  public:
-  Turner(Cell& cell, const PlanningScene& scene, const ModelFieldOptions& options, Journal* journal)
-      : cell_(cell), scene_(scene), options_(options), journal_(journal) {}
+  Turner(Cell& cell, const PlanningScene& scene, std::vector<Candidate>& candidates,
+         const ModelFieldOptions& options, Journal* journal)
+      : cell_(cell), scene_(scene), candidates_(candidates), options_(options), journal_(journal) {}
 
   void turn(Candidate& candidate, int object) {
     PickAndPlaceTask task;
@@ -277,7 +278,7 @@ class Turner {
       candidate.T_W_O = plan->T_W_O;
     else
       candidate.made.note = done.reason;
-    if (!candidate.made.turned || plan->falls) look_where_it_lies(candidate, object);
+    look_where_it_lies(candidate, object);
   }
 
  private:
@@ -294,13 +295,17 @@ class Turner {
     const SurveyView taken =
         survey(cell_, scene, top, p_W, 1, options_.view_distance, options_.motion).front();
     const Segmentation seen = detection::segment(taken.view.image, options_.modelling.segment);
-    const SegmentedObject* nearest = nullptr;
-    double distance = kSameObject;
     for (const SegmentedObject& one : seen.objects) {
-      const double off = (taken.view.T_W_C * one.p_C_middle - p_W).head<2>().norm();
-      if (off < distance) distance = off, nearest = &one;
+      const Eigen::Vector3d p_W_one = taken.view.T_W_C * one.p_C_middle;
+      const auto off = [&](const Candidate& other) {
+        return (p_W_one - other.T_W_O.translation()).head<2>().norm();
+      };
+      const bool is_its = std::none_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
+        return &other != &candidate && off(other) < off(candidate);
+      });
+      if (is_its && off(candidate) < kSameObject)
+        candidate.seen_W.push_back(hull_to_table(one.cloud_C, taken.view.T_W_C));
     }
-    if (nearest != nullptr) candidate.seen_W = hull_to_table(nearest->cloud_C, taken.view.T_W_C);
   }
 
   /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
@@ -321,6 +326,7 @@ class Turner {
 
   Cell& cell_;
   const PlanningScene& scene_;
+  std::vector<Candidate>& candidates_;
   const ModelFieldOptions& options_;
   Journal* journal_;
 };
@@ -425,7 +431,7 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
     const std::vector<Obstacle> others = obstacles_of(first, candidates);
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
-      Turner(here, scene, options, journal)
+      Turner(here, scene, candidates, options, journal)
           .turn(candidates[k], static_cast<int>(here.layout.obstacles.size() + k));
     }
     PlanningScene scene = scene_with(here.layout, robot, candidates, others);

@@ -14,7 +14,7 @@ constexpr double kAzimuthStep = 30.0;                       // degrees
 constexpr double kRolls[] = {180.0, 0.0, 90.0, -90.0};      // degrees about the optical axis
 constexpr double kMinCosine = 0.25;                         // of a view on surface that it shows
 constexpr double kBestCosine = 0.8;                         // more shows it no better
-constexpr double kLeastGain = 0.02;                         // of the wanted area: less is no view worth
+constexpr double kMinGainOfView = 0.02;                     // of the wanted area: less is no view worth
 
 /// Direction from the target to the camera.
 struct Direction {
@@ -78,7 +78,7 @@ std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
     std::stable_sort(directions.begin(), directions.end(),
                      [](const Direction& a, const Direction& b) { return a.gain > b.gain; });
     std::optional<JointTrajectory> route;
-    while (!route && !directions.empty() && directions.front().gain > kLeastGain * all) {
+    while (!route && !directions.empty() && directions.front().gain > kMinGainOfView * all) {
       throw_if_interrupted();
       route =
           plan_route_to_view(cell, scene, cameras_at(p_W_target, directions.front().n_W, distance), options);

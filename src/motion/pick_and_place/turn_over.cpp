@@ -19,8 +19,8 @@ constexpr double kTipStep = 0.026;    // rad
 constexpr double kTouching = 0.0025;  // m above the lowest point: carries it, too
 constexpr int kMaxTipSteps = 200;
 constexpr int kAxes = 24;                // level axes that a stone is turned about
-constexpr double kLeastTurn = 0.6;       // rad: less brings no other side up
-constexpr double kMostTurn = 1.5;        // rad
+constexpr double kMinTurn = 0.6;         // rad: less brings no other side up
+constexpr double kMaxTurn = 1.5;         // rad
 constexpr double kTurnStep = 0.14;       // rad; beyond an edge by two of them it is sure to fall over
 constexpr double kSameSide = 0.35;       // rad between two rests on one side
 constexpr double kRoomToFall = 0.05;     // m
@@ -54,7 +54,7 @@ Eigen::Vector2d nearest_on(const Polygon2& outline, const Eigen::Vector2d& p) {
 std::optional<TurnTo> falling_over(const Stone& stone, const Eigen::Quaterniond& R_W_O, double axis) {
   const Eigen::Vector3d n_W(std::cos(axis), std::sin(axis), 0.0);
   std::optional<Eigen::Quaterniond> before, first;  // where it came to lie turned one and two steps less
-  for (double turn = kLeastTurn; turn <= kMostTurn; turn += kTurnStep) {
+  for (double turn = kMinTurn; turn <= kMaxTurn; turn += kTurnStep) {
     const Eigen::Quaterniond let_go(Eigen::AngleAxisd(turn, n_W) * R_W_O);
     const Eigen::Quaterniond rest = tipped_over(stone, let_go);
     if (!same_side(rest, R_W_O) && first && same_side(rest, *before) && same_side(rest, *first))
@@ -122,8 +122,7 @@ std::optional<TurnPlan> plan_turn(const PlanningScene& scene, const PickAndPlace
       // Let go of as it was turned about the vertical for this place.
       const Eigen::Quaterniond yaw = Eigen::Quaterniond(places[k].linear()) * way.R_W_O.conjugate();
       const Eigen::Vector2d p_W_M = (places[k] * task.stone->mass.p_O_M).head<2>();
-      return TurnPlan{std::move(plan), standing(*task.stone, yaw * way.R_W_O_rest, p_W_M, scene.table_z),
-                      !same_side(way.R_W_O, way.R_W_O_rest)};
+      return TurnPlan{std::move(plan), standing(*task.stone, yaw * way.R_W_O_rest, p_W_M, scene.table_z)};
     }
   }
   log_debug(concat(task.stone->name, ": ", all.size(), " grasps, ", from.size(), " lift it; ", ways.size(),
