@@ -69,7 +69,7 @@ struct ModellingCommand {
 
 /// Sums over all runs.
 struct ModellingTally {
-  int wanted = 0, modelled = 0, turned = 0, within = 0;
+  int wanted = 0, modelled = 0, turned = 0, within = 0, stopped = 0;
   std::vector<double> median, worst, seconds, host;
 };
 
@@ -84,11 +84,18 @@ void model_run(const ModellingCommand& command, std::uint64_t seed, const std::v
   const Stopwatch watch;
   stacking::ModelFieldOptions options = command.options;
   options.motion.seed = options.modelling.segment.seed = static_cast<int>(seed);
-  const stacking::ModelledField field = stacking::model_field(cell, robot, options);
+  stacking::ModelledField field;
+  tally.wanted += static_cast<int>(present.size());
+  try {
+    field = stacking::model_field(cell, robot, options);
+  } catch (const DeviceError& problem) {
+    ++tally.stopped;
+    log_warning(concat("seed ", seed, ": ", problem.what()));
+    return;
+  }
   const double host = watch.seconds();
   const std::vector<Stone> truth = simulation::as_they_are(stones, simulation);
   const std::vector<Pose> T_W_O = world.truth().T_W_O;
-  tally.wanted += static_cast<int>(present.size());
   tally.seconds.push_back(field.seconds / std::max<std::size_t>(1, field.stones.size()));
   tally.host.push_back(host);
   for (std::size_t k = 0; k < field.stones.size(); ++k) {
@@ -142,13 +149,14 @@ void measure_modelling(const ModellingCommand& command, Results& results) {
                         {"modelled"},
                         {"turned"},
                         {"within_marks"},
+                        {"runs_stopped"},
                         {"median_mm", 2},
                         {"p95_mm", 2},
                         {"robot_seconds_a_stone", 0},
                         {"host_seconds_a_run", 0}});
   const auto mid = [](const std::vector<double>& list) { return list.empty() ? 0.0 : quantile(list, 0.5); };
-  results.row({tally.wanted, tally.modelled, tally.turned, tally.within, 1e3 * mid(tally.median),
-               1e3 * mid(tally.worst), mid(tally.seconds), mid(tally.host)});
+  results.row({tally.wanted, tally.modelled, tally.turned, tally.within, tally.stopped,
+               1e3 * mid(tally.median), 1e3 * mid(tally.worst), mid(tally.seconds), mid(tally.host)});
 }
 
 }  // namespace
