@@ -89,9 +89,11 @@ void model_run(const ModellingCommand& command, std::uint64_t seed, const std::v
   try {
     field = stacking::model_field(cell, robot, options);
   } catch (const DeviceError& problem) {
+    field.stopped = problem.what();
+  }
+  if (!field.stopped.empty()) {
     ++tally.stopped;
-    log_warning(concat("seed ", seed, ": ", problem.what()));
-    return;
+    log_warning(concat("seed ", seed, ": ", field.stopped));
   }
   const double host = watch.seconds();
   const std::vector<Stone> truth = simulation::as_they_are(stones, simulation);

@@ -125,6 +125,9 @@ bool model_unseen(RunReport& report, Cell& cell, const SimulatedRun& run, const 
     report.catalogue = folder;
     stones.modelled = std::move(field.catalogue);
     stones.modelled->path = folder;
+    if (field.interrupted)
+      return end_run(RunResult::End::kInterrupted, "interrupted while the stones were modelled");
+    if (!field.stopped.empty()) return end_run(RunResult::End::kStopped, field.stopped);
     if (stones.modelled->stones.empty())
       return end_run(
           RunResult::End::kNothingSeen,

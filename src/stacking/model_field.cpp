@@ -407,6 +407,30 @@ void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_fie
                       "clear the cell and start again");
 }
 
+/// Turns every stone over, looks again, and completes the models; then the arm leaves the field.
+void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& first,
+                     const Eigen::Vector3d& p_W_field, const ModelFieldOptions& options, Journal* journal,
+                     std::vector<Candidate>& candidates, ModelledField& field) {
+  if (options.turned_views > 0 && !candidates.empty()) {
+    const std::vector<Obstacle> others = obstacles_of(first, candidates);
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
+      Turner(here, scene, candidates, options, journal)
+          .turn(candidates[k], static_cast<int>(here.layout.obstacles.size() + k));
+    }
+    PlanningScene scene = scene_with(here.layout, robot, candidates, others);
+    scene.objects.push_back(unseen_site(here.layout));
+    scene.opening = present_opening(here, scene.gripper);
+    (void)back_away(here, scene, options.motion, [&] { record(journal, StepBegun{"back away"}); });
+    const auto second_survey = survey(here, scene, unseen_surface(candidates), p_W_field,
+                                      options.turned_views, options.view_distance, options.motion);
+    field.views += static_cast<int>(second_survey.size());
+    const AlignedScene second = align(second_survey, options, here.layout);
+    model_again(first, second, options, candidates);
+  }
+  leave_field(here, scene_with(here.layout, robot, candidates, {}), p_W_field, options);
+}
+
 }  // namespace
 
 ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldOptions& options,
@@ -426,25 +450,13 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
   field.apart_after = first.apart_after;
   auto candidates = model_first(first, here.layout, unknown.gripper, options, field.left_out);
   log_info(concat(candidates.size(), " stones modelled from ", field.views, " views"));
-  AlignedScene second;
-  if (options.turned_views > 0 && !candidates.empty()) {
-    const std::vector<Obstacle> others = obstacles_of(first, candidates);
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-      const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
-      Turner(here, scene, candidates, options, journal)
-          .turn(candidates[k], static_cast<int>(here.layout.obstacles.size() + k));
-    }
-    PlanningScene scene = scene_with(here.layout, robot, candidates, others);
-    scene.objects.push_back(unseen_site(here.layout));
-    scene.opening = present_opening(here, scene.gripper);
-    (void)back_away(here, scene, options.motion, [&] { record(journal, StepBegun{"back away"}); });
-    const auto second_survey = survey(here, scene, unseen_surface(candidates), p_W_field,
-                                      options.turned_views, options.view_distance, options.motion);
-    field.views += static_cast<int>(second_survey.size());
-    second = align(second_survey, options, here.layout);
-    model_again(first, second, options, candidates);
+  try {
+    see_other_sides(here, robot, first, p_W_field, options, journal, candidates, field);
+  } catch (const DeviceError& problem) {
+    field.stopped = problem.what();
+  } catch (const Interrupted&) {
+    field.interrupted = true;
   }
-  leave_field(here, scene_with(here.layout, robot, candidates, {}), p_W_field, options);
   for (Candidate& candidate : candidates) {
     candidate.made.T_W_O = candidate.T_W_O;
     field.stones.push_back(std::move(candidate.made));

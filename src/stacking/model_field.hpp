@@ -46,12 +46,15 @@ struct ModelledField {
   double apart_before = 0.0;      ///< median distance of surfaces between views, by the arm's report [m]
   double apart_after = 0.0;       ///< once the views agree [m]
   Pose T_T_C = Pose::Identity();  ///< camera's mount as the views corrected it
+  std::string stopped;            ///< why the arm stopped before all was seen; empty: it did not
+  bool interrupted = false;       ///< somebody ended it; the models are those from before
 };
 
 /// Looks at the field from several sides, parts and models what lies there, sets each stone down on another
 /// of its sides and looks again, so that its underside is seen, too. Only what stands free, whole and within
-/// what the gripper can hold becomes a stone. Nothing is moved that was not modelled.
-/// @throws DeviceError when no view is reached or the arm stops.
+/// what the gripper can hold becomes a stone. Nothing is moved that was not modelled. Once there are models,
+/// a stop of the arm or an interruption ends it with these.
+/// @throws DeviceError when no view is reached or the arm stops before; Interrupted before.
 [[nodiscard]] ModelledField model_field(Cell& cell, const RobotModel& robot,
                                         const ModelFieldOptions& options = {}, Journal* journal = nullptr);
 
