@@ -7,6 +7,7 @@
 #include "core/quantile.hpp"
 #include "detection/scene/fit_plane.hpp"
 #include "detection/scene/preprocess.hpp"
+#include "geometry/small_motion.hpp"
 #include "modelling/constants.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
@@ -69,11 +70,6 @@ struct System {
   std::vector<double> apart;  ///< of what stands on the table [m]
 };
 
-Eigen::Vector3d turn_of(const Eigen::Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
-}
-
 /// Surfaces of view a that view b shows, too.
 void add_pair(const std::vector<SampledView>& views, std::size_t a, std::size_t b,
               const Eigen::Vector3d& middle, double gate, System& system) {
@@ -116,7 +112,7 @@ void add_pair(const std::vector<SampledView>& views, std::size_t a, std::size_t 
 void add_prior(const SampledView& view, std::size_t k, const Eigen::Vector3d& middle, System& system) {
   const Pose off = view.T_W_C * view.T_W_C_reported.inverse();
   Eigen::Matrix<double, 6, 1> x, precision;
-  x << off * middle - middle, turn_of(off.linear());
+  x << off * middle - middle, rotation_vector(off.linear());
   precision << Eigen::Vector3d::Constant(1.0 / (kPriorShift * kPriorShift)),
       Eigen::Vector3d::Constant(1.0 / (kPriorTurn * kPriorTurn));
   const auto at = static_cast<Eigen::Index>(6 * k);
@@ -146,11 +142,8 @@ double median_apart(const System& system) {
   return system.apart.empty() ? 0.0 : quantile(system.apart, 0.5);
 }
 
-Pose small_motion(const Eigen::Matrix<double, 6, 1>& x, const Eigen::Vector3d& middle) {
-  const Eigen::Vector3d w = x.tail<3>();
-  Pose turn = Pose::Identity();
-  if (w.norm() > 1e-15) turn.rotate(Eigen::AngleAxisd(w.norm(), w.normalized()));
-  return Eigen::Translation3d(middle + x.head<3>()) * turn * Eigen::Translation3d(-middle);
+Pose about(const Eigen::Vector3d& middle, const Pose& motion) {
+  return Eigen::Translation3d(middle) * motion * Eigen::Translation3d(-middle);
 }
 
 Eigen::Vector3d middle_of(const std::vector<SampledView>& views) {
@@ -193,8 +186,8 @@ AlignedScene align_scene(std::span<const DepthView> views, const ModellingOption
       const System system = system_of(sampled, middle, gate);
       const Eigen::VectorXd x = -system.H.ldlt().solve(system.g);
       for (std::size_t k = 0; k < sampled.size(); ++k)
-        sampled[k].T_W_C = orthonormal(small_motion(x.segment<6>(static_cast<Eigen::Index>(6 * k)), middle) *
-                                       sampled[k].T_W_C);
+        sampled[k].T_W_C = orthonormal(
+            about(middle, small_motion(x.segment<6>(static_cast<Eigen::Index>(6 * k)))) * sampled[k].T_W_C);
     }
     scene.apart_after = median_apart(system_of(sampled, middle, kWidestGate));
     level(sampled, middle);

@@ -35,7 +35,6 @@ class DistanceVolume {
   /// Weight of the views at the nearest node: 1 is one view straight on it at 0.5 m.
   [[nodiscard]] double weight(const Eigen::Vector3d& p_O) const;
   [[nodiscard]] const Eigen::AlignedBox3d& box() const { return box_; }
-  [[nodiscard]] double cell() const { return cell_; }
   /// A point deep inside the object, from where `distance` grows in all directions.
   [[nodiscard]] Eigen::Vector3d deepest() const;
   /// Removes all but the largest connected part inside.

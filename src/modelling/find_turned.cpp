@@ -7,6 +7,7 @@
 
 #include "core/constants.hpp"
 #include "core/quantile.hpp"
+#include "geometry/small_motion.hpp"
 #include "geometry/surface_tree.hpp"
 #include "modelling/view_normals.hpp"
 #include "stonestack/core/error.hpp"
@@ -109,10 +110,7 @@ bool step_towards(const SeenSurface& surface, const std::vector<SeenPoint>& poin
   }
   if (20 * shared < points.size()) return false;
   const Eigen::Matrix<double, 6, 1> x = -H.ldlt().solve(g);
-  const Eigen::Vector3d w = x.tail<3>();
-  Pose move = make_pose(Eigen::Vector3d(x.head<3>()));
-  if (w.norm() > 1e-15) move.rotate(Eigen::AngleAxisd(w.norm(), w.normalized()));
-  T_W_O = orthonormal(T_W_O * move.inverse());
+  T_W_O = orthonormal(T_W_O * small_motion(x).inverse());
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "detection/constants.hpp"
+#include "geometry/small_motion.hpp"
 
 namespace stonestack::detection {
 namespace {
@@ -17,12 +18,6 @@ constexpr int kFewestPixels = 3000;  // of bare table: with fewer it is where it
 bool shows_table(const SeenView& view) {
   return view.table_V &&
          std::accumulate(view.error.count.begin(), view.error.count.end(), 0) >= kFewestPixels;
-}
-
-/// Rotation vector of a rotation.
-Eigen::Vector3d turn_of(const Eigen::Matrix3d& R) {
-  const Eigen::AngleAxisd turn(R);
-  return turn.angle() * turn.axis();
 }
 
 /// Three points of the plane, around where the optical axis meets it.
@@ -47,7 +42,7 @@ ViewConstraint view_constraint(const std::optional<Plane>& table_C, const SeenVi
   const double shift = std::max(kViewShift, 1e-6), turn = std::max(kViewTurn, 1e-6);
   const Pose off = view.T_C_V_reported.inverse() * T_C_V;
   Eigen::Matrix<double, 6, 1> x, precision;
-  x << off.translation(), turn_of(off.linear());
+  x << off.translation(), rotation_vector(off.linear());
   precision << Eigen::Vector3d::Constant(1.0 / (shift * shift)),
       Eigen::Vector3d::Constant(1.0 / (turn * turn));
   out.H.diagonal() = precision;
@@ -69,10 +64,7 @@ Pose aligned_view(const std::optional<Plane>& table_C, const SeenView& view) {
   for (int step = 0; step < kSteps; ++step) {
     const ViewConstraint held = view_constraint(table_C, view, T_C_V);
     const Eigen::Matrix<double, 6, 1> x = -held.H.ldlt().solve(held.g);
-    const Eigen::Vector3d w = x.tail<3>();
-    Pose move = make_pose(Eigen::Vector3d(x.head<3>()));
-    if (w.norm() > 1e-15) move.rotate(Eigen::AngleAxisd(w.norm(), w.normalized()));
-    T_C_V = orthonormal(T_C_V * move);
+    T_C_V = orthonormal(T_C_V * small_motion(x));
   }
   return T_C_V;
 }
