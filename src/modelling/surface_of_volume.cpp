@@ -1,11 +1,13 @@
 #include "modelling/surface_of_volume.hpp"
 
-#include <CGAL/Complex_2_in_triangulation_3.h>
-#include <CGAL/IO/facets_in_complex_2_to_triangle_mesh.h>
-#include <CGAL/Implicit_surface_3.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Labeled_mesh_domain_3.h>
+#include <CGAL/Mesh_complex_3_in_triangulation_3.h>
+#include <CGAL/Mesh_criteria_3.h>
+#include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Surface_mesh.h>
-#include <CGAL/Surface_mesh_default_triangulation_3.h>
-#include <CGAL/make_surface_mesh.h>
+#include <CGAL/facets_in_complex_3_to_triangle_mesh.h>
+#include <CGAL/make_mesh_3.h>
 
 #include <functional>
 
@@ -14,10 +16,11 @@
 namespace stonestack::modelling {
 namespace {
 
-using Triangulation = CGAL::Surface_mesh_default_triangulation_3;
-using Complex = CGAL::Complex_2_in_triangulation_3<Triangulation>;
-using Traits = Triangulation::Geom_traits;
-using Surface = CGAL::Implicit_surface_3<Traits, std::function<double(Traits::Point_3)>>;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Domain = CGAL::Labeled_mesh_domain_3<Kernel>;
+using Triangulation = CGAL::Mesh_triangulation_3<Domain>::type;
+using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
+using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
 constexpr double kMinAngle = 25.0;   // degrees of a triangle
 constexpr double kOffSurface = 0.1;  // of `facet`: distance of a triangle's middle from the surface
@@ -32,16 +35,18 @@ Mesh surface_of(const DistanceVolume& volume, double facet) {
   for (int corner = 0; corner < 8; ++corner)
     reach = std::max(
         reach, (volume.box().corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - inside).norm());
-  const auto distance = [&](const Traits::Point_3& p) { return volume.distance({p.x(), p.y(), p.z()}); };
-  const Traits::Point_3 centre(inside.x(), inside.y(), inside.z());
+  const auto distance = [&](const Kernel::Point_3& p) { return volume.distance({p.x(), p.y(), p.z()}); };
+  const Kernel::Point_3 centre(inside.x(), inside.y(), inside.z());
   const double radius = reach + facet;
-  Triangulation triangulation;
-  Complex complex(triangulation);
-  const Surface surface(distance, Traits::Sphere_3(centre, radius * radius), kPrecision);
-  const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(kMinAngle, facet, kOffSurface * facet);
-  CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag());
-  CGAL::Surface_mesh<Traits::Point_3> found;
-  CGAL::facets_in_complex_2_to_triangle_mesh(complex, found);
+  namespace with = CGAL::parameters;
+  const Domain domain = Domain::create_implicit_mesh_domain(
+      distance, Kernel::Sphere_3(centre, radius * radius), with::relative_error_bound = kPrecision);
+  const Criteria criteria(with::facet_angle = kMinAngle, with::facet_size = facet,
+                          with::facet_distance = kOffSurface * facet);
+  const auto complex = CGAL::make_mesh_3<Complex>(domain, criteria, with::manifold(), with::no_perturb(),
+                                                  with::no_exude(), with::no_odt(), with::no_lloyd());
+  CGAL::Surface_mesh<Kernel::Point_3> found;
+  CGAL::facets_in_complex_3_to_triangle_mesh(complex, found);
   Mesh mesh;
   for (const auto vertex : found.vertices()) {
     const auto& p = found.point(vertex);

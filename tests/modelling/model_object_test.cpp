@@ -40,6 +40,15 @@ TEST(ModelObject, SeenSurfaceIsWithinHalfAMillimetre) {
   EXPECT_LT(quantile(off.seen, 0.95), 0.002);
 }
 
+TEST(ModelObject, TheSameViewsGiveTheSameMeshToTheLastBit) {
+  const AlignedScene scene = align_scene(views_of({lying_stone(3, 0.0, 0.0)}, cameras_around(3)));
+  const Mesh first = model_objects(scene).front().mesh;
+  const std::vector<Mesh> elsewhere(3, first);  // so that the second has other addresses
+  const Mesh second = model_objects(scene).front().mesh;
+  EXPECT_EQ(first.vertices, second.vertices);
+  EXPECT_EQ(first.faces, second.faces);
+}
+
 TEST(ModelObject, TheUnseenUndersideEndsAtTheTable) {
   const Thing box{make_box({0.10, 0.08, 0.05}), make_pose({0, 0, 0.025})};
   const AlignedScene scene = align_scene(views_of({box}, cameras_around(6)));
