@@ -27,6 +27,10 @@ void model(ModelCommand& command) {
     throw Error(concat(command.inputs.paths.front(), ": no stone: ",
                        made.failed.empty() ? made.scene.segmentation.note : made.failed.front().error),
                 ExitCode::kNothingDetected);
+  if (!made.failed.empty())
+    throw Error(
+        concat(made.failed.size(), " objects could not be made a stone, see above; the others are stored"),
+        ExitCode::kUnreadable);
 }
 
 }  // namespace

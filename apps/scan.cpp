@@ -18,6 +18,13 @@ struct ScanCommand {
   Loudness loudness;
 };
 
+void print(const ScanCommand& command, const ScannedStones& made) {
+  if (command.json)
+    std::cout << stones_json(made.stones, command.order.catalogue, made.failed);
+  else if (!made.stones.empty())
+    std::cout << stones_table(made.stones);
+}
+
 /// The arm looks at what lies in its field; nothing is built.
 void scan_in_cell(const ScanCommand& command) {
   RunOrder order;
@@ -26,9 +33,10 @@ void scan_in_cell(const ScanCommand& command) {
           order.cell->arm_address(), ": clear its cell of people and add --execute");
   order.run.build.unseen = order.only_model = true;
   order.save_catalogue = command.order.catalogue;
+  order.replace_stones = command.order.force;
   order.version = program_version();
   const RecordedRun done = record_run(order, read_catalogue(data_path("stones")));
-  std::cout << (command.json ? run_json(done.report) : run_table(done.report));
+  print(command, modelled_stones(done.report));
   if (const ExitCode code = exit_code(done.report.result); code != ExitCode::kDone)
     throw Error(done.report.result.ended, code);
 }
@@ -37,10 +45,7 @@ void scan(ScanCommand& command) {
   command.loudness.apply();
   if (!command.cell.empty()) return scan_in_cell(command);
   const ScannedStones made = scan_stones(command.order);
-  if (command.json)
-    std::cout << stones_json(made.stones, command.order.catalogue, made.failed);
-  else if (!made.stones.empty())
-    std::cout << stones_table(made.stones);
+  print(command, made);
   if (!made.failed.empty())
     throw Error(concat(made.failed.size(), " of ", made.stones.size() + made.failed.size(),
                        " could not be made a stone, see above; ",
@@ -79,8 +84,12 @@ void add_scan(CLI::App& app) {
                  "Name of the stone, for a single one (default: the file's name)");
   add_scan_options(sub, command.order.options);
   sub.add_flag("--force", command.order.force, "Replace stones that are in the catalogue already");
-  add_path(sub, "--cell", command.cell,
-           "Let the arm of this cell look at the stones in its field and model them; no FILE then", "FILE");
+  auto* cell = add_path(
+      sub, "--cell", command.cell,
+      "Let the arm of this cell look at the stones in its field and model them; no FILE then", "FILE");
+  for (const char* other :
+       {"FILE", "--generate", "--name", "--units", "--scale", "--density", "--mass", "--friction"})
+    cell->excludes(sub.get_option(other));
   sub.add_flag("--execute", command.execute, "With --cell: move a real arm");
   sub.add_flag("--json", command.json, "Result as JSON on stdout");
   command.loudness.register_on(sub);

@@ -13,6 +13,7 @@
 #include "report/text.hpp"
 #include "stacking/journal.hpp"
 #include "stacking/model_field.hpp"
+#include "stacking/stepped_devices.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -101,8 +102,8 @@ ModellingReport report_of(const stacking::ModelledField& field, const std::strin
 
 /// Models what lies in the field, and keeps it as a catalogue. Ends the run where that is not possible; true
 /// where it may go on.
-bool model_unseen(RunReport& report, Cell& cell, const SimulatedRun& run, const RobotModel& robot,
-                  const std::string& folder, Journal& journal, KnownStones& stones) {
+bool model_unseen(RunReport& report, Cell cell, const SimulatedRun& run, const RobotModel& robot,
+                  const RunMode& mode, const std::string& folder, Journal& journal, KnownStones& stones) {
   const auto end_run = [&](RunResult::End end, const std::string& why) {
     report.result.end = end;
     report.result.ended = why;
@@ -118,7 +119,11 @@ bool model_unseen(RunReport& report, Cell& cell, const SimulatedRun& run, const 
     options.motion = run.build.motion;
     options.modelling.segment.seed = run.build.detection.seed;
     options.stone.friction = run.build.search.friction;
-    stacking::ModelledField field = stacking::model_field(cell, robot, options, &journal);
+    cell.layout.linkage = run.build.linkage;
+    std::optional<stacking::SteppedDevices> stepped;
+    if (mode.before_motion) stepped.emplace(cell, robot, mode.before_motion, &journal);
+    Cell used = stepped ? stepped->cell() : cell;
+    stacking::ModelledField field = stacking::model_field(used, robot, options, &journal);
     report.modelling = report_of(field, folder);
     for (const std::string& left : field.left_out) log_info(left);
     for (const Stone& stone : field.catalogue.stones) write_stone(folder, stone);
@@ -139,6 +144,8 @@ bool model_unseen(RunReport& report, Cell& cell, const SimulatedRun& run, const 
   } catch (const Interrupted&) {
     return end_run(RunResult::End::kInterrupted, "interrupted while the stones were modelled");
   } catch (const DeviceError& problem) {
+    return end_run(RunResult::End::kStopped, problem.what());
+  } catch (const FileError& problem) {  // of the journal or the catalogue: without them nothing moves
     return end_run(RunResult::End::kStopped, problem.what());
   }
 }
@@ -169,9 +176,9 @@ void build(RunReport& report, Cell cell, Performance& p) {
   log_info("record in " + p.folder);
   if (p.run.build.unseen) {
     const std::string stones = p.mode.save_catalogue.empty() ? p.folder + "/stones" : p.mode.save_catalogue;
-    if (!model_unseen(report, cell, p.run, p.robot, stones, journal, p.stones)) return;
+    if (!model_unseen(report, cell, p.run, p.robot, p.mode, stones, journal, p.stones)) return;
     if (p.mode.only_model) {
-      report.result.end = RunResult::End::kAllPlaced;
+      report.result.end = RunResult::End::kHeightReached;  // none was asked for
       report.result.ended = "the stones are modelled";
       return;
     }

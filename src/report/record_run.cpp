@@ -1,12 +1,15 @@
 #include "stonestack/report/record_run.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "hardware/cell_config.hpp"
 #include "report/known_cells.hpp"
 #include "report/perform_run.hpp"
 #include "report/run_folder.hpp"
+#include "stacking/model_field.hpp"
 #include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
 #include "stonestack/core/log.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -63,15 +66,26 @@ RecordedRun record_at_speed(const RunOrder& order, const Catalogue& catalogue, c
                  mode);
 }
 
-}  // namespace
-
-RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
+/// Refuses what can be refused before anything moves.
+void check_unseen(const RunOrder& order) {
   const bool unseen = order.run.build.unseen;
   require(!unseen || !order.dry,
           "a dry run moves nothing, but stones that nobody scanned are modelled by moving "
           "the camera around them: leave out --dry-run or --unseen");
   require(unseen || (order.save_catalogue.empty() && !order.only_model),
           "only stones that nobody scanned are modelled and saved: add --unseen");
+  if (order.save_catalogue.empty()) return;
+  const std::string first = stacking::modelled_name(1);
+  require(
+      order.replace_stones || !std::filesystem::exists(std::filesystem::path(order.save_catalogue) / first),
+      "stone '", first, "' is in ", order.save_catalogue, " already; give another folder, or move it away");
+  require_writable(order.save_catalogue + "/stone.yaml");
+}
+
+}  // namespace
+
+RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue) {
+  check_unseen(order);
   const RecordFolder folder = take_run_folder(order.out, order.run.seed);
   RecordedRun done = record_at_speed(is_slow(order) ? at_slow_speed(order) : order, catalogue, folder);
   if (is_real(order) && is_completed(done.report.result)) note_known_cell(order.cell->path);

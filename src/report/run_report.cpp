@@ -162,6 +162,7 @@ std::string run_json(const RunReport& report) {
 
 std::string run_table(const RunReport& report) {
   std::string text = report.modelling ? modelling_text(*report.modelling) : std::string();
+  if (report.modelling && report.result.placements.empty()) return text + summary(report);
   text += "\nlevel stone            cost   area  ekin  dist  norm  p(ok) outcome     planned | measured\n";
   int level = 0;
   for (const auto& r : report.result.placements) {

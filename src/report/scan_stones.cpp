@@ -115,6 +115,20 @@ ScannedStones scan_stones(const ScanOrder& order) {
   return made;
 }
 
+ScannedStones modelled_stones(const RunReport& report) {
+  ScannedStones made;
+  if (!report.modelling) return made;
+  for (const std::string& left : report.modelling->left_out) made.failed.push_back({"", left});
+  if (report.modelling->stones.empty()) return made;
+  const Catalogue catalogue = read_catalogue(report.modelling->folder);
+  for (const StoneModelReport& stone : report.modelling->stones) {
+    ModelResult result{catalogue[catalogue.index(stone.name)], {}};
+    if (!stone.note.empty()) result.warnings.push_back(stone.note);
+    made.stones.push_back(summary_of(std::move(result)));
+  }
+  return made;
+}
+
 ModelledViews model_views(const ModelOrder& order) {
   require(is_stone_name(order.prefix + "_1"), "'", order.prefix,
           "' cannot begin a stone's name (letters, digits, '_', '-', '.')");

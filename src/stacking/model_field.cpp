@@ -7,11 +7,11 @@
 #include "core/quantile.hpp"
 #include "geometry/convex_pieces.hpp"
 #include "geometry/surface_tree.hpp"
-#include "kinematics/camera_mount.hpp"
 #include "motion/turn_over.hpp"
 #include "stacking/arrangement.hpp"
 #include "stacking/back_away.hpp"
 #include "stacking/execute.hpp"
+#include "stacking/mount_correction.hpp"
 #include "stacking/record.hpp"
 #include "stacking/survey.hpp"
 #include "stonestack/core/error.hpp"
@@ -32,6 +32,8 @@ constexpr double kMinConfidence = 0.5;     // of an object, that it is one and w
 constexpr double kLeavingDistance = 0.62;  // m from the camera to the field
 constexpr double kMinGain = 0.3;           // of the unseen area, that a stone is turned for
 constexpr double kVisible = -0.25;         // z of a normal: flatter undersides are seen by no camera
+constexpr double kRollsAway = 0.30;        // m from where a stone was let go of to where it may have rolled
+constexpr double kOtherSide = 0.35;        // rad between two attitudes on different sides
 constexpr double kSameObject = 0.12;       // m between where an object is expected and seen
 
 /// One stone while it is being modelled. O of the model is W of the first survey.
@@ -39,21 +41,23 @@ struct Candidate {
   int object = 0;  ///< in the first scene
   ObjectModel model;
   Stone stone;
-  Pose T_W_O;                ///< of `stone`: where it is, or should have come to lie
+  Pose T_W_O;                               ///< of `stone`: where it is, or should have come to lie
+  bool moved = false;                       ///< since it was recognised last
+  bool let_go = false;                      ///< it was set down otherwise than it lay, if all went as planned
+  std::optional<Eigen::Vector2d> p_W_seen;  ///< middle of what was seen of it once it was moved
   std::vector<Mesh> seen_W;  ///< hulls of what was seen of it, down to the table, once it was moved
   ModelledStone made;
 };
+
+/// Where it was seen last, or should lie, seen from above.
+Eigen::Vector2d place_of(const Candidate& candidate) {
+  return candidate.p_W_seen.value_or(candidate.T_W_O.translation().head<2>());
+}
 
 Eigen::Vector3d middle_of(const AlignedScene& scene, int object) {
   const auto& seen = scene.segmentation.objects[static_cast<std::size_t>(object)];
   return scene.views.front().T_W_C * seen.p_C_middle;
 }
-
-/// Views in one frame, and the camera's mount that they agree on.
-struct LookedAt {
-  AlignedScene scene;
-  int views = 0;
-};
 
 /// Corrects the camera's mount and the table's height by views that agree, then moves these to where arm and
 /// mount say that they are, all told.
@@ -75,25 +79,26 @@ void refine_mount(const std::vector<SurveyView>& reported, AlignedScene& scene, 
     mounts.push_back(std::move(mount));
   }
   const MountRefinement found = refine_camera_mount(mounts, layout.T_T_C);
-  layout.T_T_C = found.T_T_C;
-  // The robot is moved against W, not the table.
-  const Eigen::Vector2d& at = layout.field_centre;
-  const double height =
-      (found.table_W.offset - found.table_W.normal.head<2>().dot(at)) / found.table_W.normal.z();
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(found.table_W.normal, Eigen::Vector3d::UnitZ());
-  const Pose T_level =
-      Eigen::Translation3d(at.x(), at.y(), 0.0) * turn * Eigen::Translation3d(-at.x(), -at.y(), -height);
-  layout.T_W_R = T_level * layout.T_W_R;
+  const MountCorrection correction = correction_of(found, layout);
   log_debug(concat("camera's mount moved by ", 1e3 * found.shift, " mm and ", found.turn,
                    " rad, marks apart ", 1e3 * found.before, " mm before, ", 1e3 * found.after,
-                   " mm after; table at ", 1e3 * height, " mm"));
+                   " mm after; table at ", 1e3 * correction.height, " mm"));
+  if (!correction.accepted) {
+    log_warning(
+        "the camera's mount or the table lie further off than a calibration errs, or the views of them "
+        "disagree; they are taken to be as the cell states: check the calibration with doctor");
+    return;
+  }
+  apply(correction, layout);
+  const Eigen::Vector2d& at = layout.field_centre;
   // Mean of where arm and mount put each view, against where the views agree: level already, so only a turn
   // about the vertical and a shift along the table.
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   double yaw = 0.0;
   const Eigen::Vector3d p_W(at.x(), at.y(), 0.0);
   for (std::size_t k = 0; k < reported.size(); ++k) {
-    const Pose off = T_level * reported[k].T_W_T * found.T_T_C * scene.views[k].T_W_C.inverse();
+    const Pose off =
+        correction.T_level * reported[k].T_W_T * correction.T_T_C * scene.views[k].T_W_C.inverse();
     shift += (off * p_W - p_W).head<2>() / static_cast<double>(reported.size());
     yaw += std::atan2(off.linear()(1, 0), off.linear()(0, 0)) / static_cast<double>(reported.size());
   }
@@ -155,7 +160,7 @@ std::vector<Candidate> model_first(const AlignedScene& scene, const CellLayout& 
       candidate.object = object;
       const LyingObject lying{&scene, object};
       candidate.model = modelling::model_object({&lying, 1}, options.modelling);
-      candidate.made.name = concat("stone_", candidates.size() + 1);
+      candidate.made.name = modelled_name(candidates.size() + 1);
       try {
         candidate.stone = stone_of(candidate.model, candidate.made, options);
         candidate.T_W_O = candidate.stone.T_O_file.inverse();
@@ -175,17 +180,22 @@ std::vector<Candidate> model_first(const AlignedScene& scene, const CellLayout& 
   return candidates;
 }
 
-/// True for a piece of a modelled stone that some view parted from it.
-bool is_part_of(const AlignedScene& scene, int object, const ObjectModel& model) {
+/// Share of a cloud that lies within 10 mm of a closed surface or inside it.
+double share_on(const Cloud& cloud_C, const Pose& T_W_C, const Mesh& surface_W) {
   constexpr double kNear = 0.01;  // m
   constexpr std::size_t kAsked = 200;
-  const SurfaceTree surface(model.mesh);
-  const auto& points = scene.segmentation.objects[static_cast<std::size_t>(object)].cloud_C.points;
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / kAsked);
-  std::size_t asked = 0, near = 0;
-  for (std::size_t i = 0; i < points.size(); i += stride, ++asked)
-    if (surface.nearest(scene.views.front().T_W_C * points[i].cast<double>()).distance < kNear) ++near;
-  return 10 * near > 9 * asked;
+  const SurfaceTree surface(surface_W);
+  const std::size_t stride = std::max<std::size_t>(1, cloud_C.points.size() / kAsked);
+  double asked = 0, near = 0;
+  for (std::size_t i = 0; i < cloud_C.points.size(); i += stride, ++asked)
+    if (surface.nearest(T_W_C * cloud_C.points[i].cast<double>()).distance < kNear) ++near;
+  return asked > 0 ? near / asked : 0.0;
+}
+
+/// True for a piece of a modelled stone that some view parted from it.
+bool is_part_of(const AlignedScene& scene, int object, const ObjectModel& model) {
+  return share_on(scene.segmentation.objects[static_cast<std::size_t>(object)].cloud_C,
+                  scene.views.front().T_W_C, model.mesh) > 0.9;
 }
 
 /// Hull of points and of the table below them.
@@ -272,9 +282,10 @@ class Turner {
     if (done.status == ExecutionResult::Status::kStopped)
       throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
                         "clear the cell and start again");
-    candidate.made.turned = done.status == ExecutionResult::Status::kReleased;
+    candidate.moved = true;
+    candidate.let_go = done.status == ExecutionResult::Status::kReleased;
     if (done.weight) candidate.made.mass = *done.weight / kGravity;
-    if (candidate.made.turned)
+    if (candidate.let_go)
       candidate.T_W_O = plan->T_W_O;
     else
       candidate.made.note = done.reason;
@@ -293,19 +304,28 @@ class Turner {
     const Eigen::Vector3d p_W = candidate.T_W_O.translation();
     const std::vector<SurfaceElement> top{{p_W, Eigen::Vector3d::UnitZ(), 1.0}};
     const SurveyView taken =
-        survey(cell_, scene, top, p_W, 1, options_.view_distance, options_.motion).front();
+        survey(cell_, scene, top, p_W, 1, options_.view_distance, options_.motion, journal_).front();
     const Segmentation seen = detection::segment(taken.view.image, options_.modelling.segment);
+    int largest = 0;
+    candidate.p_W_seen.reset();
     for (const SegmentedObject& one : seen.objects) {
-      const Eigen::Vector3d p_W_one = taken.view.T_W_C * one.p_C_middle;
-      const auto off = [&](const Candidate& other) {
-        return (p_W_one - other.T_W_O.translation()).head<2>().norm();
-      };
-      const bool is_its = std::none_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
-        return &other != &candidate && off(other) < off(candidate);
-      });
-      if (is_its && off(candidate) < kSameObject)
-        candidate.seen_W.push_back(hull_to_table(one.cloud_C, taken.view.T_W_C));
+      const Eigen::Vector2d p_W_one = (taken.view.T_W_C * one.p_C_middle).head<2>();
+      const bool is_anothers =
+          std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
+            return &other != &candidate && shows(one.cloud_C, taken.view.T_W_C, other);
+          });
+      if (is_anothers || (p_W_one - candidate.T_W_O.translation().head<2>()).norm() > kRollsAway) continue;
+      candidate.seen_W.push_back(hull_to_table(one.cloud_C, taken.view.T_W_C));
+      if (one.pixels > largest) largest = one.pixels, candidate.p_W_seen = p_W_one;
     }
+  }
+
+  /// True for a cloud that mostly shows a stone where it was seen last.
+  static bool shows(const Cloud& cloud_C, const Pose& T_W_C, const Candidate& stone) {
+    const std::vector<Mesh> as_first{stone.model.mesh};
+    const std::vector<Mesh>& where = stone.seen_W.empty() ? as_first : stone.seen_W;
+    return std::any_of(where.begin(), where.end(),
+                       [&](const Mesh& part) { return share_on(cloud_C, T_W_C, part) > 0.5; });
   }
 
   /// Ways that bring much of what was not seen to light, those that show most first; of equal ones those that
@@ -362,7 +382,7 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Mo
     int best_object = -1;
     for (int object = 0; object < static_cast<int>(taken.size()); ++object) {
       if (taken[static_cast<std::size_t>(object)] ||
-          (middle_of(second, object) - candidate.T_W_O.translation()).head<2>().norm() > kSameObject)
+          (middle_of(second, object).head<2>() - place_of(candidate)).norm() > kSameObject)
         continue;
       const auto found = modelling::find_turned(candidate.model, {&second, object, T_W_model});
       if (found && (!best || found->agreement > best->agreement)) best = found, best_object = object;
@@ -372,7 +392,6 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Mo
                           : std::string("not found")));
     if (!best) {
       candidate.made.note = "not recognised after it was turned: modelled from one side";
-      candidate.made.turned = false;
       if (candidate.made.mass) {  // its shape is as before, its mass is known better
         const Pose T_W_model_before = candidate.T_W_O * candidate.stone.T_O_file;
         candidate.stone = stone_of(candidate.model, candidate.made, options);
@@ -383,9 +402,13 @@ void model_again(const AlignedScene& first, const AlignedScene& second, const Mo
     taken[static_cast<std::size_t>(best_object)] = true;
     const LyingObject lying[] = {{&first, candidate.object, Pose::Identity()},
                                  {&second, best_object, best->T_W_O}};
+    candidate.made.turned = (best->T_W_O.linear() * Eigen::Vector3d::UnitZ()).z() < std::cos(kOtherSide);
+    if (candidate.let_go && !candidate.made.turned)
+      candidate.made.note = "fell back on the side on which it lay";
     candidate.model = modelling::model_object(lying, options.modelling);
     candidate.stone = stone_of(candidate.model, candidate.made, options);
     candidate.T_W_O = best->T_W_O * candidate.stone.T_O_file.inverse();
+    candidate.moved = false;
     describe(candidate);
   }
 }
@@ -411,8 +434,8 @@ void leave_field(Cell& cell, PlanningScene scene, const Eigen::Vector3d& p_W_fie
 void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& first,
                      const Eigen::Vector3d& p_W_field, const ModelFieldOptions& options, Journal* journal,
                      std::vector<Candidate>& candidates, ModelledField& field) {
+  const std::vector<Obstacle> others = obstacles_of(first, candidates);
   if (options.turned_views > 0 && !candidates.empty()) {
-    const std::vector<Obstacle> others = obstacles_of(first, candidates);
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
       Turner(here, scene, candidates, options, journal)
@@ -423,15 +446,20 @@ void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& fi
     scene.opening = present_opening(here, scene.gripper);
     (void)back_away(here, scene, options.motion, [&] { record(journal, StepBegun{"back away"}); });
     const auto second_survey = survey(here, scene, unseen_surface(candidates), p_W_field,
-                                      options.turned_views, options.view_distance, options.motion);
+                                      options.turned_views, options.view_distance, options.motion, journal);
     field.views += static_cast<int>(second_survey.size());
     const AlignedScene second = align(second_survey, options, here.layout);
     model_again(first, second, options, candidates);
   }
-  leave_field(here, scene_with(here.layout, robot, candidates, {}), p_W_field, options);
+  record(journal, StepBegun{"leave the field"});
+  leave_field(here, scene_with(here.layout, robot, candidates, others), p_W_field, options);
 }
 
 }  // namespace
+
+std::string modelled_name(std::size_t number) {
+  return concat("stone_", number);
+}
 
 ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldOptions& options,
                           Journal* journal) {
@@ -443,7 +471,7 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
   unknown.objects.push_back(unseen_field(here.layout));
   unknown.objects.push_back(unseen_site(here.layout));
   const auto first_survey = survey(here, unknown, dome_over(p_W_field), p_W_field, options.first_views,
-                                   options.view_distance, options.motion);
+                                   options.view_distance, options.motion, journal);
   const AlignedScene first = align(first_survey, options, here.layout);
   field.views = static_cast<int>(first_survey.size());
   field.apart_before = first.apart_before;
@@ -458,11 +486,14 @@ ModelledField model_field(Cell& cell, const RobotModel& robot, const ModelFieldO
     field.interrupted = true;
   }
   for (Candidate& candidate : candidates) {
-    candidate.made.T_W_O = candidate.T_W_O;
+    candidate.made.T_W_O_first = candidate.stone.T_O_file.inverse();
+    if (!candidate.moved)
+      candidate.made.T_W_O = candidate.T_W_O;
+    else if (candidate.made.note.empty())
+      candidate.made.note = "not looked for any more after it was moved";
     field.stones.push_back(std::move(candidate.made));
     field.catalogue.stones.push_back(std::move(candidate.stone));
   }
-  field.T_T_C = here.layout.T_T_C;
   field.seconds = cell.clock.now() - start;
   return field;
 }

@@ -33,8 +33,12 @@ struct ModelledStone {
   double sigma = 0.0;                         ///< median standard deviation of its surface [m]
   int views = 0;                              ///< that show it
   std::optional<double> mass = std::nullopt;  ///< weighed in the gripper [kg]; empty: from the density
-  Pose T_W_O = Pose::Identity();              ///< where it lies
+  Pose T_W_O_first = Pose::Identity();        ///< where it lay before anything was moved
+  std::optional<Pose> T_W_O = std::nullopt;   ///< where it lies at the end; empty: it was not recognised
 };
+
+/// "stone_1": name of the modelled stone `number`, from 1.
+[[nodiscard]] std::string modelled_name(std::size_t number);
 
 /// Everything that was found out about the stones in the field.
 struct ModelledField {
@@ -42,12 +46,11 @@ struct ModelledField {
   std::vector<ModelledStone> stones;
   std::vector<std::string> left_out;  ///< objects that no stone was made of, with the reason
   int views = 0;
-  double seconds = 0.0;           ///< by the cell's clock [s]
-  double apart_before = 0.0;      ///< median distance of surfaces between views, by the arm's report [m]
-  double apart_after = 0.0;       ///< once the views agree [m]
-  Pose T_T_C = Pose::Identity();  ///< camera's mount as the views corrected it
-  std::string stopped;            ///< why the arm stopped before all was seen; empty: it did not
-  bool interrupted = false;       ///< somebody ended it; the models are those from before
+  double seconds = 0.0;       ///< by the cell's clock [s]
+  double apart_before = 0.0;  ///< median distance of surfaces between views, by the arm's report [m]
+  double apart_after = 0.0;   ///< once the views agree [m]
+  std::string stopped;        ///< why the arm stopped before all was seen; empty: it did not
+  bool interrupted = false;   ///< somebody ended it; the models are those from before
 };
 
 /// Looks at the field from several sides, parts and models what lies there, sets each stone down on another

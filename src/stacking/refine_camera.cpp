@@ -4,6 +4,7 @@
 #include "kinematics/camera_mount.hpp"
 #include "physics/shape.hpp"
 #include "stacking/arrangement.hpp"
+#include "stacking/mount_correction.hpp"
 #include "stacking/workcell.hpp"
 #include "stonestack/core/clock.hpp"
 #include "stonestack/core/error.hpp"
@@ -15,11 +16,6 @@ constexpr double kCameraSameShift =
     0.015;  // m: a stone seen further off in the other view is not the same pose
 constexpr double kCameraSameTurn = 0.10;  // rad
 constexpr double kTowardsSite = 0.10;     // m
-// A mount further off than this was calibrated wrongly or has been hit; a person should know.
-constexpr double kMaxShift = 0.008;                              // m
-constexpr double kMaxTurn = 0.026;                               // rad
-constexpr double kMaxLeft = 0.002;                               // m between the views afterwards
-constexpr double kMaxTableHeight = 0.012, kMaxTableTilt = 0.03;  // m, rad: likewise of the table
 
 /// Poses above the same place, a little towards the site so that it shows, too, with the camera turned about
 /// its axis: by half a turn, else by a quarter.
@@ -30,15 +26,6 @@ std::vector<Pose> turned_poses(const Pose& T_W_C, const CellLayout& layout) {
   for (const double turn : {M_PI, 0.5 * M_PI, -0.5 * M_PI})
     poses.push_back(moved * Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()));
   return poses;
-}
-
-/// Moves W so that a table, which was found to lie beside the plane z = 0, lies in it; about a point of the
-/// table.
-Pose levelled(const Plane& table_W, const Eigen::Vector2d& middle) {
-  const double height = (table_W.offset - table_W.normal.head<2>().dot(middle)) / table_W.normal.z();
-  const Eigen::Vector3d p_W(middle.x(), middle.y(), height);
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(table_W.normal, Eigen::Vector3d::UnitZ());
-  return Eigen::Translation3d(middle.x(), middle.y(), 0.0) * turn * Eigen::Translation3d(-p_W);
 }
 
 /// Stones that both results show at the same pose, as marks of each: their centres of mass.
@@ -107,19 +94,13 @@ Arrangement refine_camera(Workcell& w, const FrictionEstimate& friction, Views& 
   add_marks(w.models.shapes, views[0], seen[0], views[1], seen[1], mounts[0], mounts[1]);
   const MountRefinement found = refine_camera_mount(mounts, T_T_C);
   w.seconds.detection += watch.seconds();
-  // The robot is moved against W, not the table: then z = 0 is the table for all that plans.
-  const Eigen::Vector2d& middle = w.cell.layout.field_centre;
-  const Pose T_level = levelled(found.table_W, middle);
-  const double height = -(T_level * Eigen::Vector3d(middle.x(), middle.y(), 0.0)).z();
-  const double tilt = Eigen::AngleAxisd(T_level.rotation()).angle();
-  const bool accepted = found.shift <= kMaxShift && found.turn <= kMaxTurn && found.after <= kMaxLeft &&
-                        std::abs(height) <= kMaxTableHeight && tilt <= kMaxTableTilt;
-  w.emit(CameraRefined{found.shift, found.turn, found.shared_marks, found.before, found.after, height, tilt,
-                       accepted});
-  if (accepted) {
-    w.cell.layout.T_T_C = found.T_T_C;
-    w.cell.layout.T_W_R = T_level * w.cell.layout.T_W_R;
-    for (std::size_t k = 0; k < views.size(); ++k) views[k].T_W_C = T_level * mounts[k].T_W_T * found.T_T_C;
+  const MountCorrection correction = correction_of(found, w.cell.layout);
+  w.emit(CameraRefined{found.shift, found.turn, found.shared_marks, found.before, found.after,
+                       correction.height, correction.tilt, correction.accepted});
+  if (correction.accepted) {
+    apply(correction, w.cell.layout);
+    for (std::size_t k = 0; k < views.size(); ++k)
+      views[k].T_W_C = correction.T_level * mounts[k].T_W_T * found.T_T_C;
   }
   return seen_in(views, seen);
 }

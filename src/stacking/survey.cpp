@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/constants.hpp"
+#include "stacking/record.hpp"
 #include "stonestack/core/error.hpp"
 
 namespace stonestack::stacking {
@@ -63,7 +64,7 @@ std::vector<SurfaceElement> dome_over(const Eigen::Vector3d& p_W) {
 
 std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
                                const std::vector<SurfaceElement>& wanted, const Eigen::Vector3d& p_W_target,
-                               int count, double distance, const MotionOptions& options) {
+                               int count, double distance, const MotionOptions& options, Journal* journal) {
   std::vector<Direction> directions = directions_around(cell.layout, p_W_target);
   std::vector<double> seen(wanted.size(), 0.0);
   double all = 0.0;
@@ -87,6 +88,7 @@ std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
     if (!route) break;
     const Eigen::Vector3d n_W = directions.front().n_W;
     directions.erase(directions.begin());
+    record(journal, StepBegun{"move to a view"});
     SurveyView taken;
     taken.view = take_view(cell, scene.robot, *route);
     taken.T_W_T = taken.view.T_W_C * cell.layout.T_T_C.inverse();

@@ -1,6 +1,7 @@
 #pragma once
 #include <vector>
 
+#include "stacking/journal.hpp"
 #include "stonestack/hardware/cell.hpp"
 #include "stonestack/motion/planning_scene.hpp"
 #include "stonestack/stacking/observe.hpp"
@@ -26,11 +27,11 @@ struct SurveyView {
 
 /// Takes up to `count` views of `p_W_target` from `distance` m, each from the direction that shows most of
 /// what no view showed before: the next best view, among those that the arm reaches in the scene. Fewer where
-/// it reaches no more or another shows nothing new.
+/// it reaches no more or another shows nothing new. Each is in the journal before the arm moves.
 /// @throws DeviceError when no view at all is reached, or the arm stops.
 [[nodiscard]] std::vector<SurveyView> survey(Cell& cell, const PlanningScene& scene,
                                              const std::vector<SurfaceElement>& wanted,
                                              const Eigen::Vector3d& p_W_target, int count, double distance,
-                                             const MotionOptions& options);
+                                             const MotionOptions& options, Journal* journal = nullptr);
 
 }  // namespace stonestack::stacking

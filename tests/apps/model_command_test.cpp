@@ -47,5 +47,20 @@ TEST_F(ModelCommand, DryRunsAndSavingNeedWhatTheyNeed) {
   expect_refusal("run --save-catalogue rocks", 2, {"--unseen"});
 }
 
+TEST_F(ModelCommand, StonesThatAreThereAreNotReplacedByModelledOnes) {
+  fs::create_directories(folder_ + "/rocks/stone_1");
+  expect_refusal("run --unseen --save-catalogue rocks --out run", 2, {"stone_1", "rocks", "already"});
+  EXPECT_FALSE(fs::exists(folder_ + "/run")) << "refused before anything is done";
+  expect_refusal("scan --cell loopback-ur10 --catalogue rocks", 2, {"stone_1", "already"});
+}
+
+TEST_F(ModelCommand, ACellsOwnScanTakesNoOptionsOfMeshes) {
+  for (const char* option : {"rock.ply", "--density 3000", "--generate 2", "--name rock"}) {
+    const Outcome refused = run(concat("scan --cell loopback-ur10 --catalogue rocks ", option));
+    EXPECT_EQ(refused.code, 2) << option;
+    EXPECT_THAT(refused.err, HasSubstr("--cell")) << option;
+  }
+}
+
 }  // namespace
 }  // namespace stonestack

@@ -18,14 +18,23 @@ namespace {
 
 using namespace report;
 
-TEST(Survey, EachViewShowsWhatTheOnesBeforeDidNot) {
-  const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulatedCell world(catalogue.stones, {StoneIndex(0)}, robot, CellLayout{}, options_of_cell("ideal"));
+/// A UR10 over a field with one stone, without errors.
+struct IdealCell {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  RobotModel robot = read_robot("ur10");
+  SimulatedCell world{catalogue.stones, {StoneIndex(0)}, robot, CellLayout{}, options_of_cell("ideal")};
   Cell cell = world.cell();
-  const Eigen::Vector3d p_W(cell.layout.field_centre.x(), cell.layout.field_centre.y(), 0.04);
-  const PlanningScene scene = make_planning_scene(cell.layout, robot, {}, {});
-  const auto views = survey(cell, scene, dome_over(p_W), p_W, 4, 0.55, {});
+
+  [[nodiscard]] Eigen::Vector3d middle() const {
+    return {cell.layout.field_centre.x(), cell.layout.field_centre.y(), 0.04};
+  }
+  [[nodiscard]] PlanningScene scene() const { return make_planning_scene(cell.layout, robot, {}, {}); }
+};
+
+TEST(Survey, EachViewShowsWhatTheOnesBeforeDidNot) {
+  IdealCell in;
+  const Eigen::Vector3d p_W = in.middle();
+  const auto views = survey(in.cell, in.scene(), dome_over(p_W), p_W, 4, 0.55, {});
   ASSERT_EQ(views.size(), 4U);
   for (std::size_t a = 0; a < views.size(); ++a) {
     const Eigen::Vector3d axis = views[a].view.T_W_C.linear().col(2);
@@ -37,45 +46,71 @@ TEST(Survey, EachViewShowsWhatTheOnesBeforeDidNot) {
 }
 
 TEST(Survey, NothingThatIsWantedNeedsNoMoreThanOneLook) {
-  const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulatedCell world(catalogue.stones, {StoneIndex(0)}, robot, CellLayout{}, options_of_cell("ideal"));
-  Cell cell = world.cell();
-  const Eigen::Vector3d p_W(cell.layout.field_centre.x(), cell.layout.field_centre.y(), 0.04);
+  IdealCell in;
+  const Eigen::Vector3d p_W = in.middle();
   const std::vector<SurfaceElement> top{{p_W, Eigen::Vector3d::UnitZ(), 1.0}};
-  EXPECT_EQ(survey(cell, make_planning_scene(cell.layout, robot, {}, {}), top, p_W, 4, 0.55, {}).size(), 1U);
+  EXPECT_EQ(survey(in.cell, in.scene(), top, p_W, 4, 0.55, {}).size(), 1U);
 }
 
-TEST(ModelField, StonesThatNobodyScannedAreModelledTurnedAndWeighed) {
-  const Catalogue catalogue = read_catalogue(data_path("stones"));
-  const RobotModel robot = read_robot("ur10");
-  SimulationOptions simulation = options_of_cell("mild");
-  simulation.seed = 5;
-  SimulatedCell world(catalogue.stones, {StoneIndex(1), StoneIndex(3)}, robot, CellLayout{}, simulation);
-  Cell cell = world.cell();
-  const ModelledField field = model_field(cell, robot);
-  ASSERT_EQ(field.stones.size(), 2U);
-  ASSERT_EQ(field.catalogue.stones.size(), 2U);
-  EXPECT_LT(field.apart_after, field.apart_before + 1e-9);
-  const std::vector<Pose> T_W_O = world.truth().T_W_O;
-  for (std::size_t k = 0; k < 2; ++k) {
-    const ModelledStone& made = field.stones[k];
-    const Stone& model = field.catalogue.stones[k];
-    EXPECT_EQ(made.name, model.name);
-    EXPECT_TRUE(is_closed(model.scan));
+/// Two stones that are modelled in a cell with moderate errors.
+struct TwoStones {
+  Catalogue catalogue = read_catalogue(data_path("stones"));
+  std::vector<StoneIndex> present{StoneIndex(1), StoneIndex(3)};
+  std::vector<Pose> T_W_O_first;  ///< true
+  std::vector<Pose> T_W_O_last;
+  ModelledField field;
+
+  TwoStones() {
+    const RobotModel robot = read_robot("ur10");
+    SimulationOptions simulation = options_of_cell("mild");
+    simulation.seed = 5;
+    SimulatedCell world(catalogue.stones, present, robot, CellLayout{}, simulation);
+    T_W_O_first = world.truth().T_W_O;
+    Cell cell = world.cell();
+    field = model_field(cell, robot);
+    T_W_O_last = world.truth().T_W_O;
+  }
+  /// The stone that a model is of: the one that lay nearest.
+  [[nodiscard]] StoneIndex stone_of(const ModelledStone& made) const {
     const auto distance = [&](StoneIndex stone) {
-      return (at(T_W_O, stone).translation() - made.T_W_O.translation()).norm();
+      return (at(T_W_O_first, stone).translation() - made.T_W_O_first.translation()).norm();
     };
-    const StoneIndex is = distance(StoneIndex(1)) < distance(StoneIndex(3)) ? StoneIndex(1) : StoneIndex(3);
-    EXPECT_LT(distance(is), 0.012);
-    EXPECT_GT(made.seen_share, 0.6);
-    ASSERT_TRUE(made.mass.has_value()) << made.note;
-    EXPECT_NEAR(*made.mass / catalogue[is].mass.mass, 1.0, 0.05);
+    return distance(present[0]) < distance(present[1]) ? present[0] : present[1];
+  }
+  /// Median distance of a model's surface from the true stone, pose and shape together [m].
+  [[nodiscard]] double off(const Stone& model, StoneIndex is, const Pose& T_W_O_true,
+                           const Pose& T_W_O) const {
     const SurfaceTree truth(catalogue[is].scan);
     std::vector<double> off;
     for (const auto& v : model.scan.vertices)
-      off.push_back(std::abs(truth.nearest(at(T_W_O, is).inverse() * made.T_W_O * v).distance));
-    EXPECT_LT(quantile(off, 0.5), 0.004) << "pose and shape together";
+      off.push_back(std::abs(truth.nearest(T_W_O_true.inverse() * T_W_O * v).distance));
+    return quantile(off, 0.5);
+  }
+};
+
+// Whether a stone falls over as planned hangs on the last digits, so nothing here does.
+TEST(ModelField, StonesThatNobodyScannedAreModelledTurnedAndWeighed) {
+  const TwoStones in;
+  EXPECT_EQ(in.field.stopped, "");
+  ASSERT_EQ(in.field.stones.size(), 2U);
+  ASSERT_EQ(in.field.catalogue.stones.size(), 2U);
+  EXPECT_LT(in.field.apart_after, in.field.apart_before + 1e-9);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const ModelledStone& made = in.field.stones[k];
+    const Stone& model = in.field.catalogue.stones[k];
+    SCOPED_TRACE(made.name + ": " + made.note);
+    const StoneIndex is = in.stone_of(made);
+    EXPECT_EQ(made.name, model.name);
+    EXPECT_TRUE(is_closed(model.scan));
+    EXPECT_GT(made.seen_share, made.turned ? 0.55 : 0.4);
+    EXPECT_LT(in.off(model, is, at(in.T_W_O_first, is), made.T_W_O_first), 0.004);
+    if (made.T_W_O) {
+      EXPECT_LT((at(in.T_W_O_last, is).translation() - made.T_W_O->translation()).norm(), 0.012);
+      EXPECT_LT(in.off(model, is, at(in.T_W_O_last, is), *made.T_W_O), 0.004);
+    }
+    EXPECT_TRUE(made.T_W_O || !made.note.empty());
+    ASSERT_TRUE(made.mass.has_value());
+    EXPECT_NEAR(*made.mass / in.catalogue[is].mass.mass, 1.0, 0.05);
   }
 }
 

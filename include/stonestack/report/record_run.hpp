@@ -45,7 +45,8 @@ struct RunOrder {
   /// Where stones that nobody scanned are kept once they are modelled (`run.unseen`); empty: the folder
   /// `stones` of the record.
   std::string save_catalogue;
-  bool only_model = false;  ///< with `run.unseen`: ends when the stones are modelled
+  bool replace_stones = false;  ///< stones of that name that are there already are replaced
+  bool only_model = false;      ///< with `run.unseen`: ends when the stones are modelled
 };
 /// A run and its record.
 struct RecordedRun {
@@ -60,7 +61,8 @@ struct RecordedRun {
 /// stones where they were seen last. The caller has asked for the permission to move. A run that is not
 /// stopped and places a stone in a real cell is remembered with the cell file's path and checksum, in
 /// $XDG_STATE_HOME/stonestack/cells.json (~/.local/state): only the next ones are at full speed by default.
-/// @throws InvalidArgument where a run that ended is in the folder; FileError; DeviceError.
+/// @throws InvalidArgument where a run that ended is in the folder, or modelled stones would replace others;
+/// FileError; DeviceError.
 [[nodiscard]] RecordedRun record_run(const RunOrder& order, const Catalogue& catalogue);
 
 /// Shows a question on stderr and waits for a line on stdin.

@@ -6,6 +6,7 @@
 #include "stonestack/core/error.hpp"
 #include "stonestack/detection/detect_stones.hpp"
 #include "stonestack/detection/segment.hpp"
+#include "stonestack/experiment/experiment.hpp"
 #include "stonestack/modelling/model_objects.hpp"
 #include "stonestack/simulation/simulated_cell.hpp"
 #include "stonestack/stacking/build_tower.hpp"
@@ -203,6 +204,10 @@ struct ScannedStones {
 /// @throws InvalidArgument, before any work is done, for names that cannot be or are there already; FileError
 /// for a single file that gives no stone
 [[nodiscard]] ScannedStones scan_stones(const ScanOrder& order);
+
+/// Stones that a run modelled, read back from where it kept them; what it left out counts as failed.
+/// @throws FileError
+[[nodiscard]] ScannedStones modelled_stones(const RunReport& report);
 
 /// Stones to make of depth images of objects on a table.
 struct ModelOrder {
