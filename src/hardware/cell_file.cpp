@@ -179,7 +179,7 @@ CellConfig::CellConfig(const std::string& name) : CellConfig() {
 
 FieldList fields(CellConfig& c) {
   return join(
-      {{user(field("robot", c.robot, "ur3 to ur16e, or a URDF file")),
+      {{user(field("robot", c.robot, "ur3 to ur16e, or a URDF or robot file, beside the cell file")),
         user(field("hand", c.gripper_name,
                    "gripper: robotiq-3f, robotiq-2f-85, robotiq-2f-140, robotiq-hand-e, or a YAML"))},
        nest("arm", fields(c.arm)),
@@ -263,6 +263,8 @@ CellConfig read_cell_file(const std::string& path, const FieldList& others) {
     config.gripper_name = name;
   }
   config.file = path;
+  if (std::error_code none; std::filesystem::is_regular_file(path_beside(path, config.robot), none))
+    config.robot = path_beside(path, config.robot);
   config.obstacles = parse_obstacles(config.obstacles_text, path, "layout.obstacles");
   std::vector<std::string> names;
   for (const Obstacle& obstacle : config.obstacles) names.push_back(obstacle.name);

@@ -1,6 +1,7 @@
 #include "protocol/primary_wire.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "protocol/big_endian.hpp"
 #include "stonestack/core/error.hpp"
@@ -10,6 +11,8 @@ namespace {
 
 constexpr std::size_t kHeader = 5;
 constexpr std::uint8_t kRobotState = 16, kRobotMessage = 20;
+constexpr std::uint8_t kKinematicsPart = 5;
+constexpr std::size_t kChecksums = 6;  // one a joint, before the table
 constexpr int kReadOnly = 210;
 constexpr std::size_t kLongestTitle = 255;
 
@@ -121,6 +124,31 @@ void put_body(std::string& out, const PrimaryMessage& m) {
   out += m.text;
 }
 
+bool is_finite(const std::array<double, 6>& values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+/// Looks for the kinematics among the parts of a robot state.
+std::optional<PrimaryKinematics> find_kinematics(std::string_view state) {
+  BigEndianReader parts(state);
+  while (parts.sound() && parts.rest().size() >= kHeader) {
+    const auto size = parts.get<std::uint32_t>();
+    const auto type = parts.get<std::uint8_t>();
+    if (size < kHeader) break;
+    const std::string_view part = parts.take(size - kHeader);
+    if (!parts.sound() || type != kKinematicsPart) continue;
+    BigEndianReader in(part);
+    in.take(kChecksums * sizeof(std::uint32_t));
+    PrimaryKinematics found;
+    for (auto* column : {&found.theta, &found.a, &found.d, &found.alpha}) {
+      in.get(*column);
+      if (!in.sound() || !is_finite(*column)) return std::nullopt;
+    }
+    return found;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool is_read_only_error(const PrimaryMessage& message) {
@@ -157,8 +185,11 @@ std::optional<PrimaryMessage> PrimaryStream::next() {
     }
     if (bytes_.size() - begin_ < size) break;
     begin_ += size;
+    const std::string_view payload = in.take(size - kHeader);
     if (type == kRobotMessage)
-      if (auto message = decode_message(in.take(size - kHeader))) return message;
+      if (auto message = decode_message(payload)) return message;
+    if (type == kRobotState)
+      if (const auto found = find_kinematics(payload)) kinematics_ = found;
     ++passed_over_;
     states_ += type == kRobotState ? 1 : 0;
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -7,7 +8,8 @@
 #include "protocol/ur_version.hpp"
 
 /// Messages of a controller's primary port: packages of `int32 size, uint8 type`, of which robot messages
-/// (type 20) report the state of a program. Robot states (type 16) are passed over: state comes by RTDE.
+/// (type 20) report the state of a program. Of robot states (type 16) only the kinematics are read: state
+/// comes by RTDE.
 namespace stonestack::protocol {
 
 /// A robot message. Which fields mean something depends on the kind.
@@ -33,6 +35,11 @@ struct PrimaryMessage {
   UrVersion version;           ///< kVersion
 };
 
+/// The arm's own DH table (standard DH, absolute: calibration included), of a robot state.
+struct PrimaryKinematics {
+  std::array<double, 6> theta{}, a{}, d{}, alpha{};  ///< of the joints from the base [m, rad]
+};
+
 /// C210: a script came in on a connection that may only read (robot in local control).
 [[nodiscard]] bool is_read_only_error(const PrimaryMessage& message);
 
@@ -51,6 +58,8 @@ class PrimaryStream {
   [[nodiscard]] long passed_over() const { return passed_over_; }
   /// Robot states (type 16) among them.
   [[nodiscard]] long states() const { return states_; }
+  /// Of the newest state that had them.
+  [[nodiscard]] const std::optional<PrimaryKinematics>& kinematics() const { return kinematics_; }
 
  private:
   std::size_t max_;
@@ -58,6 +67,7 @@ class PrimaryStream {
   std::size_t begin_ = 0;
   std::string problem_;
   long passed_over_ = 0, states_ = 0;
+  std::optional<PrimaryKinematics> kinematics_;
 };
 
 }  // namespace stonestack::protocol

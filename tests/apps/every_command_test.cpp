@@ -62,6 +62,7 @@ TEST_F(EveryCommand, RefusesBadUsageWithExitCode2) {
       {"doctor --frames 1", "--frames"},
       {"record", "--out"},
       {"rearm", "CELL"},
+      {"setup", "CELL"},
       {"completion tcsh", "SHELL"},
       {"config", "A subcommand is required"},
       {"search --levels 0", "--levels"},

@@ -63,6 +63,17 @@ TEST_F(FirstDayCommand, CtrlCWorksWhileAStepWaits) {
   EXPECT_EQ(result("run")["ended"], "interrupted");
 }
 
+TEST_F(FirstDayCommand, SetupSaysWhatItNeedsAndWritesNothingWithoutIt) {
+  expect_refusal("setup lab.yaml < /dev/null", 2, {"--address"});
+  expect_refusal("setup lab.yaml --address 127.0.0.1 < /dev/null", 2, {"--gripper-address"});
+  expect_refusal("setup lab.yaml --address 127.0.0.1 --gripper claw", 2, {"claw", "robotiq-2f-85"});
+  expect_refusal("setup lab.txt --address 127.0.0.1 --gripper robotiq-2f-85", 2, {"lab.txt", ".yaml"});
+  expect_refusal("setup lab.yaml --address 127.0.0.200 --gripper robotiq-2f-85", 6, {"127.0.0.200:29999"});
+  EXPECT_FALSE(fs::exists(folder_ + "/lab.yaml"));
+  write("lab.yaml", "robot: ur10\n");
+  expect_refusal("setup lab.yaml --address 127.0.0.1 --gripper robotiq-2f-85", 3, {"lab.yaml", "--force"});
+}
+
 TEST_F(FirstDayCommand, RearmRefusesWithoutACell) {
   expect_refusal("rearm", 2, {"CELL"});
   expect_refusal("rearm nowhere.yaml", 3, {"nowhere.yaml"});

@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +78,54 @@ using ConfirmRearming = std::function<bool(const ControllerState& state, const s
 [[nodiscard]] std::string to_text(const ControllerState& state);
 /// JSON text of schema stonestack.rearm/1.
 [[nodiscard]] std::string rearming_json(const Rearming& rearming);
+
+/// A UR controller as it describes itself and what is mounted on its arm.
+struct ControllerDescription {
+  std::string model;      ///< "UR10"; empty where it does not say (before PolyScope 3.12 and 5.6)
+  std::string polyscope;  ///< "3.15.8.106339"
+  bool e_series = false;  ///< its arm has a force sensor of its own
+  ControllerState state;
+  std::optional<bool> remote_control;          ///< empty where there is no such mode
+  std::optional<double> payload;               ///< of its installation [kg]; empty: it does not say
+  std::optional<Eigen::Vector3d> p_F_payload;  ///< centre of mass of that [m]
+  std::optional<Eigen::Vector3d> p_F_tip;      ///< its tool centre point [m]
+  /// The arm's own DH table, calibration included: theta, d, a, alpha of each joint [m, rad]. Empty where
+  /// the script port says none.
+  std::optional<std::array<std::array<double, 4>, 6>> dh;
+};
+/// Asks a controller what it is. Moves and changes nothing. Of the cell only address and ports are used.
+/// @throws DeviceError
+[[nodiscard]] ControllerDescription describe_controller(const CellConfig& config);
+/// Asks the controller at an address or name, on the standard ports.
+[[nodiscard]] ControllerDescription describe_controller(const std::string& arm);
+
+/// Order for a new cell file.
+struct CellSetup {
+  std::string path;                    ///< of the cell file
+  std::string arm;                     ///< address or name of the robot's controller
+  std::string gripper = "robotiq-3f";  ///< by its name
+  std::string gripper_address;         ///< of a gripper with a network socket of its own
+  std::string robot;                   ///< ur3 to ur16e; empty: as the controller says
+  bool replace = false;                ///< a file that is there may be replaced
+};
+/// A new cell file, and what a person should know about it.
+struct NewCell {
+  std::string path;          ///< of the cell file
+  std::string robot;         ///< ur3 to ur16e
+  std::string robot_file;    ///< with the arm's calibration; empty: it has none
+  double calibration = 0.0;  ///< distance of the calibrated flange from the nominal one, arm stretched [m]
+  std::vector<std::string> notes;  ///< what does not agree, and what is still to be done
+};
+/// Refuses a setup that no controller can make good: no address, an unknown gripper, one without its address,
+/// a file that is there. Reads and writes nothing else.
+/// @throws Error (usage), FileError
+void require_sound(const CellSetup& setup);
+/// Writes a cell file for the arm that was described, and beside it a robot file with the arm's calibration,
+/// where it has one. Both are read back before they get their names.
+/// @throws FileError, Error (usage) for an arm that is unknown
+NewCell write_new_cell(const CellSetup& setup, const ControllerDescription& controller);
+/// JSON text of schema stonestack.setup/1.
+[[nodiscard]] std::string new_cell_json(const NewCell& cell, const ControllerDescription& controller);
 
 /// Writes a hand-eye calibration, camera in the flange, into a cell file and leaves every other character of
 /// it as it is, comments included. `calibration` is the file that holds T_F_C, or empty.

@@ -68,6 +68,7 @@ struct PrimaryClient::Link {
           knows_version = knows_version || message->kind == PrimaryMessage::Kind::kVersion;
           if (speaks) keep(std::move(*message));
         }
+        if (speaks) keep(parser.kinematics());
         note(knows_version || (speaks ? parser.states() : parser.passed_over()) > 0, parser.problem());
         if (!speaks || parser.problem().empty()) continue;
         log_warning(from.name() + ": out of step: " + parser.problem() +
@@ -95,6 +96,11 @@ struct PrimaryClient::Link {
     if (messages.size() > kKept) messages.pop_front();
   }
 
+  void keep(const std::optional<PrimaryKinematics>& found) {
+    const std::lock_guard lock(messages_mutex);
+    if (found) kinematics = found;
+  }
+
   void send(const std::string& script) {
     if (!stream || stream->is_shut()) {
       disconnect();
@@ -120,6 +126,7 @@ struct PrimaryClient::Link {
   std::condition_variable noted;
   bool heard = false;  // a controller, on some connection
   std::string odd;     // what was wrong first
+  std::optional<PrimaryKinematics> kinematics;
 };
 
 PrimaryClient::PrimaryClient(const std::string& address, const PrimaryOptions& options)
@@ -159,6 +166,13 @@ void PrimaryClient::wait_until_heard(Deadline deadline) const {
                         ? concat("says neither its version nor a state of the robot within ", patience, " s")
                         : "what listens there is no UR controller: " + odd,
                     "check the address and arm.primary_port (30001), and that no other program has the port");
+}
+
+std::optional<PrimaryKinematics> PrimaryClient::wait_for_kinematics(Deadline deadline) const {
+  std::unique_lock lock(link_->messages_mutex);
+  while (!link_->kinematics && link_->odd.empty() && !deadline.over())
+    link_->noted.wait_for(lock, std::chrono::duration<double>(deadline.or_interrupt().turn()));
+  return link_->kinematics;
 }
 
 int PrimaryClient::port() const {

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/socket.hpp"
@@ -33,6 +34,9 @@ class PrimaryClient {
   /// Waits for a message that only a controller sends: its version, or a state. Throws DeviceError when
   /// nothing or something else comes, Interrupted after Ctrl-C.
   void wait_until_heard(Deadline deadline) const;
+  /// The arm's kinematics, once a state has said them; empty where none has within the deadline. Interrupted
+  /// after Ctrl-C.
+  [[nodiscard]] std::optional<PrimaryKinematics> wait_for_kinematics(Deadline deadline) const;
   /// The port in use.
   [[nodiscard]] int port() const;
 

@@ -1,0 +1,139 @@
+// A new cell file against the simulated controller.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "emulators/ur/ur_controller_server.hpp"
+#include "hardware/cell_config.hpp"
+#include "script_bench.hpp"
+#include "stonestack/core/error.hpp"
+#include "stonestack/core/file.hpp"
+#include "stonestack/hardware/cell_file.hpp"
+#include "temporary_folder.hpp"
+
+namespace stonestack::emulators {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class SetUpCell : public testing::Test {
+ protected:
+  SetUpCell() { std::filesystem::create_directories(folder_); }
+  ~SetUpCell() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] ControllerDescription described(const std::string& robot, const std::string& version,
+                                                double payload) {
+    UrServerOptions options;
+    options.version = version;
+    options.payload = payload;
+    options.payload_cog = {0.0, 0.01, 0.1};
+    options.speed = 4.0;
+    UrControllerServer server(options, read_robot(robot), plant_);
+    server.start();
+    CellConfig config;
+    config.arm.address = "127.0.0.1";
+    config.arm.rtde.stale_after = 1.0;
+    const UrPorts ports = server.ports();
+    config.arm.rtde_port = ports.rtde;
+    config.arm.primary_port = ports.primary;
+    config.arm.secondary_port = ports.secondary;
+    config.arm.dashboard_port = ports.dashboard;
+    return describe_controller(config);
+  }
+  [[nodiscard]] CellSetup order(const std::string& name) const {
+    CellSetup setup;
+    setup.path = folder_ + "/" + name;
+    setup.arm = "192.168.1.10";
+    setup.gripper_address = "192.168.1.11";
+    return setup;
+  }
+  [[nodiscard]] static std::string problem(const std::function<void()>& act) {
+    try {
+      act();
+    } catch (const Error& error) {
+      return concat(static_cast<int>(error.exit_code()), ' ', error.what());
+    }
+    return "";
+  }
+
+  std::string folder_ = test::temporary_folder() + "set_up_cell_" +
+                        testing::UnitTest::GetInstance()->current_test_info()->name();
+  IdealPlant plant_{ScriptBench::start()};
+};
+
+TEST_F(SetUpCell, TheCellOfACb3IsAsItsControllerSays) {
+  const ControllerDescription controller = described("ur10", "3.15.8.106339", 3.3);
+  EXPECT_EQ(controller.model, "UR10");
+  EXPECT_FALSE(controller.e_series);
+  ASSERT_TRUE(controller.payload && controller.p_F_payload && controller.dh);
+  EXPECT_EQ(*controller.payload, 3.3);
+  EXPECT_EQ(controller.p_F_payload->z(), 0.1);
+  EXPECT_NEAR((*controller.dh)[1][2], -0.612, 1e-4) << "length of the upper arm, UR's data sheet";
+  const NewCell made = write_new_cell(order("lab.yaml"), controller);
+  EXPECT_EQ(made.robot, "ur10");
+  EXPECT_EQ(made.robot_file, "") << "no calibration";
+  EXPECT_THAT(made.notes, IsEmpty());
+  const CellConfig cell = read_cell_file(made.path);
+  EXPECT_EQ(cell.robot, "ur10");
+  EXPECT_EQ(cell.arm.address, "192.168.1.10");
+  EXPECT_EQ(cell.gripper.modbus.address, "192.168.1.11");
+  EXPECT_FALSE(cell.has_own_sensor());
+  EXPECT_EQ(cell.sensor_mass, 0.65);
+  EXPECT_EQ(cell.limits.tool_speed, 0.25);
+}
+
+TEST_F(SetUpCell, AnESeriesArmHasItsOwnSensorAndAHandBehindItsUrcap) {
+  const ControllerDescription controller = described("ur10e", "5.11.1.108318", 0.2);
+  EXPECT_TRUE(controller.e_series);
+  CellSetup setup = order("lab.yaml");
+  setup.gripper = "robotiq-2f-85";
+  setup.gripper_address.clear();
+  const NewCell made = write_new_cell(setup, controller);
+  EXPECT_EQ(made.robot, "ur10e");
+  ASSERT_FALSE(made.notes.empty());
+  EXPECT_THAT(made.notes.front(), HasSubstr("0.2 kg")) << "gripper and camera weigh more";
+  const CellConfig cell = read_cell_file(made.path);
+  EXPECT_TRUE(cell.has_own_sensor());
+  EXPECT_EQ(cell.gripper_driver, "robotiq_2f");
+  EXPECT_EQ(cell.sensor_mass, 0.0);
+}
+
+TEST_F(SetUpCell, ACalibratedArmGetsARobotFileBesideTheCell) {
+  ControllerDescription controller = described("ur10", "3.15.8.106339", 3.3);
+  (*controller.dh)[1][2] -= 0.0012;  // upper arm
+  (*controller.dh)[2][0] += 0.0008;  // elbow's zero
+  const NewCell made = write_new_cell(order("lab.yaml"), controller);
+  EXPECT_EQ(made.robot_file, folder_ + "/lab-robot.yaml");
+  EXPECT_GT(made.calibration, 0.001);
+  EXPECT_LT(made.calibration, 0.003);
+  const RobotModel robot = read_cell_robot(read_cell_file(made.path));
+  const Joints stretched = Joints::Zero();
+  const double longer = std::abs(forward(robot, stretched).translation().x()) -
+                        std::abs(forward(read_robot("ur10"), stretched).translation().x());
+  EXPECT_NEAR(longer, 0.0012 - 0.0008 * 0.1157, 2e-6)
+      << "the wrist hangs d5 = 0.1157 m below the elbow's axis";
+}
+
+TEST_F(SetUpCell, NothingIsWrittenOverOrForAnArmThatIsUnknown) {
+  ControllerDescription controller = described("ur10", "3.15.8.106339", 3.3);
+  static_cast<void>(write_new_cell(order("lab.yaml"), controller));
+  const std::string before = read_file(folder_ + "/lab.yaml", 1 << 16);
+  EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(order("lab.yaml"), controller)); }),
+              HasSubstr("--force"));
+  EXPECT_EQ(read_file(folder_ + "/lab.yaml", 1 << 16), before);
+  controller.model = "UR99";
+  EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(order("other.yaml"), controller)); }),
+              HasSubstr("ur99"));
+  (*controller.dh)[1][2] = -2.0;  // another robot's
+  controller.model = "UR10";
+  EXPECT_NE(problem([&] { static_cast<void>(write_new_cell(order("other.yaml"), controller)); }), "");
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_))
+    files.push_back(entry.path().filename());
+  EXPECT_THAT(files, testing::ElementsAre("lab.yaml"));
+}
+
+}  // namespace
+}  // namespace stonestack::emulators
