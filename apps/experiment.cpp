@@ -1,4 +1,5 @@
 #include <iostream>
+#include <set>
 
 #include "commands.hpp"
 #include "common_options.hpp"
@@ -15,6 +16,8 @@ struct ExperimentCommand {
   std::string robot = "ur10";
   std::string compare;
   std::vector<std::string> variants;
+  std::vector<std::string> merge;
+  const CLI::App* app = nullptr;
   ExperimentOrder order;
 };
 
@@ -26,7 +29,16 @@ std::vector<Variant> variants_of(const ExperimentCommand& command) {
   return list;
 }
 
-void experiment(ExperimentCommand& command) {
+/// All but the place for the result is in the records.
+RecordedExperiment merged(const ExperimentCommand& command) {
+  const std::set<std::string> fit{"--merge", "--out", "--json", "--quiet", "--verbose"};
+  for (const CLI::Option* given : command.app->get_options([](const auto* o) { return o->count() > 0; }))
+    require(fit.count(given->get_name()) > 0, "--merge takes all options from the records: leave out ",
+            given->get_name());
+  return merge_experiments(command.merge, command.order.out);
+}
+
+RecordedExperiment performed(ExperimentCommand& command) {
   ExperimentOrder& order = command.order;
   command.common.settings.apply(fields(order.run));
   order.robot = read_robot(command.robot);
@@ -35,15 +47,19 @@ void experiment(ExperimentCommand& command) {
   order.version = program_version();
   require(order.new_stones == 0 || command.common.catalogue.empty(), "--new-stones and --catalogue ",
           command.common.catalogue, ": new stones are drawn from a folder with --new-stones-from");
+  return record_experiment(order, order.new_stones > 0 ? Catalogue{} : command.common.read(),
+                           [](const std::string& row) {
+                             clear_progress();
+                             std::cerr << row;
+                           });
+}
+
+void experiment(ExperimentCommand& command) {
   std::ostream& out = command.common.text();
-  const RecordedExperiment done = record_experiment(
-      order, order.new_stones > 0 ? Catalogue{} : command.common.read(), [](const std::string& row) {
-        clear_progress();
-        std::cerr << row;
-      });
+  const RecordedExperiment done = command.merge.empty() ? performed(command) : merged(command);
   clear_progress();
   const bool whole = !done.interrupted && done.unwritten.empty();
-  if (!order.variants.empty()) {
+  if (!command.order.variants.empty()) {
     if (whole) out << '\n' << done.comparison << "record: " << done.folder << '\n';
   } else if (!done.experiment.runs.empty()) {
     out << '\n'
@@ -53,6 +69,9 @@ void experiment(ExperimentCommand& command) {
   }
   if (done.interrupted) throw Interrupted();
   if (!done.unwritten.empty()) throw Error(done.unwritten, ExitCode::kUnreadable);
+  if (!done.missing.empty())
+    throw FileError(done.folder, "runs are missing: " + done.missing,
+                    concat("do them by --continue --out ", done.folder));
 }
 
 }  // namespace
@@ -94,6 +113,13 @@ void add_experiment(CLI::App& app) {
   sub.add_flag("--continue", order.continues,
                "Go on with the runs that the folder --out holds: the same command, stopped before");
   sub.add_option("--out", order.out, "Folder for the record (default: experiments/<time>-seed<seed>)");
+  sub.add_option_function<std::string>(
+         "--shard", [&order](const std::string& text) { order.shard = parse_shard(text); },
+         "Only runs I, I + N, I + 2 N, ... of the experiment: the part of one machine of N")
+      ->type_name("I/N");
+  sub.add_option("--merge", command.merge, "Join the records of shards into one in the folder --out")
+      ->type_name("DIR");
+  command.app = &sub;
   add_view(sub, order.view);
   command.common.register_on(sub);
   sub.footer(
@@ -106,7 +132,11 @@ void add_experiment(CLI::App& app) {
       "  stonestack experiment --runs 100 --new-stones 4 --set simulation.engine=ode\n"
       "  stonestack experiment --runs 100 --new-stones 4 --new-stones-from rocks --protocol paper\n"
       "  stonestack experiment --runs 20 --compare cell --survival false\n"
-      "  stonestack experiment --runs 20 --variant 'as it is:' --variant 'wide: search.beam=6'");
+      "  stonestack experiment --runs 20 --variant 'as it is:' --variant 'wide: search.beam=6'\n"
+      "On many machines, each with a shard of the runs; the last line makes one record of them:\n"
+      "  sbatch --array=1-8 --wrap 'stonestack experiment --runs 200 --seed 5 "
+      "--shard $SLURM_ARRAY_TASK_ID/8 --out shard-$SLURM_ARRAY_TASK_ID --continue'\n"
+      "  stonestack experiment --merge shard-* --out whole");
 }
 
 }  // namespace stonestack::apps

@@ -114,6 +114,22 @@ WallMetrics wall_of(const json& map, const std::string& path) {
   return wall;
 }
 
+std::vector<std::string> names_of(const json& map, const char* key, const std::string& path) {
+  std::vector<std::string> names;
+  for (const json& name : entry(map, key, &json::is_array, path)) {
+    if (!name.is_string()) throw FileError(path, concat(key, " holds something else than names"), kRemedy);
+    names.push_back(name.get<std::string>());
+  }
+  return names;
+}
+
+Shard shard_of(const json& map, const std::string& path) {
+  const Shard shard{count_of(map, "index", path), count_of(map, "count", path)};
+  if (shard.index < 1 || shard.index > shard.count)
+    throw FileError(path, concat("there is no shard ", to_text(shard)), kRemedy);
+  return shard;
+}
+
 RunReport report_of(const json& map, const std::string& path) {
   RunReport report;
   RunResult& result = report.result;
@@ -132,10 +148,7 @@ RunReport report_of(const json& map, const std::string& path) {
       report.cell_changes.push_back(change.get<std::string>());
     }
   }
-  for (const json& stone : entry(map, "stones", &json::is_array, path)) {
-    if (!stone.is_string()) throw FileError(path, "stones holds something else than names", kRemedy);
-    report.present.push_back(stone.get<std::string>());
-  }
+  report.present = names_of(map, "stones", path);
   const json& seconds = entry(map, "seconds", &json::is_object, path);
   result.seconds.detection = seconds_of(seconds, "detection", path);
   result.seconds.search = seconds_of(seconds, "search", path);
@@ -179,10 +192,23 @@ Experiment read_experiment(const std::string& path) {
     experiment.new_stones = count_of(file, "new_stones", path);
     experiment.new_stones_from = text_of(file, "new_stones_from", path);
   }
+  if (file.contains("total")) {
+    experiment.seed = count_of(file, "seed", path);
+    experiment.total = count_of(file, "total", path);
+    experiment.shard = shard_of(entry(file, "shard", &json::is_object, path), path);
+    experiment.stones = names_of(file, "stones", path);
+  }
+  int before = 0;
   for (const json& run : entry(file, "runs", &json::is_array, path)) {
     const RunReport report = report_of(run, path);
     const json& survival = entry(run, "survival", &json::is_object, path);
-    experiment.runs.push_back({report, survival_of(survival, &experiment.survival_seconds, path)});
+    const int number = file.contains("total") ? count_of(run, "run", path) : before + 1;
+    if (number <= before || !experiment.shard.has(number))
+      throw FileError(
+          path, concat("run ", number, " is after run ", before, " of shard ", to_text(experiment.shard)),
+          kRemedy);
+    experiment.runs.push_back({report, survival_of(survival, &experiment.survival_seconds, path), number});
+    before = number;
   }
   return experiment;
 }

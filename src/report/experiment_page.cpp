@@ -15,14 +15,15 @@ std::string experiment_data(const Experiment& experiment, int total) {
   nlohmann::json runs = nlohmann::json::array();
   for (const ExperimentRun& run : experiment.runs) {
     const RunResult& result = run.report.result;
-    runs.push_back({{"seed", run.report.seed},
+    runs.push_back({{"run", run.number},
+                    {"seed", run.report.seed},
                     {"height", judged_height(run)},
                     {"reported", result.height},
                     {"paper_height", paper_height(run.report)},
                     {"seconds", result.seconds.motion},
                     {"ended", result.ended}});
   }
-  return nlohmann::json{{"title", experiment.title},
+  return nlohmann::json{{"title", title_of(experiment)},
                         {"total", total},
                         {"mean_height", mean_height(experiment)},
                         {"heights", heights(experiment)},

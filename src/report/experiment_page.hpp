@@ -12,6 +12,8 @@ namespace stonestack::report {
 [[nodiscard]] std::string experiment_html(const Experiment& experiment);
 /// Page of an experiment that goes on.
 [[nodiscard]] std::string live_experiment_page(const Experiment& experiment, int total);
+/// Title with the shard, unless it is the whole experiment.
+[[nodiscard]] std::string title_of(const Experiment& experiment);
 /// Mean of the judged heights; 0 without runs.
 [[nodiscard]] double mean_height(const Experiment& experiment);
 

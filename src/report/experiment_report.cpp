@@ -129,14 +129,13 @@ std::string height_lines(const Experiment& experiment) {
 /// Towers on which the engines do not agree.
 std::string disagreement_lines(const Experiment& experiment) {
   std::string text;
-  int judged = 0, number = 0, differ = 0;
+  int judged = 0, differ = 0;
   for (const auto& run : experiment.runs) {
-    ++number;
     if (!run.report.truth || run.report.truth->engines.empty()) continue;
     ++judged;
     if (!engines_disagree(*run.report.truth)) continue;
     ++differ;
-    text += format("  run %d:", number);
+    text += format("  run %d:", run.number);
     for (const auto& verdict : run.report.truth->engines)
       text += format(" %s %d of %d", verdict.engine.c_str(), verdict.height, run.report.result.height) +
               (verdict.note.empty() ? "" : " (" + verdict.note + ")") + ";";
@@ -150,8 +149,13 @@ std::string disagreement_lines(const Experiment& experiment) {
 
 }  // namespace
 
+std::string title_of(const Experiment& experiment) {
+  if (experiment.shard.count == 1) return experiment.title;
+  return experiment.title + ", shard " + to_text(experiment.shard);
+}
+
 std::string experiment_table(const Experiment& experiment) {
-  std::string text = experiment.title + format(" (%zu done)", experiment.runs.size()) + "\n\n" +
+  std::string text = title_of(experiment) + format(" (%zu done)", experiment.runs.size()) + "\n\n" +
                      histogram(experiment) + "\n";
   text += height_lines(experiment) + disagreement_lines(experiment);
   const StageSeconds s = mean_seconds(experiment);
@@ -166,11 +170,10 @@ std::string experiment_table(const Experiment& experiment) {
       format("  whole run         %7.1f  %7.1f\n", s.detection + s.search + s.planning + s.motion, kPaperRun);
   text += format("  detection and search while the arm moved, not in these: %.1f\n\n", s.beside_motion);
   text += survival_lines(experiment) + "\n" + calibration_lines(experiment) + cost_line(experiment) + "\n";
-  int number = 0;
   for (const auto& run : experiment.runs) {
     const auto& r = run.report.result;
     text += format("run %3d  seed %-8d height %d%s  robot %5.1f s, detection %4.1f s, search %5.1f s  ",
-                   ++number, run.report.seed, judged_height(run),
+                   run.number, run.report.seed, judged_height(run),
                    judged_height(run) < r.height ? format(" (reported %d!)", r.height).c_str() : "",
                    r.seconds.motion, r.seconds.detection, r.seconds.search) +
             r.ended + "\n";
@@ -182,6 +185,7 @@ std::string experiment_json(const Experiment& experiment) {
   json runs = json::array();
   for (const auto& run : experiment.runs) {
     json entry = json::parse(run_json(run.report));
+    entry["run"] = run.number;
     entry["judged_height"] = judged_height(run);
     entry["paper_height"] = paper_height(run.report);
     entry["survival"] = {{"seconds", experiment.survival_seconds},
@@ -198,6 +202,10 @@ std::string experiment_json(const Experiment& experiment) {
   const StageSeconds s = mean_seconds(experiment);
   return json{{"schema", "stonestack.experiment/1"},
               {"title", experiment.title},
+              {"seed", experiment.seed},
+              {"total", experiment.total},
+              {"shard", {{"index", experiment.shard.index}, {"count", experiment.shard.count}}},
+              {"stones", experiment.stones},
               {"protocol", experiment.protocol},
               {"per_run", experiment.per_run},
               {"new_stones", experiment.new_stones},
@@ -224,12 +232,11 @@ std::string runs_csv(const Experiment& experiment) {
   std::string text =
       "run,seed,stones,height,reported,paper_height,end,motion_s,detection_s,search_s,planning_s,"
       "beside_motion_s\n";
-  int number = 0;
   for (const auto& run : experiment.runs) {
     std::string stones;
     for (const auto& name : run.report.present) stones += (stones.empty() ? "" : " ") + name;
     const auto& r = run.report.result;
-    text += format("%d,%d,", ++number, run.report.seed) + csv_field(stones) +
+    text += format("%d,%d,", run.number, run.report.seed) + csv_field(stones) +
             format(",%d,%d,%d,", judged_height(run), r.height, paper_height(run.report)) +
             csv_field(r.ended) +
             format(",%.1f,%.2f,%.2f,%.2f,%.2f\n", r.seconds.motion, r.seconds.detection, r.seconds.search,

@@ -101,8 +101,8 @@ std::string legend(const Experiment& experiment) {
                      mark(kWidth - kRight + 82, kTop + 4, false, "#444") +
                      format("<text x='%.0f' y='%.0f'>failed</text>\n", kWidth - kRight + 94, kTop + 8);
   for (std::size_t i = 0; i < std::min(kMax, experiment.runs.size()); ++i)
-    text += format("<text x='%.0f' y='%.0f' fill='%s'>run %zu: %d</text>\n", kWidth - kRight + 18,
-                   kTop + 30 + 15.5 * static_cast<double>(i), colour(i).c_str(), i + 1,
+    text += format("<text x='%.0f' y='%.0f' fill='%s'>run %d: %d</text>\n", kWidth - kRight + 18,
+                   kTop + 30 + 15.5 * static_cast<double>(i), colour(i).c_str(), experiment.runs[i].number,
                    judged_height(experiment.runs[i]));
   return text;
 }
@@ -111,11 +111,9 @@ std::string legend(const Experiment& experiment) {
 
 std::string figure5_csv(const Experiment& experiment) {
   std::string text = "run,seed,level,stone,cost,held\n";
-  int number = 0;
   for (const auto& run : experiment.runs) {
-    ++number;
     for (const auto& point : points(run))
-      text += format("%d,%d,%d,", number, run.report.seed, point.level) + csv_field(point.stone) +
+      text += format("%d,%d,%d,", run.number, run.report.seed, point.level) + csv_field(point.stone) +
               format(",%.6g,%d\n", point.cost, point.held ? 1 : 0);
   }
   return text;

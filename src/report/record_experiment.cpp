@@ -2,11 +2,11 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "core/memory.hpp"
 #include "experiment/new_stones.hpp"
+#include "report/experiment_folder.hpp"
 #include "report/experiment_page.hpp"
 #include "report/live_run.hpp"
 #include "report/perform_run.hpp"
@@ -42,6 +42,17 @@ Catalogue choose_stones(const ExperimentOrder& order, const Catalogue& all) {
   return chosen;
 }
 
+std::vector<std::string> names_of(const Catalogue& catalogue) {
+  std::vector<std::string> names;
+  for (const Stone& stone : catalogue.stones) names.push_back(stone.name);
+  return names;
+}
+
+std::vector<ExperimentRun>::const_iterator find_run(const std::vector<ExperimentRun>& runs, int number) {
+  return std::find_if(runs.begin(), runs.end(),
+                      [&](const ExperimentRun& run) { return run.number == number; });
+}
+
 /// Refuses what could end the experiment hours later.
 void check_order(const ExperimentOrder& order, const Catalogue& catalogue) {
   constexpr int kMax = std::numeric_limits<int>::max();
@@ -57,6 +68,11 @@ void check_order(const ExperimentOrder& order, const Catalogue& catalogue) {
     require(order.per_run <= count, "--per-run ", order.per_run, " of ", count,
             " stones: ask for more with --stones, of a catalogue that has them");
   }
+  const std::string shard = "--shard " + to_text(order.shard);
+  require(order.shard.size(order.runs) > 0, shard, " of --runs ", order.runs,
+          ": it has no run; divide them into ", order.runs, " shards at most");
+  require(order.shard.count == 1 || order.variants.empty(), shard,
+          ": a comparison has no shards; make each row an experiment of its own, its options with --set");
   check_variants(order.variants, order.run, order.seed);
   require(!order.continues || !order.out.empty(), "--continue needs the folder to go on with: --out FOLDER");
 }
@@ -67,28 +83,6 @@ RecordFolder out_folder(const ExperimentOrder& order) {
   require(order.continues || folder.made(), order.out,
           " is there already; go on with it by --continue, or name another folder with --out");
   return folder;
-}
-
-void write_record(const Experiment& experiment, const std::string& folder) {
-  write_file(folder + "/experiment.json", experiment_json(experiment));
-  write_file(folder + "/runs.csv", runs_csv(experiment));
-  write_file(folder + "/figure5.csv", figure5_csv(experiment));
-  write_file(folder + "/figure5.svg", figure5_svg(experiment));
-  write_file(folder + "/summary.txt", experiment_table(experiment));
-  write_file(folder + "/report.html", experiment_html(experiment));
-}
-
-/// The first line in which two option files differ, for the user.
-std::string first_difference(const std::string& there, const std::string& now) {
-  std::istringstream a(there), b(now);
-  std::string p, q;
-  do {
-    p.clear();
-    q.clear();
-    std::getline(a, p);
-    std::getline(b, q);
-  } while (p == q && (a || b));
-  return concat("'", p, "' there, '", q, "' now");
 }
 
 /// The runs of one experiment: `order` with the options of a variant, in a folder of its own.
@@ -110,6 +104,10 @@ class Runs {
     RecordedExperiment done;
     done.folder = folder_;
     Experiment& experiment = done.experiment;
+    experiment.seed = order_.seed;
+    experiment.total = order_.runs;
+    experiment.shard = order_.shard;
+    experiment.stones = names_of(catalogue_);
     experiment.protocol = order_.protocol;
     experiment.per_run = order_.per_run;
     experiment.new_stones = order_.new_stones;
@@ -121,35 +119,44 @@ class Runs {
                               ", cell ", settings_.simulation.cell);
     experiment.survival_seconds = survival_.seconds;
     if (order_.continues) experiment.runs = runs_done();
-    // Before the first run ends, too: what --continue must agree with.
-    write_file(folder_ + "/experiment.json", experiment_json(experiment));
-    const Stopwatch watch;
-    const std::size_t before = experiment.runs.size();
-    for (int k = static_cast<int>(before) + 1; k <= order_.runs; ++k) {
-      show(experiment);
-      if (!perform_one(k, done)) break;
-      show_progress({"experiment", static_cast<double>(k), static_cast<double>(order_.runs), "runs",
-                     format("mean height %.2f", mean_height(experiment)),
-                     watch.seconds() * k / (k - static_cast<double>(before))});
-    }
+    // Before the first run ends, too: what --continue and --merge must agree with.
+    SimulatedRun all = run_of_seed(order_.seed);
+    write_file(options_file(folder_), write_fields(fields(all)));
+    write_file(experiment_file(folder_), experiment_json(experiment));
+    perform_missing(done);
     show(experiment);
     return done;
   }
 
  private:
+  /// Performs the runs of the shard that are not done.
+  void perform_missing(RecordedExperiment& done) const {
+    const std::vector<ExperimentRun>& runs = done.experiment.runs;
+    const double before = static_cast<double>(runs.size()), all = order_.shard.size(order_.runs);
+    const Stopwatch watch;
+    for (int k = 1; k <= order_.runs; ++k) {
+      if (!order_.shard.has(k) || find_run(runs, k) != runs.end()) continue;
+      show(done.experiment);
+      if (!perform_one(k, done)) return;
+      const auto now = static_cast<double>(runs.size());
+      show_progress({"experiment", now, all, "runs", format("mean height %.2f", mean_height(done.experiment)),
+                     watch.seconds() * now / (now - before)});
+    }
+  }
   /// Brings the live view up to date.
   void show(const Experiment& experiment) const {
     if (live_ == nullptr) return;
-    live_->publish("state", experiment_data(experiment, order_.runs), true);
-    live_->set_page(live_experiment_page(experiment, order_.runs));
+    const int total = order_.shard.size(order_.runs);
+    live_->publish("state", experiment_data(experiment, total), true);
+    live_->set_page(live_experiment_page(experiment, total));
   }
-  [[nodiscard]] std::string run_folder(int k) const { return concat(folder_, "/run-", k); }
-  [[nodiscard]] SimulatedRun run_number(int k) const {
+  [[nodiscard]] SimulatedRun run_of_seed(int seed) const {
     SimulatedRun run = settings_;
-    run.seed = 1000 * order_.seed + k;
+    run.seed = seed;
     spread_seed(run);
     return run;
   }
+  [[nodiscard]] SimulatedRun run_number(int k) const { return run_of_seed(1000 * order_.seed + k); }
   /// The stones that run `k` may draw from.
   [[nodiscard]] Catalogue stones_of(int k, const SimulatedRun& run) const {
     return new_stones_ ? new_stones_->of_run(k, run.seed) : catalogue_;
@@ -157,6 +164,14 @@ class Runs {
   [[nodiscard]] std::vector<StoneIndex> present_in(const Catalogue& catalogue,
                                                    const SimulatedRun& run) const {
     return draw(catalogue, order_.per_run, run.seed, order_.robot, run.build.gripper);
+  }
+
+  /// The folder of run `k`; what a run that did not end has left in it is put aside.
+  [[nodiscard]] std::string empty_run_folder(int k) const {
+    std::string folder = folder_of_run(folder_, k);
+    if (std::filesystem::exists(folder))
+      log_info(concat(folder, " was not finished; it is kept as ", put_aside(folder)));
+    return folder;
   }
 
   /// Adds run `k`; false where the experiment ends with it.
@@ -167,7 +182,7 @@ class Runs {
     try {
       const Catalogue catalogue = stones_of(k, run);
       const auto present = present_in(catalogue, run);
-      const RecordFolder place(run_folder(k));
+      const RecordFolder place(empty_run_folder(k));
       made = perform(run, catalogue, order_.robot, present, place, order_.version,
                      order_.survival ? &survival_ : nullptr);
       done.unwritten = made.unwritten;
@@ -188,7 +203,10 @@ class Runs {
     Experiment& experiment = done.experiment;
     made.report.result.events.clear();  // in the run's own folder
     made.report.result.timeline = {};
-    experiment.runs.push_back({std::move(made.report), std::move(made.survival)});
+    const auto next = std::find_if(experiment.runs.begin(), experiment.runs.end(),
+                                   [&](const ExperimentRun& other) { return other.number > k; });
+    const ExperimentRun& added =
+        *experiment.runs.insert(next, {std::move(made.report), std::move(made.survival), k});
     core::return_free_memory();
     try {
       write_record(experiment, folder_);
@@ -196,13 +214,13 @@ class Runs {
       done.unwritten = error.what();
       return false;
     }
-    log_info(concat("run ", k, ": height ", judged_height(experiment.runs.back()), "; ",
-                    experiment.runs.back().report.result.ended));
+    log_info(concat("run ", k, ": height ", judged_height(added), "; ", added.report.result.ended));
     return true;
   }
 
   /// Refuses a run that would not be made now as it was made.
-  void check_same_run(const ExperimentRun& there, int k) const {
+  void check_same_run(const ExperimentRun& there) const {
+    const int k = there.number;
     const std::string remedy = concat(kRepeat, ", or begin another in a new folder");
     const RunReport& report = there.report;
     require(report.robot == order_.robot.name, folder_, " was made with ", report.robot, ", not with ",
@@ -215,20 +233,21 @@ class Runs {
     for (const StoneIndex stone : present_in(catalogue, run)) present.push_back(name_of(catalogue, stone));
     if (report.present != present)
       throw FileError(folder_, concat("run ", k, " was made with other stones"), remedy);
-    const std::string file = run_folder(k) + "/options.yaml";
+    const std::string file = folder_of_run(folder_, k) + "/options.yaml";
     const std::string options = read_file(file, 1U << 20U), now = write_fields(fields(run));
+    const auto [line, line_now] = first_difference(options, now);
     if (options != now)
-      throw FileError(file, concat("made with other options: ", first_difference(options, now)), remedy);
+      throw FileError(file, concat("made with other options: '", line, "' there, '", line_now, "' now"),
+                      remedy);
     require(there.survival.standing.empty() != order_.survival, folder_, ": run ", k,
             " was made with --survival ", order_.survival ? "false" : "true", "; ", kRepeat);
   }
 
-  /// The runs that the folder holds, if they belong to this experiment. One that was interrupted is put
-  /// aside.
+  /// The runs that the folder holds, if they belong to this experiment.
   [[nodiscard]] std::vector<ExperimentRun> runs_done() const {
     std::vector<ExperimentRun> runs;
-    if (std::filesystem::exists(folder_ + "/experiment.json")) {
-      Experiment there = read_experiment(folder_ + "/experiment.json");
+    if (std::filesystem::exists(experiment_file(folder_))) {
+      Experiment there = read_experiment(experiment_file(folder_));
       require(there.per_run == order_.per_run, folder_, " was made with --per-run ", there.per_run, ", not ",
               order_.per_run, "; ", kRepeat);
       require(there.protocol == order_.protocol, folder_, " was made with --protocol ", there.protocol,
@@ -237,14 +256,14 @@ class Runs {
               folder_, " was made with --new-stones ", there.new_stones,
               there.new_stones_from.empty() ? "" : " --new-stones-from " + there.new_stones_from, "; ",
               kRepeat);
+      require(to_text(there.shard) == to_text(order_.shard), folder_, " was made with --shard ",
+              to_text(there.shard), ", not ", to_text(order_.shard), "; ", kRepeat);
       runs = std::move(there.runs);
     }
-    require(runs.size() <= static_cast<std::size_t>(order_.runs), folder_, " holds ", runs.size(),
-            " runs already; ask for more with --runs");
-    for (std::size_t i = 0; i < runs.size(); ++i) check_same_run(runs[i], static_cast<int>(i) + 1);
-    const std::string next = run_folder(static_cast<int>(runs.size()) + 1);
-    if (std::filesystem::exists(next))
-      log_info(concat(next, " was not finished; it is kept as ", put_aside(next)));
+    require(runs.empty() || runs.back().number <= order_.runs, folder_, " holds ", runs.size(),
+            " runs already, up to number ", runs.empty() ? 0 : runs.back().number,
+            "; ask for more with --runs");
+    for (const ExperimentRun& run : runs) check_same_run(run);
     if (!runs.empty()) log_info(concat(runs.size(), " runs are there already"));
     return runs;
   }
@@ -308,12 +327,13 @@ RecordedExperiment record_experiment(const ExperimentOrder& order, const Catalog
     (void)NewStones(order.new_stones, order.new_stones_from, order.seed, order.robot,
                     order.run.build.gripper);
   const RecordFolder folder = out_folder(order);
-  const auto live = make_live_server(order.view, live_experiment_page({}, order.runs));
+  const int total = order.shard.size(order.runs);
+  const auto live = make_live_server(order.view, live_experiment_page({}, total));
   RecordedExperiment done = order.variants.empty()
                                 ? Runs(order, order.run, chosen, folder.path(), live.get()).perform_all()
                                 : compare(order, chosen, folder.path(), listener, live.get());
   if (live) {
-    live->publish("end", experiment_data(done.experiment, order.runs), true);
+    live->publish("end", experiment_data(done.experiment, total), true);
     live->finish(kFarewell);
   }
   return done;

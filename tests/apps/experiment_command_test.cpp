@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "commands.hpp"
+#include "stonestack/report/record_run.hpp"
 
 namespace stonestack {
 namespace {
@@ -100,6 +101,72 @@ TEST_F(Commands, EveryRunHasNewStonesAndGoesOnWithThem) {
       2, {"record", "--protocol paper, not full"});
 }
 
+/// The host's times are measured: those of `times` in place of the experiment's own.
+Experiment with_host_seconds(Experiment experiment, const Experiment& times) {
+  for (std::size_t i = 0; i < std::min(experiment.runs.size(), times.runs.size()); ++i) {
+    const double motion = experiment.runs[i].report.result.seconds.motion;
+    experiment.runs[i].report.result.seconds = times.runs[i].report.result.seconds;
+    experiment.runs[i].report.result.seconds.motion = motion;
+  }
+  return experiment;
+}
+
+/// Each run has two of the six stones that none of the others has.
+TEST_F(Commands, ShardsMergeIntoTheWholeExperiment) {
+  const std::string arguments =
+      concat("experiment --runs 3 --per-run 1 --new-stones 2 --new-stones-from ", data_path("stones"),
+             " --protocol paper --seed 2 --survival false --set search.perturbations=0",
+             " --set run.measure_friction=false --out ");
+  for (const char* part : {"whole", "first --shard 1/2", "second --shard 2/2"}) {
+    const Outcome done = run(arguments + part);
+    ASSERT_EQ(done.code, 0) << done.err;
+  }
+  EXPECT_FALSE(fs::exists(folder_ + "/first/run-2"));
+  EXPECT_TRUE(fs::exists(folder_ + "/first/run-3"));
+  const auto expect_whole = [&](const std::string& record) {
+    const auto file = [&](const std::string& name) {
+      return read_file(folder_ + "/" + record + "/" + name, 1U << 20U);
+    };
+    const Experiment whole = with_host_seconds(read_experiment(folder_ + "/whole/experiment.json"),
+                                               read_experiment(folder_ + "/" + record + "/experiment.json"));
+    EXPECT_EQ(without_last_digits(json::parse(file("experiment.json"))),
+              without_last_digits(json::parse(experiment_json(whole))));
+    EXPECT_EQ(file("runs.csv"), runs_csv(whole));
+    EXPECT_EQ(file("summary.txt"), experiment_table(whole));
+    EXPECT_EQ(file("figure5.svg"), figure5_svg(whole));
+    for (const std::string same : {"figure5.csv", "options.yaml", "run-1/options.yaml", "run-2/options.yaml",
+                                   "run-3/options.yaml", "run-3/tower.png"})
+      EXPECT_EQ(file(same), read_file(folder_ + "/whole/" + same, 1U << 20U)) << same;
+    EXPECT_THAT(file("report.html"), HasSubstr(whole.title));
+  };
+  const Outcome merged = run("experiment --json --out merged --merge second first");
+  ASSERT_EQ(merged.code, 0) << merged.err;
+  EXPECT_EQ(merged.data()["runs"].size(), 3U);
+  expect_whole("merged");
+
+  const Outcome part = run("experiment --merge first --out part");
+  EXPECT_EQ(part.code, 3);
+  EXPECT_THAT(part.err, HasSubstr("part: runs are missing: 2; "));
+  EXPECT_THAT(part.out, HasSubstr("(2 of 2;"));
+  write("part/run-2/journal.jsonl", "{}");  // as a run leaves it that was stopped under way
+  const Outcome rest = run(arguments + "part --continue");
+  ASSERT_EQ(rest.code, 0) << rest.err;
+  EXPECT_THAT(rest.err, testing::Not(HasSubstr("run 3 of 3")));
+  EXPECT_TRUE(fs::exists(folder_ + "/part/run-2-interrupted/journal.jsonl"));
+  EXPECT_FALSE(fs::exists(folder_ + "/first/run-2"));
+  expect_whole("part");
+
+  const Outcome again = run(arguments + "first --shard 1/2 --continue");  // nothing is left to do
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("2 runs are there already"));
+  expect_refusal(arguments + "first --shard 2/2 --continue", 2, {"first", "--shard 1/2, not 2/2"});
+  expect_refusal(arguments + "first --continue", 2, {"first", "--shard 1/2, not 1/1"});
+  expect_refusal("experiment --merge first second --out merged", 2, {"merged", "is there already"});
+  expect_refusal("experiment --merge first second --runs 3 --out more", 2, {"--merge", "--runs"});
+  expect_refusal("experiment --merge first first --out more", 3, {"first: run 1 is in first, too"});
+  EXPECT_FALSE(fs::exists(folder_ + "/more"));
+}
+
 /// An impossible experiment is refused before anything is built, not after the rows before it.
 TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   const std::string arguments = "experiment --runs 1 --per-run 1 --survival false --out record ";
@@ -115,6 +182,10 @@ TEST_F(Commands, AnExperimentThatCannotBeDoneIsNotBegun) {
   expect_refusal("experiment --runs 1 --new-stones 4 --catalogue rocks --out record", 2, {"--catalogue"});
   expect_refusal("experiment --runs 1 --new-stones 4 --stones 6 --out record", 2, {"--stones"});
   expect_refusal("experiment --runs 1 --protocol short --out record", 2, {"--protocol"});
+  for (const std::string shard : {"0/3", "4/3", "2", "a/b"})
+    expect_refusal(arguments + "--shard " + shard, 2, {"--shard", "'" + shard + "'"});
+  expect_refusal(arguments + "--shard 2/2", 2, {"--shard 2/2 of --runs 1"});
+  expect_refusal(arguments + "--shard 1/2 --variant 'as it is:'", 2, {"--shard 1/2", "comparison"});
   EXPECT_FALSE(fs::exists(folder_ + "/record"));
 }
 

@@ -28,6 +28,7 @@ PlacementRecord placement(double cost, double predicted, Outcome outcome, const 
 
 ExperimentRun run_of(int reported, int true_height, std::vector<PlacementRecord> placements) {
   ExperimentRun run;
+  run.number = 1;
   run.report.seed = 1001;
   run.report.present = {"a", "b"};
   run.report.result.height = reported;
@@ -47,6 +48,7 @@ Experiment sample() {
        placement(0.9, 0.3, Outcome::kFallen, "third")}));
   experiment.runs.push_back(
       run_of(3, 1, {placement(0.1, 1.0, Outcome::kPlaced), placement(0.1, 1.0, Outcome::kNotPicked)}));
+  experiment.runs[1].number = 2;
   return experiment;
 }
 

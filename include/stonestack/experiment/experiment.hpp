@@ -125,15 +125,34 @@ struct RunReport {
 struct ExperimentRun {
   RunReport report;   ///< report of the run
   Survival survival;  ///< at the times of SurvivalOptions
+  int number = 0;     ///< number in the experiment, from 1
 };
 
-/// All runs, in order, and how they were made.
+/// Part of an experiment: every `count`-th run, from run `index` on. By default it is all of them.
+struct Shard {
+  int index = 1;  ///< from 1 to `count`
+  int count = 1;  ///< shards that the experiment is divided into
+  /// True for a run of this shard; `run` from 1.
+  [[nodiscard]] bool has(int run) const { return (run - 1) % count == index - 1; }
+  /// Number of its runs in an experiment of `total` runs.
+  [[nodiscard]] int size(int total) const { return (total + count - index) / count; }
+};
+/// "2/8": the second of eight. Throws InvalidArgument for another form, and unless index is from 1 to count.
+[[nodiscard]] Shard parse_shard(const std::string& text);
+/// The form that parse_shard reads.
+[[nodiscard]] std::string to_text(const Shard& shard);
+
+/// Runs that are done, in order, and how they were made.
 struct Experiment {
-  std::string title;              ///< "11 runs of 4 of 6 stones, seed 1"
-  std::string protocol = "full";  ///< when a run ends: full or paper (`apply_protocol`)
-  int per_run = 4;                ///< stones in the field of each run
-  int new_stones = 0;             ///< stones that each run had for itself; 0: all runs drew from the same
-  std::string new_stones_from;    ///< folder that they were drawn from; empty: generated
+  std::string title;                ///< "11 runs of 4 of 6 stones, seed 1"
+  int seed = 0;                     ///< run k has the seed 1000 seed + k
+  int total = 0;                    ///< runs that were ordered, of all shards; 0: unknown, in older records
+  Shard shard;                      ///< runs of the experiment that are performed here
+  std::vector<std::string> stones;  ///< names that all runs draw from; empty with `new_stones`
+  std::string protocol = "full";    ///< when a run ends: full or paper (`apply_protocol`)
+  int per_run = 4;                  ///< stones in the field of each run
+  int new_stones = 0;               ///< stones that each run had for itself; 0: all runs drew from the same
+  std::string new_stones_from;      ///< folder that they were drawn from; empty: generated
   std::vector<double> survival_seconds{5.0, 60.0,
                                        600.0};  ///< times [s] at which the survival of a tower is judged
   std::vector<ExperimentRun> runs;              ///< runs, in the order of their seeds

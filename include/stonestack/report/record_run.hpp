@@ -129,7 +129,8 @@ struct ExperimentOrder {
   SimulatedRun run;               ///< options of all runs
   RobotModel robot;               ///< arm of every run
   int seed = 1;                   ///< run k has the seed 1000 seed + k
-  int runs = 11;                  ///< number of runs
+  int runs = 11;                  ///< number of runs, of all shards
+  Shard shard;                    ///< runs that are performed here; they are the same as without the others
   int stones = 6;                 ///< of the catalogue, to draw from
   int new_stones = 0;             ///< stones that each run has for itself; 0: those of the catalogue for all
   std::string new_stones_from;    ///< catalogue folder that they are drawn from; empty: generated limestones
@@ -151,6 +152,7 @@ struct RecordedExperiment {
   std::string folder;        ///< folder of the record
   bool interrupted = false;  ///< by the user: the run under way is not counted
   std::string unwritten;     ///< what of the last run's record could not be written; empty: nothing
+  std::string missing;       ///< of a merge, runs that no folder holds: "2, 4 to 7"; empty: none
 };
 /// Performs the runs. What is done is on the disk after each of them. `listener` hears each line of a
 /// comparison's table once it is known.
@@ -158,6 +160,14 @@ struct RecordedExperiment {
 [[nodiscard]] RecordedExperiment record_experiment(
     const ExperimentOrder& order, const Catalogue& catalogue,
     const std::function<void(const std::string& line)>& listener = {});
+/// Joins the records of the shards of one experiment, finished or not, into the record that the experiment
+/// has without shards; the folders of the runs are copied into it. Nothing is written into the shards. What
+/// is missing can be done by `record_experiment` with `continues`.
+/// @param out folder to make; empty: experiments/TIME-SEED
+/// @throws InvalidArgument where `out` is there already or in a shard; FileError, which names folder and
+/// value, where a shard is of another experiment or a run is in two folders; Interrupted
+[[nodiscard]] RecordedExperiment merge_experiments(const std::vector<std::string>& shards,
+                                                   const std::string& out);
 
 /// "stonestack.run/1" (README, "Output formats"): one JSON object, times included.
 [[nodiscard]] std::string run_json(const RunReport& report);

@@ -17,9 +17,9 @@ function fillHeights(data) {
 function fillRuns(data) {
   const table = $('runs'), head = make('tr'), body = make('tbody');
   head.append(...['run', 'seed', 'height', 'reported', 'paper’s protocol', 'robot s', 'end'].map((text) => make('th', text)));
-  data.runs.forEach((run, i) => {
+  data.runs.forEach((run) => {
     const row = make('tr', undefined, run.height < run.reported ? 'bad' : '');
-    row.append(...[i + 1, run.seed, run.height, run.reported, run.paper_height, run.seconds.toFixed(0), run.ended].map(
+    row.append(...[run.run, run.seed, run.height, run.reported, run.paper_height, run.seconds.toFixed(0), run.ended].map(
         (text) => make('td', `${text}`)));
     body.append(row);
   });
