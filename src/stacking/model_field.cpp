@@ -261,8 +261,13 @@ double unseen_area(const Candidate& candidate) {
 class Turner {
  public:
   Turner(Cell& cell, const PlanningScene& scene, std::vector<Candidate>& candidates,
-         const ModelFieldOptions& options, Journal* journal)
-      : cell_(cell), scene_(scene), candidates_(candidates), options_(options), journal_(journal) {}
+         const std::vector<Obstacle>& others, const ModelFieldOptions& options, Journal* journal)
+      : cell_(cell),
+        scene_(scene),
+        candidates_(candidates),
+        others_(others),
+        options_(options),
+        journal_(journal) {}
 
   void turn(Candidate& candidate, int object) {
     PickAndPlaceTask task;
@@ -277,12 +282,12 @@ class Turner {
       return;
     }
     log_info("turning " + candidate.stone.name + " over");
+    candidate.moved = true;  // also where the arm stops on the way
     const ExecutionResult done =
         execute(plan->plan, candidate.stone, scene_, cell_, options_.motion, journal_);
     if (done.status == ExecutionResult::Status::kStopped)
       throw DeviceError("arm", "stopped while it turned " + candidate.stone.name + ": " + done.reason,
                         "clear the cell and start again");
-    candidate.moved = true;
     candidate.let_go = done.status == ExecutionResult::Status::kReleased;
     if (done.weight) candidate.made.mass = *done.weight / kGravity;
     if (candidate.let_go)
@@ -311,8 +316,12 @@ class Turner {
     for (const SegmentedObject& one : seen.objects) {
       const Eigen::Vector2d p_W_one = (taken.view.T_W_C * one.p_C_middle).head<2>();
       const bool is_anothers =
-          std::any_of(candidates_.begin(), candidates_.end(), [&](const Candidate& other) {
-            return &other != &candidate && shows(one.cloud_C, taken.view.T_W_C, other);
+          std::any_of(candidates_.begin(), candidates_.end(),
+                      [&](const Candidate& other) {
+                        return &other != &candidate && shows(one.cloud_C, taken.view.T_W_C, meshes_of(other));
+                      }) ||
+          std::any_of(others_.begin(), others_.end(), [&](const Obstacle& other) {
+            return shows(one.cloud_C, taken.view.T_W_C, other.pieces);
           });
       if (is_anothers || (p_W_one - candidate.T_W_O.translation().head<2>()).norm() > kRollsAway) continue;
       candidate.seen_W.push_back(hull_to_table(one.cloud_C, taken.view.T_W_C));
@@ -320,11 +329,13 @@ class Turner {
     }
   }
 
-  /// True for a cloud that mostly shows a stone where it was seen last.
-  static bool shows(const Cloud& cloud_C, const Pose& T_W_C, const Candidate& stone) {
-    const std::vector<Mesh> as_first{stone.model.mesh};
-    const std::vector<Mesh>& where = stone.seen_W.empty() ? as_first : stone.seen_W;
-    return std::any_of(where.begin(), where.end(),
+  /// A stone where it was seen last, in W.
+  static std::vector<Mesh> meshes_of(const Candidate& stone) {
+    return stone.seen_W.empty() ? std::vector<Mesh>{stone.model.mesh} : stone.seen_W;
+  }
+  /// True for a cloud that mostly shows one of these.
+  static bool shows(const Cloud& cloud_C, const Pose& T_W_C, const std::vector<Mesh>& meshes_W) {
+    return std::any_of(meshes_W.begin(), meshes_W.end(),
                        [&](const Mesh& part) { return share_on(cloud_C, T_W_C, part) > 0.5; });
   }
 
@@ -347,6 +358,7 @@ class Turner {
   Cell& cell_;
   const PlanningScene& scene_;
   std::vector<Candidate>& candidates_;
+  const std::vector<Obstacle>& others_;  ///< objects that no stone was made of
   const ModelFieldOptions& options_;
   Journal* journal_;
 };
@@ -438,7 +450,7 @@ void see_other_sides(Cell& here, const RobotModel& robot, const AlignedScene& fi
   if (options.turned_views > 0 && !candidates.empty()) {
     for (std::size_t k = 0; k < candidates.size(); ++k) {
       const PlanningScene scene = scene_with(here.layout, robot, candidates, others);
-      Turner(here, scene, candidates, options, journal)
+      Turner(here, scene, candidates, others, options, journal)
           .turn(candidates[k], static_cast<int>(here.layout.obstacles.size() + k));
     }
     PlanningScene scene = scene_with(here.layout, robot, candidates, others);
