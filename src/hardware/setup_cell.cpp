@@ -1,7 +1,9 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/constants.hpp"
@@ -9,6 +11,7 @@
 #include "hardware/ur/dashboard_client.hpp"
 #include "hardware/ur/primary_client.hpp"
 #include "hardware/ur/rtde_client.hpp"
+#include "kinematics/calibration.hpp"
 #include "kinematics/gripper_file.hpp"
 #include "stonestack/core/error.hpp"
 #include "stonestack/core/file.hpp"
@@ -21,8 +24,6 @@ using Vector6 = std::array<double, 6>;
 using Vector3 = std::array<double, 3>;
 
 constexpr double kStateTime = 3.0;       // s: a controller sends ten states a second
-constexpr double kFt150 = 0.65;          // kg, Robotiq FT150 with its coupling
-constexpr double kCamera = 0.20;         // kg, with bracket and cable
 constexpr double kPayloadAgrees = 0.25;  // kg between what is mounted and what the controller counts on
 constexpr double kNominal = 1e-6;        // m and rad: a table within it is the nominal one
 
@@ -103,16 +104,12 @@ std::string robot_text(const std::string& robot, const ControllerDescription& co
 }
 
 bool is_nominal(const RobotModel& robot, const std::array<std::array<double, 4>, 6>& dh) {
-  const double quarter = 0.5 * M_PI;
-  const std::array<std::array<double, 4>, 6> drawn{{{0, robot.d1, 0, quarter},
-                                                    {0, 0, robot.a2, 0},
-                                                    {0, 0, robot.a3, 0},
-                                                    {0, robot.d4, 0, quarter},
-                                                    {0, robot.d5, 0, -quarter},
-                                                    {0, robot.d6, 0, 0}}};
-  for (std::size_t j = 0; j < 6; ++j)
+  const std::array<kinematics::DhRow, 6> drawn = kinematics::nominal_calibration(robot).dh;
+  for (std::size_t j = 0; j < 6; ++j) {
+    const std::array<double, 4> row{drawn[j].theta, drawn[j].d, drawn[j].a, drawn[j].alpha};
     for (std::size_t k = 0; k < 4; ++k)
-      if (std::abs(drawn[j][k] - dh[j][k]) > kNominal) return false;
+      if (std::abs(row[k] - dh[j][k]) > kNominal) return false;
+  }
   return true;
 }
 
@@ -152,9 +149,9 @@ std::string cell_text(const CellSetup& setup, const ControllerDescription& contr
       "base\n"
       "  field: {x: 0.70, y: -0.18, width: 0.40, depth: 0.50}    # check: where the stones lie\n";
   if (!controller.e_series)
-    text += concat("  sensor_mass: ", kFt150, "    # check: kg, FT150; an FT300: 0.30\n");
+    text += concat("  sensor_mass: ", CellLayout{}.sensor_mass, "    # check: kg, FT150; an FT300: 0.30\n");
   text += concat(
-      "  camera_mass: ", kCamera,
+      "  camera_mass: ", CellLayout{}.camera_mass,
       "     # check: kg, with bracket and cable\n"
       "  # obstacles:         # check: what the arm must not touch beside table and stones, m in the world\n"
       "  #   - {name: wall, box: {x: 0.02, y: 2, z: 1.5}, T_W_O: {x: -0.4, y: 0, z: 0.75, qx: 0, qy: 0, "
@@ -167,31 +164,47 @@ std::string cell_text(const CellSetup& setup, const ControllerDescription& contr
   return text;
 }
 
-void note_payload(const CellSetup& setup, const ControllerDescription& controller, NewCell& made) {
+void note_payload(const CellConfig& cell, const ControllerDescription& controller, NewCell& made) {
   if (!controller.payload) return;
   const double mounted =
-      kinematics::read_gripper_file(setup.gripper).mass + (controller.e_series ? 0.0 : kFt150) + kCamera;
+      kinematics::read_gripper_file(cell.gripper_name).mass + cell.sensor_mass + cell.camera_mass;
   if (std::abs(*controller.payload - mounted) > kPayloadAgrees)
     made.notes.push_back(concat("the installation on the pendant counts on ", *controller.payload,
                                 " kg at the flange, gripper, sensor and camera of this cell weigh about ",
                                 mounted, " kg: weigh them and set the payload there"));
 }
 
-/// Writes `text` beside `path`, reads it as what it is, and only then gives it its name.
+/// Writes `text` beside `path`, reads it as what it is, and only then gives it its name. Returns what was
+/// read.
 template <class Read>
-void write_if_read(const std::string& path, const std::string& text, const Read& read) {
+auto write_if_read(const std::string& path, const std::string& text, const Read& read) {
   const std::filesystem::path at(path);
   const std::string trial =
       (at.parent_path() / (at.stem().string() + ".new" + at.extension().string())).string();
+  require_writable(path);
   write_file(trial, text);
-  try {
-    read(trial);
-  } catch (...) {
+  const std::shared_ptr<void> removes(nullptr, [&](void*) {
     std::error_code ignored;
     std::filesystem::remove(trial, ignored);
-    throw;
-  }
-  std::filesystem::rename(trial, path);
+  });
+  auto found = read(trial);
+  write_file(path, text);
+  return found;
+}
+
+/// Beside the cell file.
+std::string robot_file_of(const std::string& cell_file) {
+  const std::filesystem::path path(cell_file);
+  return (path.parent_path() / (path.stem().string() + "-robot.yaml")).string();
+}
+
+/// Letters, digits and what else names and addresses have, so that a file keeps its form.
+void require_address(const std::string& address) {
+  const bool sound = std::all_of(address.begin(), address.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string(".-_:%").find(static_cast<char>(c)) != std::string::npos;
+  });
+  if (!sound)
+    refuse(concat("'", address, "' is no address or name of a device, as 192.168.1.10 or ur10.local"));
 }
 
 }  // namespace
@@ -228,8 +241,11 @@ void require_sound(const CellSetup& setup) {
   if (has_own_address(setup.gripper) && setup.gripper_address.empty())
     refuse(concat("a ", setup.gripper,
                   " has a network address of its own: give it with --gripper-address HOST"));
-  if (!setup.replace && std::filesystem::exists(setup.path))
-    throw FileError(setup.path, "is there already", "take another name, or give --force to replace it");
+  require_address(setup.arm);
+  require_address(setup.gripper_address);
+  for (const std::string& file : {setup.path, robot_file_of(setup.path)})
+    if (!setup.replace && std::filesystem::exists(file))
+      throw FileError(file, "is there already", "take another name, or give --force to replace it");
 }
 
 NewCell write_new_cell(const CellSetup& setup, const ControllerDescription& controller) {
@@ -237,25 +253,23 @@ NewCell write_new_cell(const CellSetup& setup, const ControllerDescription& cont
   NewCell made;
   made.path = setup.path;
   made.robot = robot_of(setup, controller);
-  const std::filesystem::path path(setup.path);
   std::string robot = made.robot;
   if (!controller.dh) {
     made.notes.emplace_back(
         "the controller did not say its kinematics: the arm is taken for the nominal one, which is 1 mm off "
         "or more");
   } else if (const RobotModel nominal = read_robot(made.robot); !is_nominal(nominal, *controller.dh)) {
-    robot = path.stem().string() + "-robot.yaml";
-    made.robot_file = (path.parent_path() / robot).string();
-    write_if_read(made.robot_file, robot_text(made.robot, controller), [&](const std::string& trial) {
-      const Joints stretched = Joints::Zero();
-      made.calibration =
-          (forward(read_robot(trial), stretched).translation() - forward(nominal, stretched).translation())
-              .norm();
-    });
+    made.robot_file = robot_file_of(setup.path);
+    robot = std::filesystem::path(made.robot_file).filename().string();
+    const RobotModel measured =
+        write_if_read(made.robot_file, robot_text(made.robot, controller), read_robot);
+    const Joints stretched = Joints::Zero();
+    made.calibration =
+        (forward(measured, stretched).translation() - forward(nominal, stretched).translation()).norm();
   }
-  write_if_read(setup.path, cell_text(setup, controller, robot),
-                [](const std::string& trial) { static_cast<void>(read_cell_file(trial)); });
-  note_payload(setup, controller, made);
+  const CellConfig cell = write_if_read(setup.path, cell_text(setup, controller, robot),
+                                        [](const std::string& trial) { return read_cell_file(trial); });
+  note_payload(cell, controller, made);
   if (controller.remote_control == false)
     made.notes.emplace_back(
         "the controller is in local control: switch to Remote on the pendant before a run");

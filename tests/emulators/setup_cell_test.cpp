@@ -123,6 +123,13 @@ TEST_F(SetUpCell, NothingIsWrittenOverOrForAnArmThatIsUnknown) {
   EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(order("lab.yaml"), controller)); }),
               HasSubstr("--force"));
   EXPECT_EQ(read_file(folder_ + "/lab.yaml", 1 << 16), before);
+  write_file(folder_ + "/other-robot.yaml", "robot: ur10\n");  // somebody's own
+  EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(order("other.yaml"), controller)); }),
+              HasSubstr("other-robot.yaml"));
+  std::filesystem::remove(folder_ + "/other-robot.yaml");
+  CellSetup odd = order("other.yaml");
+  odd.gripper_address = "1: {";
+  EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(odd, controller)); }), HasSubstr("2 '1: {'"));
   controller.model = "UR99";
   EXPECT_THAT(problem([&] { static_cast<void>(write_new_cell(order("other.yaml"), controller)); }),
               HasSubstr("ur99"));
