@@ -3,11 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
 #include <mutex>
 
 #include "hardware/fake_server.hpp"
+#include "protocol/big_endian.hpp"
 #include "protocol/hex.hpp"
 
 namespace stonestack::hardware {
@@ -91,6 +94,46 @@ TEST(PrimaryWire, BrokenLengthsAndShortBodies) {
   stream.feed(hex("00000005 14  00000010 14 0000000000000004 FD 0A 00") + kPrimaryClientText);
   EXPECT_EQ(stream.next().value_or(PrimaryMessage{}).text, "abcd") << "a message cut short is passed over";
   EXPECT_EQ(stream.passed_over(), 2);
+}
+
+/// A robot state with another part before the kinematics, of which `table` holds theta, a, d and alpha of all
+/// joints and the first `kept` bytes are there.
+std::string state_with(const std::array<double, 24>& table, std::size_t kept = std::string::npos) {
+  std::string kinematics;
+  for (int joint = 0; joint < 6; ++joint) put(kinematics, std::uint32_t{7});  // checksums
+  put(kinematics, table);
+  put(kinematics, std::uint32_t{2});  // status of the calibration
+  kinematics.erase(std::min(kept, kinematics.size()));
+  std::string parts = hex("00000007 00 0102");
+  put(parts, static_cast<std::uint32_t>(kinematics.size() + 5));
+  put(parts, std::uint8_t{5});
+  parts += kinematics;
+  std::string package;
+  put(package, static_cast<std::uint32_t>(parts.size() + 5));
+  put(package, std::uint8_t{16});
+  return package + parts;
+}
+
+TEST(PrimaryWire, KinematicsOfAStateAreReadAndBrokenOnesLeftOut) {
+  std::array<double, 24> table{};
+  for (std::size_t k = 0; k < table.size(); ++k) table[k] = 0.5 * static_cast<double>(k);
+  PrimaryStream stream;
+  stream.feed(kState + state_with(table, 28));
+  EXPECT_FALSE(stream.next());
+  EXPECT_FALSE(stream.kinematics()) << "cut off within theta";
+  table[9] = std::numeric_limits<double>::quiet_NaN();
+  stream.feed(state_with(table));
+  EXPECT_FALSE(stream.next());
+  EXPECT_FALSE(stream.kinematics()) << "not a number";
+  table[9] = -1.0;
+  stream.feed(state_with(table) + kVersion + kState);
+  EXPECT_TRUE(stream.next());
+  ASSERT_TRUE(stream.kinematics());
+  EXPECT_EQ(stream.kinematics()->theta[5], 2.5);
+  EXPECT_EQ(stream.kinematics()->a[3], -1.0);
+  EXPECT_EQ(stream.kinematics()->d[0], 6.0);
+  EXPECT_EQ(stream.kinematics()->alpha[5], 11.5);
+  EXPECT_EQ(stream.problem(), "");
 }
 
 /// Speaks `hello` to every client and keeps what they send.
