@@ -26,6 +26,10 @@ namespace stonestack::motion {
 [[nodiscard]] std::optional<JointPath> escape_path(const PlanningScene& scene, const Joints& start,
                                                    const MotionOptions& options = {});
 
+/// True if every point of the path is as clear as the one before, or clear of everything, and the last so:
+/// what touches at the start is left, and nothing else is met.
+[[nodiscard]] bool comes_away(const CollisionChecker& checker, const JointPath& path);
+
 /// Sum of the lengths (rad, of the joint vector) of its pieces.
 [[nodiscard]] double length(const JointPath& path);
 

@@ -18,14 +18,6 @@ namespace {
 constexpr int kMaxCleared = 4;      // tries to take stones away from the base of the tower
 constexpr double kOnTable = 0.015;  // m: a lowest stone higher than that stands on something unseen
 
-/// Unit: up and away from what a stone leans on, by as much.
-Eigen::Vector3d out_of_the_lean(const Eigen::Vector3d& p_W_leaning, const Eigen::Vector3d& p_W_other) {
-  Eigen::Vector3d away = p_W_leaning - p_W_other;
-  away.z() = 0.0;
-  if (away.norm() < 1e-6) return Eigen::Vector3d::UnitZ();
-  return (away.normalized() + Eigen::Vector3d::UnitZ()).normalized();
-}
-
 /// Why nothing can be built at the site when a run begins; empty: it is free, or holds a tower of known
 /// stones.
 std::string fault_of_site(const WorldEstimate& world, const Models& models) {
@@ -60,16 +52,11 @@ std::optional<Stop> stop_at_start(const Situation& s) {
   return std::nullopt;
 }
 
-/// The top stone into the field; out of the lean first where that frees the last.
+/// The top stone into the field.
 Unstack unstack_top(const Situation& s, const Unstacking& unstacking) {
   const PlacedStone& top = s.arrangement.stack.back();
-  Unstack action{top, free_places(s.models.shapes, s.world.layout, s.arrangement, top), std::nullopt};
-  if (!unstacking.freed) return action;
-  s.emit(UnstackToFree{top.stone, unstacking.freed->stone});
-  if (s.arrangement.stack.size() == unstacking.down_to + 1)
-    action.n_W_lift =
-        out_of_the_lean(com_of(s.models.shapes, top), com_of(s.models.shapes, *unstacking.freed));
-  return action;
+  if (unstacking.freed) s.emit(UnstackToFree{top.stone, unstacking.freed->stone});
+  return {top, free_places(s.models.shapes, s.world.layout, s.arrangement, top)};
 }
 
 std::optional<Action> go_on_unstacking(const Situation& s, RunMemory& memory) {
@@ -92,9 +79,7 @@ std::optional<Action> clear_base(const Situation& s, RunMemory& memory) {
     Arrangement others = s.arrangement;
     std::erase_if(others.loose, [&](const PlacedStone& stone) { return stone.stone == stray->stone.stone; });
     return ClearBase{stray->stone, stray->level,
-                     free_places(s.models.shapes, s.world.layout, others, stray->stone),
-                     out_of_the_lean(com_of(s.models.shapes, stray->stone),
-                                     com_of(s.models.shapes, s.arrangement.stack[stray->level]))};
+                     free_places(s.models.shapes, s.world.layout, others, stray->stone)};
   }
   if (s.models.wall) return std::nullopt;  // nothing is taken off a wall
   const std::size_t count = s.arrangement.stack.size() - stray->level;

@@ -82,25 +82,15 @@ struct Planner {
     }
   }
 
-  /// Straight up to each place first, then along `n_W_lift`, where that is given.
-  void set_down(const PickAndPlaceTask& straight, StoneIndex stone, const std::vector<Pose>& T_W_O_down,
-                const std::optional<Eigen::Vector3d>& n_W_lift) {
+  void set_down(PickAndPlaceTask task, StoneIndex stone, const std::vector<Pose>& T_W_O_down) {
     plan.refusal = "the field has no free space";
-    for (const bool leaning : {false, true}) {
-      if (leaning && !n_W_lift) return;
-      for (const Pose& T_W_O : T_W_O_down) {
-        PickAndPlaceTask task = straight;
-        task.T_W_O_place = T_W_O;
-        if (leaning) {
-          task.n_W_lift = *n_W_lift;
-          task.no_pick.clear();  // known of straight up only
-        }
-        Placement down;
-        down.stone = stone;
-        down.T_W_O = T_W_O;
-        if (accept(plan_pick_and_place(plan.scene, task, w.options.motion), down)) return;
-        plan.refusal = plan.pick_and_place.reason;
-      }
+    for (const Pose& T_W_O : T_W_O_down) {
+      task.T_W_O_place = T_W_O;
+      Placement down;
+      down.stone = stone;
+      down.T_W_O = T_W_O;
+      if (accept(plan_pick_and_place(plan.scene, task, w.options.motion), down)) return;
+      plan.refusal = plan.pick_and_place.reason;
     }
   }
 
@@ -111,13 +101,13 @@ struct Planner {
     task.T_W_O_pick = action.top.T_W_O;
     task.q_start = q;
     name_useless_grasps(task, memory, plan.no_pick, action.top.stone);
-    set_down(task, action.top.stone, action.T_W_O_down, action.n_W_lift);
+    set_down(task, action.top.stone, action.T_W_O_down);
   }
 
   void operator()(const ClearBase& action) {
     PickAndPlaceTask task = task_for(action.stray.stone, Pose::Identity());
     task.support = -1;
-    set_down(task, action.stray.stone, action.T_W_O_down, action.n_W_lift);
+    set_down(task, action.stray.stone, action.T_W_O_down);
   }
 
   void operator()(const LookAgain& action) {

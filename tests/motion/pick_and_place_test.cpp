@@ -48,16 +48,12 @@ Pose tool_at_end(const Workplace& cell, const PlanStep& step) {
   return cell.scene.T_W_R * forward(cell.scene.robot, step.trajectory.q.back()) * cell.scene.T_F_T;
 }
 
-/// A stone that lies against a wall rubs along it all the way up; taken out of the lean first it does not.
-TEST(PickAndPlace, ALeaningStoneIsMovedAwayFromItsSupportFirst) {
+/// A stone that lies against a wall would rub along it all the way up.
+TEST(PickAndPlace, AStoneBesideAnotherIsMovedAwayFromItFirst) {
   Workplace cell;
-  const double wall_y = -0.18 + 0.04 + 0.0005 + 0.01;  // half a millimetre beside the block
+  const double from_block = 0.04 + 0.0005 + 0.01;  // half a millimetre beside it
   cell.scene.objects.push_back(
-      {"wall", {make_box({0.06, 0.02, 0.16})}, Pose(Eigen::Translation3d(0.70, wall_y, 0.08))});
-  const PickAndPlacePlan up = plan_pick_and_place(cell.scene, cell.task);
-  EXPECT_NE(up.status, PickAndPlacePlan::Status::kPlanned);
-  EXPECT_NE(up.reason.find("cannot be lifted straight"), std::string::npos) << up.reason;
-  cell.task.n_W_lift = Eigen::Vector3d(0, -1, 1).normalized();
+      {"wall", {make_box({0.06, 0.02, 0.16})}, Pose(Eigen::Translation3d(0.70, -0.18 + from_block, 0.08))});
   const PickAndPlacePlan out = plan_pick_and_place(cell.scene, cell.task);
   ASSERT_EQ(out.status, PickAndPlacePlan::Status::kPlanned) << out.reason;
   const auto lift = std::find_if(out.steps.begin(), out.steps.end(),
@@ -74,8 +70,6 @@ TEST(PickAndPlace, ALeaningStoneIsMovedAwayFromItsSupportFirst) {
   }
   EXPECT_LT(highest_beside_the_wall, 0.008);
   EXPECT_GT((tool_at_end(cell, *lift).translation() - T_W_T_pick.translation()).z(), 0.05);
-  cell.task.n_W_lift = Eigen::Vector3d(0, -1, 1);
-  EXPECT_THROW(static_cast<void>(plan_pick_and_place(cell.scene, cell.task)), InvalidArgument);
 }
 
 TEST(PickAndPlace, PlansTheWholePath) {

@@ -43,15 +43,12 @@ struct Reorient {
 struct Unstack {
   PlacedStone top;               ///< top stone of the stack
   std::vector<Pose> T_W_O_down;  ///< free places, best first
-  /// Unit: first along this, out of what leans on it, where straight up does not do.
-  std::optional<Eigen::Vector3d> n_W_lift;
 };
 /// Put a stone that leans on the stack back into the field.
 struct ClearBase {
   PlacedStone stray;             ///< loose stone that leans on the stack or lies at its base
   std::size_t level = 0;         ///< of the stack, that it touches
   std::vector<Pose> T_W_O_down;  ///< poses where it may be set down, best first
-  Eigen::Vector3d n_W_lift = Eigen::Vector3d::UnitZ();  ///< as for Unstack
 };
 /// Search for a stone that is out of sight.
 struct LookAgain {

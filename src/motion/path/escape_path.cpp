@@ -11,7 +11,8 @@ constexpr double kStep = 0.02;      // m
 constexpr int kMaxSteps = 6;        // of them
 constexpr double kNearer = 0.0002;  // m that a sample may be nearer than the one before
 
-/// Does every point of the path stay as clear as the one before, or clear of everything, and the last so?
+}  // namespace
+
 bool comes_away(const CollisionChecker& checker, const JointPath& path) {
   double before = checker.clearance(path.front()).distance;
   for (std::size_t i = 1; i < path.size(); ++i)
@@ -23,8 +24,6 @@ bool comes_away(const CollisionChecker& checker, const JointPath& path) {
     }
   return !checker.collides(path.back());
 }
-
-}  // namespace
 
 std::optional<JointPath> escape_path(const PlanningScene& scene, const Joints& start,
                                      const MotionOptions& options) {

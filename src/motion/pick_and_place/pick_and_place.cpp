@@ -219,8 +219,6 @@ void check_task(const PlanningScene& scene, const PickAndPlaceTask& task) {
           geometry::to_text(task.T_W_O_place));
   require(task.q_start.allFinite(), "the arm's joints are not finite: ", task.q_start.transpose());
   const int objects = static_cast<int>(scene.objects.size());
-  require(std::abs(task.n_W_lift.norm() - 1.0) < 1e-6,
-          "the lift direction is not a unit vector: ", task.n_W_lift.transpose());
   require(task.object >= -1 && task.object < objects && task.support >= -1 && task.support < objects,
           "the task names object ", task.object, " and support ", task.support, " of ", objects);
   require(!task.stone->pieces.empty(), "stone ", task.stone->name, " has no convex pieces");

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
+#include "core/constants.hpp"
 #include "motion/cartesian.hpp"
 #include "motion/clearance_below.hpp"
 #include "motion/constants.hpp"
@@ -17,7 +19,10 @@ constexpr double kTransitSeconds = 0.5;  ///< effort for one transit of one cand
 constexpr double kLittleSeconds = 0.1;   ///< the same, until a first path is found, with little effort
 constexpr double kWidestBlend = 0.2;     ///< corners cut, most [rad]
 constexpr std::array kLifts{1.0, 0.5};   ///< of kLiftHeight, where the arm has no clearance for more
-constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out of a lean before it goes up [m]
+constexpr std::array kOut{0.03, 0.06};   ///< that a stone is taken out aslant before it goes up [m]
+constexpr int kWaysOut = 8;              ///< aslant, evenly about the vertical
+constexpr std::array kSlants{M_PI / 4, 5 * M_PI / 12};  ///< of them from the vertical [rad]
+constexpr double kRub = 0.005;  ///< of a way aslant on which the stone may touch what is beside it [m]
 constexpr std::array kShorterRetreats{0.75, 0.5};  ///< of MotionOptions::approach, the same
 
 CollisionRules rules(double padding, double opening, int left_out) {
@@ -56,7 +61,7 @@ const char* to_text(PathFault fault) {
     case PathFault::kApproach:
       return "have no free straight approach";
     case PathFault::kLift:
-      return "cannot be lifted straight";
+      return "cannot be lifted";
     case PathFault::kLower:
       return "cannot be lowered straight";
     case PathFault::kRetreat:
@@ -113,20 +118,44 @@ std::optional<JointPath> PickAttempt::raised_straight(const Joints& q, const Pos
 }
 
 std::optional<JointPath> PickAttempt::lifted(const Joints& q_pick) const {
-  const Eigen::Vector3d& along = task_.n_W_lift;
   const double zone = std::min(kContactZone, kLiftHeight);
-  const auto out = [&](double by) { return Pose(Eigen::Translation3d(by * along) * T_W_T_pick_); };
-  auto loose = straight(q_pick, out(zone));
-  if (!loose || !is_free(open_, *loose)) return std::nullopt;
-  if (along == Eigen::Vector3d::UnitZ()) {
-    const auto up = raised_straight(loose->back(), T_W_T_pick_);
-    return up ? std::optional(joined(std::move(*loose), *up)) : std::nullopt;
-  }
-  for (const double by : kOut) {
-    const auto clear = straight(loose->back(), out(by));
-    if (!clear || !is_free(held_.get(), *clear)) return std::nullopt;
-    if (const auto up = raised_straight(clear->back(), out(by)))
-      return joined(joined(std::move(*loose), *clear), *up);
+  if (auto loose = straight(q_pick, raised(T_W_T_pick_, zone)); loose && is_free(open_, *loose))
+    if (const auto up = raised_straight(loose->back(), T_W_T_pick_)) return joined(std::move(*loose), *up);
+  return lifted_aslant(q_pick);
+}
+
+std::optional<JointPath> PickAttempt::lifted_aslant(const Joints& q_pick) const {
+  struct Way {
+    Eigen::Vector3d along = Eigen::Vector3d::UnitZ();
+    JointPath loose;
+    double clearance = 0.0;
+  };
+  const auto out = [&](const Way& way, double by) {
+    return Pose(Eigen::Translation3d(by * way.along) * T_W_T_pick_);
+  };
+  std::vector<Way> ways;
+  for (const double slant : kSlants)
+    for (int k = 0; k < kWaysOut; ++k) {
+      const double azimuth = kTwoPi * k / kWaysOut;
+      Way way;
+      way.along << std::sin(slant) * std::cos(azimuth), std::sin(slant) * std::sin(azimuth), std::cos(slant);
+      auto loose = straight(q_pick, out(way, kContactZone));
+      if (!loose || !is_free(open_, *loose)) continue;
+      way.clearance = held_.get().clearance(loose->back()).distance;
+      way.loose = *std::move(loose);
+      ways.push_back(std::move(way));
+    }
+  // The one that leads away from what is beside the stone first.
+  std::stable_sort(ways.begin(), ways.end(),
+                   [](const Way& a, const Way& b) { return a.clearance > b.clearance; });
+  for (const Way& way : ways) {
+    if (!comes_away(held_.get(), way.loose)) continue;
+    for (const double by : kOut) {
+      const auto clear = straight(way.loose.back(), out(way, by));
+      if (!clear || !is_free(held_.get(), *clear)) break;
+      if (const auto up = raised_straight(clear->back(), out(way, by)))
+        return joined(joined(way.loose, *clear), *up);
+    }
   }
   return std::nullopt;
 }

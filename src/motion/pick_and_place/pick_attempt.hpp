@@ -67,8 +67,10 @@ class PickAttempt {
   [[nodiscard]] CollisionChecker empty_gripper(double padding) const;
   [[nodiscard]] CollisionChecker loaded_gripper(double padding) const;
   [[nodiscard]] std::optional<JointPath> straight(const Joints& q, const Pose& T_W_T) const;
-  /// From where the stone lies out along PickAndPlaceTask::n_W_lift, then up.
+  /// From where the stone lies up, or first aslant where straight up is not free.
   [[nodiscard]] std::optional<JointPath> lifted(const Joints& q_pick) const;
+  /// Out of a gap or a lean to the side where there is most clearance, then up.
+  [[nodiscard]] std::optional<JointPath> lifted_aslant(const Joints& q_pick) const;
   /// From there up with the stone, as far as it is lifted, or half of that where the arm has no more
   /// clearance.
   [[nodiscard]] std::optional<JointPath> raised_straight(const Joints& q, const Pose& T_W_T) const;
